@@ -77,6 +77,8 @@ samples: .venv/test   ## judge samples by 2000 simulations, irg infer, next runs
 	for tests in 8 24; do \
 	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.runs --tests $$tests || exit 1; done
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.stages
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.stages --direct --truths 60
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, in an hour or two
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.mutants

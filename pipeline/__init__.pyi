@@ -5,7 +5,7 @@ from .analysis.dataset import open_sweep as open_sweep
 from .analysis.decisive import temperatures as temperatures
 from .analysis.difference import diff as diff
 from .analysis.margin import Margin as Margin
-from .analysis.margins import margin as margin
+from .analysis.margin_frame import margin as margin
 from .analysis.warned_points import warned as warned
 from .figures.plot import plot as plot
 from .figures.studies import draw_trade as draw_trade

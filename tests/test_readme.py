@@ -13,6 +13,7 @@ from pipeline.cli import main
 from pipeline.cli.parser import parse
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import facts_of
+from pipeline.sweep.physics import note_on_ends
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -57,7 +58,7 @@ def test_scenes_load_and_raise_no_doubts(scene, folder):
     path = folder / "bearing.toml"
     path.write_text(scene, encoding="utf-8")
     sweep = pipeline.load_scene(path)
-    assert doubts(sweep, facts_of(sweep)) == ()
+    assert doubts(sweep, facts_of(sweep)) == (note_on_ends(sweep),)
 
 
 WALK = (ROOT / "workflows" / "YOUR_SYSTEM.md").read_text(encoding="utf-8")

@@ -15,6 +15,7 @@ from .material import Oil as Oil
 from .material import contact_modulus as contact_modulus
 from .material import lubrication_regime as lubrication_regime
 from .numerics import Grid as Grid
+from .simulation import FRICTIONS as FRICTIONS
 from .simulation import PINS as PINS
 from .simulation import PRESETS as PRESETS
 from .simulation import Ball as Ball
@@ -23,6 +24,7 @@ from .simulation import Corrections as Corrections
 from .simulation import Crowned as Crowned
 from .simulation import Cylinder as Cylinder
 from .simulation import Fidelity as Fidelity
+from .simulation import Friction as Friction
 from .simulation import Motion as Motion
 from .simulation import Pin as Pin
 from .simulation import Scene as Scene
@@ -37,7 +39,6 @@ from .simulation import warnings as warnings
 from .surface import MeasuredRoughness as MeasuredRoughness
 from .surface import SelfAffineRoughness as SelfAffineRoughness
 from .surface import Surface as Surface
-from .thermal import BULK_RATIOS as BULK_RATIOS
 from .thermal import CRITERIA as CRITERIA
 from .thermal import QUANTILES as QUANTILES
 from .thermal import Bulk as Bulk

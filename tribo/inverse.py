@@ -13,15 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.analytic import hertz_point_radius
 from tribo.errors import InputError, require_positive
-from tribo.loading import Ramp
-from tribo.material import Material, contact_modulus
-from tribo.numerics import Grid
 from tribo.simulation import (
-    Ball,
     Corrections,
-    Fidelity,
+    Friction,
     Scene,
     advance,
     measures,
@@ -34,16 +29,6 @@ from tribo.wear import Wear, WearPattern
 
 _WEAR_RATES = 1e-20, 1e-8  # where one is looked for [m²/N]; boundary lubrication has about 1e-15
 _PRECISION = 0.01  # of the wear rate
-
-AISI_316 = Material(
-    elastic_modulus=210e9,
-    poisson_ratio=0.3,
-    thermal_conductivity=17.0,
-    density=7780.0,
-    specific_heat=460.0,
-    hardness=1.1e9,
-)
-"""Austenitic stainless steel (Bosman & de Rooij, Table 3)."""
 
 
 class Transition(NamedTuple):
@@ -111,13 +96,12 @@ def critical_temperature(
         Bulk temperature of the disk less that of the pin [K]; the scene must have `unequal_bulks`
         if it is not 0.
     corrections : Corrections, optional
-        Physics beside the half-spaces; of its friction by velocity nothing is used, since each
+        Physics beside the half-spaces; of its friction nothing is used, since each
         transition has its friction.
 
     Examples
     --------
     >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
     >>> tests = [(10.0, 0.065, 0.1)]
     >>> oil = tribo.inverse.critical_temperature(scene, tests, bulk_temperature=298.15)
     >>> f"{oil.mean:.0f} K"
@@ -131,7 +115,7 @@ def critical_temperature(
             "both must be finite"
         )
     decisive = Criterion.of(criterion)
-    apart = replace(corrections, friction=()) if corrections else None
+    apart = replace(corrections, friction=Friction()) if corrections else None
     for _, _, friction in transitions:
         require_positive(friction=friction)
     temperatures = []
@@ -198,7 +182,6 @@ def specific_wear_rate(
     Examples
     --------
     >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
     >>> rate = tribo.inverse.specific_wear_rate(scene, 185e-6, normal_load=10.0, velocity=0.065)
     >>> f"{rate.lowest:.1e} to {rate.highest:.1e} m²/N"
     '1.4e-17 to 3.2e-17 m²/N'
@@ -251,47 +234,3 @@ def _crossing(exceeds: Callable[[float], bool]) -> tuple[float, float]:
         middle = math.sqrt(low * high)
         low, high = (low, middle) if exceeds(middle) else (middle, high)
     return low, high
-
-
-def critical_temperature_rig(normal_load: float = 10.0, duration: float = 60.0) -> Scene:
-    """Ball-on-disk rig with which Bosman & de Rooij measured the critical temperature of an oil.
-
-    A polished ball of radius 10 mm on a disk, both of AISI 316 and taken as smooth, slides for a
-    duration [s]; the contact has its steady temperature after milliseconds. The surfaces do not
-    wear, which leaves them as hot as can be.
-
-    Examples
-    --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
-    >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
-    >>> f"{0.1 * state.heat.max_rise:.1f} K at friction 0.1"
-    '7.5 K at friction 0.1'
-    """
-    radius = 10e-3
-    modulus = contact_modulus(AISI_316, AISI_316)
-    side = 3 * hertz_point_radius(normal_load, radius, modulus) / 64
-    return Scene(
-        pin=Ball(radius, AISI_316),
-        disk=AISI_316,
-        pixels=Grid((64, 64), (side, side), periodic=(False, False)),
-        loading=Ramp(normal_load, normal_load, hold=duration),
-        fidelity=Fidelity(pixels_per_element=1, increments=1, contact_tolerance=1e-6),
-    )
-
-
-def rig_heating(friction: float = 0.1, velocity: float = 0.065, normal_load: float = 10.0) -> float:
-    """Highest friction heating in the rig of `critical_temperature_rig` above its bulk [K].
-
-    The critical temperature that such a rig shows, at the bulk temperature where friction jumps,
-    is too low by this; Bosman & de Rooij state at most 15 °C.
-
-    Examples
-    --------
-    >>> f"{rig_heating():.1f} K"
-    '7.5 K'
-    """
-    *_, state = simulate(critical_temperature_rig(normal_load), normal_load, velocity)
-    if state.heat is None:
-        raise InputError("nothing is in contact")
-    return friction * state.heat.max_rise

@@ -45,7 +45,7 @@ from tribo.types import Array
 COLDEST_OIL, HOTTEST_OIL = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
 """Bulk temperatures between which an oil may work [K]."""
 _NAMES = {path: name for name, path in PATHS.items()}
-_ROUNDED = 1e-9  # of a range, beyond which a value is outside
+_ROUNDED = 1e-9  # share of a range beyond which a value is outside
 
 
 def at(
@@ -176,7 +176,7 @@ _UNITS = {
 
 
 def _si_value(path: str, value: Any) -> Any:
-    """A value of a condition in SI, several as a list; that of another entry as it is."""
+    """Value of a condition in SI, several as a list; of another entry unchanged."""
     name = _NAMES.get(path)
     if isinstance(value, np.ndarray | Sequence) and not isinstance(value, str):
         if not len(value):
@@ -267,7 +267,7 @@ def _taken(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[
         ]
         if path in ds.dims:
             ds = ds.isel({path: places if several else places[0]})
-    ds = ds.expand_dims([name for name in PLANE if not ds[name].ndim])  # of a row of pairs
+    ds = ds.expand_dims([name for name in PLANE if not ds[name].ndim])  # a row of pairs has no axes
     return ds, {path: value for path, value in values.items() if path not in columns}
 
 

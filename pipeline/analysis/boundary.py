@@ -44,7 +44,7 @@ from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import add_turns, cold_bodies, describe_cold_bodies
-from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.surface import find_lubrication
 from tribo.types import Array
 
 
@@ -65,7 +65,7 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
         suffix ``_at_load`` or ``_at_velocity``: ``outcome``, which gives the reason (mild or severe
         throughout, where the outermost points of the scene's own range are done and say so; above
         or below what was computed; not known for want of points; severe at some and mild at a
-        higher one); ``turns(load, turn)``, all places at which wear turns, of which the first is to
+        higher one); ``turns(load, turn)``, all places at which wear turns; the first turns to
         mild wear where ``begins_severe``; ``computed_from`` and ``computed_to``, the ends of what
         was computed [m/s, N]; ``missing``, the points that are pending or failed, and ``bridged``,
         those of them that a crossing is interpolated across; ``film_parameter``, where the scene
@@ -117,7 +117,7 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
 
 
 def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.Dataset:
-    """The boundary of one scene, under conditions in place of its own if they are given."""
+    """The boundary of one scene, under given conditions or its own."""
     found = point_field(ds, conditions)
     coords = {
         name: ds[name].variable
@@ -128,7 +128,7 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
     for axis, line in (("velocity", "load"), ("load", "velocity")):
         result = result.assign(_transitions(found, axis, line, ds))
     result.attrs["missing_points"] = int(sum(plane.is_missing.sum() for plane in found.planes))
-    if oil := Lubrication.of(stored_sweep(ds)):
+    if oil := find_lubrication(stored_sweep(ds)):
         for axis, line in (("velocity", "load"), ("load", "velocity")):
             places = {line: result[line].values, axis: result[f"critical_{axis}"].values}
             film = oil.film_parameter(
@@ -156,7 +156,7 @@ _UNITS = {
 """Units of the conditions that are attributes of a boundary."""
 
 
-_TURNS = 5  # of a line that are told; more are waves between points
+_TURNS = 5  # turns of a line that are told; more are waves between points
 
 
 def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dict[str, Any]:
@@ -296,7 +296,7 @@ def add_band(boundaries: xr.Dataset, patches: float = 1.0) -> xr.Dataset:
             vectorize=True,
         )
         logs: Any = np.log(boundaries[name].where(mean.notnull()))
-        below = ndtri(-math.expm1(math.log(0.5) / patches))  # of a normal one, half of the time
+        below = ndtri(-math.expm1(math.log(0.5) / patches))  # half of the time the first is below
         first = np.exp(logs.mean("realization") + below * logs.std("realization", ddof=1))
         crossing = (outcome == CROSSES).sum("realization")
         certain = outcome.isin((CROSSES, MILD, SEVERE)).sum("realization")
@@ -327,7 +327,7 @@ def _band_of(
 
 
 def _ends(places: Array, outcomes: Array, first: Array, last: Array) -> tuple[Array, Array]:
-    """Least and greatest place that each transition may have, of those of which any is known."""
+    """Least and greatest place of each transition that has any."""
     is_kind = [outcomes == kind for kind in (CROSSES, MILD, SEVERE, ABOVE, BELOW)]
     low = np.select(is_kind, [places, np.inf, -np.inf, last, -np.inf], math.nan)
     high = np.select(is_kind, [places, np.inf, -np.inf, np.inf, first], math.nan)

@@ -139,7 +139,7 @@ def taken_entries(ds: xr.Dataset) -> dict[str, Any]:
 def _text(ds: xr.Dataset) -> str:
     if "sweep" not in ds.attrs:
         raise InputError(
-            "the dataset has no attribute sweep, which says what it is of; give one of "
+            "the dataset has no attribute sweep, which describes its scene; give one of "
             "pipeline.open_sweep, or keep attributes with xarray.set_options(keep_attrs=True)"
         )
     return str(ds.attrs["sweep"])
@@ -284,7 +284,7 @@ class Kind(Enum):
 
     PLANE = "rows that share loads and velocities"
     PLACES = "rows with a load and a velocity of their own"
-    SAMPLES = "rows drawn from distributions, of which an emulator answers"
+    SAMPLES = "rows drawn from distributions; an emulator answers"
 
 
 def sweep_kind(ds: xr.Dataset) -> Kind:
@@ -412,7 +412,7 @@ def _changed_rises(
     conditions: Conditions,
     judged: Callable[[Mapping[str, Any], Conditions], Mapping[str, Any]],
 ) -> xr.Dataset:
-    """The sweep with rises under some conditions in place of its own."""
+    """The sweep with rises under other conditions."""
     if conditions.corrections and "step" not in ds.dims:
         return _changed_rises(ds.expand_dims("step"), conditions, judged).isel(step=0)
     names = [name for name in (*RISES, "bulk_rise_quantile") if name in ds]

@@ -24,7 +24,6 @@ from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import (
     columns_needed,
-    contact_temperature,
     failed_fraction,
     rise_limit,
     worst_rises,
@@ -191,7 +190,7 @@ def _temperatures(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
         ("mean_temperature", "mean_rise", "mean temperature"),
         ("temperature_quantile", "rise_quantile", "quantile of the temperature"),
     ):
-        result[name] = contact_temperature(rises[rise], conditions).drop_attrs()
+        result[name] = conditions.contact_temperature(rises[rise]).drop_attrs()
         result[name].attrs = {"units": "K", "long_name": f"{meaning} of the contact"}
     if conditions.critical_temperature is not None:
         share = xr.apply_ufunc(

@@ -22,7 +22,7 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.decisive import require_all_sound
 from pipeline.analysis.entries import scene_entries
-from pipeline.analysis.margins import margin, row_labels
+from pipeline.analysis.margin_frame import margin, row_labels
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import CROSSES, MILD, SEVERE, outcomes
 from pipeline.store.place import PathLike
@@ -105,7 +105,7 @@ def _entries(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
 
 
 def _boundary(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
-    """Critical velocities at the loads of both; none where wear is not judged."""
+    """Critical velocities at the loads of both; empty if wear is not judged."""
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
         first, second = (_critical_velocities(ds) for ds in (a, b))

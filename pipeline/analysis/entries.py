@@ -28,7 +28,7 @@ _PATHS = {
         for name, path in PATHS.items()
     },
     "conditions.disk_temperature": "temperature.bulk.disk",
-    "conditions.corrections.friction": "friction.by_velocity",
+    "conditions.corrections.friction": "friction",
     "conditions.corrections.stem": "pin.stem",
     "conditions.corrections.track.disc": "disk",
     "conditions.corrections.pin_track.disc": "pin",
@@ -38,10 +38,11 @@ _PATHS = {
     "conditions.corrections.disk_bulk": "disk",
     "conditions.corrections.film_resistance": "disk.film",
 }
-"""Paths in the scene file of what a sweep calls otherwise, the more special ones first."""
+"""Paths in the scene file of fields that a sweep calls otherwise, the more special ones first."""
 _NOT_SHOWN = (
     "friction_heat", "unequal_bulks", "loading.stops", "conditions.corrections.course",
     "conditions.corrections.motion", "conditions.corrections.rate", "conditions.own_criterion",
+    "conditions.corrections.friction.coefficient",
 )  # fmt: skip
 """Paths of values that follow from other entries."""
 _OTHER_UNITS = {

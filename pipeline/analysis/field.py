@@ -1,4 +1,4 @@
-"""The field ln(rise/limit) of one scene over load and velocity, of which every answer is made.
+"""The field ln(rise/limit) of one scene over load and velocity, from which every answer follows.
 
 The rise is that which decides, at friction 1; its limit is (critical − bulk)/friction. A field has
 members, each with a weight: the surfaces of a sweep, one row of its table, or draws of what is not
@@ -33,23 +33,21 @@ from pipeline.analysis.decisive import (
     require_sound,
     strip_friction,
 )
-from pipeline.analysis.margin_error import RiseError, RisePlane, grids_of, rise_error
 from pipeline.analysis.model_error import Scatter, severe_share
+from pipeline.analysis.rise_error import RiseError, RisePlane, add_counted, grids_of, rise_error
 from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import UNITS, Transition, Turns, range_of
 from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import contact_temperature, rise_limit
+from pipeline.sweep.severity import rise_limit
 from pipeline.sweep.variants import PLACE, VARIANT
 from tribo import InputError
 from tribo.types import Array, Mask
 
 _USUAL = COORDINATES.keys() - {VARIANT, "realization"}
-_PARTS = 64  # of an interval of velocities, between which friction is taken as it is there
-_OF_FILM = 0.032
-"""Largest error of a rise whose film resistance is counted after the simulation, at 200 N."""
+_PARTS = 64  # parts of an interval of velocities, in each of which friction is taken as it is there
 LEAST_SLOPE = 0.05
 """Least slope of ln(rise) over ln(velocity or load), by which a line goes on beyond its ends."""
 
@@ -167,7 +165,7 @@ class PointField:
     planes: tuple[RisePlane, ...]  # at one friction, where it depends on the velocity
     conditions: Conditions
     promised: float | None  # relative error of boundary velocities
-    ends: Mapping[str, tuple[float, float]]  # of the loads [N] and velocities [m/s] asked for
+    ends: Mapping[str, tuple[float, float]]  # ends of the loads [N] and velocities [m/s] asked for
     source: xr.Dataset  # where the rises are from
     entries: Mapping[str, Any] = field(default_factory=dict)
     shown: Mapping[str, Any] = field(default_factory=dict)
@@ -217,7 +215,7 @@ class PointField:
             require_sound(self.source, beneath if dims else beneath[0], *dims, *PLANE)
         rises = np.array([rise for rise, _ in found])
         return Here(
-            contact_temperature(rises, self.conditions),
+            self.conditions.contact_temperature(rises),
             rises > self.limit,
             np.full(len(rises), self.conditions.known_critical_temperature()),
             all(self._is_done(plane, load, velocity) for plane in self.planes),
@@ -257,10 +255,7 @@ class PointField:
         """See `Field`."""
         errors = [rise_error(plane, load, velocity, self.promised) for plane in self.planes]
         worst = max(errors, key=lambda one: math.inf if one.total is None else one.total)
-        corrections = self.conditions.corrections
-        if not (corrections and corrections.film_resistance) or worst.warned is None:
-            return worst
-        return replace(worst, warned=math.hypot(worst.warned, _OF_FILM))
+        return add_counted(worst, self.conditions)
 
     def turns(self, axis: str, load: float, velocity: float) -> Turns:
         """See `Field`."""
@@ -354,7 +349,7 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
 
 
 def fields(ds: xr.Dataset | PathLike) -> list[Field]:
-    """The field of each scene of a sweep, or of each row that has a place of its own."""
+    """The field of each scene of a sweep, or of each row with its own place."""
     ds = dataset_of(ds)
     kind = sweep_kind(ds)
     if kind is Kind.SAMPLES:
@@ -369,7 +364,7 @@ def fields(ds: xr.Dataset | PathLike) -> list[Field]:
 
 
 def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointField:
-    """The field of one scene, under conditions in place of its own if they are given."""
+    """The field of one scene, under given conditions or its own."""
     return _field(scene, conditions)
 
 

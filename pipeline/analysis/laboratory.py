@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,14 +19,14 @@ from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import USUAL, ModelError, Scatter
 from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import frame_of, notes_of, short
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.about import Measurement, own_tests
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 
 NOT_KNOWN = "not known"
 USUAL_SCATTER = 0.05
 """Relative standard deviation of the velocity of a transition that gives none."""
-_DEVIATIONS = 2.0  # of a measured velocity, within which a transition agrees
+_DEVIATIONS = 2.0  # standard deviations of a measured velocity within which a transition agrees
 _BESIDE = 0.1  # relative distance in load and velocity of a test that is beside a place
 _HEADS = (
     "test", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]", "hold [s]",
@@ -35,13 +35,13 @@ _HEADS = (
 
 
 def laboratory_tests(ds: xr.Dataset) -> tuple[Measurement, ...]:
-    """Measured transitions of a sweep, and then its tests."""
+    """Measured transitions of a sweep, and then its tests, of the scene's own oil."""
     about = stored_sweep(ds).about
-    return (*about.measured, *about.tested)
+    return own_tests((*about.measured, *about.tested))
 
 
 def own_conditions(ds: xr.Dataset, test: Measurement) -> Conditions:
-    """Conditions of a test: friction and bulk of its own or the scene, not those judged at."""
+    """Conditions of a test: its friction and bulk, or the scene's, not those judged at."""
     judged, scene = stored_sweep(ds).conditions, scene_sweep(ds).conditions
     bulks = {body: getattr(scene, body) for body in ("bulk_temperature", "disk_temperature")}
     if test.bulk_temperature is not None:
@@ -61,21 +61,40 @@ def model_error(ds: xr.Dataset, field: Field) -> Scatter:
         return replace(plain, untold=untold) if laboratory_tests(ds) else plain
     if field.place:
         return plain
-    told = (_residual(ds, field, test) for test in laboratory_tests(ds))
+    runs = dict[Any, list[tuple[str | None, float, bool]]]()
+    for number, test in enumerate(laboratory_tests(ds)):
+        if found := _distance(ds, field, test):
+            runs.setdefault(test.run or number, []).append((test.outcome, *found))
+    told = map(_residual, runs.values())
     return replace(plain, residuals=tuple(r for r in told if r is not None))
 
 
-def _residual(ds: xr.Dataset, field: PointField, test: Measurement) -> float | None:
-    """ln(measured/computed) of a test at its own conditions; None where it tells nothing."""
+def _distance(ds: xr.Dataset, field: PointField, test: Measurement) -> tuple[float, bool] | None:
+    """ln(measured/computed) of a test at its own conditions, and if its outcome is wrong there.
+
+    None beyond the sweep.
+    """
     try:
         own = field.under(own_conditions(ds, test))
-        here = own.temperatures(test.normal_load, test.velocity)
-    except InputError:  # beyond the sweep
-        return None
-    if test.outcome and (test.outcome == "severe") == (np.mean(here.is_severe) > 0.5):
+        is_severe = np.mean(own.temperatures(test.normal_load, test.velocity).is_severe) > 0.5
+    except InputError:
         return None
     critical = clipped_velocity(own, test)
-    return math.log(test.velocity / critical) if critical > 0 else None
+    is_wrong = test.outcome is None or (test.outcome == "severe") != is_severe
+    return (math.log(test.velocity / critical), is_wrong) if critical > 0 else None
+
+
+def _residual(run: Sequence[tuple[str | None, float, bool]]) -> float | None:
+    """Residual of a run, by outcomes and distances of its tests; None where it tells nothing.
+
+    A run has its transition in the middle between its last mild test and the severe one. Of tests
+    with one outcome the worst counts that the model has wrong.
+    """
+    mild = [distance for outcome, distance, _ in run if outcome == "mild"]
+    severe = [distance for outcome, distance, _ in run if outcome == "severe"]
+    if mild and severe:
+        return (max(mild) + min(severe)) / 2
+    return max((distance for _, distance, is_wrong in run if is_wrong), key=abs, default=None)
 
 
 def critical_velocity(own: PointField, test: Measurement) -> float:
@@ -163,7 +182,7 @@ def _answer(test: Measurement, field: PointField) -> tuple[str, float, str]:
     place = test.normal_load, test.velocity
     here, error = field.temperatures(*place), field.error(*place).total
     temperature = quantile(here.values, field.weights, 0.5)
-    rises = here.values - field.conditions.coldest_bulk_temperature
+    rises = np.array([*map(field.conditions.temperature_error, here.values.tolist())])
     known = error is not None and np.abs(here.critical - here.values) > error * rises
     verdict = NOT_DECIDED
     if np.all(known) and len({*here.is_severe.tolist()}) == 1:

@@ -1,6 +1,6 @@
 """Verdict on an operating point: its probability, its distance from severe wear, and its errors.
 
-The error has three parts. The numerical one (`pipeline.analysis.margin_error`) moves all rises,
+The error has three parts. The numerical one (`pipeline.analysis.rise_error`) moves all rises,
 the inputs are the members of the field, and the model's own (`pipeline.analysis.model_error`) moves
 the velocity of the next run. Wear is mild where the next run is severe with a probability of at
 most 5 % at the worst numerical error, severe where of at least 95 %, and else not decided.
@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from pipeline.analysis.field import Field, quantile
-from pipeline.analysis.margin_error import RiseError
 from pipeline.analysis.model_error import Scatter, severe_share
+from pipeline.analysis.rise_error import RiseError
 from pipeline.analysis.transition import CROSSES, Turns, outcomes
 from tribo.types import Array
 
@@ -181,7 +181,7 @@ def answer(
             name: (quantile(values, weights, DECIDED[0]), quantile(values, weights, DECIDED[-1]))
             for name, values in spread.items()
         }
-    rise = middles["decisive_temperature"] - field.conditions.coldest_bulk_temperature
+    scale = field.conditions.temperature_error(middles["decisive_temperature"])
     told: dict[str, Any] = {
         f"{axis}_{name}": value
         for axis, one in turns.items()
@@ -201,7 +201,7 @@ def answer(
         probability=float(middle[0]),
         lowest=float(lowest[0]),
         highest=float(highest[0]),
-        error=error.times(rise),
+        error=error.times(scale),
         critical_temperature=quantile(here.critical, weights, 0.5),
         model_error=scatter.worded,
         is_computed=here.is_computed,

@@ -24,7 +24,7 @@ _WORTH = 4  # tests that the usual scatter counts like
 
 
 class Scatter(Protocol):
-    """Distribution of ln(velocity) of the next run about the one that the model has."""
+    """Distribution of ln(velocity) of the next run about the model's."""
 
     @property
     def worded(self) -> str:

@@ -83,7 +83,7 @@ def heads_of(ds: xr.Dataset | xr.DataArray, names: Iterable[str] | None = None) 
 
 
 def shown_label(axis: xr.DataArray, value: Any) -> Any:
-    """A label of a row in the unit of its head; one that a scene gave in another unit as it is."""
+    """A label of a row in the unit of its heading; a label in another unit stays unchanged."""
     unit = _usual_unit(axis)
     is_number = axis.attrs.get("units") in _SHOWN and not isinstance(value, str)
     return shown_in(value, unit) if is_number else value

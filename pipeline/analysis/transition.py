@@ -1,4 +1,4 @@
-"""The transition to severe wear along a line of points, and as much of it as was computed."""
+"""The transition to severe wear along a line of points, with the computed range."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.own_laws import OwnLawError
-from pipeline.sweep.severity import MELTS, MOLTEN, contact_temperature, rise_limit
+from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
 from tribo import CRITERIA, WarningKind
 from tribo.simulation.point_warnings import SLOW, SLOWEST
 from tribo.types import Array
@@ -129,7 +129,7 @@ def _molten(ds: xr.Dataset) -> xr.DataArray:
     def mark_scene(scene: xr.Dataset) -> xr.DataArray:
         # Of a criterion that is code nothing runs here; the share serves as well.
         judged = read_conditions(scene, with_criterion=False)
-        return contact_temperature(decisive_rise(scene, judged), judged) > MELTS
+        return decisive_rise(scene, judged) > judged.limit(MELTS)
 
     return _marked(ds, mark_scene)
 

@@ -78,7 +78,7 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
                 sys.stdout.flush()  # here, where it can be said that it fails
             return int(result.code)
     except KeyboardInterrupt:
-        with suppress(OSError):  # of a terminal that was closed
+        with suppress(OSError):  # the terminal may be closed
             output.complain(f"interrupted{safe}{safe and ': run the same command again to go on'}")
         return output.INTERRUPTED
     except TriboError as error:

@@ -40,7 +40,7 @@ def after_boundary(sweep: Sweep, store: Path | str) -> Iterator[str]:
 def commands_that_decide(
     ds: xr.Dataset, store: Path | str, undecided: Sequence[Margin], judged: Mapping[str, Any]
 ) -> list[str]:
-    """Commands that decide margins within their error, each once; none where nothing is known to.
+    """Commands that decide margins within their error, each once; none if no command is known to.
 
     A point that was asked for and is not done is run. Any other place that is not computed is
     computed by itself; where it is, or interpolation counts less, a better accuracy decides.
@@ -185,7 +185,7 @@ def _more_accurate(sweep: Sweep, store: Path | str, accuracy: float) -> str:
 
 
 def _arguments(sweep: Sweep) -> list[str]:
-    """Arguments that read the scene of a store, but for a permission that it might give itself."""
+    """Arguments that read the scene of a store, without `--own-laws`."""
     words = sweep.about.arguments or (f"{sweep.about.name}.toml",)
     return [word for word in words if not word.startswith("--own")]
 

@@ -1,4 +1,4 @@
-"""Options of the commands of ``irg``: each of them once, whichever commands take it."""
+"""Options of the commands of ``irg``, each defined once."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class Option:
         self.names, self.settings = names, settings
 
     def but(self, **settings: Any) -> Option:
-        """The option with other settings in place of its own."""
+        """The option with some settings replaced."""
         return Option(*self.names, **self.settings | settings)
 
 
 class Group(NamedTuple):
-    """Options below a title of their own; or, without a title, of which one may be given."""
+    """Options below a title; without a title, options that exclude each other."""
 
     title: str
     options: tuple[Option, ...]

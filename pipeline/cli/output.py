@@ -38,11 +38,11 @@ _LONGEST = 2000  # characters of a line
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Result of a command: a document, the same as sentences and frames, and what -o writes."""
+    """Result of a command: a document, its text as sentences and frames, and the output of -o."""
 
     document: dict[str, Any]
     text: Iterable[str | pd.DataFrame]
-    warned: Warned | None = None  # of its points
+    warned: Warned | None = None  # what its points warn of
     frames: Sequence[pd.DataFrame] = ()
     draw: Callable[[], Figure] | None = None
     out: Path | None = None  # file of the figure where the user names none
@@ -124,7 +124,7 @@ def complain(message: str) -> None:
 
 
 def _shown(line: str) -> str:
-    """A line as a terminal can show it: without control characters, and of some length at most."""
+    """A line for a terminal: without control characters, and not longer than allowed."""
     line = line if len(line) <= _LONGEST else f"{line[:_LONGEST]} …"
     return _CONTROLS.sub(lambda match: f"\\x{ord(match[0]):02x}", line)
 

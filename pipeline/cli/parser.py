@@ -48,13 +48,13 @@ COMMANDS = (
         "results/scene.zarr --repair", (o.STORE, o.REPAIR),
     ),
     Command(
-        "boundary", "margins:boundary",
+        "boundary", "verdicts:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
         (o.STORE, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS),
     ),
     Command(
-        "margin", "margins:margin",
+        "margin", "verdicts:margin",
         "verdict on operating points, its probability and errors: one, a table, or rows of pairs",
         f"results/scene.zarr {_AT}",
         (
@@ -122,7 +122,7 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
-        """Say in one line what is wrong, what was perhaps meant, and where the options stand."""
+        """Print one line: what is wrong, what was perhaps meant, and where options are listed."""
         if wrong := re.fullmatch(r"argument (.*): invalid choice: '(.*?)' \(choose.*\)", message):
             words = re.findall(r"[\w-]+", message.partition("(choose from")[2])
             if near := get_close_matches(wrong[2], words, 1):
@@ -177,7 +177,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Read the options of one command; `function_of` gives its function."""
     parser = whole_parser()
     if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
-        with suppress(ImportError):  # of the extra completion
+        with suppress(ImportError):  # that extra may not be installed
             import argcomplete
 
             argcomplete.autocomplete(parser)

@@ -13,8 +13,8 @@ from pipeline.analysis.margin import (
     probabilities_alone,
     verdict_between,
 )
-from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.model_error import USUAL, ModelError
+from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
 from pipeline.analysis.tables import frame_of, upright
 from pipeline.cli.given import conditions_in, one_scene_in, selected
 from pipeline.cli.next_steps import lines_on, point_that_decides
@@ -45,12 +45,13 @@ def point(options: argparse.Namespace) -> Result:
         )
     conditions, verdict = sweep.conditions, result.verdict(sweep.conditions)
     decisive, critical = verdict.decisive_temperature, conditions.critical_temperature
-    rise = decisive - conditions.coldest_bulk_temperature
+    scale = conditions.temperature_error(decisive)
     flags = sum({int(warning.kind) for warning in result.warnings})
     promised = velocity_error(sweep)
     is_refined = not sweep.about.selection and result.state.pressure.shape != result.shape
-    relative = error_of_point(flags, result.state.time, promised, is_refined)
-    error = relative.times(rise)
+    alone = error_of_point(flags, result.state.time, promised, is_refined)
+    relative = add_counted(alone, conditions)
+    error = relative.times(scale)
     left_out = note_on_turns(sweep, options.load, options.velocity), note_on_wear(sweep)
     judged, commands = None, list[str]()
     distance = None if critical is None else critical - decisive
@@ -58,12 +59,12 @@ def point(options: argparse.Namespace) -> Result:
     model = ModelError(usual=USUAL if usual is None else usual)
     chances = None
     if distance is not None:
-        rise_at_one = rise / conditions.rise_factor if conditions.rise_factor else 0.0
-        chances = probabilities_alone(rise_at_one, rise_limit(conditions), model, relative)
+        rise = conditions.limit(decisive) if conditions.rise_factor else 0.0
+        chances = probabilities_alone(rise, rise_limit(conditions), model, relative)
         judged = verdict_between(chances[0], chances[2])
         by_model = verdict_between(chances[1], chances[1]) == NOT_DECIDED
         if judged == NOT_DECIDED and not by_model:
-            about = distance, rise, conditions_in(options)
+            about = distance, scale, conditions_in(options)
             commands = point_that_decides(sweep, place, options.realization, *about)
     document = measures(sweep.scene, result.state) | {
         "velocity": options.velocity,

@@ -24,7 +24,7 @@ _MOST_POINTS = 10  # that are printed; files have all
 
 
 def status(options: argparse.Namespace) -> Result:
-    """Count the points of a store, or list the stores and scenes below a folder, running none."""
+    """Count the points of a store, or list the stores and scenes below a folder."""
     if _is_folder_of_stores(options.store):
         folder = Path(options.store)
         rows = [row for entry in _stores_and_scenes(folder) if (row := _row(entry, folder))]
@@ -134,7 +134,7 @@ _HEADS = "name", "kind", "state", "preset", "changed", "size [MB]", "title"
 
 
 def _stores_and_scenes(folder: Path) -> Iterator[Path]:
-    """Stores below a folder, without a look into them, and files that may be scenes."""
+    """Stores below a folder, unopened, and files that may be scenes."""
     for path in sorted(folder.iterdir()):
         if path.name.startswith("."):
             continue
@@ -151,7 +151,7 @@ def _row(path: Path, folder: Path) -> dict[str, Any] | None:
         return None
     stats = []
     for file in [path] if path.is_file() else path.rglob("*"):
-        with suppress(FileNotFoundError):  # of a store that is being written
+        with suppress(FileNotFoundError):  # a store may be in the midst of being written
             if not file.is_dir():
                 stats.append(file.stat())
     changed = datetime.fromtimestamp(max((stat.st_mtime for stat in stats), default=0.0))

@@ -57,7 +57,7 @@ def _critical_velocities(result: Variations) -> pd.DataFrame:
     """Frame with a row for each value and load."""
     rows: list[tuple[Any, ...]] = []
     for variation in (result.base, *itertools.chain(*result.keyed_changes().values())):
-        name, changes = "as it is", [math.nan] * len(result.loads)
+        name, changes = "unchanged", [math.nan] * len(result.loads)
         if variation.key:
             name, changes = variation.key, result.changes(variation).tolist()
         values = zip(

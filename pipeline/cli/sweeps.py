@@ -27,7 +27,7 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import own_laws, refer
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.stages import duration
-from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import VARIANT
 from pipeline.tradeoff.forecast import Estimate, savings, worker_bytes
 from tribo import lubrication_regime
@@ -185,16 +185,16 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
         named = "".join(f", {name} = {value}" for name, value in law.parameters)
         yield "own law", f"{entry}: {law.reference}{named}, hash {law.digest[:8]}"
     if sweep.conditions.corrections:
-        yield "besides", sweep.conditions.corrections.worded
+        yield "corrections", sweep.conditions.corrections.worded
 
 
 def _film(sweep: Sweep) -> Iterator[_Row]:
-    """Film that the oil would build, or the entry that is missing to tell; none without an oil."""
+    """Film of the oil, or the entry that is missing to compute it; none without an oil."""
     if sweep.about.oil is None:
         return
     bulk = sweep.conditions.mean_bulk_temperature
     yield "oil", f"{1e3 * sweep.about.oil.viscosity(bulk):.3g} mPa s at the bulk temperature"
-    lubrication = Lubrication.of(sweep)
+    lubrication = find_lubrication(sweep)
     if lubrication is None:
         has_pressure_coefficient = sweep.about.oil.pressure_coefficients is not None
         missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
@@ -277,7 +277,7 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:
         yield "points", f"{cost.points}: {asked}"
     yield "steps", f"{cost.steps} contacts and {cost.temperatures} temperatures to solve"
     if not searched:
-        yield "tasks", f"{cost.tasks}, none of which waits for another: more workers would be idle"
+        yield "tasks", f"{cost.tasks}, which do not wait for each other: more workers would be idle"
     workers = counted(cost.workers, "worker", "workers")
     yield "time", f"roughly {duration(cost.seconds)} on {workers}, if the machine is idle"
     size = cost.disk_bytes / 1e6

@@ -183,7 +183,7 @@ def _scenes_diagram(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
 
 
 def _planes(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
-    """Decisive rise over the plane, on each surface of which something is known."""
+    """Decisive rise over the plane, on each surface that has results."""
     # A sweep that only follows the boundary knows the plane elsewhere as mild or severe alone.
     boundary_parts = not asked(ds).all()
     planes = refined(
@@ -200,7 +200,7 @@ def _planes(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
 
 
 def _quantile(planes: xr.DataArray, share: float) -> xr.DataArray:
-    """The plane of the median surface, or of one that a share of the others stays below."""
+    """The plane of the median surface, or of another quantile of the surfaces."""
     return planes.quantile(share, "row", skipna=False)
 
 
@@ -277,7 +277,7 @@ def _error_band(axes: Axes, ds: xr.Dataset) -> list[Artist]:
 
 
 def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> list[Artist]:
-    """Shade where wear is severe on some surfaces, but neither on nearly none nor on nearly all."""
+    """Shade where wear is severe on some surfaces, but not on nearly all."""
     if len(planes) == 1:
         return []
     limit = rise_limit(conditions)
@@ -324,7 +324,7 @@ def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
 
 
 def _far_from_others(hot: Mask, cold: Mask) -> Mask:
-    """Points whose neighbours all have their own kind of wear; none where there is but one."""
+    """Points whose neighbours all have their kind of wear; none if there is only one kind."""
     if not (hot.any() and cold.any()):
         return np.zeros_like(hot)
     kind = np.where(hot, 1, 0) - np.where(cold, 1, 0)

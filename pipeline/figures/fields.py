@@ -18,7 +18,7 @@ from pipeline.scene.units import in_si
 from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
-from pipeline.sweep.severity import contact_temperature, rise_limit
+from pipeline.sweep.severity import rise_limit
 from tribo import InputError
 from tribo.types import Array, Mask
 
@@ -148,7 +148,7 @@ def _shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tu
         rise = corrected_field(here, rise, conditions)
     return (
         here["pressure"].values / 1e9,
-        style.celsius(contact_temperature(rise, conditions)),
+        style.celsius(conditions.contact_temperature(rise)),
         1e6 * here["wear_depth"].values,
     )
 

@@ -22,7 +22,7 @@ from pipeline.store.schema import PLANE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rise_limit
-from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.surface import find_lubrication
 from tribo import Criterion, InputError, lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
 from tribo.types import Array, Mask
@@ -40,7 +40,7 @@ _LEVELS = (
 
 def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Draw the beginnings of mixed lubrication and of the full film, if they lie in the figure."""
-    lubrication = Lubrication.of(stored_sweep(ds))
+    lubrication = find_lubrication(stored_sweep(ds))
     if lubrication is None:
         return []
     ends = {name: ds[name].values[[0, -1]].tolist() for name in PLANE}
@@ -169,9 +169,9 @@ def isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any
 
 
 MILD, SEVERE = "mild wear (I and II)", "severe adhesive wear (III* and III)"
-_LETTER = 0.0115, 0.045  # of the axes: about what a letter of a name takes
+_LETTER = 0.0115, 0.045  # share of the axes that a letter of a name takes, about
 _CROSSED = "Λ", "band edge"  # what a line's mark begins with, over which no name stands
-_LEAST_ROOM = 0.5  # of a label's size, around its middle
+_LEAST_ROOM = 0.5  # share of a label's size, around its middle
 
 
 def name_regions(

@@ -25,7 +25,6 @@ from pipeline.figures.fields import (
 )
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import contact_temperature
 from tribo import Criterion, InputError
 from tribo.types import Array
 
@@ -93,7 +92,7 @@ def _temperatures(
         looks.append({"label": decisive.temperature, **_DECIDING})
     for number, point in enumerate(points):
         for rise, look in zip(rises, looks, strict=True):
-            temperature = style.celsius(contact_temperature(rise, conditions))
+            temperature = style.celsius(conditions.contact_temperature(rise))
             look = look | {"color": f"C{number}", "zorder": _order(point)}
             _draw(axes, ds, temperature, point, **look)
     key = [Line2D([], [], color=BLACK, **look) for look in looks]
@@ -210,7 +209,7 @@ def temperature(
             (between, fine, {"ls": look["ls"]}),
             (velocities, rises, {"ls": "none", "marker": look["marker"]}),
         ):
-            curve = style.celsius(contact_temperature(values, conditions))
+            curve = style.celsius(conditions.contact_temperature(values))
             axes.plot(places, curve, color=BLUE, **part)
         axes.plot([], [], color=BLUE, label=name, **look)
     if conditions.critical_temperature is not None:

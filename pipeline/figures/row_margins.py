@@ -14,7 +14,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from matplotlib.transforms import ScaledTranslation
 
 from pipeline.analysis.margin import NOT_DECIDED
-from pipeline.analysis.margins import judged, margin_frame, row_labels
+from pipeline.analysis.margin_frame import judged, margin_frame, row_labels
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, PURPLE, TINTS, VERMILION
 from pipeline.sweep.about import judged_by

@@ -103,7 +103,7 @@ def canvas(ax: Axes | None, size: tuple[float, float]) -> tuple[Figure, Axes]:
 
 
 def legend_below(figure: Figure, ax: Axes | None = None, **options: Any) -> None:
-    """Write the legend below a figure, or below the caller's axes on one that has others."""
+    """Write the legend below the figure, or below the caller's axes if the figure has others."""
     if ax is None:
         figure.legend(loc="outside lower center", **options)
     else:
@@ -113,7 +113,7 @@ def legend_below(figure: Figure, ax: Axes | None = None, **options: Any) -> None
 
 
 def house_style(draw: Callable[P, R]) -> Callable[P, R]:
-    """Draw in the house style, but for what the caller has set of matplotlib otherwise."""
+    """Draw in the house style, except for matplotlib settings that the caller has changed."""
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -170,7 +170,7 @@ def entry_label(path: str) -> str:
 
 
 def as_text(words: str) -> str:
-    """Write words as they are: shortened, without control characters, and not as a formula."""
+    """Escape words for a figure: shortened, without control characters and formulas."""
     printable = "".join(character for character in words[:1000] if character.isprintable())
     return textwrap.shorten(printable, 240, placeholder=" …").replace("$", r"\$")
 
@@ -236,7 +236,7 @@ def _resize(artist: Artist, text: float, line: float) -> None:
 
 
 def _wrap_titles(figure: Figure) -> None:
-    """Break titles of legends into lines that are as long as the figure is wide."""
+    """Break titles of legends into lines that fit the width of the figure."""
     for title in (legend.get_title() for legend in figure.findobj(Legend)):
         letter = _LETTER * float(title.get_fontsize()) * figure.dpi / 72
         text = _BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", title.get_text())

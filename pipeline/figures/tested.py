@@ -48,7 +48,7 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
             if computed > 0:  # not of a load beyond the sweep
                 found.append((test, computed, computed != critical_velocity(own, test)))
     if not found:
-        raise InputError("the sweep reaches no test of its scene; add loads and velocities to it")
+        raise InputError("no test of the scene is in the sweep; add loads and velocities to it")
     figure, axes = style.canvas(ax, (6.6, 6.4))
     places = np.array([(computed, test.velocity) for test, computed, _ in found])
     ends = places.min() / _ROOM, places.max() * _ROOM

@@ -112,7 +112,7 @@ def mesh(pair: Pair, places: int = 25, duty: Duty | None = None) -> Mesh:
 
 
 def _is_near(position: float, letters: dict[float, str], length: float) -> bool:
-    """True of a place that all but coincides with one that has a letter."""
+    """True if a place nearly coincides with a place that has a letter."""
     return any(0 < abs(position - letter) < 1e-6 * length for letter in letters)
 
 

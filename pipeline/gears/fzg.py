@@ -19,7 +19,7 @@ _FZG = "fzg_a"
 
 @dataclass(frozen=True, slots=True)
 class Critical:
-    """A critical temperature [K], by the last stage passed and the one that failed."""
+    """A critical temperature [K], by the last stage passed and the failed stage."""
 
     value: float  #: In the middle between both.
     doubt: float  #: Standard deviation: even between both, and the simulation's error.
@@ -48,7 +48,7 @@ class Critical:
         if self.integral is not None:
             yield (
                 f"scuffing integral temperature: {self.integral - 273.15:.0f} °C by the rule of "
-                "ISO/TR 13989-2, Eq. 94, of which it is the limit; not one of this model"
+                "ISO/TR 13989-2, Eq. 94, for that rule alone, not for this model"
             )
 
 

@@ -28,7 +28,7 @@ class Simulated:
 
 
 def decisive_places(one: Mesh) -> Mesh:
-    """The mesh with the places alone that may decide: the letters with sliding, and the hottest."""
+    """The mesh at the places that may decide: letters with sliding, and the hottest place."""
     kept = [place for place in one.places
             if place.sliding and (place.letter or place is one.hottest)]  # fmt: skip
     return Mesh(one.pair, one.duty, one.friction, one.normal_load, tuple(kept))

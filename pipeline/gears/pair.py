@@ -11,7 +11,7 @@ from pipeline.gears.involute import Involutes
 from pipeline.sweep.about import FromLibrary
 from tribo import Material, Oil
 
-_RQ_OF_RA = math.sqrt(math.pi / 2)  # of heights distributed normally
+_RQ_OF_RA = math.sqrt(math.pi / 2)  # where heights are distributed normally
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,7 +39,7 @@ class _Speed(Quantity):
 
 
 class _Torque(Quantity):
-    """A torque, of which Nm is the usual way to write the unit."""
+    """A torque, whose unit is usually written Nm."""
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         written = re.sub(r"(?<=N)m$", " m", value.strip()) if isinstance(value, str) else value
@@ -87,7 +87,7 @@ PAIR = Table({
     "temperature": Entry(Table({
         "bulk": Optional(BULK, "Temperature of the teeth before they meet."),
         "oil": Optional(BULK,
-            "That of the oil, in place of `bulk`, which then follows by ISO/TR 13989-2, Eq. 20."),
+            "Temperature of the oil; `bulk` then follows by ISO/TR 13989-2, Eq. 20."),
         "critical": Optional(CRITICAL, "Contact temperature above which the lubricant fails."),
     })),
     "friction": Optional(Table({

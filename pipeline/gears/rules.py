@@ -12,11 +12,10 @@ import math
 from dataclasses import dataclass, replace
 
 from pipeline.gears.pair import Duty, Pair
+from pipeline.scene.library import library
 from tribo import InputError, contact_modulus
 
-STAGES = (
-    3.3, 13.7, 35.25, 60.75, 94.1, 135.3, 183.35, 239.25, 302.0, 372.6, 450.1, 534.5,
-)  # fmt: skip
+STAGES: tuple[float, ...] = tuple(library()["machines"]["FZG"]["stages"])
 """Torque on the pinion in FZG's test A/8.3/90, by load stage from 1 on [N m] (ISO 14635-1)."""
 _LEAST_LOAD = 150.0  # [N/mm] of the face width, below which friction no longer falls (clause 5.1)
 _FASTEST = 50.0  # [m/s], at which the rule for friction ends

@@ -2,7 +2,7 @@
 
 The pinion is the pin, a cylinder of the reduced radius, and the wheel the disk, which has the
 roughness of both flanks. Both move through the contact. A point of the pinion's flank comes back
-once a turn, so that its wear spreads over a track of 2π ρ1, and the wheel's over one of its own.
+once a turn, so that its wear spreads over a track of 2π ρ1, and the wheel's over its own track.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _ROOM = 1.2  # width of the window in that of the widest contact
 _PEAKS = 3.0  # Rq by which peaks reach beyond the smooth contact, as irg check counts
 _ALONG_Y = 240  # pixels
 _MOST_PIXELS = 6000  # along x
-_PIXELS_A_LENGTH = 4  # of the roughness
+_PIXELS_A_LENGTH = 4  # pixels in a correlation length of the roughness
 _PIXELS_A_WIDTH = 80  # at least, of the widest contact of Hertz
 
 

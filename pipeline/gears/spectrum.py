@@ -191,7 +191,7 @@ def judge_spectrum(
     Raises
     ------
     InputError
-        If the table has faults, all of which are named.
+        If the table has faults; the message names all.
     """
     duties, unused = read_spectrum(points, pair, sheet)
     found = simulate([mesh(pair, duty=duty) for _, duty in duties], preset, workers, progress)

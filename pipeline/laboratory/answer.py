@@ -38,13 +38,16 @@ def surface(options: argparse.Namespace) -> Result:
 def tests(options: argparse.Namespace) -> Result:
     """Print what is understood of a log or a trace, and the lines of a scene for it."""
     path = Path(options.log)
-    if (trace := read_trace(path)) is not None:
+    if (trace := read_trace(path, dict(options.given))) is not None:
         return _trace_result(path, trace)
     columns, words = dict(options.column), dict(options.word)
     if strange := sorted(columns.keys() - TEST.keys.keys()):
         allowed = ", ".join(TEST.keys)
         raise InputError(f'--column: no test has "{strange[0]}"; give one of {allowed}')
-    taken = {"where": dict(options.where), "sheet": options.sheet, "decimal": options.decimal}
+    taken = {
+        "where": dict(options.where), "given": dict(options.given), "sheet": options.sheet,
+        "decimal": options.decimal,
+    }  # fmt: skip
     entries = {"columns": columns, "words": words, **taken}
     row_of, log = TEST, read_log(path, entries)
     places = log.sheet.places.keys()
@@ -71,6 +74,11 @@ def tests(options: argparse.Namespace) -> Result:
         outcomes = Counter(test.get("outcome", "transition") for test in found)
         counts = ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
         number = counted(len(found), "test", "tests")
+        if any("run" in test for test in found):
+            runs = {test.get("run", k) for k, test in enumerate(map(dict, found), -len(found))}
+            number += f" of {counted(len(runs), 'run', 'runs')}"
+        if len(oils := {test.get("oil") for test in found}) > 1:
+            number += f", {len(oils)} oils"
         text.append(f"{number}: {counts}; to paste into a scene beside the log:")
         if row_of is TRANSITION:
             text.append(
@@ -111,7 +119,7 @@ def _understood(log: Log) -> Iterable[str | pd.DataFrame]:
     rows = []
     for place, heading in enumerate(log.sheet.headings):
         first = next((row.cells[place] for row in log.sheet.rows if row.cells[place]), "")
-        name = names.get(place)
+        name = names.get(place) or ("for the form" if place in log.sheet.made_of else None)
         unit = heading.unit if name else ""
         if name == "outcome":
             first = f"{first}, {log.words[first]}" if first in log.words else first

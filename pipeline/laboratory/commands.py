@@ -41,6 +41,11 @@ _TESTS = (
         "--where", metavar="HEADING=VALUE", type=values.pair, action="append", default=[],
         help='rows to take, like "oil=FVA 3"; may be repeated',
     ),
+    Option(
+        "--given", metavar="QUANTITY=VALUE", type=values.pair, action="append", default=[],
+        help='what the log does not say and is the same in each row, like "velocity=2 m/s" or '
+        '"stroke=1 mm"; may be repeated',
+    ),
     o.SHEET,
     Option("--decimal", choices=(".", ","), help="decimal mark, where it was not recognised"),
 )  # fmt: skip

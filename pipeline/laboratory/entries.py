@@ -21,14 +21,21 @@ def begin(document: Document, faults: Faults) -> tuple[Document, None]:
         if not isinstance(listed, list) or not listed:
             continue
         rows: list[Any] = []
+        count = sum(isinstance(entry, dict) and "file" in entry for entry in listed)
         for number, entry in enumerate(listed):
             if isinstance(entry, dict) and isinstance(entry.get("file"), str):
-                rows += _read_tests(entry, f"{key}[{number}]", folder, row_of, faults)
+                found = _read_tests(entry, f"{key}[{number}]", folder, row_of, faults)
+                rows += found if count == 1 else [_name_log(one, entry) for one in found]
             else:
                 rows.append(entry)
         # Without any row all are faulty, which is said already.
         document = document.replaced(key, rows or None)
     return document, None
+
+
+def _name_log(test: dict[str, Any], entry: dict[str, Any]) -> dict[str, Any]:
+    """A test of one log of several, which all begin to count anew."""
+    return test | {k: f"{entry['file']} {test[k]}" for k in ("number", "run") if k in test}
 
 
 def _read_tests(

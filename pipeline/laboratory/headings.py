@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
+from pipeline.laboratory.machines import form_of as form_of
+from pipeline.laboratory.machines import read_form
 from pipeline.laboratory.spreadsheet import may_be_thousands as may_be_thousands
 from pipeline.laboratory.spreadsheet import read_rows as read_rows
 from pipeline.scene.headings import UNITS, Heading, Sheet, is_unit, listed, misfit, usual_unit
@@ -51,6 +55,17 @@ _WORDS = {
         r"(\b(crit|krit)\w*\b.*temp|temp.*\b(crit|krit)\w*\b|grenztemperatur)", r"$^",
     ),
     "hold": (r"(\b(hold|dwell)\b|halte(zeit|dauer))", r"$^"),
+    "number": (
+        r"^((test|versuch|essai|prova|ensayo)( (no|nr|n|number|nummer))?|no|nr|nummer)$", r"$^",
+    ),
+    "oil": (
+        r"^(test )?(oil|öl|oel|lubricants?|lube|schmierstoff|huile|olio|aceite|fluid|grease|fett)"
+        r"( ?(name|code|id|type|sorte))?$", r"$^",
+    ),
+    "run": (
+        r"\b(run|specimen|lauf|prüfling|probe|éprouvette|provino|probeta)\b",
+        r"\b(running|run in|time|speed|length|temp\w*|out)\b",
+    ),
     "outcome": (
         r"(\b(outcome|result|verdict|scuff\w*|seizure|wear|regime|pass|status|résultat|esito|resultado)\b"
         r"|ergebnis|befund|bewertung|urteil|verschlei(ß|ss)(art|form)?$|fresse(r|n)\b)",
@@ -101,15 +116,20 @@ def _words(heading: Heading) -> str:
     return re.sub(r"[\W_\d]+", " ", heading.title.lower()).strip()
 
 
-def tidy(sheet: Sheet) -> None:
-    """Take units from a first row that holds nothing else, and a velocity from a rotation."""
+def tidy(sheet: Sheet, stem: str, given: Mapping[str, Any] | None) -> None:
+    """Take units from a first row that holds nothing else, and a velocity from a rotation.
+
+    Of tests, where quantities may be given, load and velocity are taken from a machine's form.
+    """
     first = sheet.rows[0].cells if sheet.rows else []
     units = [split_heading(f"x [{cell.strip('[]()')}]").unit for cell in first]
     if any(units) and all(is_unit(unit) for unit in units if unit):
         pairs = zip(sheet.headings, units, strict=True)
         sheet.headings = [replace(one, unit=one.unit or unit) for one, unit in pairs]
         del sheet.rows[0]
-    _take_velocity_of_turns(sheet)
+    has_runs = any(is_named(heading, "run") for heading in sheet.headings)
+    if given is None or not read_form(sheet, stem, given, has_runs):
+        _take_velocity_of_turns(sheet)
 
 
 def _take_velocity_of_turns(sheet: Sheet) -> None:
@@ -134,7 +154,7 @@ def _take_velocity_of_turns(sheet: Sheet) -> None:
         fault = f'column "{track.text}" has no unit; name it like "track {which} [mm]"'
         sheet.of_rows.append(fault)
         return
-    sheet.track = k
+    sheet.made_of = {k}
     sheet.headings[turn] = split_heading("velocity")
     for _, cells in sheet.rows:
         at = f" at {which} {cells[k]} {track.unit}" if cells[k] else ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
@@ -17,10 +18,14 @@ from pipeline.scene.headings import UNITS, CellFault, Sheet, listed_faults, read
 from pipeline.scene.units import UnitError, to_si
 from tribo.types import Array
 
-_MILD = "mild ok okay io pass passed bestanden gut good leicht keinfresser buono bon bueno"
+_MILD = (
+    "mild ok okay io pass passed bestanden gut good leicht keinfresser buono bon bueno nonseizure "
+    "lastnonseizure"
+)
 _SEVERE = (
     "severe fresser gefressen fressen scuff scuffed scuffing seizure seized fail failed nio schwer "
-    "grippato grippaggio grippage grippé gripado notok niok"
+    "grippato grippaggio grippage grippé gripado notok niok weld welded welding verschweißt "
+    "incipientseizure immediateseizure initialseizure"
 )
 _NEGATION = re.compile(
     r"^\s*(not|no|non|nicht|keine?r?|sans|pas( de)?|senza|sin|ohne|without)[\s_-]+"
@@ -30,12 +35,6 @@ _MEASURED_WEAR = re.compile(r"brugger|\b(area|scar)\b|fläche|kalotte|narbe", re
 _TRANSITIONS = re.compile(
     r"transition|critical|kritisch|übergang|scuff|fress|seiz|fail|limit|grenz", re.IGNORECASE
 )
-_LUBRICANT = re.compile(
-    r"^((test )?(oil|öl|oel)|lubricants?|lube|schmierstoff|huile|olio|aceite|fluid|grease|fett"
-    r"|(oil|lubricant|öl)[ _]?(name|code|id|type|sorte)?|ölsorte|ölname)$",
-    re.IGNORECASE,
-)
-_SHOWN = 6  # lubricants that are named
 _YES, _NO = "yes ja y j true wahr 1 x", "no nein n false falsch 0"
 
 
@@ -96,7 +95,7 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
     named, words = given.get("columns") or {}, dict[str, str]()
     sheet = read_sheet(
         path, row_of.keys, row_of.needed, named, given.get("decimal"),
-        sheet_name=given.get("sheet"),
+        sheet_name=given.get("sheet"), given=given.get("given") or {},
     )  # fmt: skip
     faults, places = [*sheet.faults], sheet.places
     if faults and sheet.headings and not named:
@@ -106,9 +105,9 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
     tested = [row for row in sheet.rows if not needed or any(row.cells[k] for k in needed)]
     left_out = [row.number for row in sheet.rows if row not in tested]
     sheet.rows = tested
+    faults += sheet.of_rows
     if not tested and not faults:
         faults = [f'{path} has no rows; begin it with a line such as "load [N],velocity [m/s]"']
-    faults += sheet.of_rows
     if "outcome" in places:
         own, title = given.get("words") or {}, sheet.heading("outcome").title
         for word in dict.fromkeys(row.cells[places["outcome"]] for row in tested):
@@ -123,10 +122,7 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
 
 
 def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> list[int]:
-    """Keep the rows asked for, each once; return the numbers of those that stand there twice.
-
-    Rows of several lubricants are a fault unless one of them is asked for.
-    """
+    """Keep the rows asked for, each once; return the numbers of those that stand there twice."""
     heads = [heading.text for heading in sheet.headings]
     for head, value in where.items():
         if head not in heads:
@@ -138,15 +134,6 @@ def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> lis
             listed = ", ".join(filter(None, found))
             faults.append(f'where: no row has "{wanted}" as {head}; give one of {listed}')
         sheet.rows = [row for row in sheet.rows if row.cells[column] == wanted]
-    for column, heading in enumerate(sheet.headings):
-        oils = [*dict.fromkeys(row.cells[column] for row in sheet.rows if row.cells[column])]
-        if len(oils) > 1 and not heading.unit and _LUBRICANT.search(heading.title):
-            faults.append(
-                f'column "{heading.text}" has {", ".join(oils[:_SHOWN])}: the rows are of '
-                f"{len(oils)} lubricants, each with a critical temperature of its own; take one by "
-                f'--where "{heading.text}={oils[0]}", in a scene '
-                f'where = {{ "{heading.text}" = "{oils[0]}" }}'
-            )
     first = dict[tuple[str, ...], int]()
     twice = [
         row.number
@@ -172,6 +159,8 @@ def _hinted(fault: CellFault) -> CellFault:
 _OF_TRACE = ("time", "friction", "load", "velocity", "friction_force")
 _LEAST_ROWS = 20
 _STANDARD_DEVIATIONS = 4.0  # of friction before, below which a rise is scatter
+_STEP_APART = 0.02  # of the highest load, from which on two loads are of two steps
+_LEAST_OF_STEP = 5  # rows
 _LEAST_RISE = 0.2  # of friction before; less is running-in or a warmer film
 
 
@@ -213,28 +202,58 @@ class Trace:
             f"{self.time[self.row]:.4g} s{load}; confirm it in the trace and on the surface"
         )
 
+    @cached_property
+    def steps(self) -> Array | None:
+        """Step of the load of each row [N], if it rises in steps and not all the time."""
+        if self.load is None or not np.isfinite(self.load).all():
+            return None
+        order, number = np.argsort(self.load, kind="stable"), np.empty(len(self.load), int)
+        apart = np.diff(self.load[order], prepend=self.load[order[0]])
+        number[order] = np.cumsum(apart > _STEP_APART * self.load.max())
+        counts = np.bincount(number)
+        if len(counts) < 2 or counts.min() < _LEAST_OF_STEP:
+            return None
+        levels = [float(np.median(self.load[number == k])) for k in range(len(counts))]
+        return np.array(levels)[number]
+
+    def _stages(self) -> Iterator[str]:
+        """Highest step that stayed mild, and the one that turned severe."""
+        steps = self.steps
+        if steps is None:
+            return
+        end = len(steps) if self.row is None else self.row
+        severe = math.inf if self.row is None else steps[self.row]
+        if (mild := steps[:end][steps[:end] < severe]).size:
+            yield f'mild_up_to = "{mild.max():.4g} N"'
+        if self.row is not None:
+            yield f'severe_at = "{severe:.4g} N"'
+
     def toml(self) -> Iterator[str]:
-        """Lines of a scene: a transition, or a test that stayed mild."""
+        """Lines of a scene: a run by its steps, a transition, or a test that stayed mild."""
         end = len(self.time) - 1 if self.row is None else self.row
-        yield "[[tested]]" if self.row is None else "[[measured]]"
+        stages = [*self._stages()]
+        yield "[[tested]]" if self.row is None or stages else "[[measured]]"
+        yield from stages
         for name, unit in (("load", "N"), ("velocity", "m/s")):
             column = getattr(self, name)
+            if stages and name == "load":
+                continue
             if column is None:
                 yield f'{name} = "... {unit}"  # not in the trace'
             else:
                 yield f'{name} = "{column[end]:.4g} {unit}"'
         yield f"friction = {float(np.median(self.friction[: end or None])):.3g}"
-        if self.row is None:
+        if self.row is None and not stages:
             yield 'outcome = "mild"'
 
 
-def read_trace(path: Path) -> Trace | None:
-    """Read a trace of friction over time; None from a file of another kind."""
+def read_trace(path: Path, given: Mapping[str, Any] | None = None) -> Trace | None:
+    """Read a trace of friction over time, with what it does not say; None from another file."""
 
     def is_trace(found: Collection[str]) -> bool:
         return {"time", "friction"} <= {*found} or {"time", "friction_force", "load"} <= {*found}
 
-    sheet = read_sheet(path, _OF_TRACE, (), is_log=is_trace)
+    sheet = read_sheet(path, _OF_TRACE, (), is_log=is_trace, given=given or {})
     if not is_trace(sheet.places) or len(sheet.rows) < _LEAST_ROWS:
         return None
     columns = {}

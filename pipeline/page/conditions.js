@@ -69,11 +69,17 @@ function showControl(control, source) {
 }
 
 /** What conditions make of rises at friction 1: coldest bulk temperature [K], factor of the rise,
- * difference of the bulks over it [K], and limit above which wear is severe [K]. Without friction unequal
- * bulks still warm one body; then their ratio is the largest one kept. @param {Conditions} conditions */
-function heatOf({ friction, bulk_temperature: pin, disk_temperature: disk = pin, critical_temperature }) {
+ * difference of the bulks over it [K], limit above which the contact is hotter than a temperature, and the
+ * one above which wear is severe [K]. Without friction unequal bulks still warm one body; then their ratio
+ * is the largest one kept. @param {Conditions} conditions */
+function heatOf({ friction, bulk_temperature: pin, disk_temperature: disk = pin, ...others }) {
   const [difference, coldest] = [disk - pin, Math.min(pin, disk)];
   const factor = Math.max(friction, Math.abs(difference) / Math.max(...content.bulk_ratios, 1));
-  const room = critical_temperature === null ? NaN : critical_temperature - coldest;
-  return { coldest, factor, ratio: difference && difference / factor, limit: room / factor };
+  const [nodes, factors] = others.strip_friction ? [[0], [1]] : content.friction_by_temperature;
+  const limitOf = (/** @type {number} */ kelvin) => Math.max(
+    ...[kelvin, ...nodes.filter((node) => node > coldest && node < kelvin)]
+      .map((one) => (one - coldest) / factor / linear(nodes, factors, one)),
+  );
+  const limit = others.critical_temperature === null ? NaN : limitOf(others.critical_temperature);
+  return { coldest, factor, ratio: difference && difference / factor, limitOf, limit };
 }

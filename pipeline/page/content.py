@@ -222,7 +222,7 @@ def _point_states(ds: xr.Dataset) -> dict[str, Any]:
     }
 
 
-_LOADS, _VELOCITIES = 45, 121  # of the plane of a page of samples
+_LOADS, _VELOCITIES = 45, 121  # nodes of the plane on a page of samples
 
 
 def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
@@ -324,6 +324,9 @@ def _planes(
         "beside": np.stack([own_rows[below], own_rows[above]], axis=-1).tolist(),
         "measured": _tests(ds, fine_loads, nodes[: own_nodes[-1] + 1], first),
         "friction_factors": conditions.friction_factor(nodes).tolist(),
+        "friction_by_temperature": [
+            *zip(*(conditions.friction_law.by_temperature or ((0.0, 1.0),)), strict=True)
+        ],
         "plane": packed_array(np.concatenate([plane.ravel(), columns.ravel()]), "<f4"),
         "columns": {
             f"{surface} {own_nodes[j]}": state.size + k * fine_loads.size
@@ -393,7 +396,7 @@ def _model_facts(ds: xr.Dataset) -> dict[str, Any]:
 
 
 def record(ds: xr.Dataset, sweep: Sweep) -> dict[str, str]:
-    """Entries of the scene but for its tests, with units, and what computed the sweep."""
+    """Entries of the scene with units, without its tests, and the origin of the sweep."""
     selection, entries = sweep.about.selection, scene_entries(sweep)
     return (
         {k: v for k, v in entries.items() if not k.startswith(("measured", "tested"))}
@@ -440,7 +443,7 @@ _PLACES = np.array([60, 30])  # velocities and loads at least, where there is ro
 _MOST = 400_000  # values of a table, 2 MB of a page
 _FLAT = 0.05  # least exponent of a rise whose crossings are judged
 _FAR = 1e6  # ratio of the velocity of an outermost node to the nearest one of the sweep
-_STEPS, _WIDEST = 241, 7.0  # of the model's error: distances, and the widest by its hyperbolic sine
+_STEPS, _WIDEST = 241, 7.0  # distances of the model's error, and the widest by its hyperbolic sine
 COMPUTED, INTERPOLATED, BETWEEN, EXTRAPOLATED = 1, 2, 3, 4
 """States of nodes. Between loads one row may go on beyond its points where the other has some."""
 _ORIGINS = ("", "computed there", "interpolated", "extrapolated", "extrapolated")  # by state

@@ -112,7 +112,7 @@ function drawnMarks(frame) {
 /** A test has another transition than the boundary that is drawn. @param {Measurement} test */
 function hasOwnConditions({ own, node: [, j] }) {
   const there = { ...chosen.conditions, ...own };
-  const factor = own.at_one_friction ? content.friction_factors[j] : 1;
+  const factor = own.strip_friction ? content.friction_factors[j] : 1;
   return Math.abs((heatOf(there).limit / heatOf(chosen.conditions).limit) * factor - 1) > 0.02;
 }
 

@@ -1,7 +1,7 @@
 "use strict";
 /* How likely the next run is severe at a node: the severe ranges about it, by the model's own error. */
 
-/** Each test at its own conditions: the nearest turn, and ln(measured/computed) if it counts. */
+/** Each test at its own conditions: the nearest turn, ln(measured/computed), and if it is wrong. */
 function judgedTests() {
   return content.measured.map((test) => {
     const [own, [k, j]] = [{ ...chosen.conditions, ...test.own }, test.node];
@@ -11,15 +11,29 @@ function judgedTests() {
     const critical = Math.min(Math.max(expected, Math.min(...from)), Math.max(...to));
     const hot = surfaces().filter((surface) => planeOf(own)[indexOf(surface, k, j)] > limit);
     const isRight = test.outcome && (test.outcome === "severe") === hot.length > surfaces().length / 2;
-    const counts = test.isInside && limit > Math.abs(heatOf(own).ratio) && critical > 0 && !isRight;
-    return { expected, residual: counts ? Math.log(test.velocity / critical) : null };
+    const isKnown = test.isInside && limit > Math.abs(heatOf(own).ratio) && critical > 0;
+    const distance = isKnown ? Math.log(test.velocity / critical) : null;
+    return { expected, distance, isWrong: !isRight, outcome: test.outcome, run: test.run };
+  });
+}
+
+/** Residuals of runs: in the middle of two outcomes, else of the worst test that is wrong. */
+function residuals() {
+  const known = judgedTests().filter(({ distance }) => distance !== null);
+  return [...new Set(known.map((one) => one.run ?? one))].flatMap((key) => {
+    const run = known.filter((one) => (one.run ?? one) === key);
+    const [mild, severe] = ["mild", "severe"].map((outcome) =>
+      run.filter((one) => one.outcome === outcome).map(({ distance }) => distance));
+    if (mild.length && severe.length) return (Math.max(...mild) + Math.min(...severe)) / 2;
+    const wrong = run.filter(({ isWrong }) => isWrong).map(({ distance }) => distance);
+    return wrong.sort((a, b) => Math.abs(b) - Math.abs(a)).slice(0, 1);
   });
 }
 
 /** The model's own error under the present conditions: its distribution, and in words. */
 function modelError() {
   const { distances, below, base, weight, words } = content.model;
-  const all = judgedTests().flatMap(({ residual }) => residual ?? []);
+  const all = residuals();
   const n = all.length;
   const scale = Math.sqrt(base[n] + weight[n] * sum(all.map((one) => one * one)));
   return {

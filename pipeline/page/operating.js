@@ -44,7 +44,7 @@ function marginRows() {
   if (critical === null) return rows;
   const [lowest, likely, highest] = probabilities.map(percent);
   const within = lowest === highest ? "" : ` (${lowest.replace(" %", "")} to ${highest})`;
-  const kelvin = error * quantileOf(rises, 0.5) * heatOf(conditions).factor;
+  const kelvin = temperature(quantileOf(rises, 0.5) * (1 + error)) - temperature(quantileOf(rises, 0.5));
   return [
     ["wear", content.misfit || verdict], ["severe wear is likely by", `${likely}${within}`], ...rows,
     ["its error", Number.isNaN(kelvin) ? "not known" : `± ${shown(kelvin, 2)} K`],

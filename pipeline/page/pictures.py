@@ -21,7 +21,7 @@ POINT = ("realization", "load", "velocity")
 """Dimensions of the points of a page, as far as its sweep has them."""
 _SIDE = 120  # elements along each axis, at most
 _LEVELS = 255
-_COLOURS = "viridis_r", "inferno", "cividis_r"  # of pressure, temperature and wear, as in figures
+_COLOURS = "viridis_r", "inferno", "cividis_r"  # pressure, temperature and wear, as in figures
 
 
 def packed_fields(
@@ -105,7 +105,7 @@ def _block(elements: int) -> int:
 
 
 def _summed(field: Array, block: tuple[int, int]) -> Array:
-    """Sum over blocks, the last of which may be cut short."""
+    """Sum over blocks; the last block may be shorter."""
     starts = [np.arange(0, n, b) for n, b in zip(field.shape, block, strict=True)]
     return np.add.reduceat(np.add.reduceat(field, starts[0], axis=0), starts[1], axis=1)
 

@@ -35,10 +35,15 @@ function kept(key, make) {
   return made;
 }
 
-/** Temperature of a rise at friction 1 [K]. @param {number} rise */
+/** Temperature of a rise at friction 1 [K]: the lowest whose friction gives it. @param {number} rise */
 function temperature(rise) {
-  const { coldest, factor } = heatOf(chosen.conditions);
-  return coldest + factor * rise;
+  const [{ coldest, factor, limitOf }, [, factors]] = [heatOf(chosen.conditions), content.friction_by_temperature];
+  let [low, high] = [coldest, coldest + factor * Math.max(...factors) * rise];
+  for (let n = 0; n < 40 && factors.length > 1; n += 1) {
+    const middle = (low + high) / 2;
+    [low, high] = limitOf(middle) < rise ? [middle, high] : [low, middle];
+  }
+  return high;
 }
 
 /** Fields and course are those of the present bulk temperatures. */

@@ -1,4 +1,4 @@
-"""A report of a sweep for people without the tool: one file of HTML, which a browser prints."""
+"""Report of a sweep for readers without the tool: one HTML file, which a browser prints."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.frames import boundary_parts
 from pipeline.analysis.laboratory import compared, test_parts
-from pipeline.analysis.margins import LONG, counts_in_words, margin
+from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
 from pipeline.analysis.scenes import parts_of, scenes, value_text
 from pipeline.analysis.tables import (
     frame_of,
@@ -52,13 +52,13 @@ from tribo import InputError
 Part: TypeAlias = str | pd.DataFrame | Figure
 """A paragraph, a table or a picture of a section."""
 Sections: TypeAlias = dict[str, Iterable[Part]]
-"""Parts of each section by its heading; those that compute do so as they are read."""
+"""Parts of each section by its heading, computed when they are read."""
 
 _QUESTION = (
     "At which load and sliding velocity does wear of this lubricated contact turn from mild to "
     "severe adhesive wear (scuffing)"
 )
-_MOST_VALUES = 12  # of an entry, that are listed
+_MOST_VALUES = 12  # values of an entry that are listed
 _MODEL = (
     "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law while "
     "the load grows, and heated by friction; after Bosman and de Rooij. A lubricating film that "
@@ -137,7 +137,7 @@ def body_of(ds: xr.Dataset, points: OperatingPoints | None) -> str:
 
 
 def _sections_of_points(ds: xr.Dataset, points: OperatingPoints | None) -> Sections:
-    """Answers of a plane by its boundary, of rows with places of their own by their margins."""
+    """Answers of a plane by its boundary, or of rows by their margins."""
     given = _operating_points(ds, points)
     if dataset.sweep_kind(ds) is dataset.Kind.PLACES:
         return {
@@ -199,11 +199,11 @@ def _question(ds: xr.Dataset) -> Iterator[Part]:
 
 
 def _question_of_rows(ds: xr.Dataset) -> Iterator[Part]:
-    """Question that rows with places of their own answer, and the answer in a sentence."""
+    """Question that rows answer, each at its own place, and the answer in a sentence."""
     table = margin(ds)
     yield (
         "Is wear of this lubricated contact mild, or is it severe adhesive wear (scuffing)? "
-        f"Examined: {len(table)} places, each with a load, a velocity and entries of its own."
+        f"Examined: {len(table)} places, each with its own load, velocity and entries."
     )
     yield judged_by(dataset.read_conditions(scene) for scene in scenes(ds))
     yield f"Answer: {counts_in_words(table)}"

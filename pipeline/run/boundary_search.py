@@ -31,14 +31,14 @@ from pipeline.sweep.severity import rise_limit, worst_rises
 from pipeline.sweep.variants import Variant
 from tribo import InputError, Scene
 
-_EXPONENT = 0.6  # of the rise over velocity, until it is known
-_TREND = -0.8  # of the boundary's velocity over load, until it is known
+_EXPONENT = 0.6  # exponent of the rise over velocity, until it is known
+_TREND = -0.8  # exponent of the boundary's velocity over load, until it is known
 _CURVATURE = 0.5  # κ until it is known
 _LEAST_CURVATURE = 0.2  # known from a few points, it may be less by chance
-_WIDEST = 0.35  # of h
-_NEAR = 0.1  # of h: how near to a node a crossing must be expected to ask beyond it
+_WIDEST = 0.35  # largest h
+_NEAR = 0.1  # share of h: how near to a node a crossing must be expected to ask beyond it
 _FINEST = 12  # halvings of the axis
-_ROUNDING = 1e-5  # of a velocity in round figures, and more
+_ROUNDING = 1e-5  # relative, of a velocity in round figures, and more
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ class BoundarySearch:
     @classmethod
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
         """A search between a sweep's lowest and highest velocity; `InputError` if there is none."""
-        limit, corrections = rise_limit(sweep.conditions), sweep.conditions.corrections
+        limit = rise_limit(sweep.conditions)
         if not math.isfinite(limit):
             raise InputError(
                 "there is no boundary to look for without friction; give friction.coefficient a "
@@ -74,7 +74,7 @@ class BoundarySearch:
             )
         # Friction by velocity bends the rise where its table has a node, which points beside do
         # not tell.
-        if corrections and corrections.friction:
+        if sweep.conditions.has_friction_curve:
             tolerance /= 10
         return cls(sweep.plane.loads, moving[0], moving[-1], limit, tolerance, scale)
 
@@ -227,7 +227,7 @@ def follow_boundary(
     out, workers, client, progress, retry_failed, tell, patience, dashboard, own_laws
         See `pipeline.run_sweep`.
     tolerance : float
-        Relative error of the critical velocity, besides that of the scene's fidelity.
+        Relative error of the critical velocity, in addition to that of the scene's fidelity.
 
     Raises
     ------

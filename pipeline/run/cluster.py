@@ -187,7 +187,7 @@ def client_of(
 
 
 def threads_of(connection: Connection) -> Counter[str]:
-    """Threads of each worker, of which one is waited for; `ExecutionError` if none comes."""
+    """Threads of each worker, once there is one; `ExecutionError` if none comes."""
     client, began = connection.client, time.monotonic()
     patience, is_told = connection.patience, False
     while True:

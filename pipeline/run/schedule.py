@@ -1,4 +1,4 @@
-"""Computes the points of a sweep as tasks of Dask, none of which depends on another.
+"""Computes the points of a sweep as independent tasks of Dask.
 
 A worker with a free place gets a task, so that each has one waiting: the graph depends on no time.
 About once a second each worker is asked for the records that lie there; the writer commits them,
@@ -47,7 +47,7 @@ STARTS = 3
 
 _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 _POLL = 1.0  # [s] between looks at the workers, and at what lies there
-_SOONER = 0.1  # of the time since the beginning between them, until that is more
+_SOONER = 0.1  # share of the time since the beginning that is between them, until that is more
 _WORD = 60.0  # [s] without a task that ends, after which the user is told; then after twice that
 _END = 300.0  # [s] without a worker that computes, after which the sweep is given up
 _KILLED = (
@@ -55,8 +55,8 @@ _KILLED = (
     "out of memory, or killed from outside"
 )
 _TOO_LONG = (
-    "begun on {} workers, each of which left before it was done, after {}: let workers live "
-    "longer, or take a coarser fidelity"
+    "begun on {} workers, and each left before it was done, after {}: let workers live longer, "
+    "or take a coarser fidelity"
 )
 
 
@@ -127,7 +127,7 @@ class _Run:
         self._connection, self._writer, self._reports = connection, writer, reports
         self._label, self._learn, self._waiting = label, learn, HandOut(waiting)
         self._numbers = itertools.count()
-        self._losses: dict[Point, int] = {}  # of suspects, each while it was tried alone
+        self._losses: dict[Point, int] = {}  # losses of each suspect while it was tried alone
         self._workers: Counter[str] = Counter()
         self._began = connection.clock()
         self._looked = -_POLL
@@ -219,7 +219,7 @@ class _Run:
                 self._hand_out_again(task)
 
     def _hand_out_again(self, task: _Running) -> None:
-        """Give a task to another worker, as its own is gone: Dask may leave it waiting."""
+        """Give a task to another worker after its own has gone: Dask may leave it waiting."""
         if task.is_alone:
             return
         self._connection.client.cancel([task.future])
@@ -277,7 +277,7 @@ class _Run:
             self._reports.send_again()
             self._waiting.put_back(task.task)
             return
-        if isinstance(error, ExecutionError):  # of a worker that cannot run this program
+        if isinstance(error, ExecutionError):  # from a worker that cannot run this program
             raise error
         killed = isinstance(error, KilledWorker)
         self._accuse(task, _KILLED if killed else f"{type(error).__name__}: {error}")
@@ -290,7 +290,7 @@ class _Run:
         self._settle(PointRecord(point, None, reason) for point in guilty)
 
     def _is_given_up(self, task: _Running) -> bool:
-        """True of a task whose own worker is gone, and of one that worker after worker leaves."""
+        """True if a task should be given up: its worker is gone, or worker after worker left it."""
         if task.is_alone and task.worker not in self._workers:
             self._accuse(task, _KILLED)
             return True

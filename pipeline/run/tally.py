@@ -51,7 +51,7 @@ class Progress:
 
 
 class Tally:
-    """Counts written points, and tells the time to go by what workers have computed [s]."""
+    """Counts written points, and estimates the remaining time from the work done [s]."""
 
     def __init__(
         self, store: Store, progress: Callable[[Progress], None] | None, began: float
@@ -73,7 +73,7 @@ class Tally:
         self._connection = connection
 
     def learn(self, records: Iterable[PointRecord]) -> None:
-        """Take note of how long points have taken, but of the first of a worker, which starts."""
+        """Record the duration of points, except a worker's first, which includes its start."""
         for record in records:
             if record.data is not None:
                 self._ended += self._looked is not None
@@ -123,7 +123,7 @@ class Tally:
         self._progress(Progress(done, failed, total, elapsed, time_to_go))
 
     def _slowness(self, link: Connection) -> float:
-        """Time of a worker for a second of work [s]; 1 as long as few points tell it."""
+        """Time of a worker for a second of estimated work [s]; 1 until enough points are known."""
         if self._ended < _SEVERAL * link.workers:
             return 1.0
         return max(1.0, self._offered / self._worked)
@@ -156,7 +156,7 @@ _ANSWER = 10.0  # [s] that a worker may take; one that is frozen must not hold u
 
 
 class Reports:
-    """Requests to workers, one at a time to each, and their answers, which are `news`."""
+    """Requests to workers, one at a time each; their answers are `news`."""
 
     def __init__(
         self, connection: Connection, news: threading.Event, run: str, parcel: bytes

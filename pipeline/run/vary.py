@@ -1,4 +1,4 @@
-"""One input at a time: the boundary of a scene, and of others that differ from it in one entry."""
+"""The boundary of a scene, and of scenes that differ from it in one entry."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Variation:
 
 @dataclass(frozen=True, slots=True)
 class Variations:
-    """The boundary of a scene as it is, and with single entries changed."""
+    """The boundary of a scene, unchanged and with single entries changed."""
 
     title: str  #: Title of the scene.
     loads: tuple[float, ...]  #: Normal loads on the whole pin [N].
@@ -139,7 +139,7 @@ def vary(
     preset, overrides, own_laws : optional
         See `pipeline.load_scene`.
     tolerance : float
-        Relative error of the critical velocity, besides that of the scene's fidelity.
+        Relative error of the critical velocity, in addition to that of the scene's fidelity.
     tell : callable, optional
         Called with a line for the user, such as a note if the scene has several values of an
         entry.
@@ -204,7 +204,7 @@ def vary(
 
 def _varied(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Iterable[Sweep]) -> Sweep:
     """The sweep with a table of the scenes, a row each."""
-    words = (f"{key} = {value}" if key else "the scene as it is" for key, value in variations)
+    words = (f"{key} = {value}" if key else "the unchanged scene" for key, value in variations)
     changes: dict[Label, dict[str, Any]] = {
         label: {
             name: value

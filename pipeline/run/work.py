@@ -188,6 +188,6 @@ def _unpacked(run: str) -> tuple[Sweep, bool, Simulated]:
         raise UnsentError(f"a worker does not have the scene; {SAFE}")
     try:
         sweep, with_fields = pickle.loads(_parcels[run])
-    except InputError as error:  # of a law whose text is another one here
+    except InputError as error:  # a law may have another text here
         raise ExecutionError(f"a worker cannot take the scene: {error}; {SAFE}") from error
     return sweep, with_fields, Simulated(sweep)

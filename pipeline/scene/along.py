@@ -30,7 +30,7 @@ CONDITIONS = {
     "bulk_temperature": "temperature.bulk",
     "critical_temperature": "temperature.critical",
 }
-"""Conditions that a row may have of its own, and their entries in a scene."""
+"""Conditions that each row may set, and their entries in a scene."""
 _ROW = Table(
     {
         **_PLACE.keys,
@@ -62,7 +62,7 @@ class Place(NamedTuple):
 class OperatingPoints:
     """Operating points of a table, and its further columns by their headings.
 
-    Conditions are those that a row has of its own: friction, bulk and critical temperature [K].
+    Conditions are those that the row sets: friction, bulk and critical temperature [K].
     """
 
     places: tuple[Place, ...]

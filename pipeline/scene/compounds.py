@@ -1,4 +1,4 @@
-"""Kinds of which a file format is made: lists, ranges and tables of the kinds of single values."""
+"""Kinds of compound values: lists, ranges and tables of single values."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class List(Kind):
     distinct: bool = False
 
     def __str__(self) -> str:
-        return f"a list{f' of {self.length}' if self.length else ''}, each {self.of}"
+        return f"a list of {f'{self.length} ' if self.length else ''}values, each {self.of}"
 
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[Any, ...] | None:
         require(value, list, "is not a list")
@@ -107,11 +107,10 @@ class Range(Kind):
 
 
 class Either(Kind):
-    """One of several kinds: the first, unless `when` has another for it, or it has another's form.
+    """One of several kinds: the first, or the one that `when` or the form of a value names.
 
-    `when` gives the number of a value's kind, or True for the second.
-
-    Of tables a value has the form of that one which has most of the keys that the first lacks.
+    `when` gives the number of a value's kind, or True for the second. A table has the form that
+    shares most of its keys, not counting those of the first form.
     """
 
     def __init__(
@@ -203,7 +202,7 @@ class Shape(NamedTuple):
 
 @dataclass(frozen=True)
 class Distribution(Kind):
-    """A table of one of some forms, the last key of which is ``correlated``; or a list."""
+    """A table of one of several forms, whose last key is ``correlated``; or a list."""
 
     forms: tuple[Table, ...]
     listed: Kind
@@ -236,7 +235,7 @@ class ByPath(Kind):
     keys: str
 
     def __str__(self) -> str:
-        return f"a table with {self.keys}, each with {self.of}"
+        return f"a table whose keys are {self.keys}, each with {self.of}"
 
     def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
         require(value, dict, "is not a table")
@@ -255,7 +254,7 @@ class ByPath(Kind):
 def flat(
     tables: dict[str, Any], above: str = "", ends: Collection[str] = ()
 ) -> Iterator[tuple[str, Any]]:
-    """Paths and values of nested tables; one that is empty or has a key of `ends` is a value."""
+    """Paths and values of nested tables; a table that is empty or has a key of `ends` is one."""
     for key, inner in tables.items():
         path = f"{above}.{key}" if above else key
         if isinstance(inner, dict) and inner and not set(ends) & set(inner):

@@ -1,4 +1,4 @@
-"""Checks between the tables of a scene; a check is left out where one of its entries is faulty."""
+"""Checks between the tables of a scene; a check is skipped if one of its entries is faulty."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import tribo
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.library import library
 from pipeline.scene.parts import DISC, Roughness, track_of
+from pipeline.scene.runs import run_faults
 from pipeline.scene.units import display
 from tribo.simulation.pins import sizes_of
 
@@ -211,16 +212,16 @@ def _condition_faults(sound: Sound) -> Misfits:
     (band,) = sound("friction.band")
     if band and band[0] > band[1]:
         yield "friction.band", f"{quoted(list(band))} falls; give the lower one first"
-    (measured,) = sound("friction.by_velocity")
-    velocities = [entry["velocity"] for entry in measured or ()]
-    if twice := sorted({velocity for velocity in velocities if velocities.count(velocity) > 1}):
-        yield "friction.by_velocity", f"has {twice[0]:g} m/s twice; give each velocity once"
-    coefficient, measured = sound("friction.coefficient", "friction.by_velocity")
-    if measured and coefficient == 0:
-        yield (
-            "friction.coefficient",
-            "0 cannot be scaled by friction.by_velocity; give a typical one, such as 0.1",
-        )
+    for name, unit in (("velocity", "m/s"), ("temperature", "°C")):
+        coefficient, rows = sound("friction.coefficient", f"friction.by_{name}")
+        nodes = [row[name] for row in rows or ()]
+        if twice := sorted({node for node in nodes if nodes.count(node) > 1}):
+            yield f"friction.by_{name}", f"has {display(twice[0], unit)} twice; give each once"
+        if rows and coefficient == 0:
+            yield (
+                "friction.coefficient",
+                f"0 cannot be scaled by friction.by_{name}; give a typical one, such as 0.1",
+            )
 
 
 def _step_faults(sound: Sound, increments: int) -> Misfits:
@@ -250,6 +251,8 @@ def _test_faults(tables: dict[str, Any]) -> Misfits:
                 problem = "needs a measured friction; give it above 0"
                 key = f"{table}[{number}].friction_scatter"
                 yield key, f"{entry['friction_scatter']:g} {problem}"
+    if None not in (tables["tested"] or ()):
+        yield from run_faults(tables["tested"] or ())
 
 
 def _oil_faults(sound: Sound) -> Misfits:

@@ -29,7 +29,7 @@ from tribo.errors import reason_of
 
 _REPLACED = {"count": ("step",), "step": ("count", "spacing")}
 """Keys of a range that are left out where one is given that says the same."""
-_LEVELS = 10  # of tables in tables, more than the format has
+_LEVELS = 10  # depth of tables in tables, more than the format has
 _KEY_PART = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _BARE_KEY = re.compile("[A-Za-z0-9_-]+")
 _LONG_KEY = re.compile(
@@ -67,7 +67,7 @@ class Document(NamedTuple):
         return Document((*self.layers, FileEntries(self.file, tables)))
 
     def replaced(self, key: str, value: Any) -> Document:
-        """The document with another value of a key wherever it stands, or without it if None."""
+        """The document with a key replaced everywhere, or removed if the value is None."""
         new = {} if value is None else {key: value}
         layers = (
             FileEntries(layer.file, {k: v for k, v in layer.entries.items() if k != key} | new)

@@ -11,7 +11,7 @@ from typing import Any
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
 from pipeline.scene.units import display
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.physics import columns_in_closed_form, note_on_turns
+from pipeline.sweep.physics import columns_in_closed_form, note_on_ends, note_on_turns
 from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
 from pipeline.sweep.wear_rates import note_on_wear
@@ -36,7 +36,7 @@ _MATERIAL: dict[str, tuple[Any, ...]] = {
 _USUAL_BULK = 223.15, 523.15  # −50 to 250 °C, where oils are used
 _LONGEST = 1 / 3  # correlation length in sides of the window
 _REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
-_MOST_RISE = 2.0  # of the mean plane over the window, in Rq
+_MOST_RISE = 2.0  # rise of the mean plane over the window, in Rq
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 
 
@@ -148,6 +148,8 @@ def _contact_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
             f"where at most {WIDEST:g} is sound: the bodies are no half-spaces, and a worn pin has "
             "lost its shape"
         )
+    if note := note_on_ends(sweep):
+        yield note
     across = facts.contact_width.low / sweep.scene.pixels.spacing[0]
     fewest = FEWEST_ACROSS if sweep.scene.pin.length is None else FEWEST_ROWS
     if across < fewest:
@@ -200,9 +202,8 @@ def _heat_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
 def _smooth_temperature(sweep: Sweep, load: float, velocity: float, width: float) -> float:
     """Highest temperature of a smooth contact at the end of a point [K], roughly."""
     pin, conditions, speeds = sweep.scene.pin, sweep.conditions, sweep.scene.velocities_at(velocity)
-    bulk = conditions.mean_bulk_temperature
     if not velocity:
-        return bulk
+        return conditions.coldest_bulk_temperature
     along_y = pin.length or math.pi / 4 * width * pin.hertz(1.0, 1e11).aspect
     conducted = sum(
         max(
@@ -214,7 +215,8 @@ def _smooth_temperature(sweep: Sweep, load: float, velocity: float, width: float
     rise = load * velocity / (width * along_y * conducted)  # at friction 1
     columns = columns_in_closed_form(sweep, load, velocity, rise)
     corrections = conditions.corrections or Corrections()
-    return bulk + conditions.friction * float(corrections.applied(columns)["mean_rise"][-1])
+    rise = float(corrections.applied(columns)["mean_rise"][-1])
+    return float(conditions.contact_temperature(rise))
 
 
 def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:

@@ -19,7 +19,7 @@ from pipeline.scene.compounds import (
     Tables,
     fields_of,
 )
-from pipeline.scene.faults import quoted
+from pipeline.scene.faults import did_you_mean, quoted
 from pipeline.scene.kinds import (
     Flag,
     Number,
@@ -63,16 +63,19 @@ CONDUCTIVITY = Quantity("a conductivity", "45 W/(m K)")
 HEAT_TRANSFER = Quantity("a heat transfer coefficient", "50 W/(m^2 K)")
 FRICTION = Number(at_least=0)
 SEED = Whole(at_least=0)
+NAME = Either(Text(), Whole(at_least=0), when=lambda value: isinstance(value, int))
+LATER = "Acts after the simulation."
 
 # fmt: off
 MATERIAL = Table({
     "like": Optional(Text(),
-        "A material of the library, which gives what is not given here.", example="AISI 52100"),
+        "A material of the library, whose values hold where none is given here.",
+        example="AISI 52100"),
     "elastic_modulus": Entry(Quantity("a modulus", "210 GPa"), "Young's modulus."),
     "poisson_ratio": Entry(Number(above=-1, at_most=0.5), "Poisson's ratio."),
     "hardness": Optional(Quantity("a pressure", "6.6 GPa"),
-        'Highest pressure that it bears, or a hardness such as "62 HRC", "750 HV" or "250 HB"; the '
-        "softer body's counts, and a body without one stays elastic.", default=math.inf),
+        'Highest contact pressure, also as "62 HRC", "750 HV" or "250 HB"; the softer body '
+        "decides, and a body without a hardness stays elastic.", default=math.inf),
     "thermal_conductivity": Entry(CONDUCTIVITY, "Thermal conductivity."),
     "density": Entry(Quantity("a density", "7800 kg/m^3"), "Density."),
     "specific_heat": Entry(Quantity("a specific heat", "470 J/(kg K)"), "Specific heat capacity."),
@@ -81,7 +84,7 @@ MATERIAL = Table({
 STEM = Either(
     Table({
         "length": Entry(length("4 mm"), "Length of the rod, of the pin's material."),
-        "area": Entry(Quantity("an area", "13.6 mm^2"), "Its cross section."),
+        "area": Entry(Quantity("an area", "13.6 mm^2"), "Cross section of the rod."),
     }, form="rod"),
     Table({
         "resistance": Entry(Quantity("a thermal resistance", "8 K/W"),
@@ -93,30 +96,29 @@ def _kept_heat(body: str, track: str, example: str) -> dict[str, Optional]:
     """Entries of a body on the heat that stays in it."""
     return {
         "track_length": Optional(length(example),
-            f"Length of the track {track}, on a plate, which earlier turns have warmed; without it "
-            "each turn meets a cold track. It takes effect after the simulation."),
+            f"Length of the track {track}, on a plate; earlier turns have warmed it. Without it "
+            f"each turn meets a cold track. {LATER}"),
         "capacity": Optional(
             Either(Quantity("a heat capacity", "650 J/K"), Table({
                 "diameter": Entry(length("150 mm")),
                 "thickness": Entry(length("10 mm")),
             })),
-            f"Heat that warms all of the {body} behind the track by one kelvin, or its size, of "
-            "its material; `bulk` is then where it starts. It takes effect after the simulation."),
+            f"Heat capacity of the {body} behind the track, or its size; the temperature of the "
+            f"{body} then starts at `bulk`. {LATER}"),
         "loss": Optional(Quantity("a heat loss per kelvin", "2 W/K"),
-            f"Heat that the {body} loses to oil, air and holder for each kelvin above where it "
-            "starts; none by default. It takes effect after the simulation."),
+            f"Heat loss of the {body} to oil, air and holder, for each kelvin above its start; "
+            f"none by default. {LATER}"),
         "diameter": Optional(length("100 mm"),
-            f"Diameter of the {body} as a disc that its turns heat around the rim, and that warms "
-            "as a whole; in place of `track_length`, `capacity` and `loss`. It takes effect after "
-            "the simulation."),
-        "width": Optional(length("20 mm"), "Width of the disc, which it needs."),
-        "bore": Optional(length("30 mm"), "Diameter of the hole of a ring; none by default."),
+            f"Diameter, if the {body} is a disc that conducts as a whole and is heated around its "
+            f"rim; it excludes `track_length`, `capacity` and `loss`. {LATER}"),
+        "width": Optional(length("20 mm"), "Width of the disc; needed with `diameter`."),
+        "bore": Optional(length("30 mm"), "Diameter of its hole, if the disc is a ring."),
         "rim_loss": Optional(HEAT_TRANSFER,
-            "Heat that the rim of the disc loses to oil and air, for each area and kelvin."),
-        "face_loss": Optional(HEAT_TRANSFER, "That of each of its faces."),
+            "Heat loss of the rim to oil and air, for each area and kelvin; none by default."),
+        "face_loss": Optional(HEAT_TRANSFER, "The same for each face; none by default."),
         "shaft_loss": Optional(Quantity("a heat loss per kelvin", "5 W/K"),
-            "Heat that the disc loses to its shaft for each kelvin, at the bore, or evenly over a "
-            "disc without one."),
+            "Heat loss to the shaft for each kelvin, at the bore, or evenly over a disc without a "
+            "bore; none by default."),
     }
 
 
@@ -128,14 +130,13 @@ def _ends_along_y(shape: object) -> bool:
 _ROUND = {
     "shape": Entry(OneOf(tuple(tribo.PINS)), "Shape of the pin."),
     "radius": Entry(length("2 mm"),
-        "Radius in the plane of sliding; of two curved bodies the reduced one."),
+        "Radius in the plane of sliding; for two curved bodies the reduced radius."),
 }
 _OF_PIN = {
-    "material": Entry(Text(), "Name of its material, here or in the library."),
+    "material": Entry(Text(), "Name of the material, in this file or in the library."),
     "stem": Optional(STEM,
         "Rod between the heated end of the pin and a holder at the bulk temperature, or its "
-        "thermal resistance; a half-space without the table. It takes effect after the "
-        "simulation."),
+        f"thermal resistance. Without the table the pin is a half-space. {LATER}"),
     **_kept_heat("pin", "around a pin that rolls", "314 mm"),
 }
 PIN = Either(
@@ -147,9 +148,9 @@ PIN = Either(
     Table({
         **_ROUND,
         "crown_radius": Optional(length("100 mm"),
-            "Radius across sliding of a crowned pin, which it needs."),
+            "Radius across sliding; needed for a crowned pin."),
         **{
-            size: Optional(length("100 mm"), f"Size of a {shape} pin, which it needs.")
+            size: Optional(length("100 mm"), f"Size of a {shape} pin; needed.")
             for shape in tribo.PINS for size in sizes_of(shape)
             if size not in ("radius", "length", "crown_radius")
         },
@@ -159,38 +160,38 @@ PIN = Either(
 )
 
 RANDOM_SURFACE = Table({
-    "ra": Entry(length("0.27 um"), "Mean deviation of the heights from their mean plane, Ra."),
+    "ra": Entry(length("0.27 um"), "Ra, the mean deviation of the heights from their mean plane."),
     "hurst_exponent": Entry(Number(above=0, at_most=1),
-        "Hurst exponent; the nearer to 1, the smoother at short wavelengths."),
+        "Hurst exponent; a larger one is smoother at short wavelengths."),
     "correlation_length": Entry(one_or_two(length("4 um")),
-        "Length beyond which heights no longer depend on each other; two for one along x and one "
-        "along y, as on ground surfaces."),
+        "Length beyond which heights are independent; two values, along x and y, for a ground "
+        "surface."),
     "seed": Optional(SEED,
-        "Seed of the random surface; the same gives the same surface.", default=0),
+        "Seed of the random surface.", default=0),
 }, form="random surface")
 MEASURED_SURFACE = Table({
     "file": Entry(Text(),
-        "Heights of a measured surface, with x along the columns of the file: .npy, text, or the "
-        "file of an instrument (with the extra `surfaces`); relative to the folder of the scene.",
+        "File with the heights of a measured surface, x along its columns: .npy, text, or the "
+        "format of an instrument (extra `surfaces`); relative to the folder of the scene.",
         example="surface.npy"),
     "height_unit": Optional(UnitText("a unit of length", "um"),
-        "Unit of the heights; needed where the file has none, as in .npy and .csv, and used in "
-        "place of a wrong one."),
+        "Unit of the heights; needed if the file has none, as .npy and .csv, and overrides a wrong "
+        "one."),
     "transpose": Optional(Flag(),
-        "Exchange of x and y of the file, with the sides of its pixels.", default=False),
+        "True to exchange x and y of the file, with the sides of its pixels.", default=False),
     "flip": Optional(OneOf(("no", "x", "y", "heights")),
-        "Axis to reverse; or the heights, as of a replica, whose summits were valleys.",
+        "Axis to reverse; or the heights, for a replica.",
         default="no"),
     "crop": Optional(List(Whole(at_least=0), length=2),
-        "First pixel along x and y, counted from 0, of the patch to cut out; without it the "
-        "surface is to have the window's size."),
+        "First pixel of the patch to cut out, along x and y from 0. Without it the surface must "
+        "have the size of the window."),
     "level": Optional(Flag(),
-        "Least-squares plane (tilt) taken off the heights, or not.", default=False),
+        "True to subtract the least-squares plane (tilt).", default=False),
     "missing": Optional(OneOf(("refuse", "fill")),
-        "Places without a height: the file is refused, or the hole filled smoothly from around it.",
+        "Pixels without a height: refuse the file, or fill them smoothly from around.",
         default="refuse"),
     "repeat": Optional(OneOf(("no", "mirror", "tile")),
-        "Filling of a window that is larger than the surface: none, mirrored at each end, or "
+        "How a surface smaller than the window is continued: not, mirrored at each end, or as "
         "tiles.", default="no"),
 }, form="measured surface")
 
@@ -198,38 +199,37 @@ MEASURED_SURFACE = Table({
 def own_law(meaning: str, form: str = "") -> Table:
     """Entries of a law that is code, with its meaning."""
     return Table({
-        "law": Entry(Text(), f"{meaning} Your own is code, which runs only with `--own-laws`."),
-        "parameters": Optional(ByPath(Scalar(), "names"),
-            "Names and values that it is made with, in SI units.", default={}),
+        "law": Entry(Text(), f"{meaning} Your own law is code and runs only with `--own-laws`."),
+        "parameters": Optional(ByPath(Scalar(), "names of parameters"),
+            "Parameters of the law, in SI units.", default={}),
     }, form=form)
 
 
 DISK = Table({
-    "material": Entry(Text(), "Name of its material, here or in the library."),
+    "material": Entry(Text(), "Name of the material, in this file or in the library."),
     **_kept_heat("disk", "under the pin", "340 mm"),
     "film": Optional(Table({
         "thickness": Entry(length("20 nm"), "Thickness of the film."),
         "thermal_conductivity": Entry(Quantity("a conductivity", "2 W/(m K)"),
-            "Its thermal conductivity."),
-    }), "An oxide or tribofilm on the disk, a thermal resistance; none without the table. It takes "
-        "effect after the simulation."),
+            "Thermal conductivity of the film."),
+    }), f"Oxide or tribofilm on the disk, a thermal resistance. {LATER}"),
     "surface": Optional(own_law('Module and name of the surface, such as "laws:dimples".'),
-        "Your own surface instead of a roughness, see [`OWN_LAWS.md`](OWN_LAWS.md)."),
+        "Your own surface, if `roughness` does not describe it; see [`OWN_LAWS.md`](OWN_LAWS.md)."),
     "roughness": Optional(Either(RANDOM_SURFACE, MEASURED_SURFACE),
-        "Its surface: random, or measured; smooth without the table."),
+        "Surface of the disk, random or measured; smooth without the table."),
 })
 
 WINDOW = Table({
     "pixels": Entry(List(Whole(at_least=1, at_most=100_000), length=2),
         "Number of pixels along x and y."),
     "pixel_size": Entry(List(length("0.95 um"), length=2),
-        "Sides of a pixel along x and y; with a measured surface, its pixel size."),
+        "Sides of a pixel along x and y; for a measured surface, those of its pixels."),
     "periodic_y": Optional(Flag(),
-        "Patch repeated along y, or not; by default for a cylinder alone."),
+        "True if the patch repeats along y; by default only for a cylinder."),
 })
 
 _REFERENCE_LOAD = (
-    "Load that the ramp reaches in `fidelity.increments` steps; of a record, by default its peak."
+    "Load that is reached in `fidelity.increments` steps; by default the peak of a record."
 )
 LOADING = Either(
     Table({
@@ -237,27 +237,27 @@ LOADING = Either(
             "Rate at which the load grows from 0."),
         "reference_load": Entry(Quantity("a load", "750 N"), _REFERENCE_LOAD),
         "hold": Optional(DURATION,
-            "Time for which each load is held once it is reached, in steps that grow.",
+            "Time for which each load is held after the ramp, in growing steps.",
             default=0.0),
     }, form="ramp"),
     Table({
         "file": Entry(Text(),
-            "Record of the load, .csv with the columns `time [s]` and `load [N]`; relative to the "
+            "Recorded load, a CSV file with the columns `time [s]` and `load [N]`; relative to the "
             "folder of the scene.", example="load.csv"),
         "reference_load": Optional(Quantity("a load", "750 N"), _REFERENCE_LOAD),
         "fit": Optional(Flag(),
-            "A straight line through the record in its place, or not.", default=False),
+            "True to replace the record by a straight line through it.", default=False),
     }, form="record"),
 )
 
 MOTION = Table({
     "slide_roll_ratio": Optional(Number(),
-        "Sliding velocity divided by the mean velocity of both surfaces; negative where the pin is "
-        "the faster body."),
+        "Sliding velocity over the mean velocity of both surfaces; negative if the pin is the "
+        "faster body."),
     "entrainment_velocity": Optional(Quantity("a velocity", "3 m/s", zero=True),
-        "Mean velocity of both surfaces, the same at every sliding velocity."),
+        "Mean velocity of both surfaces, at all sliding velocities."),
     "track_length": Optional(length("314 mm"),
-        "Length of the pin's track, over which its wear spreads; by default that of `[pin]`, or "
+        "Length over which the wear of the pin spreads; by default the pin's `track_length`, or "
         "the circumference of its radius."),
 })
 
@@ -270,7 +270,7 @@ def _law_form(name: str) -> Table:
     law: Any = tribo.LAWS[name]
     meanings = {key: entry.meaning for key, entry in fields_of(law).items()}
     entries: dict[str, Entry] = {
-        "law": Entry(OneOf((name,)), "Name of a law that ships."),
+        "law": Entry(OneOf(tuple(tribo.LAWS)), "Name of a law that ships."),
     }
     for one in fields(law):
         if one.name == "pattern":
@@ -282,47 +282,51 @@ def _law_form(name: str) -> Table:
 
 def _wear_form(table: Any) -> int:
     """Place of the form that a table of wear has."""
-    law = table.get("law") if isinstance(table, dict) else None
-    return 2 + [*tribo.LAWS].index(law) if law in [*tribo.LAWS] else int(law is not None)
+    law, laws = (table.get("law") if isinstance(table, dict) else None), [*tribo.LAWS]
+    if law in laws:
+        return 2 + laws.index(law)
+    near = [one for one in laws if isinstance(law, str) and did_you_mean(law, [one])]
+    return 2 + laws.index(near[0]) if near else int(law is not None)
 
 
 WEAR = Either(
     Table({
         "specific_wear_rate": Entry(ANY_WEAR_RATE, "Worn volume per load and sliding distance."),
         "pattern": Entry(WEAR_PATTERN,
-            'Wear of the pin: "swept" by the mean pressure along y, or over positions of the disk '
-            'where y is free, since the roughness moves past it; "local" each element by its own '
-            "pressure."),
+            'How the pin wears. "swept": by the pressure averaged along y, as the roughness moves '
+            'past; over positions of the disk if y is not periodic. "local": each element by its '
+            "own pressure."),
         "by_temperature": Optional(List(Table({
             "temperature": Entry(TEMPERATURE, "Bulk temperature."),
-            "specific_wear_rate": Entry(WEAR_RATE, "Specific wear rate there."),
-        })), "Wear rates at bulk temperatures, where they are known: an answer at another `bulk` "
-             "than that of `specific_wear_rate` says so.", default=()),
-    }, form="Archard's wear"),
+            "specific_wear_rate": Entry(WEAR_RATE, "Specific wear rate."),
+        })), "Wear rates known at several bulk temperatures. An answer at a `bulk` with another "
+             "rate says so.", default=()),
+    }, form="Archard"),
     own_law(
-        f"Name of a law by the distance slid, {', '.join(map(quoted, tribo.LAWS))}; or module and "
-        'name of your own, such as "laws:Fading".', form="own law",
+        f"Wear law by sliding distance: {', '.join(map(quoted, tribo.LAWS))}, or module and name "
+        'of your own, such as "laws:Fading".', form="own law",
     ),
     *map(_law_form, tribo.LAWS),
     when=_wear_form,
 )
 
 OIL = Table({
-    "like": Optional(Text(), "An oil of the library, which gives what is not given here.",
+    "like": Optional(Text(),
+        "An oil of the library, whose values hold where none is given here.",
         example="medicinal white oil"),
     "temperatures": Optional(List(TEMPERATURE, length=2),
-        "Two temperatures at which its viscosity is known.",
+        "Two temperatures at which the viscosity is known.",
         default=(313.15, 373.15), example=["40 degC", "100 degC"]),
     "kinematic_viscosity": Optional(List(Quantity("a kinematic viscosity", "32 mm^2/s"), length=2),
-        "Kinematic viscosity at both; this or the dynamic one.",
+        "Kinematic viscosity at both temperatures; give this or the dynamic one.",
         example=["95 mm^2/s", "10.7 mm^2/s"]),
     "dynamic_viscosity": Optional(List(Quantity("a viscosity", "28 mPa s"), length=2),
-        "Dynamic viscosity at both.", example=["83 mPa s", "8.9 mPa s"]),
+        "Dynamic viscosity at both temperatures.", example=["83 mPa s", "8.9 mPa s"]),
     "density": Optional(Quantity("a density", "866 kg/m^3"),
         "Density; needed with a kinematic viscosity."),
     "pressure_viscosity_coefficient": Optional(
         one_or_two(Quantity("a pressure coefficient", "20 1/GPa")),
-        "Pressure–viscosity coefficient, one, or one at each of both temperatures; without it no "
+        "Pressure–viscosity coefficient, one for both temperatures or one for each. Without it no "
         "film is predicted."),
 })
 
@@ -331,41 +335,47 @@ FRICTION_TABLE = Table({
     "band": Optional(List(FRICTION, length=2),
         "Lowest and highest coefficient, drawn as a band in the diagram."),
     "same_rig": Optional(Flag(),
-        "Friction that tests have measured is that of the scene, which `irg infer` learns from it; "
-        "false where the scene is another machine than the rig.", default=True),
+        "True if tests and scene have the same friction, so that `irg infer` learns from the "
+        "tests; false if the scene is another machine than the rig.", default=True),
     "by_velocity": Optional(List(Table({
         "velocity": Entry(SPEED, "Sliding velocity."),
-        "coefficient": Entry(FRICTION, "Coefficient of friction there."),
-    })), "Friction at sliding velocities, smooth in between and constant beyond them; another "
-         "coefficient scales it. It takes effect after the simulation.", default=()),
+        "coefficient": Entry(FRICTION, "Coefficient of friction."),
+    })), "Friction by sliding velocity, smooth between the given values and constant beyond them. "
+         f"Another coefficient scales it. {LATER}", default=()),
+    "by_temperature": Optional(List(Table({
+        "temperature": Entry(TEMPERATURE, "Temperature of the contact."),
+        "coefficient": Entry(Number(above=0), "Coefficient of friction."),
+    })), "Friction by the temperature of the contact, in each of its parts; linear between the "
+         "given values and constant beyond them. Its factor on the coefficient multiplies that of "
+         f"the velocity. {LATER}", default=()),
 })
 
 TEMPERATURES = Table({
     "bulk": Entry(Either(BULK, Table({
         "pin": Entry(BULK, "Temperature of the pin."),
         "disk": Entry(BULK, "Temperature of the disk."),
-    })), "Temperature far from the contact: of both bodies, or of `pin` and `disk`."),
+    })), "Temperature far from the contact, of both bodies, or of `pin` and `disk`."),
     "critical": Optional(CRITICAL,
-        "Contact temperature above which the lubricant fails; needed where wear is judged."),
+        "Contact temperature above which the lubricant fails; needed to judge wear."),
     "failing_share": Optional(Share(at_least=0, below=1),
-        "Share of the contact area above the critical temperature beyond which wear is severe; 0 "
-        "for the highest temperature alone.", default=0.1),
+        "Wear is severe if a larger share of the contact area is above the critical temperature; "
+        "0 if the highest temperature decides.", default=0.1),
     "criterion": Optional(
         Either(OneOf(tuple(tribo.CRITERIA)), Text(), when=lambda word: ":" in str(word)),
-        "Temperature that decides: the one that the failing share of the contact area exceeds, the "
-        "highest, or the mean of the contact; or a [criterion of your own](OWN_LAWS.md), such as "
+        "Deciding temperature: the one exceeded on the failing share of the contact, the highest, "
+        "or the mean; or [your own criterion](OWN_LAWS.md), such as "
         '"laws:hottest_tenth", which runs only with `--own-laws`.', default="share"),
 })
 
 MODEL = Table({
     "scatter": Optional(Share(at_least=0, below=1),
-        "Relative scatter of the velocity of a run about the model, which four tests count as much "
-        "as; 0 for none.", default=0.1),
+        "Relative scatter of measured velocities about the model. It weighs as much as four tests; "
+        "0 for none.", default=0.1),
 })
 
 FIDELITY = Table({
     "preset": Optional(OneOf(tuple(tribo.PRESETS)),
-        'Preset to begin with: "draft" is the fastest, "reference" the best.',
+        'Preset, from "draft", the fastest, to "reference", the most accurate.',
         default=USUAL_PRESET),
     **fields_of(tribo.Fidelity),
 })
@@ -373,40 +383,38 @@ FIDELITY = Table({
 SWEEP = Table({
     "loads": Entry(Either(List(LOAD, distinct=True), Range(LOAD)), "Normal loads."),
     "velocities": Entry(Either(List(VELOCITY, distinct=True), Range(VELOCITY)),
-        'Sliding velocities; `count` with `spacing = "log"` makes their ratios equal.'),
+        'Sliding velocities; `count` with `spacing = "log"` gives equal ratios.'),
     "realizations": Optional(
         Either(Whole(at_least=1, at_most=MOST_SCENES), List(SEED, distinct=True)),
-        "Random surfaces to compute it all on: a number of them from the seed on, or a list of "
-        "seeds."),
+        "Random surfaces: their number, counted from the seed on, or a list of seeds."),
     "samples": Optional(Whole(at_least=1, at_most=MOST_SAMPLES),
-        "Number of samples drawn of the `unknown` inputs, each at a velocity of its own; fewer are "
-        "drawn where more would share their contacts, as `irg check` says."),
+        "Number of samples of the `unknown` inputs, each at its own velocity. `irg check` says if "
+        "fewer are drawn because more would share their contacts."),
     "sample_seed": Optional(SEED, "Seed of the samples.", default=0),
-    "over": Optional(ByPath(List(Scalar(), distinct=True), "the paths of others"),
-        'Values of entries by their paths, such as `over = { "pin.radius" = ["1 mm", "2 mm"] }`: '
-        "all is computed for each value, and for every combination of several entries.",
+    "over": Optional(ByPath(List(Scalar(), distinct=True), "paths of other entries"),
+        'Entries with several values, such as `over = { "pin.radius" = ["1 mm", "2 mm"] }`. The '
+        "plane is computed for each combination of values.",
         default={}),
-    "along": Optional(Either(Text(), List(ByPath(Scalar(), "the paths of others"))),
-        "Pairs: a CSV file, or a list of tables, such as "
-        '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. Each row has a place '
-        "of its own, and values of entries by their paths, of which `friction`, `bulk temperature` "
-        "and `critical temperature` are known by these words, too; `irg margin STORE` gives the "
-        "verdict and the margin of each. Other columns are labels."),
+    "along": Optional(Either(Text(), List(ByPath(Scalar(), "paths of other entries"))),
+        "Rows, each with its own load and velocity: a CSV file, or a list of tables, such as "
+        '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. A column is an entry, '
+        "by its path or as `friction`, `bulk temperature` or `critical temperature`; other columns "
+        "are labels. `irg margin STORE` gives the verdict on each row."),
     "around": Optional(Whole(at_least=3, at_most=99),
-        "Velocities and loads about each row of `along`, from half to twice its own, so that "
-        "margins have factors."),
+        "Number of velocities and loads around each row of `along`, from half to twice its own, so "
+        "that margins have factors."),
     "fields": Optional(Flag(),
-        "Pressure, temperature rise and wear depth over the window stored, or not.",
+        "True to store pressure, temperature rise and wear depth over the window.",
         default=False),
     "steps": Optional(OneOf(("course", "end")),
-        'Steps of a point that are stored. "course": each; increments of the ramp on the grid of '
-        'the history. "end": those that can decide, which are the moment when the load is reached, '
-        'the ends of a hold, and the hold of each test. By default "course" for what wears on a '
-        'ramp without a hold and has contacts of its own, else "end".'),
+        'Steps to store. "course": all; increments of the ramp are on the grid of the history. '
+        '"end": those that can decide, which are the end of the ramp, the end of a hold, and the '
+        'hold of each test. By default "course" for a ramp with wear, without a hold and with '
+        'contacts of its own, else "end".'),
 })
 
 CORRELATED = {
-    "correlated": Optional(ByPath(Number(above=-1, below=1), "the paths of others"), default={}),
+    "correlated": Optional(ByPath(Number(above=-1, below=1), "paths of other inputs"), default={}),
 }
 UNKNOWN = ByPath(Distribution(
     forms=(
@@ -416,102 +424,124 @@ UNKNOWN = ByPath(Distribution(
         Table({"from": Entry(Scalar()), "to": Entry(Scalar()), **CORRELATED}, "uniform"),
     ),
     listed=List(Scalar(), distinct=True),  # each as likely
-), "the paths of entries")
+), "paths of entries")
 
 OUTCOMES = ("mild", "severe")
+_LOAD = "Normal load on the pin."
+_VELOCITY = "Sliding velocity."
 _TEST = {
-    "load": Entry(LOAD, "Normal load on the pin there."),
+    "load": Entry(LOAD, _LOAD),
     "load_scatter": Optional(Quantity("a load", "10 N"),
-        "Standard deviation of the load in repeated tests, which `irg infer` of samples counts "
-        "with; none by default."),
-    "velocity": Entry(VELOCITY, "Sliding velocity there."),
+        "Standard deviation of the load in repeated tests, for `irg infer` with samples; none by "
+        "default."),
+    "velocity": Entry(VELOCITY, _VELOCITY),
     "velocity_scatter": Optional(Quantity("a velocity", "0.1 m/s"),
-        "Standard deviation of the velocity; by default what `--scatter` gives, 5 % of the "
-        "velocity."),
+        "Standard deviation of the velocity; by default `--scatter`, 5 % of the velocity."),
     "friction": Optional(FRICTION,
-        "Coefficient of friction measured there; by default the scene's."),
+        "Measured coefficient of friction; by default the scene's."),
     "friction_scatter": Optional(Number(above=0),
         "Standard deviation of the measured friction; none by default."),
     "bulk_temperature": Optional(BULK,
-        "Bulk temperature of both bodies there; by default the scene's."),
-    "hold": Optional(DURATION, "Duration at the full load; by default that of `[loading]`."),
+        "Bulk temperature of both bodies; by default the scene's."),
+    "hold": Optional(DURATION, "Time at the full load; by default that of `[loading]`."),
+    "number": Optional(NAME,
+        "Number or name of the test in answers; by default its place in the file, or its row in a "
+        "log."),
+    "oil": Optional(NAME,
+        "Oil of the test, where those of one rig are compared; by default the scene's."),
 }
 TRANSITION = Table(_TEST, form="entries")
+_RUN = {
+    "run": Optional(NAME,
+        "Run of the test. Tests of one run have one specimen, such as the stages of a load-stage "
+        "test, and count as one; by default each test is a run."),
+}
 TEST = Table({
-    **_TEST,
-    "outcome": Entry(OneOf(OUTCOMES), "Outcome of the test, at the end of its hold."),
+    **_TEST, **_RUN,
+    "outcome": Entry(OneOf(OUTCOMES), "Outcome at the end of the hold."),
 }, form="entries")
+STAGES = Table({
+    **_TEST, **_RUN,
+    "load": Optional(LOAD, _LOAD),
+    "velocity": Optional(VELOCITY, _VELOCITY),
+    "mild_up_to": Optional(Scalar(),
+        "Highest mild stage of a run, instead of the outcome: a load if `velocity` is given, a "
+        "velocity if `load` is; alone if the last stage was mild.",
+        example="400 N"),
+    "severe_at": Optional(Scalar(),
+        "Severe stage of a run; alone if it was the first stage.", example="450 N"),
+}, form="run by stages")
 LOG = Table({
     "file": Entry(Text(),
-        "Log as CSV or Excel in place of the entries: a row for each test, and columns such as "
-        "`load [N]`; beside the scene. `irg tests LOG` prints these lines."),
+        "Log with a row for each test, CSV or Excel, with columns such as `load [N]`; relative to "
+        "the folder of the scene. `irg tests LOG` prints these lines."),
     "columns": Optional(ByPath(Text(), "entries of a test"),
-        "Heading of the column for an entry, where it is not found by its own words.",
+        "Heading of the column of an entry, if it is not recognized.",
         example={"load": "Kraft / N"}),
     "words": Optional(ByPath(OneOf(OUTCOMES), "words of the log"),
-        "What a word of the log means as an outcome.", example={"Fresser": "severe"}),
+        "Outcome that a word of the log means.", example={"Fresser": "severe"}),
     "where": Optional(ByPath(Scalar(), "headings of the log"),
-        "Rows to take: those with this value below a heading, such as the name of one oil.",
+        "Rows to take: those with this value in a column, such as the name of one oil.",
         example={"oil": "FVA 3"}),
-    "sheet": Optional(Text(), "Sheet of a workbook; its first one by default."),
+    "given": Optional(ByPath(Scalar(), "quantities"),
+        "Quantities that the log does not say, the same in each row.",
+        example={"stroke": "1 mm"}),
+    "sheet": Optional(Text(), "Sheet of a workbook; by default the first."),
     "decimal": Optional(OneOf((".", ",")),
-        "Mark of decimals; by default a comma in a file with semicolons or tabs that has any."),
+        "Decimal mark; by default a comma if the file has semicolons or tabs and any comma."),
 }, form="log")
 
 FORMAT = Table({
     "extends": Optional(Text(),
-        "Another scene file whose entries hold where this one gives none; relative to the folder "
-        "of this one.", example="other.toml"),
+        "Another scene, whose entries hold where this file gives none: a shipped name, or a path "
+        "relative to this file.", example="other.toml"),
     "without": Optional(List(Text(), distinct=True),
-        'Key paths of entries of the other scene to leave out, such as ["wear", "friction.band"].',
+        'Paths of entries not to take from the other scene, such as ["wear", "friction.band"].',
         example=["wear", "friction.band"]),
     "title": Optional(Text(), "Title of figures and summaries; by default the name of the file."),
     "materials": Optional(Tables(MATERIAL),
-        "A material, under a name of your choice by which `[pin]` and `[disk]` call it. Not needed "
-        "for those of the [library](../pipeline/scene/library.toml)."),
+        "A material, whose NAME `[pin]` and `[disk]` use. Materials of the "
+        "[library](../pipeline/scene/library.toml) need no table."),
     "pin": Entry(PIN,
-        "The body that is loaded and that wears: a cylinder across the sliding direction, a ball, "
-        "or a roller with a crown."),
+        "The loaded body, which wears: a cylinder across the sliding direction, a ball, or a "
+        "crowned roller."),
     "disk": Entry(DISK, "The body that slides under the pin."),
     "window": Entry(WINDOW,
-        "The patch of the contact that is simulated: x along sliding, y along the cylinder's "
-        "axis."),
+        "The simulated patch of the contact, x along sliding and y across."),
     "loading": Entry(LOADING, "Growth of the load: a ramp, or a recorded load."),
     "motion": Optional(MOTION,
-        "Motion of both bodies; without it the pin is at rest. Give one of `slide_roll_ratio` and "
-        "`entrainment_velocity`."),
+        "Motion of both bodies: give `slide_roll_ratio` or `entrainment_velocity`. Without the "
+        "table the pin is at rest."),
     "wear": Optional(WEAR,
-        "Archard's wear of the pin, a law by the distance slid, or [one of your own](OWN_LAWS.md); "
-        "no wear without the table."),
+        "Wear of the pin: Archard's law, a rate by sliding distance, or [your own "
+        "law](OWN_LAWS.md). Without the table there is no wear."),
     "oil": Optional(OIL,
-        "The lubricant, which says only which crossings lie in boundary lubrication. In place of "
-        'the table `oil = "NAME"` takes one of the [library](../pipeline/scene/library.toml).'),
+        "The lubricant, used only to say which transitions lie in boundary lubrication. "
+        '`oil = "NAME"` takes an oil of the [library](../pipeline/scene/library.toml).'),
     "friction": Entry(FRICTION_TABLE,
-        "Friction, by which the temperature rises. It takes effect after the simulation: `irg "
-        "boundary --friction` changes it at no cost."),
+        f"Friction, to which the temperature rise is proportional. {LATER} `--friction` changes "
+        "it."),
     "temperature": Entry(TEMPERATURES,
-        "Temperatures that decide about wear. They take effect after the simulation, as friction "
-        "does."),
+        "Temperatures that decide whether wear is severe. They act after the simulation."),
     "model": Optional(MODEL,
-        "What is known of the model's own error."),
+        "Error of the model itself."),
     "fidelity": Optional(FIDELITY,
-        "Numerical choices: a preset, and single choices in place of its own; the preset "
-        '"standard" without the table.'),
+        'Numerical choices: a preset, and choices that replace its own. Without the table the '
+        'preset is "standard".'),
     "sweep": Entry(SWEEP, "The points of the load–velocity plane to compute."),
     "unknown": Optional(UNKNOWN,
-        "Inputs that are not known exactly, by the paths of their entries: normal by mean and "
-        "standard deviation, log-normal by median and the factor within which two thirds lie, "
-        "uniform between two values, or a list of values that are as likely. An entry that "
-        "`--set` gives, or a scene that extends this one, is fixed at that value. `correlated` in "
-        "a table gives others by their paths, each with its correlation: that of the normal "
-        "scores, which are the values of a normal input and the logarithms of a log-normal one.",
+        "Inputs that are not known exactly, by their paths. A table is normal (mean and standard "
+        "deviation), log-normal (median, and the factor within which two thirds lie) or uniform; a "
+        "list has equally likely values. `--set`, or an entry of a scene that extends this one, "
+        "fixes an input. `correlated` gives correlations with other inputs, between normal scores: "
+        "values of normal inputs, logarithms of log-normal ones.",
         example={"temperature.critical": {"mean": "145 degC", "sd": "8 K"}}),
     "measured": Optional(List(Either(TRANSITION, LOG)),
-        "Transitions that were measured, each a table `[[measured]]`: drawn in the diagram, and "
-        "what `irg infer` goes by.", default=()),
-    "tested": Optional(List(Either(TEST, LOG)),
-        "Tests that stayed mild or turned severe, each a table `[[tested]]`, or rows of a log in "
-        "CSV; what `irg infer` of samples goes by, too.", default=()),
+        "Measured transitions, a table for each: for the diagram, for `irg infer`, and for the "
+        "model's own error.", default=()),
+    "tested": Optional(List(Either(TEST, LOG, STAGES)),
+        "Tests that stayed mild or turned severe: a table for each, a run by its stages, or a log; "
+        "for `irg infer` with samples, and for the model's own error.", default=()),
 })
 SCENE = Entry(FORMAT, "The file itself, above its first table.")
 # fmt: on

@@ -181,21 +181,21 @@ class Sheet:
     headings: list[Heading]
     rows: list[Row]
     places: dict[str, int]  # column of each quantity that was found
-    faults: list[str]  # of columns
+    faults: list[str]  # those of columns
     of_rows: list[str] = field(default_factory=list)  # faults of rows
     decimal: str = "."
     form: list[str] = field(default_factory=list)  # words on how the file was read
-    track: int | None = None  # column of the track, of which velocities were made
+    made_of: set[int] = field(default_factory=set)  # columns of which others were made
 
     @property
     def others(self) -> list[int]:
         """Columns of no wanted quantity."""
-        used = (*self.places.values(), self.track)
+        used = {*self.places.values(), *self.made_of}
         return [k for k in range(len(self.headings)) if k not in used]
 
     @property
     def sheet_notes(self) -> str:
-        """Words on the sheet that was read, and on the workbook's others; empty if it has none."""
+        """Note on the sheet that was read, and on the other sheets; empty if there are none."""
         return next((words for words in self.form if "(not read: " in words), "")
 
     def heading(self, name: str) -> Heading:
@@ -228,6 +228,8 @@ class Sheet:
                 table[name] = as_entry(cell, self.headings[place].unit)
                 if doubt := self.doubt(cell):
                     wrong.note(name, doubt)
+            if "number" in row_of.keys:
+                table.setdefault("number", f"row {row.number}")
             values = row_of.read(table, "", wrong)
             if not wrong:
                 tables.append(table)
@@ -278,14 +280,20 @@ def read_sheet(
     decimal: str | None = None,
     is_log: Callable[[Collection[str]], bool] = {"load", "velocity"}.issubset,
     sheet_name: str | None = None,
+    given: Mapping[str, Any] | None = None,
 ) -> Sheet:
-    """Read the rows of a file below headings; for the arguments see `columns_for`."""
+    """Read the rows of a file below headings; for the arguments see `columns_for`.
+
+    Where quantities are given, if only none, the rows are tests, perhaps in the form of a machine.
+    """
 
     def is_heading(cells: list[str]) -> bool:
-        places, faults = columns_for([*map(heading_of, cells)], wanted, named)
-        return is_log(places) and not (named and faults)
+        headings = [*map(heading_of, cells)]
+        places, faults = columns_for(headings, wanted, named)
+        is_form = given is not None and laboratory.form_of(headings) is not None
+        return is_form or (is_log(places) and not (named and faults))
 
-    needs_more = decimal or sheet_name or path.suffix.lower() != ".csv"
+    needs_more = decimal or sheet_name or given is not None or path.suffix.lower() != ".csv"
     laboratory = extras.module("laboratory", "headings") if needs_more else _laboratory()
     if laboratory:
         read = laboratory.read_rows(path, is_heading, decimal, sheet_name)
@@ -294,7 +302,7 @@ def read_sheet(
     headings = [*map(heading_of, read.heads)]
     sheet = Sheet(headings, [*read.rows], {}, [], [*read.faults], read.decimal, read.form)
     if laboratory:
-        laboratory.tidy(sheet)
+        laboratory.tidy(sheet, path.stem, given)
     return _placed_columns(sheet, wanted, needed, named)
 
 
@@ -349,7 +357,7 @@ def _placed_columns(
     needed: Collection[str],
     named: Mapping[str, str] | None = None,
 ) -> Sheet:
-    """The sheet with the columns for wanted quantities, of which some are needed."""
+    """The sheet that has columns for the wanted quantities; some of them are needed."""
     places, faults = columns_for(sheet.headings, wanted, named)
     missing = [name for name in needed if name not in places]
     if missing and sheet.headings and not faults:

@@ -14,7 +14,7 @@ from tribo import InputError
 from tribo.errors import hint_of_row, reason_of, require_file, require_positive, shortened
 from tribo.types import Array
 
-_MOST_HEIGHTS = 10**8  # of a surface; 0.8 GB
+_MOST_HEIGHTS = 10**8  # heights of a surface; 0.8 GB
 
 
 def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = False) -> Array:

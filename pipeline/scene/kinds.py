@@ -13,8 +13,8 @@ from pipeline.scene.units import RANGES, UnitError, exact_si, share_of, si_unit,
 from tribo import InputError
 from tribo.loading.ramp import MOST_STEPS
 
-_SMALLEST, _LARGEST = 1e-15, 1e15  # of a number without a unit
-_MOST = 2**63 - 1  # of a whole number, as a store keeps it
+_SMALLEST, _LARGEST = 1e-15, 1e15  # bounds of a number without a unit
+_MOST = 2**63 - 1  # largest whole number that a store keeps
 
 
 class UnfitError(Exception):
@@ -174,7 +174,7 @@ class Quantity(Kind):
     name: str
     example: str
     zero: bool = False
-    ends: tuple[str, str] | None = None  # of its values, where not those of all of its unit
+    ends: tuple[str, str] | None = None  # bounds of its own, if not of its unit
 
     def __str__(self) -> str:
         limit = "of at least 0" if self.zero else "above 0"

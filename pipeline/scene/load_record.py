@@ -12,7 +12,7 @@ from tribo import InputError, MeasuredLoad
 from tribo.errors import hint_of_row, reason_of, require_file, shortened
 from tribo.loading.record import fault
 
-_MOST_ROWS = 1_000_000  # of a file
+_MOST_ROWS = 1_000_000  # in a file
 _UNITS = {"time": {"s": 1.0, "ms": 1e-3, "min": 60.0}, "load": {"N": 1.0, "kN": 1e3, "mN": 1e-3}}
 
 

@@ -107,9 +107,10 @@ def _axis(path: str, values: tuple[Any, ...]) -> Column:
 
 
 def scale_friction(scene: Sweep, sweep: Sweep, changed: Container[str]) -> Sweep:
-    """A scene with entries of a sweep changed: its friction coefficient scales that by velocity.
+    """A scene with entries of a sweep changed: its friction coefficient scales its curves.
 
-    In a file `friction.by_velocity` is the friction itself, and the coefficient a typical one.
+    In a file `friction.by_velocity` and `by_temperature` are the friction itself, and the
+    coefficient a typical one.
     """
     present, own = scene.conditions.corrections, sweep.conditions.corrections
     if "friction.coefficient" not in changed or not (present and own):
@@ -130,8 +131,8 @@ def scene_with(values: Mapping[str, Any], sweep: Sweep, make: Make, key: str) ->
     for name in _SAME:
         if scene.get(name) != sweep.get(name):
             raise InputError(
-                f"{key}: {place} changes the {name.replace('_', ' ')}, which every value has "
-                "in common; sweep it in stores of its own"
+                f"{key}: {place} changes the {name.replace('_', ' ')}, which must be "
+                "the same for all values; sweep each value into a separate store"
             )
     if sweep.record.fields and scene.scene.grid != sweep.scene.grid:
         raise InputError(

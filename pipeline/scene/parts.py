@@ -20,14 +20,6 @@ DISC = "diameter", "width", "bore", "rim_loss", "face_loss", "shaft_loss"
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
-def tested_holds(tables: Mapping[str, Any]) -> tuple[float, ...]:
-    """Durations at the full load of the tests that samples are compared with [s]."""
-    if not entry_at(tables, "sweep.samples"):
-        return ()
-    tests = [*(tables["measured"] or ()), *(tables["tested"] or ())]
-    return tuple(sorted({test["hold"] for test in tests if test and test["hold"]}))
-
-
 def loading_of(
     table: Mapping[str, Any] | None,
     document: Document,
@@ -106,9 +98,11 @@ def corrections_of(
     """Physics beside the two half-spaces, from sound tables."""
     coefficient = tables["friction"]["coefficient"]
     rod, film = tables["pin"]["stem"], tables["disk"]["film"]
-    measured = sorted(
-        (entry["velocity"], entry["coefficient"]) for entry in tables["friction"]["by_velocity"]
-    )
+    curves: dict[str, Any] = {
+        f"by_{name}": tuple(sorted((row[name], row["coefficient"] / coefficient) for row in rows))
+        for name in ("velocity", "temperature")
+        if (rows := tables["friction"][f"by_{name}"])
+    }
     stem = None
     if rod and "resistance" in rod:
         stem = tribo.Stem(rod["resistance"])
@@ -116,7 +110,7 @@ def corrections_of(
         conduction = pin.material.thermal_conductivity, pin.material.thermal_diffusivity
         stem = tribo.Stem.rod(rod["length"], rod["area"], *conduction)
     corrections = tribo.Corrections(
-        friction=tuple((velocity, mu / coefficient) for velocity, mu in measured),
+        friction=tribo.Friction(**curves),
         track=_ring_of(tables["disk"], pin, disk),
         pin_track=_ring_of(tables["pin"], pin, pin.material),
         stem=stem,
@@ -169,7 +163,7 @@ def _bulk_of(body: Mapping[str, Any], material: tribo.Material) -> tribo.Bulk | 
 
 
 def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
-    """Seeds of the random surfaces, of which the first becomes the scene's own."""
+    """Seeds of the random surfaces; the scene takes the first."""
     wanted = entry_at(tables, "sweep.realizations")
     if wanted is None or tables["disk"] is None:
         return ()

@@ -96,7 +96,7 @@ def meanings() -> dict[str, str]:
 
 
 def unit_example(path: str) -> str | None:
-    """A value with a unit, such as an entry is given; None for one that has no unit."""
+    """Example of a value with the unit of an entry; None if the entry has no unit."""
     parts = path.split(".")
     if parts[0] == "materials" and len(parts) > 2:
         parts[1] = "NAME"
@@ -120,15 +120,17 @@ def quantity_in(kind: Kind) -> Quantity | None:
 
 
 def page() -> str:
-    """The tables of all entries, as the page of the scene file has them behind its head."""
-    parts = []
+    """Tables of all entries, for the page of the scene file."""
+    parts, listed = [], dict[str, str]()
     for section in sections():
         title = f"`{section.header}`" if section.path else "Top of the file"
-        need = " May be left out." if isinstance(section.entry, Optional) else ""
-        parts.append(f"## {title}\n\n{section.entry.meaning}{need}\n")
+        need = " Optional." if isinstance(section.entry, Optional) else ""
+        keys, like = _new_keys(section, listed)
+        also = f" Keys as in `{like}`, and these:" if like else ""
+        parts.append(f"## {title}\n\n{section.entry.meaning}{need}{also}\n")
         rows = [
             [f"`{key}`", str(entry.kind), _default_cell(section, entry, form), entry.meaning]
-            for key, (entry, form) in section.keys().items()
+            for key, (entry, form) in keys.items()
         ]
         parts += _table(["key", "give", "default", "meaning"], rows) if rows else []
     presets = [
@@ -138,6 +140,17 @@ def page() -> str:
     ]
     about = "Choices of each preset; [`CHOOSING.md`](CHOOSING.md) has their costs.\n"
     return "\n".join([*parts, "## Presets\n", about, *_table(["", *tribo.PRESETS], presets)])
+
+
+def _new_keys(section: Section, listed: dict[str, str]) -> tuple[dict[str, tuple[Entry, str]], str]:
+    """Keys of a section that lists of tables before it, `listed`, lack; the one with the others."""
+    keys = section.keys()
+    if not section.is_list or "." in section.path:
+        return keys, ""
+    shared = listed.keys() & keys.keys()
+    like = listed[min(shared)] if shared else ""
+    listed |= dict.fromkeys(keys, section.header)
+    return {key: entry for key, entry in keys.items() if key not in shared}, like
 
 
 def _table(heads: list[str], rows: list[list[str]]) -> list[str]:
@@ -241,7 +254,7 @@ _MARKS = '# An entry such as "#hold" is not used; take the # off to use it.'
 
 
 def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
-    """Every entry of the format on a line of its own, as a comment where a scene has it not."""
+    """A line for every entry of the format, as a comment if the scene lacks it."""
     listed: dict[str, str] = {}  # keys of tables that may be several, each with its first header
     for section in sections():
         table, _, name = section.path.partition(".")
@@ -249,12 +262,8 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
         if name == "NAME":
             ((name, values),) = entries[table].items()
             path = f"{table}.{name}"
-        keys, meaning = section.keys(), section.entry.meaning
-        if section.is_list and section.path == table:
-            if earlier := listed.keys() & keys.keys():
-                meaning = f"With the keys of {listed[min(earlier)]}, and these"
-            keys = {key: entry for key, entry in keys.items() if key not in listed}
-            listed |= dict.fromkeys(keys, section.header)
+        keys, like = _new_keys(section, listed)
+        meaning = f"Keys as in {like}, and these" if like else section.entry.meaning
         if path:
             yield _meant("" if values else "#", section.header.replace(section.path, path), meaning)
         for key, (entry, form) in keys.items():
@@ -280,7 +289,7 @@ def _meant(mark: str, line: str, meaning: str, form: str = "") -> str:
 
 
 def example(entry: Entry, default: Any = None) -> Any:
-    """A value of an entry, as TOML has it: its example, its default, or one that is allowed."""
+    """Value of an entry for TOML: its example, its default, or an allowed value."""
     return _allowed(entry.kind, default) if entry.example is None else entry.example
 
 

@@ -23,11 +23,11 @@ from pipeline.scene.parts import (
     oil_of,
     realizations_of,
     roughness_of,
-    tested_holds,
     wear_of,
     wear_rates,
 )
 from pipeline.scene.reference import meanings
+from pipeline.scene.runs import expand_tests, tested_holds
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.units import in_si
 from pipeline.sweep import plan
@@ -137,6 +137,7 @@ class _Reader:
         """The sweep, without samples and `over`, and the tables of the format."""
         entries, taken = resolve_library(entries, faults)
         tables: dict[str, Any] = FORMAT.read(entries, "", faults)
+        expand_tests(tables, faults)
         fidelity, preset = _fidelity(tables["fidelity"] or {}, faults)
         realizations = realizations_of(tables, faults)
         roughness = self._once(

@@ -31,8 +31,7 @@ def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
 _OF_SITE = {"index", "API", "COMMANDS", "GALLERY"}  # no text of their own to print
 _READING_ORDER = (
     "first-hour", "your-system", "your-gears", "your-tests", "choosing", "model", "physics",
-    "scene", "dataset", "uncertain", "own-laws", "cluster", "accuracy", "measured", "extremes",
-    "paper",
+    "scene", "dataset", "uncertain", "own-laws", "cluster", "measured", "paper",
 )  # fmt: skip
 _NAMES = {"README": "paper"}
 
@@ -46,5 +45,5 @@ def shipped_pages() -> dict[str, Path]:
 
 
 def page_name(path: Path) -> str:
-    """Name of a page, by its file or as it is typed."""
+    """Name of a page, from its file or from what the user typed."""
     return _NAMES.get(path.stem, path.stem.lower().replace("_", "-"))

@@ -61,7 +61,7 @@ _UNITS = {
 """Smallest and largest value in a scene by unit of SI as CF writes it, and values of usual units.
 
 The limits are far beyond any machine, and far from where products of them leave double precision.
-For usual units, of which the first is that of SI as scenes write it, pint need not be loaded.
+Usual units need no pint; the first of each is the SI unit as scenes write it.
 """
 _USUAL = {cf: units for cf, (_, _, units) in _UNITS.items()}
 RANGES = {

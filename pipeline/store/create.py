@@ -214,7 +214,7 @@ def _remove_unfinished(path: Path) -> None:
 
 
 def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
-    """Copy what is stored of points to their places in the arrays of a larger store."""
+    """Copy the stored values of points to their places in the arrays of a larger store."""
     arrays = arrays_of(beside, root.arrays, read_only=False)
     numbers_of = [{value: k for k, value in enumerate(root.axes[dim])} for dim in store.dims]
     moved = [
@@ -246,11 +246,11 @@ def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
 
 
 def restore_root(path: PathLike, sweep: Sweep, tell: Callable[[str], None] | None = None) -> bool:
-    """Make a root that is lost again, by the scene and the arrays' files; return whether it was.
+    """Make a lost root again from the scene and the files of the arrays; True if it was lost.
 
-    One that is not of its arrays counts as lost, except in a bucket, which is not looked through.
-    Raise a `StoreMismatchError`, and write nothing, if the points' checksums, of which each
-    includes the hash of what was simulated, say that the sweep did not make the store.
+    A root that does not belong to its arrays counts as lost, except in a bucket, which is not
+    searched. Raise a `StoreMismatchError`, and write nothing, if the checksums of the points say
+    that another sweep made the store: each includes the hash of what was simulated.
     """
     place, tell = place_of(path, to_write=True), tell or (lambda _: None)
     try:

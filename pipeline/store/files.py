@@ -33,7 +33,7 @@ def is_there(file: Path) -> bool:
 def replace_file(file: Path, content: bytes) -> None:
     """Replace the content of a file at one stroke; return once that is on the disk."""
     make_folder(file.parent)
-    if file.parent.is_symlink():  # of a stranger's store; it may lead anywhere
+    if file.parent.is_symlink():  # a stranger's store; it may lead anywhere
         raise OSError(f"{file.parent} is a link to another folder; copy that in its place")
     partial = file.with_name(file.name + PARTIAL)
     try:

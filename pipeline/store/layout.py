@@ -28,7 +28,8 @@ from pipeline.sweep.model import Plane, Sweep
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import combinations
-from tribo import BULK_RATIOS, QUANTILES
+from tribo import QUANTILES
+from tribo.thermal import BULK_RATIOS
 from tribo.types import Array, Mask
 
 Slices = tuple[slice, ...]
@@ -56,7 +57,7 @@ def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
 
 
 def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Mapping[str, list[float]]) -> int:
-    """Size of a point in the largest variable of which points share chunks [B]."""
+    """Size of a point in the largest variable whose chunks hold several points [B]."""
     return max(
         8 * math.prod(len(axes[dim]) for dim in variable.dims if not is_of_points(dim))
         for name, variable in wanted.items()

@@ -40,7 +40,7 @@ _CONTENT = re.compile(r"(process (\d+) on \S+)\n(?:(\S+) [0-9a-f]{32}\n)?")
 _AS_IT_IS = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0)
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
 _LOCAL = {"tmpfs", "ramfs", "overlay", "zfs", "bcachefs"}
-"""File systems without a device of blocks of which no other machine writes the files."""
+"""File systems without a block device, whose files no other machine writes."""
 _TRIES, _PAUSE = 10, 0.05  # [s]: who asks for the holder has the lock for a moment
 
 
@@ -138,7 +138,7 @@ def _beating(place: StorePlace) -> Iterator[Lock]:
 
 
 def _take(place: StorePlace, content: bytes) -> None:
-    """Create a lock, or take one that is free; raise a `StoreError` if there is another."""
+    """Create a lock, or take a free one; raise a `StoreError` if it is held."""
     if place.create(LOCK, content):
         return
     if not place.read(LOCK):  # let go of, or just being made
@@ -161,7 +161,7 @@ def _take(place: StorePlace, content: bytes) -> None:
 
 @contextmanager
 def _repeated(action: Callable[[], None]) -> Iterator[None]:
-    """Call a function at every beat, in a thread of its own."""
+    """Call a function at every beat, in a separate thread."""
     is_over = threading.Event()
 
     def repeat() -> None:
@@ -209,7 +209,7 @@ def _beats(place: StorePlace) -> bytes | None:
 
 
 def _use_error(place: StorePlace, content: bytes | None, more: str = "") -> StoreError:
-    """Error for a store to which another process writes, whose lock has this content."""
+    """Error for a store that another process writes to, from the content of its lock."""
     return StoreError(
         f"{place} is in use by {_named(content)[0]}; wait for it, or write to another store{more}"
     )

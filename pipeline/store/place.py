@@ -6,7 +6,7 @@
     └── StoreError               no store, not readable, not writable or in use
         ├── StoreMismatchError   the store of another scene
         ├── DamagedError         data that were read, and are proved wrong
-        └── UnreadableError      data that cannot be read now, of which nothing is known
+        └── UnreadableError      data that cannot be read now, so that nothing is known of them
 
 What is read is sound, or raises one of the last two. Only what is proved wrong is ever replaced.
 """
@@ -291,7 +291,7 @@ def steadily(path: PathLike, read: Callable[[StorePlace], T]) -> T:
 
 
 def larger(path: Path) -> Path:
-    """Folder in which a larger store is made, beside the one that it replaces."""
+    """Folder for a larger store, beside the store that it replaces."""
     return path.with_name(f".{path.name}{_LARGER}")
 
 
@@ -351,7 +351,7 @@ def decodes(place: StorePlace, name: str) -> Iterator[None]:
 
 @contextmanager
 def reads(place: StorePlace, name: str) -> Iterator[None]:
-    """Turn errors at data into one that tells whether they are proved wrong, or not known."""
+    """Turn errors of data into an error that tells damaged data from data that cannot be read."""
     with reaches(place), decodes(place, name):
         yield
 

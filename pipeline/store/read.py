@@ -104,7 +104,7 @@ class _Generation:
 
 
 class _Masked(BackendArray):
-    """A variable of which the entries of some points alone are shown."""
+    """A variable that shows the entries of some points alone."""
 
     def __init__(self, store: Store, name: str, mask: Mask, seen: _Generation) -> None:
         self._place, self._name, self._mask, self._seen = store.place, name, mask, seen
@@ -131,7 +131,7 @@ class _Masked(BackendArray):
 
 
 _Index = tuple[int, ...]
-_KEPT = "status/kept-"  # of files beside the lock, which are no data
+_KEPT = "status/kept-"  # files beside the lock, which are no data
 _FEW = 2000  # points, which are all checked with the first, in 0.2 ms each without fields
 _CLOSE = 1e-9  # relative distance of a coordinate that was scaled, and scaled back
 

@@ -49,7 +49,7 @@ ELSEWHERE = (
 
 
 class LostRootError(StoreError):
-    """The root of a store of which points are there is lost or damaged."""
+    """The root of a store is lost or damaged, while its points are there."""
 
 
 Versions = dict[str, str]
@@ -57,12 +57,12 @@ Versions = dict[str, str]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Facts:
-    """What a store says of itself besides its sweep."""
+    """Description of a store, without its sweep."""
 
     generation: int  # how often its points have moved
     axes: dict[str, list[Any]]  # values along each dimension, and of columns that follow from one
     points_per_chunk: dict[str, int]
-    versions: Versions  # of the packages that began it
+    versions: Versions  # those of the packages that began it
     later_versions: dict[str, Versions] = field(default_factory=dict)  # by the time they came
     worker_versions: dict[str, Versions] = field(default_factory=dict)
 
@@ -363,7 +363,7 @@ def _is_axis(name: str, array: Mapping[str, Any], axes: Mapping[str, list[Any]])
 
 
 def _is_plain(array: Mapping[str, Any]) -> bool:
-    """True for metadata of an array with codecs of a store, of which each axis may be one."""
+    """True for metadata of an array with codecs of a store; each axis may be an array."""
     codecs = {codec["name"] for codec in array["codecs"]}
     is_short = all(size <= MOST_POINTS for size in array["shape"])
     return array["zarr_format"] == 3 and codecs <= _CODECS and is_short

@@ -38,10 +38,10 @@ _RISE = "per unit friction coefficient"
 def _contact_variable(units: str, long_name: str) -> Variable:
     """A variable at every step that depends on the size of the elements."""
     comment = (
-        "Depends on the size of the elements: a rough surface on larger ones touches on more of "
-        "the window at a lower pressure. In the paper's system the preset 'standard' has 14 to "
-        "17 % more contact than the pixels themselves, 'draft' 40 to 50 %. So it jumps at the end "
-        "of a point, where own_grid begins to be true: there it is another number, not a change."
+        "Depends on the size of the elements: on larger ones a rough surface touches more of the "
+        "window at a lower pressure. In the paper's system the preset 'standard' has 14 to 17 % "
+        "more contact than the pixels, 'draft' 40 to 50 %. So it jumps at the end of a point, "
+        "where own_grid becomes true, without a change in time."
     )
     return Variable(_STEP, units, long_name, attributes={"comment": comment})
 
@@ -58,11 +58,11 @@ COORDINATES = {
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
     "step": Variable(
-        ("step",), "1", "station of the point, counted back from its end, which is 0", "int64"
+        ("step",), "1", "step of the point, counted back from its end, which is 0", "int64"
     ),
     "cooler_share": Variable(("cooler_share",), "1", "share of the contact area that is cooler"),
     "bulk_ratio": Variable(
-        ("bulk_ratio",), "K", "bulk temperature of the disk less that of the pin, over friction"
+        ("bulk_ratio",), "K", "bulk temperature of disk minus pin, over friction"
     ),
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
@@ -75,7 +75,7 @@ MADE = {
 """Coordinates of steps, which are made from the scene."""
 COLUMNS = {
     "own_grid": Variable(
-        _STEP, "1", "true on the grid of the point itself, false on that of the history", "bool"
+        _STEP, "1", "true on the grid of the point, false on that of its history", "bool"
     ),
     "contact_fraction": _contact_variable("1", "share of the window in contact"),
     "contact_width": _contact_variable("m", "width of the contact along the sliding direction"),
@@ -100,7 +100,7 @@ FIELDS = {
 }
 BULK_COLUMNS = {
     "mean_bulk_response": Variable(
-        _STEP, "1", "mean rise of the contact for each kelvin by which the disk's bulk is warmer"
+        _STEP, "1", "mean rise of the contact for each kelvin of warmer disk bulk"
     ),
     "bulk_rise_quantile": Variable(
         (*_STEP, "bulk_ratio", "cooler_share"),
@@ -108,13 +108,11 @@ BULK_COLUMNS = {
         f"quantile of the contact's rise above the pin's bulk at a bulk ratio, {_RISE}",
     ),
 }
-"""Variables of scenes with unequal bulk temperatures besides `COLUMNS`."""
+"""Variables that scenes with unequal bulk temperatures have in addition to `COLUMNS`."""
 BULK_FIELDS = {
-    "bulk_response": _field(
-        "1", "rise of the pin for each kelvin by which the disk's bulk is warmer"
-    ),
+    "bulk_response": _field("1", "rise of the pin for each kelvin of warmer disk bulk"),
 }
-"""Variables of such scenes besides `FIELDS`."""
+"""Variables that such scenes have in addition to `FIELDS`."""
 RECORDS = {
     "status": Variable(
         PLANE,
@@ -136,11 +134,11 @@ RECORDS = {
         },
     ),
     "asked": Variable(PLANE, None, "1 if the last run asked for the point, else 0", "int8"),
-    "steps": Variable(PLANE, "1", "number of the point's own stations", "int32"),
+    "steps": Variable(PLANE, "1", "number of steps of the point", "int32"),
     "checksum": Variable(
         PLANE,
         None,
-        "BLAKE2b-64 of what was simulated, the point's place, data and kinds of warnings",
+        "BLAKE2b-64 of the scene, place, data and kinds of warnings of the point",
         "str",
     ),
 }
@@ -225,7 +223,7 @@ def _rows_of(name: str, sweep: Sweep) -> tuple[str, ...]:
 _TABLES = {
     "Coordinates": COORDINATES | MADE,
     "Variables of each point": RECORDS,
-    "Variables at each station": COLUMNS,
+    "Variables at each step": COLUMNS,
     "Variables of bodies that differ in bulk temperature": BULK_COLUMNS | BULK_FIELDS,
     "Fields at the end of each point": FIELDS,
 }

@@ -140,7 +140,7 @@ class _Found:
     shared: _Shared
     unmarked: Mask  # points whose status is lost
     lost: list[tuple[str, _Index, Slices]]  # chunks that cannot be decoded, by array
-    keys: set[str] = field(default_factory=set)  # of the store
+    keys: set[str] = field(default_factory=set)  # keys in the store
     damaged: dict[_Index, FailedPoint] = field(default_factory=dict)
     complete: list[Point] = field(default_factory=list)  # sound, of those without a status
 
@@ -318,8 +318,8 @@ def faults_at(store: Store, indices: Iterable[_Index]) -> Iterator[tuple[Point, 
 
 
 def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool = True) -> str:
-    """Fault of a point by its entries, of which lost ones are None; empty if it has none."""
-    told = RECORDS.keys() - {"steps"}  # of a point that failed, whose chunk may have no steps yet
+    """Fault of a point by its entries, None for lost ones; empty if there is no fault."""
+    told = RECORDS.keys() - {"steps"}  # a point that failed may have no steps in its chunk yet
     entries = {name: entries[name] for name in entries if is_done or name in told}
     if lost := sorted(name for name, values in entries.items() if values is None):
         return f"{', '.join(lost)} cannot be read"
@@ -328,7 +328,7 @@ def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool
     data |= {name: entries[name] for name in entries.keys() & {*AT_END, "warning_flags"}}
     try:
         simulated = store.simulated.at(point)
-    except InputError:  # of a value that a root which is too old does not know: not proved wrong
+    except InputError:  # a root that is too old may not know the value: not proved wrong
         return ""
     return "" if entries["checksum"] == checksum(simulated, point, data) else _OTHER
 

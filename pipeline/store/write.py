@@ -73,7 +73,7 @@ class Store:
         self.simulated = Simulated(root.sweep)
         try:
             self.arrays = arrays_of(place, root.arrays, read_only=lock is None)
-        except (ValueError, TypeError, KeyError) as error:  # of what Zarr cannot be
+        except (ValueError, TypeError, KeyError) as error:  # what cannot be Zarr
             raise StoreError(f"{place}: {ROOT} describes no store: {error}") from error
         status = self.arrays["status"]
         self.dims: tuple[str, ...] = status.metadata.dimension_names
@@ -156,7 +156,7 @@ class Store:
             return self.arrays[name].oindex[places]
 
     def read_steps(self) -> dict[str, Any]:
-        """All variables at steps, and time, load and distance there, each of one shape."""
+        """All variables at steps, with time, load and distance, in one shape each."""
         columns = {name: self.read(name, ...) for name in STEPPED if name in self.arrays}
         shape = columns["max_rise"].shape
         dims = self.arrays["max_rise"].metadata.dimension_names
@@ -283,7 +283,7 @@ def opened(path: PathLike) -> Store:
 
 @contextmanager
 def stored(path: PathLike | None) -> Iterator[PathLike]:
-    """The path of a store that is kept; if none is given, of one that goes when it was read."""
+    """Yield `path`, or a store in a temporary folder that is deleted on leaving."""
     if path is not None:
         yield path
         return

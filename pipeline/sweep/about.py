@@ -1,4 +1,4 @@
-"""What a scene says besides what is simulated and judged, and its description in a notebook."""
+"""Parts of a scene that are neither simulated nor judged, and its description in a notebook."""
 
 from __future__ import annotations
 
@@ -23,19 +23,35 @@ class Measurement:
     load_scatter: float | None = None  # standard deviations [N, m/s, 1]
     velocity_scatter: float | None = None
     friction_scatter: float | None = None
-    bulk_temperature: float | None = None  # of both bodies [K]
+    bulk_temperature: float | None = None  # the same in both bodies [K]
     hold: float | None = None  # at the full load [s]
     outcome: str | None = None  # "mild" or "severe"; None at a transition
+    number: str | None = None  # by which answers call it
+    run: str | None = None  # of several tests, which are of one specimen then
+    oil: str | None = None  # the scene's if None
 
     @classmethod
     def of(cls, entry: Mapping[str, Any]) -> Measurement:
         """The test of an entry of a scene."""
-        return cls(normal_load=entry["load"], **{k: v for k, v in entry.items() if k != "load"})
+        names = {k: str(entry[k]) for k in ("number", "run", "oil") if entry.get(k) is not None}
+        return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data, of those after the friction only what is known."""
         always = ("normal_load", "velocity", "friction")
         return {k: v for k, v in asdict(self).items() if v is not None or k in always}
+
+
+def oils_of(tests: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Oils of tests, the scene's first: that of tests without one, empty, or the first named."""
+    found = dict.fromkeys(test.get("oil") or "" for test in tests)
+    return sorted(found, key=bool)
+
+
+def own_tests(tests: Sequence[Measurement]) -> tuple[Measurement, ...]:
+    """Tests of the scene's own oil."""
+    first, *_ = [*oils_of(test.as_dict() for test in tests), ""]
+    return tuple(test for test in tests if (test.oil or "") == first)
 
 
 class FromLibrary(NamedTuple):
@@ -48,14 +64,14 @@ class FromLibrary(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class About:
-    """What a scene says besides what is simulated and judged."""
+    """Parts of a scene that are neither simulated nor judged."""
 
-    name: str  # of the file, without its ending
+    name: str  # that of the file, without its ending
     title: str  # a line for people
     measured: tuple[Measurement, ...] = ()  # transitions
     tested: tuple[Measurement, ...] = ()  # tests that stayed mild or turned severe
     friction_band: tuple[float, float] | None = None  # lowest and highest friction measured
-    model_scatter: float | None = None  # of a run about the model; what is usual if None
+    model_scatter: float | None = None  # how runs scatter about the model; what is usual if None
     same_rig: bool = True  # the friction that tests measured is that of the scene's machine
     # Bulk temperatures [K] and the specific wear rates there [m²/N]; enter no simulation.
     wear_by_temperature: tuple[tuple[float, float], ...] = ()
@@ -116,7 +132,7 @@ def condition_rows(conditions: Conditions) -> Iterator[Line]:
         bulk += f" (pin) and {conditions.disk_temperature - 273.15:g} °C (disk)"
     yield "friction", f"{conditions.friction:g}, {bulk}"
     if conditions.corrections:
-        yield "besides", conditions.corrections.worded
+        yield "corrections", conditions.corrections.worded
     if conditions.critical_temperature is not None:
         yield "severe", _severe(conditions)
 

@@ -43,7 +43,7 @@ def encode(value: Any, arrays: Arrays) -> Any:
     Raises
     ------
     InputError
-        If the part, or one of its own, is of a type that no sweep has.
+        If the value, or a part of it, has a type that no sweep has.
     """
     if isinstance(value, np.generic):
         value = value.item()
@@ -127,7 +127,7 @@ def _digest(array: Array) -> str:
 
 
 def _kind(name: str) -> Any:
-    """Class of which a sweep may be made, by its name; None for any other."""
+    """Class that a sweep may contain, by its name; None for any other name."""
     if name not in _kinds():
         _kinds.cache_clear()  # one that was derived, or added to the pins, since
     return _kinds().get(name)

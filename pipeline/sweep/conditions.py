@@ -8,11 +8,9 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError, Reference
-from tribo import Corrections, Criterion, InputError, MeasuredLoad, Ramp
-from tribo.simulation.verdict import Bulks
+from tribo import Criterion, Friction, InputError, MeasuredLoad, Ramp
+from tribo.simulation.verdict import Judging
 from tribo.types import Array
 
 Bulk = float | str | Mapping[str, float | str]
@@ -31,35 +29,25 @@ _NUMBERS = ("friction", "critical_temperature", "failing_share", *_BULKS)
 
 
 @dataclass(frozen=True, slots=True)
-class Conditions(Bulks):
-    """Conditions that turn a rise at friction 1 into mild or severe wear.
+class Conditions(Judging):
+    """Conditions of points: those of `tribo.Conditions`, with its criterion by name and share.
 
     Attributes
     ----------
-    friction : float
-        Friction coefficient, at least 0.
-    bulk_temperature : float
-        Temperature of both bodies far from the contact, or of the pin where they differ [K].
-    critical_temperature : float or None
-        Temperature above which the lubricant fails [K]; None where it is not known.
     failing_share : float
         Share of the contact area above the critical temperature beyond which wear is severe, from
         0 (Blok's criterion, the maximum temperature) to below 1.
-    disk_temperature : float or None
-        Temperature of the disk far from the contact [K]; None where it is that of the pin.
     criterion : str
         Kind of criterion, one of `tribo.CRITERIA`; the failing share belongs to "share" alone.
         Or the name of your own, such as ``"laws:hottest"``.
-    corrections : Corrections or None
-        Friction by velocity, earlier passes, stem and film.
     own_criterion : Own, Reference or None
         Your own criterion by value; or a reference of a store, which runs no code.
 
     Raises
     ------
     InputError
-        If one lies outside its range, or friction varies with velocity between bodies of unequal
-        bulk temperatures; or if the criterion is your own, and not given by value.
+        If one lies outside its range, or friction varies between bodies of unequal bulk
+        temperatures; or if the criterion is your own, and not given by value.
 
     Examples
     --------
@@ -71,13 +59,8 @@ class Conditions(Bulks):
     0.0
     """
 
-    friction: float
-    bulk_temperature: float
-    critical_temperature: float | None
     failing_share: float = 0.1
-    disk_temperature: float | None = None
     criterion: str = "share"
-    corrections: Corrections | None = None
     own_criterion: Own | Reference | None = None
 
     def __post_init__(self) -> None:
@@ -109,11 +92,7 @@ class Conditions(Bulks):
             )
         if not isinstance(self.own_criterion, Reference):
             _ = self.decisive
-        if self.has_friction_curve and self.bulk_difference:
-            raise InputError(
-                "friction.by_velocity: the bulk temperatures of pin and disk differ, and then the "
-                "rise is not proportional to friction; give one bulk temperature, or one friction"
-            )
+        self.require_proportional()
 
     @property
     def decisive(self) -> Criterion:
@@ -139,22 +118,23 @@ class Conditions(Bulks):
 
     def friction_at(self, velocity: float) -> float:
         """Coefficient of friction at a sliding velocity [m/s]."""
-        return self.friction * float(self.friction_factor(np.array(velocity)))
+        return self.friction * float(self.friction_factor(velocity))
 
     @property
     def has_friction_curve(self) -> bool:
         """Friction depends on the velocity."""
-        return bool(self.corrections and self.corrections.friction)
+        return bool(self.friction_law.by_velocity)
 
-    def friction_factor(self, velocity: Array) -> Array:
+    def friction_factor(self, velocity: Array | float) -> Array:
         """Friction at sliding velocities [m/s] over the coefficient of friction."""
-        return (self.corrections or Corrections()).friction_factor(velocity)
+        factor: Array = replace(self.friction_law, coefficient=1.0).at(velocity)
+        return factor
 
     def replace_friction(self, friction: float | None) -> Conditions:
         """The conditions with a friction measured at one point; as they are where there is none."""
         if friction is None:
             return self
-        corrections = self.corrections and replace(self.corrections, friction=())
+        corrections = self.corrections and replace(self.corrections, friction=Friction())
         return replace(self, friction=friction, corrections=corrections)
 
     def row_conditions(self, row: Mapping[str, Any]) -> Conditions:

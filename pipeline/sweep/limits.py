@@ -5,11 +5,11 @@ MOST_BYTES_OF_SCENE = 1_000_000
 MOST_KEYS = 1000
 """Keys of one table of a scene; each that is unknown is compared with all that are known."""
 MOST_IN_LIST = 10_000
-"""Entries of a list in a scene file, each of which is checked by itself."""
+"""Entries of a list in a scene file; each is checked."""
 MOST_LAYERS = 20
-"""Scenes that extend each other, each of which is read and merged with those below."""
+"""Scenes that extend each other; each is read and merged with those that it extends."""
 MOST_SCENES = 10_000
-"""Combinations of `over`, places of `along`, or surfaces, each of which is a scene."""
+"""Combinations of `over`, places of `along`, or surfaces; each is a scene."""
 MOST_SAMPLES = 100_000
 """Samples that may be drawn: 35 MB of a Sobol' sequence in 33 dimensions."""
 MOST_INPUTS = 32

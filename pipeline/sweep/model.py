@@ -13,14 +13,14 @@ from pipeline.sweep.variants import Part, Variant, Variants
 from tribo import InputError, Ramp, Scene, SelfAffineRoughness
 from tribo.simulation import inseparable, mechanics, wear_number
 
-_DIGITS = 12  # of a wear number: two that ought to be the same differ by rounding
+_DIGITS = 12  # digits of a wear number: two that ought to be the same differ by rounding
 
 
 class Lead(NamedTuple):
     """The variant whose ramp of contacts another one shares, and at which velocity."""
 
     variant: Variant
-    ratio: float = 1.0  # of its velocity to that of the other, with the same wear number
+    ratio: float = 1.0  # its velocity over that of the other, with the same wear number
     places: tuple[float, float] | None = None  # velocities of both, if they have one each [m/s]
 
     def velocity_for(self, velocity: float) -> float | None:
@@ -170,7 +170,7 @@ class Sweep:
 
     @property
     def ramps(self) -> int:
-        """Number of ramps that are simulated, each at one velocity through all loads."""
+        """Number of simulated ramps; a ramp passes all loads at one velocity."""
         velocities, rows = self.lines
         return len(velocities) * rows
 
@@ -218,8 +218,8 @@ class Sweep:
         """Raise an `InputError` where no boundary can be looked for along velocities."""
         if not self.variants.has_plane:
             raise InputError(
-                "each row has a velocity of its own, such as of samples, and answers follow from "
-                "all; leave out the search (--boundary-only)"
+                "each row has its own velocity, as samples have, and answers need all rows; run "
+                "without the search (--boundary-only)"
             )
 
     def held(self, duration: float) -> Self:
@@ -267,7 +267,7 @@ PART_OF = {
     **{entry.name: part for part, kind in _PARTS.items() for entry in fields(kind)},
 }
 """Part of a sweep that has a field; empty for the sweep itself."""
-_EVERYWHERE = {"name", "title", "notes", "variants"}  # of which variants differ in none
+_EVERYWHERE = {"name", "title", "notes", "variants"}  # variants differ in none of these
 
 
 def _replaced_inner(present: Any, inner: Sequence[str], value: Any, path: str) -> Any:

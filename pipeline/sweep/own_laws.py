@@ -67,7 +67,7 @@ class _Text(NamedTuple):
 class Laws:
     """Where names of code are looked for, and whether that may run."""
 
-    folder: Path  # of the scene, or of the command where an option names the code
+    folder: Path  # the scene's, or the command's where an option names the code
     are_allowed: bool  # by the user: --own-laws or own_laws=True
 
     def named(self, kind: str, reference: str, parameters: Mapping[str, Any] | None = None) -> Own:
@@ -158,7 +158,7 @@ class Reference(UnknownHeights):
     kind: str
     parameters: tuple[tuple[str, Any], ...]
     digest: str
-    pattern: str | None = None  # of a wear law
+    pattern: str | None = None  # a wear law has one
 
     @property
     def made(self) -> Any:
@@ -178,7 +178,7 @@ class Reference(UnknownHeights):
 
 
 def refer(law: Any) -> Reference:
-    """Name, parameters and hash of a law or surface, also of one that is given in Python."""
+    """Name, parameters and hash of a law or surface, also if it is given in Python."""
     if isinstance(law, Reference):
         return law
     pattern = getattr(law, "pattern", None) if hasattr(law, "over") else None
@@ -276,7 +276,7 @@ def _installed(reference: str) -> _Text | None:
 
 
 def _loaded(own: Own) -> ModuleType:
-    """The module of a law, under a name of its own beside all that is installed."""
+    """Load the module of a law under a name that no installed module has."""
     name = own.reference.partition(":")[0]
     file, full = f"{name}.py", f"{_PREFIX}_{own.digest}_{name.replace('.', '_')}"
     if full in sys.modules:

@@ -18,7 +18,7 @@ from tribo.types import Array
 
 _TRACK = 0.34  # m, of the paper's disk
 _THICKNESS = 10e-3  # m, of a disk or a disc
-_FALL = 0.1  # of friction, from the lowest to the highest velocity, as in the paper's measurements
+_FALL = 0.1  # fall of friction from the lowest to the highest velocity, as the paper measured
 _FILM = 10e-9, 2.0  # m and W/(m K), of an oxide
 # Conductivity and specific heat of a carbon steel about 60 K above room temperature.
 _CONDUCTIVITY, _SPECIFIC_HEAT = 42 / 45, 520 / 470
@@ -48,9 +48,12 @@ class Effect:
 
 
 _EFFECTS: dict[str, tuple[dict[str, str], dict[str, Any]]] = {
-    "friction by velocity": (
-        {"friction.by_velocity": "friction by velocity"}, {"friction": ()}
-    ),
+    **{
+        f"friction by {name}": (
+            {f"friction.by_{name}": f"friction by {name}"}, {"friction": {f"by_{name}": ()}}
+        )
+        for name in ("velocity", "temperature")
+    },
     "earlier turns": (
         {
             "pin.track_length": "earlier turns of the pin",
@@ -72,12 +75,12 @@ _EFFECTS: dict[str, tuple[dict[str, str], dict[str, Any]]] = {
 
 @dataclass(frozen=True, slots=True)
 class _Sized:
-    """An effect that a scene could count: its size, how sure that is, its entries, and parts."""
+    """An effect that a scene could include: its size and certainty, its entries, and parts."""
 
     size: str
     certainty: str
     entries: tuple[str, ...]
-    parts: dict[str, Any]  # of `Corrections`
+    parts: dict[str, Any]  # arguments of `Corrections`
 
 
 def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
@@ -123,7 +126,8 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
 
 
 def _changed(sweep: Sweep, present: Corrections, parts: dict[str, Any]) -> Sweep:
-    corrections = replace(present, **parts)
+    friction = replace(present.friction, **parts.get("friction", {}))
+    corrections = replace(present, **parts | {"friction": friction})
     return replace(sweep, conditions=replace(sweep.conditions, corrections=corrections))
 
 
@@ -143,7 +147,7 @@ def _usual_friction(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     """Friction by velocity, as measured at transitions or as is usual."""
     conditions = sweep.conditions
     sliding = [velocity for velocity in sweep.plane.velocities if velocity]
-    if present.friction:
+    if present.friction.by_velocity:
         return None
     if conditions.bulk_difference:
         return "the bulk temperatures differ, so that the rise is not proportional to friction"
@@ -158,17 +162,26 @@ def _usual_friction(sweep: Sweep, present: Corrections) -> _Sized | str | None:
         frictions = [friction for _, friction in measured]
         ends = dict.fromkeys((min(frictions), max(frictions)))
         size = f"{' to '.join(f'{end:g}' for end in ends)}, as measured at the transitions"
-        certainty = "as the measured friction, of which load and velocity changed together"
+        certainty = "as measured; load and velocity changed together in these tests"
     else:
         slow, *_, fast = sliding
         factors = [(slow, 1 + _FALL / 2), (fast, 1 - _FALL / 2)]
         size = f"falling by {_FALL:.0%} from {slow:g} to {fast:g} m/s"
         certainty = "assumed: measure friction at two velocities or more"
-    return _Sized(size, certainty, ("friction.by_velocity",), {"friction": tuple(factors)})
+    return _Sized(
+        size, certainty, ("friction.by_velocity",), {"friction": {"by_velocity": tuple(factors)}}
+    )
+
+
+def _warm_friction(sweep: Sweep, present: Corrections) -> str | None:
+    """Friction by temperature; there is no usual value."""
+    if present.friction.by_temperature:
+        return None
+    return "friction at two temperatures of the contact or more would have to be measured"
 
 
 def _usual_turns(sweep: Sweep, present: Corrections) -> _Sized | str | None:
-    """Tracks of all bodies that turn and have none; of two that roll, or of the one that moves."""
+    """Missing tracks of the bodies that turn: of both if both roll, else of the moving one."""
     scene = sweep.scene
     if not any(sweep.plane.velocities):
         return "nothing moves"
@@ -259,11 +272,11 @@ def _usual_film(sweep: Sweep, present: Corrections) -> _Sized | None:
 _FOUND: dict[str, Callable[[Sweep, Corrections], _Sized | str | None]] = dict(
     zip(
         _EFFECTS,
-        (_usual_friction, _usual_turns, _usual_bulk, _usual_stem, _usual_film),
+        (_usual_friction, _warm_friction, _usual_turns, _usual_bulk, _usual_stem, _usual_film),
         strict=True,
     )
 )
-"""What each effect would be; the reason where it cannot be sized; None where it is counted."""
+"""Size of each effect, the reason why it has none, or None if the scene includes it."""
 
 
 def _warm_steel(sweep: Sweep) -> Effect:
@@ -338,11 +351,22 @@ def note_on_turns(
         track=turns.track if "disk" in cold else None,
     )
     columns = columns_in_closed_form(sweep, load, velocity, _HOT)
-    warming = conditions.friction * float(alone.added_rise(columns)[-1])
+    warming = conditions.friction_at(velocity) * float(alone.added_rise(columns)[-1])
     return describe_cold_bodies(
         cold,
         around,
         f"warm the contact by about {warming:.2g} K more at {load:g} N and {velocity:g} m/s",
+    )
+
+
+def note_on_ends(sweep: Sweep) -> str | None:
+    """Say how much hotter the ends of a worn pin are where they are sharp; None of other pins."""
+    if sweep.scene.pin.length is None or not sweep.scene.wears or _pin_turns(sweep):
+        return None
+    return (
+        "the pin is computed in its middle: if its ends are sharp, the rise within 0.1 mm of them "
+        "is 5 to 8 % higher once it is worn (of a cylinder of 2 mm at 750 and 200 N), and severe "
+        "wear begins there at velocities 8 to 13 % lower"
     )
 
 

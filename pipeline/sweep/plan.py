@@ -24,7 +24,6 @@ from pipeline.sweep.severity import verdict
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Variant
 from tribo import (
-    BULK_RATIOS,
     QUANTILES,
     Scene,
     State,
@@ -34,6 +33,7 @@ from tribo import (
     warnings,
 )
 from tribo.simulation import Note, PointWarning, Trunks, contacts, heat
+from tribo.thermal import BULK_RATIOS
 from tribo.types import Array
 
 Moment = Mapping[str, float | Array]

@@ -48,8 +48,8 @@ def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool)
 class Design:
     """Rule by which samples follow from a seed."""
 
-    inputs: tuple[Unknown, ...]  # of rises, with the wear rate if samples differ in it
-    layers: tuple[Layer, ...]  # of the inputs
+    inputs: tuple[Unknown, ...]  # those of rises, with the wear rate if samples differ in it
+    layers: tuple[Layer, ...]  # one for each input
     velocities: tuple[float, float]  # between which samples lie [m/s]
     seed: int
     per_contact: int  # samples that share a contact
@@ -67,7 +67,7 @@ class Design:
         surfaces = math.prod(len(one.parameters) for one in of_contact)
         contacts = max(_OF_A_SURFACE * surfaces if of_contact else 0, JUDGED)
         others = sum(layer != "wear rate" for layer in self.layers)
-        is_single = self.per_contact == _WITHOUT_WEAR  # of which each row is left out alone
+        is_single = self.per_contact == _WITHOUT_WEAR  # each row is left out alone then
         return max(_FOR_VELOCITY << others, contacts * (1 if is_single else self.per_contact))
 
     def draw(self, count: int) -> tuple[Array, Array]:

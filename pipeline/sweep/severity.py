@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -34,13 +34,6 @@ MOLTEN = (
     "of the model do not melt, so it says only that wear is severe; if tests were made here, check "
     "load, velocity and units"
 )
-
-Rise = TypeVar("Rise", float, Array, "xr.DataArray")
-
-
-def contact_temperature(rise: Rise, conditions: Conditions) -> Rise:
-    """Temperature of the contact [K], from its rise at friction 1 [K]."""
-    return conditions.coldest_bulk_temperature + conditions.rise_factor * rise
 
 
 def rise_limit(conditions: Conditions) -> float:
@@ -104,7 +97,7 @@ def bulk_rises(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[st
 
 
 def columns_needed(conditions: Conditions) -> tuple[str, ...]:
-    """Columns that `bulk_rises` needs besides the deciding ones of some conditions."""
+    """Columns that `bulk_rises` needs in addition to the deciding columns of some conditions."""
     unequal = ("bulk_rise_quantile", "mean_bulk_response") if conditions.bulk_ratio else ()
     return unequal + (NEEDED if conditions.corrections else ())
 

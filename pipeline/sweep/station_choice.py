@@ -19,7 +19,7 @@ def choose_stations(sweep: Sweep) -> Stations:
 
 
 def _usual(sweep: Sweep) -> Steps:
-    """The word of a scene that gives none: the course of what wears on a ramp of its own."""
+    """Default of a scene: the course, if it wears on a ramp with its own contacts."""
     scenes = [sweep.variant(name).scene for name in sweep.variants.given]
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
     wears = any(scene.wears for scene in scenes)

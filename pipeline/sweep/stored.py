@@ -1,4 +1,4 @@
-"""The sweep that a store keeps: what has been run into it, and how it goes on with another one."""
+"""The sweep of a store: how it is kept, and continued by another sweep."""
 
 from __future__ import annotations
 

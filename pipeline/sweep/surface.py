@@ -5,27 +5,19 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import Reference
-from tribo import (
-    Grid,
-    MeasuredRoughness,
-    Motion,
-    Oil,
-    SelfAffineRoughness,
-    contact_modulus,
-)
-from tribo.simulation.pins import OilEntry, Pin
+from tribo import Grid, MeasuredRoughness, SelfAffineRoughness
+from tribo.simulation import Lubrication
 from tribo.types import Array
 
-_MOST_PIXELS = 1_000_000  # of a random surface that is made only to describe it
-_RQ_OF_RA = math.sqrt(math.pi / 2)  # of heights distributed normally
-_IS_LEVEL = 1e-6  # of Rq, below which a tilt or a mean height is that of rounding
+_MOST_PIXELS = 1_000_000  # pixels of a random surface that is made only to describe it
+_RQ_OF_RA = math.sqrt(math.pi / 2)  # where heights are distributed normally
+_IS_LEVEL = 1e-6  # share of Rq below which a tilt or a mean height is that of rounding
 _LAY = 2.0  # slopes across the grooves, in those along them, from which a surface has a lay
 
 
@@ -37,7 +29,7 @@ class SurfaceFacts:
     ra: float  # mean distance of the heights from their mean plane [m]
     rq: float  # root mean square of it [m]
     mean_height: float = 0.0  # [m]
-    rise: tuple[float, float] = (0.0, 0.0)  # of the mean plane over the window, along x and y [m]
+    rise: tuple[float, float] = (0.0, 0.0)  # the mean plane's along x and y [m]
     lay: float | None = None  # from grooves to the sliding direction [°]; None without grooves
     slope: float | None = None  # root mean square along x; None of one that is not made
 
@@ -138,51 +130,15 @@ def _lay(heights: Array, spacing: tuple[float, float]) -> float | None:
     return math.degrees(math.atan2(y, x))
 
 
-@dataclass(frozen=True, slots=True)
-class Lubrication:
-    """Quantities that the film parameter Λ depends on, of smooth bodies before any wear."""
+def find_lubrication(sweep: Sweep) -> Lubrication | None:
+    """Lubrication that a scene says; None if it gives no oil, or not enough, or no roughness.
 
-    oil: Oil  # with a pressure-viscosity coefficient
-    pin: Pin
-    contact_modulus: float  # [Pa]
-    rms_height: float  # of the disk [m]
-    motion: Motion | None = None  # None if the pin is at rest
-
-    @classmethod
-    def of(cls, sweep: Sweep) -> Self | None:
-        """Take what a scene says; None if it gives no oil, or not enough of it, or no roughness.
-
-        A surface that is code is not known from a store, which never runs it.
-        """
-        scene, oil, pin = sweep.scene, sweep.about.oil, sweep.scene.pin
-        if oil is None or oil.pressure_coefficients is None:
-            return None
-        if isinstance(scene.roughness, Reference):
-            return None
-        surface = surface_facts(sweep)
-        if surface is None or surface.rq == 0:
-            return None
-        modulus = contact_modulus(pin.material, scene.disk)
-        return cls(oil, pin, modulus, surface.rq, scene.motion)
-
-    def film_thickness(self, load: float, velocity: float, temperature: float) -> float:
-        """Minimum film thickness at a load [N], a sliding velocity [m/s] and a temperature [K] [m].
-
-        Where the pin is at rest, the oil enters at half the sliding velocity.
-        """
-        both = self.motion.velocities(velocity) if self.motion else (0.0, velocity)
-        viscosity = self.oil.viscosity(temperature)
-        coefficient = self.oil.pressure_coefficient(temperature)
-        oil = OilEntry(abs(sum(both)) / 2, viscosity, coefficient)
-        return self.pin.film_thickness(oil, load, self.contact_modulus)
-
-    def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
-        """Film parameter Λ of loads [N] and velocities [m/s], broadcast; NaN without a load."""
-        loads, velocities = np.broadcast_arrays(load, velocity)
-        parameters = np.full(loads.shape, np.nan)
-        for index in np.ndindex(loads.shape):
-            load, velocity = float(loads[index]), float(velocities[index])
-            if load > 0 and math.isfinite(velocity):
-                film = self.film_thickness(load, velocity, temperature)
-                parameters[index] = film / self.rms_height
-        return parameters
+    A surface that is code is not known from a store, which never runs it.
+    """
+    scene, oil = sweep.scene, sweep.about.oil
+    if oil is None or oil.pressure_coefficients is None or isinstance(scene.roughness, Reference):
+        return None
+    surface = surface_facts(sweep)
+    if surface is None or surface.rq == 0:
+        return None
+    return Lubrication.make(scene, oil, surface.rq)

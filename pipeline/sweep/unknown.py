@@ -21,17 +21,17 @@ Form = Literal["normal", "log-normal", "uniform", "list"]
 
 OF_90 = 1.645
 """Normal score within which 90 % lie, on either side."""
-_LEAST = 1e-6  # of the variance of an input's score that the others must leave open
+_LEAST = 1e-6  # share of an input's variance that the others must leave open
 _OUTERMOST = 7.0  # normal score beyond which nothing is drawn
-_OFF_FACES = 2.0**-40  # of the unit cube, on which a normal score is infinite
+_OFF_FACES = 2.0**-40  # distance from the faces of the unit cube, where a normal score is infinite
 
 
 @dataclass(frozen=True, slots=True)
 class Unit:
     """A unit in which values are shown."""
 
-    name: str  # of a pure number, ``1``
-    size: float = 1.0  # of one [SI]
+    name: str  # ``1`` for a pure number
+    size: float = 1.0  # value of one [SI]
     zero: float = 0.0  # value at its zero [SI]
 
     def __post_init__(self) -> None:
@@ -158,7 +158,8 @@ def without(unknown: Sequence[Unknown], paths: Collection[str]) -> tuple[Unknown
 
 def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
     """Draw samples of unknown inputs."""
-    return score_values(unknown, scipy.special.ndtri(sequence(seed, count)[:, : len(unknown)]))
+    points = sequence(seed, count, max(MOST_INPUTS + 1, len(unknown)))
+    return score_values(unknown, scipy.special.ndtri(points[:, : len(unknown)]))
 
 
 def score_values(unknown: Sequence[Unknown], scores: Array) -> Array:
@@ -194,10 +195,10 @@ def first_unfit(correlations: Array) -> int | None:
     return None
 
 
-def sequence(seed: int, count: int) -> Array:
-    """Points of a scrambled Sobol' sequence off faces, shape (count, `MOST_INPUTS` + 1)."""
+def sequence(seed: int, count: int, dimensions: int = MOST_INPUTS + 1) -> Array:
+    """Points of a scrambled Sobol' sequence off faces, shape (count, n_dimension)."""
     from scipy.stats import qmc  # takes 0.5 s, and few scenes need it
 
-    sobol = qmc.Sobol(MOST_INPUTS + 1, scramble=True, rng=np.random.default_rng(seed))
+    sobol = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed))
     points: Array = sobol.random_base2(max(count - 1, 1).bit_length())[:count]
     return np.clip(points, _OFF_FACES, 1 - _OFF_FACES)

@@ -24,10 +24,10 @@ Part = tuple[tuple[str, Any], ...]
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A label of each row of a table: the value along a dimension, or one that follows from it."""
+    """Labels of the rows of a table: values along a dimension, or values that follow from them."""
 
     name: str
-    values: tuple[Label, ...]  # of each row [SI]
+    values: tuple[Label, ...]  # one for each row [SI]
     unit: str | None = "1"  # None for words
     along: str = ""  # dimension that the values follow from; empty of a dimension
     is_drawn: bool = False  # rows that differ in it alone differ by chance, each as likely
@@ -142,7 +142,7 @@ class Variants:
 
     @property
     def has_plane(self) -> bool:
-        """True if all rows share a plane, and none has a place of its own."""
+        """True if all rows share a plane, so that none has its own place."""
         return self.velocities is None and self._places("load") is None
 
     @property
@@ -281,7 +281,7 @@ def surfaces(seeds: Sequence[int]) -> Variants:
 
 
 def drawn_rows(draw: Draw, count: int) -> Variants:
-    """Samples of inputs that are not known exactly, each with a velocity of its own."""
+    """Samples of inputs that are not known exactly, each with its own velocity."""
     values, velocities = draw.design.draw(count)
     meaning = "value of an input that is not known exactly"
     words = "number of the sample of inputs"

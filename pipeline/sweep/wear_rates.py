@@ -8,11 +8,13 @@ is +13 % of velocity.
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 
-from pipeline.sweep.conditions import celsius_text
+from pipeline.sweep.conditions import PATHS, celsius_text
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.samples import SPECIFIC_WEAR_RATE as WEAR_RATE
 from tribo import Wear
 
 _ALIKE = 0.05  # by which two wear rates may differ
@@ -24,10 +26,36 @@ def note_on_wear(sweep: Sweep) -> str | None:
     if not sweep.about.wear_by_temperature:
         return None
     rows = (sweep.variant(name) for name in itertools.islice(sweep.variants.given, _MOST_ROWS))
-    return next(filter(None, map(_note, rows)), None)
+    bulks, rates = (_unknown_ends(sweep, path) for path in (PATHS["bulk_temperature"], WEAR_RATE))
+    if bulks:
+        rows = (
+            one.changed(conditions=replace(one.conditions, bulk_temperature=bulk))
+            for one in rows
+            for bulk in bulks
+        )
+    notes = (_note(row, rates) for row in rows)
+    found = next(filter(None, notes), None)
+    if found and len(bulks) > 1:
+        return (
+            f"temperature.bulk is unknown, and {found}, or let wear.specific_wear_rate be unknown "
+            "between both"
+        )
+    return found
 
 
-def _note(sweep: Sweep) -> str | None:
+def _unknown_ends(sweep: Sweep, path: str) -> tuple[float, ...]:
+    """Ends of the range in which an input lies with 90 % [SI]; its value where that is fixed."""
+    draw = sweep.variants.draw
+    for one in draw.fixed if draw else ():
+        if one.unknown.path == path:
+            return (one.value,)
+    for unknown in draw.unknown if draw else ():
+        if unknown.path == path:
+            return tuple(unknown.quantile(np.array([0.05, 0.95])).tolist())
+    return ()
+
+
+def _note(sweep: Sweep, unknown_rates: tuple[float, ...]) -> str | None:
     known, wear = sorted(sweep.about.wear_by_temperature), sweep.scene.wear
     if not isinstance(wear, Wear) or not wear.specific_wear_rate:
         return None
@@ -35,11 +63,12 @@ def _note(sweep: Sweep) -> str | None:
     temperatures, rates = np.array(known).T
     beyond = "," if temperatures[0] <= bulk <= temperatures[-1] else ", as at the nearest known,"
     rate = float(np.exp(np.interp(bulk, temperatures, np.log(rates))))
-    if abs(rate / wear.specific_wear_rate - 1) < _ALIKE:
+    own = unknown_rates or (wear.specific_wear_rate,)
+    if (1 - _ALIKE) * min(own) < rate < (1 + _ALIKE) * max(own):
         return None
     return (
         f"the wear rate at the bulk temperature, {celsius_text(bulk)}{beyond} is {1e9 * rate:.3g} "
         "mm³/(N m) by wear.by_temperature, and the contacts have "
-        f"{1e9 * wear.specific_wear_rate:.3g}; run "
+        f"{' to '.join(f'{1e9 * one:.3g}' for one in own)}; run "
         f'the scene again with --set "wear.specific_wear_rate={1e9 * rate:.3g} mm^3/(N m)"'
     )

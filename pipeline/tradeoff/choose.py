@@ -51,7 +51,7 @@ _ONE = 0.1
 
 Judged by `make promises`.
 """
-_SAME = 1.05  # of the finest error, up to which a cheaper choice is no worse
+_SAME = 1.05  # factor of the finest error up to which a cheaper choice is no worse
 _MANY_NODES, _TIGHT = 1000, 1e-3
 """Nodes from which a contact's tolerance is its error, and the tolerance where fewer touch.
 
@@ -64,9 +64,9 @@ Judged by `make promises`.
 """
 # What a probe costs, which decides no error.
 _LOADS, _PLACES = 4, 6  # to look at, and with several surfaces
-_APART = 0.05  # of the logarithms of the two velocities at a load from that of the boundary
-_PASSES = 5.0  # of the yardstick's steps at each load that a probe takes, trials included
-_WORTH = 0.5  # of the reference's steps in the whole sweep that a thorough probe may take
+_APART = 0.05  # distance of ln(velocity) at a load, either way, from that of the boundary
+_PASSES = 5.0  # times the yardstick's steps at each load that a probe takes, trials included
+_WORTH = 0.5  # share of the reference's steps in the whole sweep that a thorough probe may take
 _FEWEST_STEPS = 50  # to know the heat of all the past
 _OWN = "the scene's own fidelity"
 _RUNGS: tuple[tuple[str, str, dict[str, Any]], ...] = (
@@ -117,10 +117,10 @@ def measure_own_error(
     store: PathLike | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Sweep:
-    """Give a sweep of the scene's own fidelity the error that a probe measures, or its store has.
+    """Give a sweep with its own fidelity the error that a probe measures, or that its store has.
 
-    The sweep as it is where a preset has an error, where the store has none, or there is no
-    boundary to measure it at.
+    The sweep stays unchanged if it has a preset, if the store has no error, or if there is no
+    boundary to measure an error at.
     """
     conditions = sweep.conditions
     is_judged = conditions.friction > 0 and conditions.critical_temperature is not None
@@ -209,7 +209,7 @@ def choose_fidelity(
         near, exponents = _both_sides(near), tuple(np.repeat(exponents, 2).tolist())
     exact = measured(sweep, points or near, exponents, tell)
     tell("the error of these steps themselves")
-    every = 2 if thorough else 1  # of the two points at each place
+    every = 2 if thorough else 1  # both points of each place, or one
     yardstick_error = own_error(
         sweep, exact.points[::every], exact.exponents[::every], exact.readings[::every]
     )

@@ -22,12 +22,12 @@ from tribo import State
 from tribo.simulation import Trunks, contacts, heat
 from tribo.simulation.trunks import MOST_BYTES
 
-_SECONDS_TO_START = 1.0  # of a cluster and its workers
-_SECONDS_TO_COMMIT = 0.005  # of scheduling a point and writing it
+_SECONDS_TO_START = 1.0  # a cluster and its workers
+_SECONDS_TO_COMMIT = 0.005  # a point is scheduled and written in it
 _WORKER_BYTES = 115e6  # interpreter and libraries
-_PACKED = 0.35  # of a field in single precision is left by zstd: 0.355 of first_try at draft
-_STORE_BYTES = 0.36e6  # of a store without points: some 30 arrays, a folder and two files each
-_HALF_BLOCK = 2048  # of the disk, which the end of each file leaves empty
+_PACKED = 0.35  # share of a field in single precision that zstd leaves: 0.355 of first_try at draft
+_STORE_BYTES = 0.36e6  # a store without points: some 30 arrays, a folder and two files each
+_HALF_BLOCK = 2048  # bytes of the disk that the end of each file leaves empty
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
 _FIELDS_OF_STATE = 3  # arrays of an increment of a ramp
 _MANY = 20_000  # tasks, from which they are divided evenly
@@ -101,7 +101,7 @@ def estimate(
     parallel = min(workers, len(every))
     wall = makespan(every, parallel, work)[0] if len(every) < _MANY else alone / parallel
     points = sum(len(task.points) for task in every)
-    if boundary_only:  # of a velocity some loads alone are asked for
+    if boundary_only:  # only some loads are asked for at a velocity
         points = min(2, len(sweep.plane.velocities)) * len(sweep.plane.loads) * len(sweep.variants)
     return Estimate(
         points=points,
@@ -116,7 +116,7 @@ def estimate(
 
 
 def _searched(sweep: Sweep) -> Iterator[Task]:
-    """Tasks that a search may take: two velocities a load, of which neighbours share one."""
+    """Tasks that a search may take: two velocities a load; neighbours share one."""
     loads = sweep.plane.loads
     velocities = sweep.plane.velocities[: len(loads) + 1]
     low = tuple(load for load in loads if load <= np.median(loads))

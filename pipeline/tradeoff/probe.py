@@ -34,10 +34,10 @@ class Target(NamedTuple):
     variant: Variant = ()
 
 
-_USUAL_EXPONENT, _FLATTEST = 0.6, 0.3  # of the rise over velocity; where few nodes touch, it jumps
+_USUAL_EXPONENT, _FLATTEST = 0.6, 0.3  # exponents of the rise; where few nodes touch, it jumps
 _STEPS_FOR_MEMORY = 3
 _TOLERANCE = 0.01  # relative, of the rise where its limit is looked for
-_STEP = 0.05  # of the logarithm of velocity over which its exponent is taken
+_STEP = 0.05  # step of ln(velocity) over which the exponent is taken
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +48,9 @@ class Reading:
     failed_share: float
     contact_width: float  # along the sliding direction [m]
     contact_nodes: int  # elements in contact
-    contact_fraction: float  # of the window
+    contact_fraction: float  # share of the window
     mean_pressure: float  # over the contact [Pa]
-    saturated_fraction: float  # of the contact, at the hardness
+    saturated_fraction: float  # share of the contact at the hardness
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,7 +264,7 @@ class Yardstick:
     exponents: tuple[float, ...]  # d ln(rise)/d ln(velocity) at each
     readings: tuple[Reading, ...]
     work: float  # elements times convolutions spent, those on larger elements included
-    own_work: float  # of the yardstick alone
+    own_work: float  # that of the yardstick alone
     coarser: float | None = None  # largest relative change by elements of twice the pixels' size
 
     def errors(self, other: Probe) -> tuple[float, ...]:

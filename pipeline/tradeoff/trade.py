@@ -34,7 +34,7 @@ from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 _USUAL = ("draft", "standard", "fine")
 _LOADS = 4
 _SAVES, _MOVES = 1.1, 0.002  # a choice is wasted that saves so much, and moves so little
-_BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # of the error, for each of which the cheapest is named
+_BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # errors, for each of which the cheapest is named
 _HEADS = (
     "name", "velocity error [%]", "rise error [%]", "width error [%]", "share error",
     "area error [%]", "pressure error [%]", "saturated error", "seconds [s]", "speedup", "saving",
@@ -46,7 +46,7 @@ _HEADS = (
 class Choice:
     """One fidelity against the reference."""
 
-    name: str  # of a preset, or what is varied in it
+    name: str  # a preset's, or what is varied in it
     varied: str | None  # field of the fidelity
     fidelity: Fidelity
     velocity_errors: tuple[float, ...]  # relative, of the boundary at each point, with sign
@@ -73,7 +73,7 @@ class Wasted:
     """A numerical choice that costs much and gains nothing."""
 
     preset: str
-    field: str  # of its fidelity
+    field: str  # field of the fidelity
     value: Any  # that the preset has
     cheaper: Any  # value that would do
     saving: float  # factor by which it takes less work
@@ -158,7 +158,7 @@ class Trade:
 
 
 def _shown(value: Any) -> str:
-    """A value as it is printed."""
+    """A value for printing."""
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
@@ -180,12 +180,12 @@ def trade(
     presets : sequence of str
         Presets to compare with ``reference``.
     base : str, optional
-        Preset of which every numerical choice is varied alone; None for none.
+        Preset whose numerical choices are varied, one at a time; None for none.
     loads : sequence of float or str, optional
         Loads at which to look at the boundary [N], or text with a unit; four of the sweep's if
         not given.
     progress : callable, optional
-        Called before each choice with a line: which it is, of how many, and the time to go.
+        Called before each choice with a line: its number, the count, and the remaining time.
     own_laws : bool
         See `pipeline.load_scene`.
 

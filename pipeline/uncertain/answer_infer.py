@@ -13,6 +13,7 @@ from pipeline.analysis.tables import TABLES, frame_of, short, writable_path
 from pipeline.cli.given import PLACE, flags_of, one_scene_in, values_in
 from pipeline.cli.output import Result, counted, run_line, tell, working
 from pipeline.scene.units import display
+from pipeline.sweep.about import own_tests
 from pipeline.sweep.model import Sweep
 from pipeline.uncertain.answer_posterior import posterior
 from pipeline.uncertain.critical_temperature import CriticalTemperatures
@@ -22,29 +23,26 @@ from tribo.inverse import specific_wear_rate
 
 def infer(options: argparse.Namespace) -> Result:
     """Infer a critical temperature, a wear rate, or all unknown inputs."""
-    stores = [path for path in options.scene if path.is_dir()]
-    scenes = [path for path in options.scene if path not in stores]
-    if scenes[1:] or (scenes and stores):
-        raise InputError(f"{scenes[-1]} is not a store; give stores of samples alone, or one scene")
-    if scenes:
-        (options.scene,), bulks = scenes, options.bulk_temperature or [None]
+    store = options.scene
+    if not store.is_dir():
+        bulks = options.bulk_temperature or [None]
         options.bulk_temperature = bulks[0]
         # Several bulk temperatures are to choose from: those of a test to plan, of samples.
         sweep = one_scene_in(options) if len(bulks) == 1 else None
         if sweep is not None and (options.contact_width is not None or not sweep.variants.draw):
             return _scene_result(options, sweep)
         options.bulk_temperature = [bulk for bulk in bulks if bulk is not None]
-        stores = [Path("results") / f"{options.scene.stem}.zarr"]
-        if not stores[0].exists():
+        store = Path("results") / f"{options.scene.stem}.zarr"
+        if not store.exists():
             raise InputError(
                 f"the samples of {options.scene} are not computed; run irg run {options.scene}, "
                 "then irg infer with the store that it wrote"
             )
     if names := values_in(options, "contact_width", "duration", "preset", "set", *PLACE):
         raise InputError(
-            f"the samples of {stores[0]} stay as they were computed; leave out {flags_of(names)}"
+            f"the samples of {store} stay as they were computed; leave out {flags_of(names)}"
         )
-    return posterior(options, stores)
+    return posterior(options, store)
 
 
 def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
@@ -61,9 +59,13 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
         return _wear_rate(options, sweep)
     if ignored := values_in(options, "load", "velocity", "duration"):
         raise InputError(f"{flags_of(ignored)} belongs to --contact-width, which is not given")
-    tested = () if sweep.about.measured else sweep.about.tested
-    if tested:
-        sweep = sweep.changed(measured=tested)
+    told = sweep.about.measured or sweep.about.tested
+    own = own_tests(told)
+    tested = () if sweep.about.measured else own
+    sweep = sweep.changed(measured=own)
+    if left := len(told) - len(own):
+        name = own[0].oil or "the one without a name"
+        tell(f"{counted(left, 'test', 'tests')} of other oils than {name} left out")
     with run_line() as progress:
         inferred = pipeline.critical_temperatures(
             sweep, tell=tell, out=options.kept, workers=options.workers, progress=progress

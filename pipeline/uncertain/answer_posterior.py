@@ -13,7 +13,6 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
-from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import criterion_in, flags_of, judged_entries, values_in
 from pipeline.cli.output import Result, rounded, working
 from pipeline.scene.units import display
@@ -21,6 +20,7 @@ from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
 from pipeline.uncertain.next_tests import Candidate, load_of_target, ranking_command
 from pipeline.uncertain.posterior import Contrast, Judged, Posterior, contrasts
+from pipeline.uncertain.weigh import FALSE_ALARMS
 from tribo import InputError
 
 _TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing
@@ -28,7 +28,7 @@ _SURE = math.log(1000.0)  # from which a power of ten will do
 _AT = "prior", "posterior"
 
 
-def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
+def posterior(options: argparse.Namespace, store: Path) -> Result:
     """Print and draw the inputs as the tests leave them, and the tests to make next."""
     given = values_in(options, "target", "bulk_temperature")
     if given and options.next is None:
@@ -37,30 +37,22 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
         raise InputError(
             "--bulk-temperature of a test to plan is that of both bodies; give one such as 60 degC"
         )
-    if len({Path(store).resolve() for store in stores}) < len(stores):
-        raise InputError(
-            f"{', '.join(map(str, stores))}: a store stands there twice; give each once"
-        )
     with working("reading samples"):
-        datasets = [pipeline.open_sweep(store) for store in stores]
-        at, criterion, ensembles = judged_entries(options), criterion_in(options), []
-        for store, ds in zip(stores, datasets, strict=True):
-            try:
-                ensembles.append(pipeline.Ensemble.of(pipeline.at(ds, **criterion, **at)))
-            except InputError as error:
-                raise InputError(f"{store}: {error}") from error
+        ds = pipeline.open_sweep(store)
+        at = judged_entries(options)
+        ensemble = pipeline.Ensemble.of(pipeline.at(ds, **criterion_in(options), **at))
     with working("weighing the inputs by the tests"):
         weighed = pipeline.posterior(
-            ensembles, discrepancy=options.discrepancy, **values_in(options, "scatter")
+            ensemble, discrepancy=options.discrepancy, **values_in(options, "scatter")
         )
     document, text = weighed.as_dict(), list(_describe_inputs(weighed))
     frame = _summary_frame(weighed)
-    with working("comparing the sweeps"):
+    with working("comparing the oils"):
         compared = list(contrasts(weighed))
     document["differences"] = [one._asdict() for one in compared]
     text += map(_word_contrast, compared)
     if options.next is None:
-        command = ranking_command(stores, options.scatter, at)
+        command = ranking_command([store], options.scatter, at)
         text.append(f"next: the test that tells most: {command}")
     else:
         with working("ranking tests"):
@@ -68,17 +60,14 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
         document |= more
         text += lines
     draw = partial(pipeline.draw_posterior, weighed)
-    warned = sum(map(pipeline.warned, datasets), NO_WARNING)
-    return Result(document, text, warned, [frame], draw)
+    return Result(document, text, pipeline.warned(ds), [frame], draw)
 
 
 def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     """Lines on each input, before and after, and on each test."""
-    samples = " and ".join(str(len(sweep.inputs)) for sweep in weighed.ensembles)
+    samples = len(weighed.ensemble.inputs)
     yield f"{weighed.evidence}, {weighed.scatter_words}; {samples} samples"
-    if len(weighed.ensembles) > 1:
-        yield from (f"  {n}: {sweep.title}" for n, sweep in enumerate(weighed.ensembles, 1))
-    yield from dict.fromkeys(f"  {one}" for sweep in weighed.ensembles for one in sweep.fixed)
+    yield from (f"  {one}" for one in weighed.ensemble.fixed)
     yield weighed.draws_words
     yield frame_of(("input", "before", "after", "90 % within"), weighed.in_words())
     for a, b, correlation in weighed.hidden():
@@ -100,7 +89,8 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
             yield "next: is a slope over velocity or bulk temperature missing? add --discrepancy"
     yield from (
         f"warning: {_place(weighed, judged)}: the other tests leave this a probability of "
-        f"{judged.probability:.1g}; look at the test, or leave it out"
+        f"{judged.probability:.1g}, below the {judged.limit:.1g} that one sound log of "
+        f"{1 / FALSE_ALARMS:.0f} has somewhere; look at the test, or leave it out"
         for judged in weighed.judged
         if judged.contradicts
     )
@@ -109,14 +99,15 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
 def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
     """Each test beside the critical velocity that 5, 50 and 95 % stay below, given all tests."""
     ends = (f"critical velocity of {100 * share:g} % [m/s]" for share in QUANTILES)
-    heads = "sweep", "load [N]", "bulk temperature [°C]", "velocity [m/s]", "outcome", *ends
+    heads = "test", "oil", "load [N]", "bulk temperature [°C]", "velocity [m/s]", "outcome", *ends
     rows = (
         (
-            one.sweep + 1 if len(weighed.ensembles) > 1 else None,
+            one.test.get("number"),
+            one.test.get("oil") if weighed.oils else None,
             one.test["normal_load"],
             one.test.get("bulk_temperature"),
             one.test["velocity"],
-            one.test.get("outcome", "transition"),
+            one.outcome,
             *one.critical_velocity,
         )
         for one in weighed.judged
@@ -131,7 +122,11 @@ def _word_contrast(one: Contrast) -> str:
         value / size for value in (one.mean, one.sd, one.interval[0], one.interval[-1])
     )
     signed = f"{mean:+.3g} ± {sd:.2g} {unit} ({low:+.3g} to {high:+.3g})".replace("-", "−")
-    return f"2 over 1: {one.what} {signed}; more with a probability of {one.probability:.2g}"
+    first, second = one.oils
+    return (
+        f"{second} over {first}: {one.what} {signed}; {second} stands more than {first} with a "
+        f"probability of {one.probability:.2g}"
+    )
 
 
 def _describe_discrepancy(gain: float) -> str:
@@ -160,12 +155,13 @@ def _summary_frame(weighed: Posterior) -> pd.DataFrame:
 def _place(weighed: Posterior, judged: Judged) -> str:
     """Test, in words."""
     test = judged.test
-    sweep = f"{judged.sweep + 1}: " if len(weighed.ensembles) > 1 else ""
+    oil = f"{test['oil']} " if weighed.oils and "oil" in test else ""
     bulk = ""
     if "bulk_temperature" in test:
         bulk = f" and a bulk of {display(test['bulk_temperature'], '°C')}"
-    found = f"{test['outcome']} at" if test.get("outcome") else "measured"
-    return f"{sweep}at {test['normal_load']:g} N{bulk} {found} {test['velocity']:g} m/s"
+    name = f"test {test['number']}, " if "number" in test else ""
+    found = f"{judged.outcome}, at" if test.get("outcome") else "measured"
+    return f"{name}{oil}at {test['normal_load']:g} N{bulk} {found} {test['velocity']:g} m/s"
 
 
 _SHOWN = 12  # candidates

@@ -7,7 +7,7 @@ from pipeline.cli import values
 from pipeline.cli.options import Command, Option
 
 _INFER = (
-    o.SCENE.but(nargs="+", help="scene file; or stores of samples, which share inputs"),
+    o.SCENE.but(help="scene file, or a store of samples"),
     o.PRESET,
     o.SET,
     o.CRITERION,
@@ -25,8 +25,8 @@ _INFER = (
     o.SCATTER,
     o.flag(
         "--discrepancy",
-        "for samples: infer whether the rise needs a further slope over velocity or bulk "
-        "temperature, and how much likelier that makes the tests",
+        "for samples: tell how much likelier a further slope of the rise over velocity or bulk "
+        "temperature makes the tests; it moves no input",
     ),
     o.quantity(
         "--contact-width", "W", "348 um",
@@ -50,7 +50,8 @@ _INFER = (
 _DESIGN = (
     Option(
         "--over", metavar="ENTRY", dest="entries", action="append", required=True,
-        help="unknown input with a range, from and to, whose value is sought; or two of them",
+        help="entry whose value is sought: an unknown input with a range, from and to; load or "
+        "velocity; or temperature.critical, temperature.bulk or friction.coefficient; or two",
     ),
     Option(
         "--risk", metavar="SHARE", type=values.share,
@@ -79,7 +80,7 @@ COMMANDS = (
     ),
     Command(
         "design", "pipeline.uncertain.answer_design:design",
-        "find the value of an unknown input that makes severe wear unlikely enough",
+        "find the value of an entry that makes severe wear unlikely enough",
         'results/uncertain.zarr --load "500 N" --velocity "2 m/s" --risk 1% --over '
         "disk.roughness.correlation_length",
         (

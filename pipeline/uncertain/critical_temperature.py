@@ -16,8 +16,8 @@ from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.store.place import PathLike
 from pipeline.store.write import opened, stored
+from pipeline.sweep.about import own_tests
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.severity import contact_temperature
 from pipeline.sweep.variants import Label, Variants, rows, surfaces
 from tribo import Criterion, InputError
 from tribo.errors import require_positive
@@ -91,8 +91,8 @@ def critical_temperatures(
     ----------
     sweep : Sweep, str or path
         Scene, or its path or name, with measured transitions, simulated on each of its
-        realizations if it has any. A transition without a friction, a bulk temperature or a hold
-        of its own has the sweep's.
+        realizations if it has any; of several oils those of the first count. A transition without
+        a friction, a bulk temperature or a hold of its own has the sweep's.
     own_laws : bool
         See `pipeline.load_scene`.
     out : path, optional
@@ -115,6 +115,7 @@ def critical_temperatures(
     '149 °C'
     """
     sweep = sweep_of(sweep, own_laws)
+    sweep = sweep.changed(measured=own_tests(sweep.about.measured))
     if not sweep.about.measured:
         raise InputError(
             f"the scene {sweep.about.name} has no measured transition; give it a [[measured]] with "
@@ -145,7 +146,7 @@ def critical_temperatures(
     by_row: dict[Label, list[float]] = {number: [] for number in range(len(transitions))}
     for point, rise in sorted(rises.items(), key=lambda item: item[0].variant):
         conditions = asked.variant(point.variant).conditions
-        by_row[point.variant[0][1]].append(contact_temperature(rise, conditions))
+        by_row[point.variant[0][1]].append(conditions.contact_temperature(rise))
     temperatures = tuple(tuple(values) for values in by_row.values())
     return CriticalTemperatures(transitions, on, temperatures, sweep.conditions.decisive)
 
@@ -153,8 +154,10 @@ def critical_temperatures(
 def _transition_rows(sweep: Sweep, transitions: Sequence[Transition], seeds: Variants) -> Sweep:
     """The sweep with a row for each transition, which has a place and conditions of its own."""
     changes: dict[Label, dict[str, Any]] = {}
-    for number, (test, at) in enumerate(zip(sweep.about.measured, transitions, strict=True)):
-        judged = replace(sweep.conditions.replace_friction(at.friction), critical_temperature=None)
+    for number, test in enumerate(sweep.about.measured):
+        judged = replace(
+            sweep.conditions.replace_friction(test.friction), critical_temperature=None
+        )
         if test.bulk_temperature is not None:
             judged = judged.changed(bulk_temperature=test.bulk_temperature)
         scene = (sweep if test.hold is None else sweep.held(test.hold)).scene

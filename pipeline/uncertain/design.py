@@ -1,23 +1,30 @@
-"""The value of an input that makes severe wear unlikely enough: an inverse question on samples."""
+"""The value of an entry that makes severe wear unlikely enough: an inverse question on samples.
+
+The entry is an unknown input with a range; or the load or the velocity, within the samples'; or a
+condition that acts after the simulation, which needs no range.
+"""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
+from pipeline.analysis.at import COLDEST_OIL, HOTTEST_OIL
 from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.analysis.model_error import ModelError, Scatter
+from pipeline.analysis.rise_error import error_of_point
 from pipeline.scene.along import Place
-from pipeline.sweep.unknown import OF_90, Unknown
+from pipeline.sweep.unknown import OF_90, Fixed, Unit, Unknown
 from pipeline.uncertain.answers import draws_of, probability_of, run_probability
 from pipeline.uncertain.direct import SceneWith, log_rise, scene_values
 from pipeline.uncertain.ensemble import Ensemble, Excess
-from pipeline.uncertain.inputs import Draws, prior
+from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, Draws, prior
 from tribo import InputError
 from tribo.types import Array, Mask
 
@@ -25,12 +32,25 @@ RISK = 0.01
 """Probability of severe wear that a design may have, if none is given."""
 RISK_OF_MARGIN = 0.05
 """Probability that the distance to the critical temperature is less than the margin."""
-_VALUES = 17  # of the input, among which a limit is sought
-_DRAWS, _FRESH = 2**13, 2**11  # of the inputs; of those that are drawn anew for a direct check
+LOAD, VELOCITY = Place._fields
+CONDITIONS = (CRITICAL, BULK, FRICTION)
+"""Entries that act after the simulation, and need no range."""
+SIMULATED = 90
+"""Draws near the limit that are simulated directly."""
+_UNITS = {
+    LOAD: ("N", None), VELOCITY: ("m/s", None), FRICTION: ("1", None),
+    CRITICAL: ("K", Unit("°C", 1.0, 273.15)), BULK: ("K", Unit("°C", 1.0, 273.15)),
+}  # fmt: skip
+_VALUES = 17  # of the entry, among which a limit is sought
+_DRAWS = 2**13  # of the inputs
 _LEAST = 1e-9  # probability
-_NEAR = 4.0  # errors of the emulator from the limit, within which draws are simulated
-_FEWEST, _MOST = 64, 400  # that are simulated, also where it is sure
-_AGREES = 2.0  # standard errors of the direct check
+_BEYOND = 0.7  # of ln(rise) beyond all draws, which the range of a condition reaches
+_APART = 0.05  # of ln(velocity), over which the slope of ln(rise) is taken
+_ANYWHERE = 0.1  # of the simulated draws: those that lie wherever the emulator is sure, too
+_TO_EITHER_SIDE = 2.0  # errors of the emulator, over which a probability changes
+_LEAST_EITHER = 0.04  # of ln(rise), where the emulator takes itself to be surer
+_MOST_KEPT = 64  # places, whose rises take 0.5 MB each
+_Rise = tuple[Excess, Array]  # or an excess; with its slope over ln(velocity)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +63,8 @@ class Goal:
     0.0
     """
 
-    #: Loads [N] and velocities [m/s] of operating points, at each of which it is to be reached.
+    #: Loads [N] and velocities [m/s] of operating points, at each of which it is to be reached. A
+    #: load or velocity that is sought takes the place of theirs.
     places: Sequence[tuple[float, float]]
     #: Highest probability that the next run is severe, or closer to it than the margin.
     risk: float
@@ -52,9 +73,9 @@ class Goal:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Limit:
-    """Values of an input with which a goal is reached."""
+    """Values of an entry with which a goal is reached, at the worst numerical error."""
 
-    entry: Unknown  #: The input.
+    entry: Unknown  #: The entry, with its range.
     goal: Goal  #: What is to be reached.
     #: Values that reach it: ``"at most"`` or ``"at least"`` the limit, ``"between"`` two of them,
     #: ``"any"`` or ``"none"``.
@@ -65,8 +86,9 @@ class Limit:
     safe: tuple[float, float] | None  #: Lowest and highest value that reach the goal [SI].
     best: tuple[float, float]  #: Value of the lowest probability, and that probability.
     binding: Place  #: Operating point that decides.
-    values: tuple[float, ...]  #: Values of the input [SI].
+    values: tuple[float, ...]  #: Values of the entry [SI].
     probabilities: tuple[float, ...]  #: Highest probability over the operating points at each.
+    at: tuple[Fixed, ...] = ()  #: Values of other entries.
 
     def as_dict(self) -> dict[str, Any]:
         """Return all results as plain data, in SI."""
@@ -93,11 +115,10 @@ def design(
     over: str,
     draws: Draws | None = None,
     at: Mapping[str, float] | None = None,
-    shift: float = 0.0,
     scatter: Scatter | None = None,
     friction_scatter: Array | float = 0.0,
 ) -> Limit:
-    """Values of an unknown input, uniform between two, with which a goal is reached.
+    """Values of an entry with which a goal is reached.
 
     Parameters
     ----------
@@ -106,14 +127,12 @@ def design(
     goal : Goal
         What is to be reached.
     over : str
-        Path of the input.
+        Path of an unknown input, uniform between two values; or of a condition, such as
+        ``temperature.critical``; or ``load`` or ``velocity``.
     draws : Draws, optional
         Draws of the inputs that tests have weighed; see `pipeline.risk`.
     at : mapping of str to float, optional
-        Values of other inputs by their paths [SI].
-    shift : float
-        Logarithm of the ratio of rises near the limit to those that the samples tell, as direct
-        simulations find it.
+        Values of other such entries by their paths [SI].
     scatter : Scatter, optional
         The model's own error, by which ln(velocity) of the next run is off; a `ModelError` of 10 %
         if not given.
@@ -123,66 +142,241 @@ def design(
     Raises
     ------
     InputError
-        If the input is not one of the samples, or not uniform, or a point lies outside the sweep.
+        If the entry is none of these, or a point lies outside the sweep.
 
     Examples
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> from dataclasses import replace
-    >>> critical = Unknown("temperature.critical", "uniform", (398.15, 438.15), "K")
-    >>> ensemble = replace(ensemble, unknown=(ensemble.unknown[0], critical))
     >>> goal = pipeline.Goal([(400.0, 2.2)], risk=0.05)
     >>> limit = pipeline.design(ensemble, goal, "temperature.critical")
     >>> limit.side, 418 < limit.value < 438
     ('at least', True)
     """
-    entry, scatter = designed(ensemble, over), scatter or ModelError()
-    places = [Place(*place) for place in goal.places]
-    draws = draws_of(ensemble, draws or prior(ensemble.unknown, ensemble.design.seed + 1, _DRAWS))
-    low, high = entry.parameters
-
-    def worst(value: float) -> tuple[float, float, int]:
-        """Highest probability over the places, its error, and the number of the place."""
-        inputs = fix_values(ensemble, draws.inputs, {**(at or {}), over: value})
-        told = goal.margin, shift, friction_scatter
-        lines = [_excess(ensemble, inputs, place, *told) for place in places]
-        found = [probability_of(excess, draws, scatter, slope) for excess, slope in lines]
-        number = int(np.argmax([probability for probability, _ in found]))
-        return *found[number], number
-
-    def off(value: float) -> float:
-        return math.log(max(worst(value)[0], _LEAST) / goal.risk)
-
-    values = np.linspace(low, high, _VALUES)
-    found = [worst(value) for value in values.tolist()]
-    chances = np.array([one[0] for one in found])
-    best = int(np.argmin(chances))
-    if chances[best] > goal.risk or (chances <= goal.risk).all():
-        side, ends = ("none", None) if chances[best] > goal.risk else ("any", (low, high))
-        binding = places[found[best if ends is None else int(np.argmax(chances))][2]]
-        value = interval = None
-    else:
-        first, last = _run(chances <= goal.risk, best)
-        below = low if first == 0 else brentq(off, values[first - 1], values[first], rtol=1e-4)
-        above = high if last == _VALUES - 1 else brentq(off, values[last], values[last + 1])
-        ends = float(below), float(above)
-        side = "at least" if last == _VALUES - 1 else "at most" if first == 0 else "between"
-        value = ends[0] if side == "at least" else ends[1]
-        chance, error, number = worst(value)
-        binding = places[number]
-        step = (high - low) / (8 * _VALUES)
-        slope = (off(min(value + step, high)) - off(max(value - step, low))) / (2 * step)
-        apart = OF_90 * error / max(chance, _LEAST) / max(abs(slope), 1e-300)
-        interval = max(value - apart, low), min(value + apart, high)
-    return Limit(
-        entry, goal, side, value, interval, ends, (float(values[best]), float(chances[best])),
-        binding, tuple(values.tolist()), tuple(chances.tolist()),
-    )  # fmt: skip
+    return Chances(ensemble, goal, draws, scatter, friction_scatter).limit(over, at)
 
 
-def designed(ensemble: Ensemble, path: str) -> Unknown:
-    """The input of a design; raises if it is not uniform between two values."""
+@dataclass(eq=False)
+class Chances:
+    """Probabilities of a severe next run over values of entries, at the worst numerical error."""
+
+    ensemble: Ensemble
+    goal: Goal
+    draws: Draws | None = None
+    scatter: Scatter | None = None
+    friction_scatter: Array | float = 0.0
+    #: Logarithm of the ratio of rises near the limit to those that the samples tell, as direct
+    #: simulations find it.
+    shift: float = 0.0
+    #: Probability that the limit stays below the risk, so that a check can confirm it.
+    spare: float = 0.0
+    _rises: dict[Place, tuple[Any, _Rise]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        ensemble, self.scatter = self.ensemble, self.scatter or ModelError()
+        drawn = self.draws or prior(ensemble.unknown, ensemble.design.seed + 1, _DRAWS)
+        self._weighed = draws_of(ensemble, drawn)
+
+    @property
+    def numerical(self) -> float:
+        """What the error of the fidelity adds to ln(rise) at most, as far as it is known."""
+        return math.log1p(error_of_point(0, 1.0, self.ensemble.velocity_error).preset or 0.0)
+
+    def entry(self, path: str) -> Unknown:
+        """An entry that may be sought, as an input that is uniform over its range.
+
+        That of a condition reaches from where wear is surely severe to where it surely is not.
+        """
+        ensemble = self.ensemble
+        known = {one.path: one for one in (*ensemble.unknown, *(f.unknown for f in ensemble.fixed))}
+        if path == LOAD:
+            return Unknown(path, "uniform", tuple(ensemble.loads[[0, -1]].tolist()), "N")
+        if path == VELOCITY:
+            return Unknown(path, "uniform", ensemble.velocities, "m/s")
+        if path not in CONDITIONS:
+            return _ranged_input(ensemble, path)
+        unit, written = _UNITS[path]
+        written = known[path].written if path in known else written
+        return Unknown(path, "uniform", self._reach(path), unit, written)
+
+    def _reach(self, path: str) -> tuple[float, float]:
+        """Ends of the range of a condition."""
+        inputs, ends = self._weighed.inputs, []
+        loads, velocities = self.ensemble.loads[[0, -1]].tolist(), self.ensemble.velocities
+        for place in {Place(*place) for place in self.goal.places}:
+            here = itertools.product(
+                loads if math.isnan(place.load) else [place.load],
+                velocities if math.isnan(place.velocity) else [place.velocity],
+            )
+            for corner in here:
+                rise, _ = self._rise(Place(*corner), {})
+                ends += [rise.values.min() - _BEYOND, rise.values.max() + _BEYOND]
+        rises = np.exp([[min(ends)], [max(ends)]])
+        known = {one: self.ensemble.values(one, inputs) for one in CONDITIONS if one != path}
+        margin = self.goal.margin
+        if path == FRICTION:
+            values = (known[CRITICAL] - margin - known[BULK]) / rises
+            values = values[values > 0] if (values > 0).any() else np.array([0.01, 1.0])
+            return float(values.min()), float(values.max())
+        heat = known[FRICTION] * rises
+        values = (
+            known[BULK] + margin + heat if path == CRITICAL else known[CRITICAL] - margin - heat
+        )
+        highest = HOTTEST_OIL if path == BULK else math.inf
+        low, high = np.clip([values.min(), values.max()], COLDEST_OIL, highest).tolist()
+        return low, high
+
+    def limit(self, over: str, at: Mapping[str, float] | None = None) -> Limit:
+        """Values of an entry that reach the goal, with other entries at some values."""
+        at = at or {}
+        entry, places = self.entry(over), [Place(*place) for place in self.goal.places]
+        low, high = entry.parameters
+        risk = self.goal.risk
+
+        def worst(value: float) -> tuple[float, float, int]:
+            """Highest probability over the places, its error, and the number of the place."""
+            found = [self.probability(place, {**at, over: value}) for place in places]
+            number = int(np.argmax([probability for probability, _ in found]))
+            return *found[number], number
+
+        values = np.linspace(low, high, _VALUES)
+        found = [worst(value) for value in values.tolist()]
+        chances = np.array([one[0] for one in found])
+        best = int(np.argmin(chances))
+        if chances[best] <= risk:  # a check of the best value may still confirm it
+            risk = max(risk - self.spare, float(chances[best]))
+
+        def off(value: float) -> float:
+            return math.log(max(worst(value)[0], _LEAST) / max(risk, _LEAST))
+
+        if chances[best] > risk or (chances <= risk).all():
+            side, ends = ("none", None) if chances[best] > risk else ("any", (low, high))
+            decisive = best if ends is None else int(np.argmax(chances))
+            number, at_place = found[decisive][2], values[decisive]
+            value = interval = None
+        else:
+            first, last = _run(chances <= risk, best)
+            below = low if first == 0 else brentq(off, values[first - 1], values[first], rtol=1e-4)
+            above = high
+            if last < _VALUES - 1:
+                above = brentq(off, values[last], values[last + 1], rtol=1e-4)
+            ends = float(below), float(above)
+            side = "at least" if last == _VALUES - 1 else "at most" if first == 0 else "between"
+            value = at_place = ends[0] if side == "at least" else ends[1]
+            chance, error, number = worst(value)
+            step = (high - low) / (8 * _VALUES)
+            slope = (off(min(value + step, high)) - off(max(value - step, low))) / (2 * step)
+            apart = OF_90 * error / max(chance, _LEAST) / max(abs(slope), 1e-300)
+            interval = max(value - apart, low), min(value + apart, high)
+        return Limit(
+            entry, self.goal, side, value, interval, ends, (float(values[best]), chances.min()),
+            _moved(places[number], {**at, over: float(at_place)}),
+            tuple(values.tolist()), tuple(chances.tolist()),
+            tuple(Fixed(self.entry(path), one) for path, one in at.items()),
+        )  # fmt: skip
+
+    def probability(self, place: Place, values: Mapping[str, float]) -> tuple[float, float]:
+        """Probability at a place and values of entries [SI], and its standard error."""
+        inputs = self._weighed.inputs
+        excess, slope = self._excess(inputs, self._rise(place, values), values)
+        excess = excess._replace(error=np.hypot(excess.error, self.friction_scatter))
+        return probability_of(excess, self._weighed, self.scatter, slope)
+
+    def _excess(self, inputs: Array, rise: _Rise, values: Mapping[str, float]) -> _Rise:
+        """Logarithm of the rise, hotter by the shift and the numerical error, over its limit."""
+        emulated, slope = rise
+        hotter = emulated.values + self.shift + self.numerical
+        return emulated._replace(values=hotter - self._log_limit(inputs, values)), slope
+
+    def _log_limit(self, inputs: Array, values: Mapping[str, float]) -> Array:
+        """Logarithm of the rise at friction 1 that leaves the margin, of each draw."""
+        friction, bulk, critical = (values.get(path) for path in (FRICTION, BULK, CRITICAL))
+        return self.ensemble.log_limit(inputs, friction, bulk, self.goal.margin, critical)
+
+    def _rise(self, place: Place, values: Mapping[str, float]) -> _Rise:
+        """Rise of the draws; the last of some places is kept, as no condition changes it."""
+        key = sorted(one for one in values.items() if one[0] not in CONDITIONS)
+        if place not in self._rises or self._rises[place][0] != key:
+            result = _emulate(self.ensemble, self._weighed.inputs, place, values)
+            if place not in self._rises and len(self._rises) >= _MOST_KEPT:
+                return result
+            self._rises[place] = key, result
+        _, kept = self._rises[place]
+        return kept
+
+    def simulated(
+        self,
+        limit: Limit,
+        scene_with: SceneWith,
+        seed: int = 0,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Direct:
+        """Find the probability at a limit by simulations of draws near it.
+
+        With P(x) of a draw at its excess x the probability is E[P(x)] of emulated excesses, of many
+        draws, and E[P(x) − P(x emulated)] of the few that are simulated: a control variate. These
+        are drawn by how much the emulator's error changes P (importance sampling), some anywhere.
+        """
+        assert limit.value is not None  # for the type checker
+        ensemble, between = self.ensemble, self.friction_scatter
+        values = {one.unknown.path: one.value for one in limit.at} | {limit.entry.path: limit.value}
+        if self.draws is None:
+            draws = prior(ensemble.unknown, ensemble.design.seed + 2718 + seed, _DRAWS)
+        else:
+            draws = self._weighed
+        place, inputs = limit.binding, draws.inputs
+        rise = _emulate(ensemble, inputs, place, values)
+        excess, slope = self._excess(inputs, rise, values)
+        scatter = self.scatter
+
+        def chances(x: Array, error: Array | float, rows: Any = slice(None)) -> Array:
+            beside = between[rows] if isinstance(between, np.ndarray) else between
+            errors = np.hypot(error, beside) + _LEAST * np.ones(len(x))
+            return run_probability(Excess(x, errors, errors), scatter, slope[rows])[0]
+
+        emulated = chances(excess.values, excess.error)
+        either = np.hypot(_TO_EITHER_SIDE * excess.error, _LEAST_EITHER)
+        told = chances(excess.values + either, 0.0) - chances(excess.values - either, 0.0) + _LEAST
+        mass = float(draws.weights @ told)
+        drawn = draws.weights * told / mass
+        drawn = (1 - _ANYWHERE) * drawn + _ANYWHERE * draws.weights
+        rng = np.random.default_rng([ensemble.design.seed, 2718, seed])
+        rows = rng.choice(len(drawn), SIMULATED, p=drawn / drawn.sum())
+        worth = draws.weights[rows] / drawn[rows]
+        limits, found = self._log_limit(inputs, values), np.empty(SIMULATED)
+        fixed, known = fix_values(ensemble, inputs, values), dict[int, float]()
+        for number, row in enumerate(rows.tolist()):
+            if progress:
+                progress(number, SIMULATED)
+            if row not in known:
+                known[row] = log_rise(scene_with(scene_values(ensemble, fixed[row])), *place)
+            found[number] = known[row]
+        found += self.numerical - limits[rows]
+        missed = found - (excess.values[rows] - self.shift)
+        off = worth * (chances(found, 0.0, rows) - emulated[rows])
+        middle = float(draws.mean(emulated))
+        by_draws = float(np.sum((draws.weights * (emulated - middle)) ** 2))
+        by_runs = float(np.var(off, ddof=1)) / SIMULATED + (mass / SIMULATED) ** 2  # one unseen
+        error = math.sqrt(by_draws + by_runs)
+        probability = max(middle + float(np.mean(off)), 0.0)
+        shift = float(np.average(missed, weights=worth * told[rows]))
+        return Direct(probability, error, len(emulated), len(known), shift)
+
+
+def _emulate(ensemble: Ensemble, inputs: Array, place: Place, values: Mapping[str, float]) -> _Rise:
+    """Logarithm of the rise at friction 1, and its slope over ln(velocity), of each draw."""
+    load, velocity = _moved(place, values)
+    low, high = ensemble.velocities
+    ends = max(velocity * math.exp(-_APART), low), min(velocity * math.exp(_APART), high)
+    three = [ends[0], velocity, ends[1]]
+    rise = ensemble.rise(fix_values(ensemble, inputs, values), load, three)
+    grows, apart = rise.values[:, 2] - rise.values[:, 0], math.log(ends[1] / ends[0])
+    slope = np.maximum(grows / apart, LEAST_SLOPE) if apart > 0 else np.ones(len(inputs))
+    return Excess(*(part[:, 1] for part in rise)), slope
+
+
+def _ranged_input(ensemble: Ensemble, path: str) -> Unknown:
+    """An unknown input; raises if it is not uniform between two values."""
     by_path = {one.path: one for one in ensemble.unknown}
     for fixed in ensemble.fixed:
         if fixed.unknown.path == path:
@@ -192,47 +386,27 @@ def designed(ensemble: Ensemble, path: str) -> Unknown:
         said = str(entry).replace(":", " is", 1)
         if entry is None:
             said = f"{path} is not an unknown input of these samples"
-        ranges = ", ".join(one.path for one in by_path.values() if one.kind == "uniform")
+        ranges = [one.path for one in by_path.values() if one.kind == "uniform"]
+        free = dict.fromkeys([*ranges, LOAD, VELOCITY, *CONDITIONS])
         raise InputError(
-            f"{said}; a design needs a range, which {ranges or 'none'} has: give one of these, or "
-            "run the scene with it as { from, to } in [unknown]"
+            f"{said}; a design needs a range: give one of {', '.join(free)}, or run the scene with "
+            "it as { from, to } in [unknown]"
         )
     return entry
 
 
 def fix_values(ensemble: Ensemble, inputs: Array, values: Mapping[str, float]) -> Array:
     """Inputs with some of them at one value."""
-    numbers = {one.path: number for number, one in enumerate(ensemble.unknown)}
     other = inputs.copy()
-    for path, value in values.items():
-        other[:, numbers[path]] = value
+    for number, one in enumerate(ensemble.unknown):
+        if one.path in values:
+            other[:, number] = values[one.path]
     return other
 
 
-_APART = 0.05  # of ln(velocity), over which the slope of ln(rise) is taken
-
-
-def _excess(
-    ensemble: Ensemble,
-    inputs: Array,
-    place: Place,
-    margin: float,
-    shift: float,
-    friction_scatter: Array | float,
-) -> tuple[Excess, Array]:
-    """Logarithm of the rise, with a shift, over the one that leaves a margin; and its slope.
-
-    The slope is that over ln(velocity), by draw. Friction between runs adds to the error.
-    """
-    (low, high), velocity = ensemble.velocities, place.velocity
-    ends = max(velocity * math.exp(-_APART), low), min(velocity * math.exp(_APART), high)
-    excess = ensemble.excess(inputs, place.load, [ends[0], velocity, ends[1]])
-    rises, apart = excess.values[:, 2] - excess.values[:, 0], math.log(ends[1] / ends[0])
-    slope = np.maximum(rises / apart, LEAST_SLOPE) if apart > 0 else np.ones(len(inputs))
-    limits = ensemble.log_limit(inputs), ensemble.log_limit(inputs, margin=margin)
-    here = Excess(*(part[:, 1] for part in excess))
-    values = here.values + shift + limits[0] - limits[1]
-    return here._replace(values=values, error=np.hypot(here.error, friction_scatter)), slope
+def _moved(place: Place, values: Mapping[str, float]) -> Place:
+    """A place with a load or a velocity that is sought."""
+    return place._replace(**{name: values[name] for name in Place._fields if name in values})
 
 
 def _run(fits: Mask, place: int) -> tuple[int, int]:
@@ -247,57 +421,27 @@ def _run(fits: Mask, place: int) -> tuple[int, int]:
 
 @dataclass(frozen=True, slots=True)
 class Direct:
-    """Probability of new draws, of which the 64 to 400 nearest to the limit were simulated."""
+    """Probability at the worst numerical error, by many draws, of which some were simulated."""
 
     probability: float
-    error: float
+    error: float  # standard error
     draws: int
     simulated: int
     shift: float  # mean logarithm of the simulated rises over those that the samples tell
 
-    def agrees_with(self, risk: float) -> bool:
-        """True if it is no higher than a probability, within its error."""
-        return self.probability <= risk + _AGREES * self.error
+    @property
+    def highest(self) -> float:
+        """Value that the probability stays below with 95 %."""
+        return self.probability + OF_90 * self.error
+
+    @property
+    def spare(self) -> float:
+        """Probability below the risk at which nine of ten further checks confirm a limit."""
+        return (OF_90 + _NINE_OF_TEN) * self.error
+
+    def confirms(self, risk: float) -> bool:
+        """True if the risk is kept with 95 %."""
+        return self.highest <= risk
 
 
-def directly(
-    ensemble: Ensemble,
-    goal: Goal,
-    place: Place,
-    values: Mapping[str, float],
-    scene_with: SceneWith,
-    draws: Draws | None = None,
-    progress: Callable[[int, int], None] | None = None,
-    *,
-    shift: float = 0.0,
-    seed: int = 0,
-    scatter: Scatter | None = None,
-    friction_scatter: Array | float = 0.0,
-) -> Direct:
-    """Find the probability at ``values`` [SI] by simulations where the emulator is not sure."""
-    scatter, between = scatter or ModelError(), friction_scatter
-    if draws is None:
-        inputs = prior(ensemble.unknown, ensemble.design.seed + 2718 + seed, _FRESH).inputs
-    else:
-        rng = np.random.default_rng([ensemble.design.seed, 2718, seed])
-        weighed = draws_of(ensemble, draws)
-        chosen = rng.choice(len(weighed.weights), _FRESH, p=weighed.weights)
-        inputs = weighed.inputs[chosen]
-        between = between[chosen] if isinstance(between, np.ndarray) else between
-    inputs = fix_values(ensemble, inputs, values)
-    excess, slope = _excess(ensemble, inputs, place, goal.margin, shift, 0.0)
-    scores = np.abs(excess.values / excess.error)
-    near = np.argsort(scores)[: np.clip(np.sum(scores < _NEAR), _FEWEST, _MOST)]
-    limits = ensemble.log_limit(inputs, margin=goal.margin)
-    found = excess.values.copy()
-    for number, row in enumerate(near.tolist()):
-        if progress:
-            progress(number, len(near))
-        sweep = scene_with(scene_values(ensemble, inputs[row]))
-        found[row] = log_rise(sweep, *place) - limits[row]
-    chances = np.full(len(found), between) + _LEAST
-    by_draw, _ = run_probability(Excess(found, chances, chances), scatter, slope)
-    chance = float(np.mean(by_draw))
-    error = math.sqrt(max(float(np.var(by_draw)), 1 / _FRESH) / _FRESH)
-    missed = float(np.mean((found - excess.values)[near]))
-    return Direct(chance, error, _FRESH, len(near), shift + missed)
+_NINE_OF_TEN = 1.282  # normal score

@@ -234,8 +234,12 @@ class Ensemble:
         Draws (n, n_unknown) are values of the unknown inputs [SI]. Raise an `InputError` at a load
         [N] or a velocity [m/s] outside the sweep, or if no critical temperature is known.
         """
-        rise = self._emulated(self._rise, draws, load, velocity)
+        rise = self.rise(draws, load, velocity)
         return rise._replace(values=(rise.values.T - self.log_limit(draws)).T)
+
+    def rise(self, draws: Array, load: Axis | float, velocity: Axis | float) -> Excess:
+        """Logarithm of the rise at friction 1 [K] in place of the excess, likewise."""
+        return self._emulated(self._rise, draws, load, velocity)
 
     def width(self, draws: Array, load: float, velocity: float) -> Excess:
         """Logarithm of the contact's width [m] in place of the excess, likewise."""
@@ -262,16 +266,25 @@ class Ensemble:
         friction: float | Array | None = None,
         bulk: float | None = None,
         margin: float = 0.0,
+        critical: float | Array | None = None,
     ) -> Array:
         """Logarithm of the rise at friction 1 above which wear is severe, shape (n,).
 
-        A friction and a bulk temperature [K] that are given replace those of the draws. With a
-        margin [K] it is the rise that stays as far below the critical temperature.
+        A friction, a bulk and a critical temperature [K] that are given replace those of the draws.
+        With a margin [K] it is the rise that stays as far below the critical temperature.
         """
         frictions = self.values(FRICTION, draws) if friction is None else friction
+        if friction is None:  # one that is given was measured as warm as it was
+            frictions = frictions * np.exp(self.log_friction_factor(draws, margin))
         bulks = self.values(BULK, draws) if bulk is None else bulk
-        rise = np.maximum(self.values(CRITICAL, draws) - margin - bulks, _LEAST_RISE)
+        criticals = self.values(CRITICAL, draws) if critical is None else critical
+        rise = np.maximum(criticals - margin - bulks, _LEAST_RISE)
         return np.asarray(np.log(rise / np.maximum(frictions, LEAST_FRICTION)))
+
+    def log_friction_factor(self, draws: Array, margin: float = 0.0) -> Array:
+        """Logarithm of the factor of friction at a margin below the critical temperature (n,)."""
+        law = replace(self.conditions.friction_law, coefficient=1.0)
+        return np.asarray(np.log(law.at(temperature=self.values(CRITICAL, draws) - margin)))
 
     @functools.cached_property
     def hold_ensembles(self) -> dict[float, Ensemble]:

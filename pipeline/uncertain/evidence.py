@@ -1,18 +1,19 @@
-"""Likelihood of tests by the inputs of all sweeps: of measured transitions, and single points.
+"""Likelihood of runs by the inputs of a sweep: of measured transitions, points, and stages.
 
 Each draw of the inputs has a velocity V_c of its own at which wear turns severe, at the load,
-friction and bulk temperature of the test. With d = ln(V/V_c) over its standard deviation σ, a
+friction and bulk temperature of the test. With d = ln(V/V_c) and its standard deviation σ, a
 transition measured at V has the likelihood φ(d/σ)/σ, a test that turned severe Φ(d/σ), a mild one
-Φ(−d/σ). σ has the scatter of the velocity, those of load and friction by the slope of the rise, and
-the emulator's error.
+Φ(−d/σ). A run is of one specimen, whose scatter all its tests share: mild at d₁ and severe at d₂ it
+has the likelihood Φ(d₂/σ) − Φ(d₁/σ). σ has the scatter of the velocity, those of load and friction
+by the slope of the rise, and the emulator's error.
 """
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +23,14 @@ from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.rig import SLOPES, Columns, join_rigs, learnt, log_discrepancy
+from pipeline.uncertain.rig import (
+    SLOPES,
+    Columns,
+    join_oils,
+    join_rig,
+    learnt,
+    log_discrepancy,
+)
 from tribo import InputError
 from tribo.types import Array
 
@@ -70,13 +78,17 @@ def distances_of(
     inputs: Array,
     rig: Array | None = None,
     slopes: Array | None = None,
+    oils: Mapping[str, Array] | None = None,
 ) -> Distances:
-    """Distances from tests of draws (n, n_unknown), with a rig and a discrepancy if given."""
+    """Distances from tests of draws (n, n_unknown), with a rig and a discrepancy if given.
+
+    Oils have critical temperatures of their own by draw, (n,); other tests have that of the draws.
+    """
     values, variance, told = np.empty((3, len(tests), len(inputs)))
     for hold, held in ensemble.hold_ensembles.items():
         numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
         if part := [tests[number] for number in numbers]:
-            part_of = _hold_distances(held, part, inputs, rig, slopes)
+            part_of = _hold_distances(held, part, inputs, rig, slopes, oils or {})
             values[numbers], variance[numbers], told[numbers] = part_of
     return Distances(values, variance, told)
 
@@ -87,6 +99,7 @@ def _hold_distances(
     inputs: Array,
     rig: Array | None,
     slopes: Array | None,
+    oils: Mapping[str, Array],
 ) -> Distances:
     """Distances of draws from tests that held the load as the ensemble does."""
     nodes = np.geomspace(*ensemble.velocities, _NODES)
@@ -110,7 +123,7 @@ def _hold_distances(
         by_rig = np.zeros(1)
         by_friction: Any = (test.get("friction_scatter", 0.0) / (friction or 1.0)) ** 2
         if rig is not None:
-            factor = float(np.interp(log_velocity, x, table))
+            factor = np.interp(log_velocity, x, table) + ensemble.log_friction_factor(inputs)
             acted, by_friction, by_rig = learnt(rig, test, factor)
             friction = np.exp(acted)
         place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, _NODES - 2))
@@ -121,7 +134,9 @@ def _hold_distances(
             steepness = (high - low) / math.log(around[1] / around[0])
             variance = variance + (steepness * test["load_scatter"] / test["normal_load"]) ** 2
         variance = variance + by_friction
-        limit = ensemble.log_limit(inputs, friction, test.get("bulk_temperature"))
+        limit = ensemble.log_limit(
+            inputs, friction, test.get("bulk_temperature"), critical=oils.get(test.get("oil", ""))
+        )
         critical, *_ = log_crossings(nodes, rise - limit[:, None])
         values.append(log_velocity - critical)
         variances.append(variance / np.maximum(slope, LEAST_SLOPE) ** 2)
@@ -137,82 +152,157 @@ def _around(test: Test, ends: Array) -> tuple[float, ...]:
     return float(low), float(high)
 
 
-def log_likelihoods(
-    tests: Sequence[Test], distances: Distances, scatters: Sequence[float] | Array
-) -> tuple[Array, Array]:
-    """Distances over standard deviations, and log likelihoods, each (n_test, n, n_scatter)."""
-    by_test = np.tile(scatters, (len(tests), 1, 1))
-    for scatter, test in zip(by_test, tests, strict=True):
-        if "velocity_scatter" in test:
-            scatter[:] = test["velocity_scatter"] / test["velocity"]
-    deviation = np.sqrt(distances.variance[..., None] + by_test**2)
-    z = distances.values[..., None] / deviation
-    logarithms = -0.5 * z**2 - np.log(deviation)
+class Runs(NamedTuple):
+    """Runs beside draws and scatters, each (n_run, n, n_scatter).
+
+    A specimen is off by more than `low` and by less than `high` standard deviations of its scatter;
+    by both at a transition.
+    """
+
+    low: Array
+    high: Array
+    log_likelihoods: Array
+
+
+def decisive_tests(tests: Sequence[Test]) -> list[Test]:
+    """Tests without those of a run that a harder mild one, or an easier severe one, implies."""
+    seen = dict[Any, tuple[int, tuple[float, float]]]()
+    kept = dict(enumerate(tests))
     for number, test in enumerate(tests):
-        if "outcome" in test:
-            logarithms[number] = log_ndtr(SIGNS[test["outcome"]] * z[number])
-    return z, logarithms + np.asarray(distances.told)[..., None]
+        if "run" not in test:
+            continue
+        sign = SIGNS[test["outcome"]]
+        at = -sign * test["normal_load"], -sign * test["velocity"]
+        same = {k: v for k, v in test.items() if k not in ("normal_load", "velocity", "number")}
+        key = tuple(same.items())
+        before, there = seen.get(key, (number, at))
+        if at[0] >= there[0] and at[1] >= there[1]:
+            seen[key] = number, at
+            if before != number:
+                del kept[before]
+        elif at[0] <= there[0] and at[1] <= there[1]:
+            del kept[number]
+    return list(kept.values())
 
 
-OF_LUBRICANT = ("temperature.", "wear.", "friction.", "oil.")
-"""Beginnings of the paths of inputs that each sweep has of its own; others are shared."""
-FACTORS = np.exp(np.log(2.0) * np.linspace(-2.0, 2.5, 10))
+def group_runs(tests: Sequence[Test]) -> list[list[int]]:
+    """Numbers of the tests of each run; a test without one is a run of its own."""
+    runs = dict[Any, list[int]]()
+    for number, test in enumerate(tests):
+        runs.setdefault(test.get("run", number), []).append(number)
+    return list(runs.values())
+
+
+def weigh_runs(
+    tests: Sequence[Test],
+    runs: Sequence[Sequence[int]],
+    distances: Distances,
+    scatters: Sequence[float] | Array,
+) -> Runs:
+    """Scores and log likelihoods of runs, given the distances of their tests."""
+    shape = len(runs), distances.values.shape[1], len(scatters)
+    low, high, likelihoods = np.full(shape, -np.inf), np.full(shape, np.inf), np.zeros(shape)
+    told = np.broadcast_to(np.asarray(distances.told, float), distances.values.shape)
+    for run, rows in enumerate(runs):
+        for row in rows:
+            test, by_run = tests[row], np.asarray(scatters, float)
+            if "velocity_scatter" in test:
+                by_run = np.full(len(by_run), test["velocity_scatter"] / test["velocity"])
+            deviation = np.sqrt(distances.variance[row, :, None] + by_run**2)
+            z = distances.values[row, :, None] / deviation
+            if test.get("outcome") != "severe":
+                low[run] = np.maximum(low[run], z)
+            if test.get("outcome") != "mild":
+                high[run] = np.minimum(high[run], z)
+            if "outcome" not in test:
+                likelihoods[run] -= 0.5 * z**2 + np.log(deviation)
+        if any("outcome" in tests[row] for row in rows):
+            likelihoods[run] += log_between(low[run], high[run])
+        # The friction of a specimen is one, however often it was measured.
+        measured = [row for row in rows if tests[row].get("friction") is not None]
+        if measured:
+            likelihoods[run] += told[measured].mean(axis=0)[:, None]
+    return Runs(low, high, likelihoods)
+
+
+def log_between(low: Array, high: Array) -> Array:
+    """Logarithm of Φ(high) − Φ(low), also far out; very low where none lies between."""
+    is_above = low > 0  # Φ(−low) − Φ(−high) has no rounding there
+    low, high = np.where(is_above, -high, low), np.where(is_above, -low, high)
+    upper = log_ndtr(high)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = -np.expm1(np.minimum(log_ndtr(low) - upper, 0.0))
+        return np.asarray(
+            np.where(high > low, upper + np.log(share), _IMPOSSIBLE).clip(_IMPOSSIBLE)
+        )
+
+
+_IMPOSSIBLE = -1e6
+
+
+FACTOR = 3.0
+"""Factor within which two thirds of scatters are of the one that is said: rigs differ as much."""
+FACTORS = FACTOR ** np.linspace(-2.0, 2.2, 11)
 """Factors on the scatter that is said."""
-_LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(2.0)) ** 2  # of the factors
+_LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(FACTOR)) ** 2  # of the factors
 _FAR = 2.0  # largest standard deviations of a test from the best draw, root mean square
 
 
 class JudgedTests(NamedTuple):
-    """Tests beside draws: `log_likelihoods`, and their sum with the prior, (n, n_scatter)."""
+    """Tests and runs beside draws, and the sum of likelihoods with the prior, (n, n_scatter)."""
 
     distances: Distances
-    z: Array
-    likelihoods: Array
+    runs: Runs
     joint: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Joint:
-    """Inputs of all sweeps, and their tests."""
+    """Inputs of a sweep, of its rig and of the oils that ran on it, and its tests."""
 
-    ensembles: tuple[Ensemble, ...]
-    unknown: tuple[Unknown, ...]  # of the sweeps, then of the rigs, then of a discrepancy
-    known: int  # number of those of the sweeps
-    columns: tuple[Any, ...]  # inputs of each sweep among all
-    rigs: tuple[Columns, ...]
+    ensemble: Ensemble
+    unknown: tuple[Unknown, ...]  # of the sweep, then of other oils, of the rig, of a discrepancy
+    rig: Columns
+    oils: Mapping[str, int]  # inputs that are the critical temperatures of other oils
     has_discrepancy: bool
     scatters: Array
 
     @classmethod
-    def of(cls, ensembles: tuple[Ensemble, ...], scatter: float, discrepancy: bool) -> Joint:
-        """Join the inputs of sweeps; raises at a test that a sweep says nothing about."""
-        unknown, columns = _joined(ensembles)
-        for one in ensembles:
-            require_possible(one)
-        known, (unknown, rigs) = len(unknown), join_rigs(ensembles, unknown, columns)
+    def of(cls, ensemble: Ensemble, scatter: float, discrepancy: bool = False) -> Joint:
+        """Inputs and tests of a sweep; raises at a test that it says nothing about."""
+        require_possible(ensemble)
+        unknown, oils = join_oils(ensemble)
+        unknown, rig = join_rig(ensemble, unknown)
         unknown += SLOPES if discrepancy else ()
-        return cls(ensembles, unknown, known, columns, rigs, discrepancy, scatter * FACTORS)
+        return cls(ensemble, unknown, rig, oils, discrepancy, scatter * FACTORS)
 
-    @property
+    @functools.cached_property
     def tests(self) -> list[Test]:
-        """Tests of all sweeps, in their order."""
-        return [test for one in self.ensembles for test in one.tests]
+        """Tests that count."""
+        return decisive_tests(self.ensemble.tests)
+
+    @functools.cached_property
+    def runs(self) -> list[list[int]]:
+        """Numbers of the tests of each run."""
+        return group_runs(self.tests)
 
     @property
-    def sweeps(self) -> list[int]:
-        """Number of the sweep of each test."""
-        return [number for number, one in enumerate(self.ensembles) for _ in one.tests]
+    def known(self) -> tuple[Unknown, ...]:
+        """Inputs of the sweep."""
+        return self.ensemble.unknown
 
     def judged(self, inputs: Array) -> JudgedTests:
         """Tests beside draws of all inputs, shape (n, n_unknown)."""
-        slopes = inputs[:, -2:] if self.has_discrepancy else None
-        parts = [
-            distances_of(one, one.tests, inputs[:, part], inputs[:, rig] if rig else None, slopes)
-            for one, part, rig in zip(self.ensembles, self.columns, self.rigs, strict=True)
-        ]
-        distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
-        z, likelihoods = log_likelihoods(self.tests, distances, self.scatters)
-        return JudgedTests(distances, z, likelihoods, likelihoods.sum(axis=0) + _LOG_PRIOR)
+        distances = distances_of(
+            self.ensemble,
+            self.tests,
+            inputs[:, : len(self.known)],
+            inputs[:, self.rig] if self.rig else None,
+            inputs[:, -2:] if self.has_discrepancy else None,
+            {oil: inputs[:, column] for oil, column in self.oils.items()},
+        )
+        runs = weigh_runs(self.tests, self.runs, distances, self.scatters)
+        return JudgedTests(distances, runs, runs.log_likelihoods.sum(axis=0) + _LOG_PRIOR)
 
     def require_near(self, distances: Distances) -> None:
         """Raise an `InputError` where even the best draws are far from the tests."""
@@ -227,28 +317,3 @@ class Joint:
                 f"hardly any draw agrees with the tests, the best within {apart * scatter:.0%} of "
                 "their velocities; widen [unknown], or look at the tests"
             )
-
-
-def _joined(ensembles: Sequence[Ensemble]) -> tuple[tuple[Unknown, ...], tuple[Any, ...]]:
-    """Unknown inputs of all sweeps, and those of each among them."""
-    inputs: dict[str, Unknown] = {}
-    columns = []
-    for number, ensemble in enumerate(ensembles, 1):
-        name = partial(_named, f"{number}: " if len(ensembles) > 1 else "")
-        for quantity in ensemble.unknown:
-            correlated = tuple((name(path), value) for path, value in quantity.correlated)
-            named = replace(quantity, path=name(quantity.path), correlated=correlated)
-            same = inputs.setdefault(named.path, named)
-            if (same.kind, same.parameters) != (named.kind, named.parameters):
-                raise InputError(
-                    f"{quantity.path} is shared by the sweeps, which differ in its distribution; "
-                    "give the same one in [unknown] of each, and run them again"
-                )
-        paths = [name(quantity.path) for quantity in ensemble.unknown]
-        columns.append(np.array([[*inputs].index(path) for path in paths], int))
-    return tuple(inputs.values()), tuple(columns)
-
-
-def _named(sweep: str, path: str) -> str:
-    """Path of an input of a sweep, which has those of its lubricant of its own."""
-    return sweep + path if path.startswith(OF_LUBRICANT) else path

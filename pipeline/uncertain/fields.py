@@ -14,8 +14,8 @@ from scipy.special import ndtr
 
 from pipeline.analysis.dataset import taken_entries
 from pipeline.analysis.field import LEAST_SLOPE, Here
-from pipeline.analysis.margin_error import RiseError, error_of_point
 from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
 from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import CROSSES, MILD, SEVERAL, SEVERE, Turns
 from pipeline.cli.output import counted
@@ -40,11 +40,12 @@ class InferredScatter:
 
     scatters: Array  # standard deviations of ln(velocity), (n_scatter,)
     by_draw: Array  # probability of each by draw, (n, n_scatter)
+    weights: Array  # of the draws
     worded: str
 
     def below(self, distances: Array) -> Array:
         """See `pipeline.analysis.model_error.Scatter`; of all draws together."""
-        odds = self.by_draw.mean(axis=0)
+        odds = self.weights @ self.by_draw
         return np.asarray(
             sum(p * ndtr(distances / s) for p, s in zip(odds, self.scatters, strict=True))
         )
@@ -93,7 +94,7 @@ class SampleField:
         worded = (
             f"± {middle:.2g} % in velocity ({low:.2g} to {high:.2g} %), inferred from the tests"
         )
-        return InferredScatter(self.draws.scatters, self.draws.by_scatter, worded)
+        return InferredScatter(self.draws.scatters, self.draws.by_scatter, self.weights, worded)
 
     @property
     def given_draws(self) -> Draws | None:
@@ -151,12 +152,14 @@ class SampleField:
         friction, bulk, critical = (
             ensemble.values(path, inputs) for path in (FRICTION, BULK, CRITICAL)
         )
+        law = replace(ensemble.conditions.friction_law, coefficient=1.0)
         rise = friction * np.exp(excess + ensemble.log_limit(inputs))
-        return Here(bulk + rise, excess > 0, critical, False, False)
+        temperatures = np.vectorize(law.temperature, otypes=[float])(rise, bulk)
+        return Here(temperatures, excess > 0, critical, False, False)
 
     def error(self, load: float, velocity: float) -> RiseError:
         """See `Field`: that of the preset."""
-        return error_of_point(0, 1.0, self.ensemble.velocity_error)
+        return add_counted(error_of_point(0, 1.0, self.ensemble.velocity_error), self.conditions)
 
     def turns(self, axis: str, load: float, velocity: float) -> Turns:
         """See `Field`."""
@@ -291,8 +294,8 @@ def _field(scene: xr.Dataset) -> SampleField:
     coords = {str(name): label for name, label in scene.coords.items()}
     shown = {name: label.item() for name, label in coords.items() if not label.ndim}
     rig = None
-    if weighed and weighed.rigs[0] is not None:
-        rig = weighed.draws.inputs[:, weighed.rigs[0][1]]
+    if weighed and weighed.rig is not None:
+        rig = weighed.draws.inputs[:, weighed.rig[1]]
     draws = draws_of(ensemble, weighed.draws if weighed else None)
     if weighed:
         draws = replace(draws, scatters=weighed.draws.scatters, by_scatter=weighed.draws.by_scatter)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,6 @@ from pipeline.figures.overlays import mark_tests
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.design import Limit
-from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.fields import single_field
 from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.posterior import Judged, Posterior
@@ -178,8 +177,7 @@ def draw_posterior(posterior: Posterior) -> Figure:
         _parity(axes[len(unknown)], transitions, posterior.inferred_scatter[1])
     for panel in axes[panels:]:
         panel.set_axis_off()
-    titles = (style.as_text(one.title) for one in posterior.ensembles)
-    figure.suptitle("\n".join(titles), wrap=True)
+    figure.suptitle(style.as_text(posterior.ensemble.title), wrap=True)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
@@ -211,31 +209,28 @@ _LEAST_RISK = 1e-5  # probability that is drawn
 
 
 @style.house_style
-def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: Ensemble) -> Figure:
+def draw_design(limits: Sequence[Limit], title: str) -> Figure:
     """Draw the probability over an entry with its limit, or limits over another entry.
 
     Parameters
     ----------
-    limits : sequence of (mapping, Limit)
-        Values of another entry by its path, if there is one, and the limit there.
-    ensemble : Ensemble
-        Samples of the sweep.
+    limits : sequence of Limit
+        Results of `pipeline.design`, at values of another entry if there are several.
+    title : str
+        Title of the scene.
 
     Examples
     --------
     >>> import pipeline
-    >>> from dataclasses import replace
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> critical = Unknown("temperature.critical", "uniform", (398.15, 438.15), "K")
-    >>> ensemble = replace(ensemble, unknown=(ensemble.unknown[0], critical))
     >>> goal = pipeline.Goal([(400.0, 2.2)], risk=0.05)
     >>> limit = pipeline.design(ensemble, goal, "temperature.critical")
-    >>> figure = pipeline.draw_design([({}, limit)], ensemble)
+    >>> figure = pipeline.draw_design([limit], ensemble.title)
     """
     figure, axes = style.canvas(None, (7.2, 4.8))
-    limit = limits[0][1]
+    limit = limits[0]
     goal, shown = limit.goal, limit.entry.shown
-    if not limits[0][0]:
+    if not limit.at:
         values = shown.of(np.array(limit.values))
         percent = 100 * np.maximum(limit.probabilities, _LEAST_RISK)
         axes.semilogy(values, percent, "o-", ms=4, color=BLUE, label="emulated")
@@ -250,18 +245,17 @@ def draw_design(limits: Sequence[tuple[Mapping[str, float], Limit]], ensemble: E
         less = f"less than {goal.margin:g} K below the critical" if goal.margin else "severe wear"
         axes.set_ylabel(f"probability of {less} [%]")
     else:
-        (path,) = limits[0][0]
-        (other,) = (one for one in ensemble.unknown if one.path == path)
-        found = [(at[path], one.value) for at, one in limits if one.value is not None]
+        other = limit.at[0].unknown
+        found = [(one.at[0].value, one.value) for one in limits if one.value is not None]
         x, y = np.array(found).reshape(-1, 2).T
         axes.plot(other.shown.of(x), shown.of(y), "o-", color=VERMILION)
         axes.set(xlim=[other.shown.of(end) for end in other.parameters], xlabel=_label(other))
         axes.set(ylim=[shown.of(end) for end in limit.entry.parameters])
-        side = next((one.side for _, one in limits if one.value is not None), "no value")
+        side = next((one.side for one in limits if one.value is not None), "no value")
         axes.set_ylabel(f"{_label(limit.entry)}, {side}")
     place = limit.binding
     axes.set_title(
-        f"{style.as_text(ensemble.title)}\n{place.load:g} N at {place.velocity:g} m/s, "
+        f"{style.as_text(title)}\n{place.load:g} N at {place.velocity:g} m/s, "
         f"{100 * goal.risk:g} % at most",
         wrap=True,
     )

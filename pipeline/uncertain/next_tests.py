@@ -150,9 +150,9 @@ class _Plan:
         kept = self._chance.choice(len(draws.weights), _TRUTHS, p=draws.weights)
         # Boundaries are powers of the distance from the bulk to the critical temperature.
         bulk = self._ensemble.conditions.bulk_temperature
-        origins = {one.path: bulk for one in posterior.unknown if one.path.endswith(CRITICAL)}
+        origins = {one.path: bulk for one in posterior.unknown if one.path.startswith(CRITICAL)}
         self._features = Features(posterior.unknown, draws, draws.inputs[kept], origins)
-        self._columns = posterior.columns[0]
+        self._count = len(posterior.ensemble.unknown)
         self._scatters = self._scatters_of_truths()
         self._bulks = [in_si("bulk_temperature", bulk, "60 degC") for bulk in bulks]
         self._target = self._slopes_of_target(target)
@@ -163,7 +163,7 @@ class _Plan:
 
     def _sweep_inputs(self, inputs: Array) -> Array:
         """Inputs of the sweep whose tests are planned, among all."""
-        return np.asarray(inputs[:, self._columns])
+        return np.asarray(inputs[:, : self._count])
 
     def _slopes_of_target(self, target: str | None) -> Array:
         """Slopes of the target by the features at each truth, shape (n_target, n, n_feature)."""
@@ -223,9 +223,8 @@ class _Plan:
             values, slopes = self._features.slopes(partial(self._log_width, load, velocity))
             what = f"the worn width at {load:g} N, {velocity:.3g} m/s"
             yield Observable(what, values[0], slopes[0], np.hypot(WIDTH_SCATTER, error))
-        of_sweeps = set(np.concatenate(self._posterior.columns).tolist())
         for number, quantity in enumerate(self._posterior.unknown):
-            if quantity.kind == "list" or number not in of_sweeps or quantity.path == self._path:
+            if quantity.kind == "list" or number >= self._count or quantity.path == self._path:
                 continue  # what is sought is no measurement of itself
             name = "friction" if quantity.path == FRICTION else quantity.path
             place = self._features.numbers(number).start
@@ -275,9 +274,8 @@ class _Plan:
         place = math.log(test["velocity"])
 
         def critical(inputs: Array) -> Array:
-            slopes = None if self._posterior.evidence_gain is None else inputs[:, -2:]
             sweep_draws = self._sweep_inputs(inputs)
-            distances = distances_of(self._ensemble, [test], sweep_draws, slopes=slopes)
+            distances = distances_of(self._ensemble, [test], sweep_draws)
             return np.stack([place - distances.values[0], distances.variance[0]])
 
         (log_velocity, variance), (slopes, _) = self._features.slopes(critical)
@@ -285,7 +283,7 @@ class _Plan:
 
     def _friction_measured(self, about: Mapping[str, float]) -> Observable | None:
         """What the friction that a test measures tells of the rig's; None where it is known."""
-        rig = self._posterior.rigs and self._posterior.rigs[0]
+        rig = self._posterior.rig
         if not rig or "friction" not in about:
             return None
         friction, scatter = rig

@@ -1,15 +1,17 @@
-"""The posterior of the unknown inputs, each test judged by all others, and two oils compared."""
+"""The posterior of the unknown inputs, each run judged by all others, and oils compared."""
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import ndtr
 
+from pipeline.sweep.about import oils_of
 from pipeline.sweep.unknown import Unknown, correlations
 from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.ensemble import Ensemble
@@ -19,34 +21,64 @@ from pipeline.uncertain.rig import Columns
 from tribo.types import Array
 
 _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
-_CONTRADICTS = 0.02  # probability, by all others, below which a test contradicts them
+
+
+def shown_test(tests: Sequence[Test]) -> int:
+    """Number of the test of a run that stands for it: the first severe one, else the last mild."""
+
+    def hardness(number: int) -> tuple[bool, float]:
+        is_mild = tests[number].get("outcome") == "mild"
+        hardness = tests[number]["normal_load"] * tests[number]["velocity"]
+        return is_mild, -hardness if is_mild else hardness
+
+    return min(range(len(tests)), key=hardness)
 
 
 class Judged(NamedTuple):
-    """A test of a sweep, by its number, judged by all other tests, and by all tests together."""
+    """A run, judged by all other runs, and by all runs together."""
 
-    test: Test
-    sweep: int
+    tests: tuple[Test, ...]
     #: Velocities there that 5, 50 and 95 % stay below, given all tests [m/s].
     critical_velocity: tuple[float, float, float]
     #: Probability of its outcome, or of a transition as far off, given all other tests.
     probability: float
+    limit: float  #: Probability below which it contradicts them.
     is_blamed: bool = True  #: The model fits the others, which else may be wrong instead.
+
+    @property
+    def test(self) -> Test:
+        """The test that stands for the run."""
+        return self.tests[shown_test(self.tests)]
+
+    @property
+    def since(self) -> Test | None:
+        """The last mild test of a run that turned severe."""
+        mild = [test for test in self.tests if test.get("outcome") == "mild"]
+        return mild[shown_test(mild)] if mild and self.test["outcome"] == "severe" else None
+
+    @property
+    def outcome(self) -> str:
+        """What the run has found, in words."""
+        found = str(self.test.get("outcome", "transition"))
+        if self.since is None:
+            return found
+        load, velocity = self.since["normal_load"], self.since["velocity"]
+        is_load = velocity == self.test["velocity"]
+        return f"{found}, mild up to {f'{load:g} N' if is_load else f'{velocity:g} m/s'}"
 
     @property
     def contradicts(self) -> bool:
         """True if the other tests hardly allow this one, and the model fits them."""
-        return self.is_blamed and self.probability < _CONTRADICTS
+        return self.is_blamed and self.probability < self.limit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Posterior:
     """Joint distribution of the unknown inputs, given tests."""
 
-    ensembles: tuple[Ensemble, ...]  #: Sweeps whose samples it rests on.
-    #: Inputs; one that belongs to a single sweep has the name of the sweep before its path.
+    ensemble: Ensemble  #: Samples of the sweep that it rests on.
+    #: Inputs of the sweep; then the critical temperatures of other oils, and those of the rig.
     unknown: tuple[Unknown, ...]
-    columns: tuple[Any, ...]  #: Inputs of each sweep, among all.
     #: Values before and after they were weighed.
     prior: Draws
     draws: Draws
@@ -56,8 +88,10 @@ class Posterior:
     inferred_scatter: tuple[float, float, float]
     #: End at which the inferred scatter is cut off, since no larger or smaller one is considered.
     cut_off: str = ""
-    #: Inputs that are the friction of each sweep's rig, and its scatter between tests.
-    rigs: tuple[Columns, ...] = ()
+    #: Inputs that are the friction of the rig, and its scatter between tests.
+    rig: Columns = None
+    #: Inputs that are the critical temperatures of other oils than the first, by their labels.
+    oils: Mapping[str, int] = field(default_factory=dict)
     #: Logarithm of the factor by which a discrepancy makes the tests likelier; None without one.
     evidence_gain: float | None = None
 
@@ -77,25 +111,20 @@ class Posterior:
         return self.draws.misfit
 
     @property
-    def ensemble(self) -> Ensemble:
-        """The first sweep."""
-        return self.ensembles[0]
-
-    @property
     def evidence(self) -> str:
-        """Numbers of measured transitions and of tests, in words."""
+        """Numbers of measured transitions, of runs by stages and of tests, in words."""
         tests = sum("outcome" in judged.test for judged in self.judged)
-        transitions = len(self.judged) - tests
-        words = [
-            f"{number} {name}{'' if number == 1 else 's'}"
-            for number, name in ((transitions, "measured transition"), (tests, "test"))
-            if number
-        ]
+        runs = sum("run" in judged.test for judged in self.judged)
+        numbers = {
+            "measured transition": len(self.judged) - tests, "run": runs, "test": tests - runs,
+        }  # fmt: skip
+        words = [f"{n} {name}{'' if n == 1 else 's'}" for name, n in numbers.items() if n]
         return " and ".join(words) or "0 measured transitions"
 
-    def sweep_draws(self, number: int) -> Draws:
-        """Draws of the inputs of one sweep."""
-        inputs = self.draws.inputs[:, self.columns[number]]
+    @property
+    def sweep_draws(self) -> Draws:
+        """Draws of the inputs of the sweep."""
+        inputs = self.draws.inputs[:, : len(self.ensemble.unknown)]
         return Draws(inputs, self.draws.weights, self.draws.faults)
 
     def summary(self) -> Iterator[dict[str, Any]]:
@@ -187,21 +216,21 @@ class Posterior:
             "tests": [
                 dict(judged.test)
                 | {
-                    "sweep": self.ensembles[judged.sweep].title,
+                    "mild_before": judged.since and dict(judged.since),
                     "critical_velocity": _share_values(judged.critical_velocity),
                     "probability_by_others": judged.probability,
                     "contradicts_others": judged.contradicts,
                 }
                 for judged in self.judged
             ],
-            "fixed": {one.unknown.path: one.value for sw in self.ensembles for one in sw.fixed},
+            "fixed": {one.unknown.path: one.value for one in self.ensemble.fixed},
             "scatter": self.scatter,
             "inferred_scatter": _share_values(self.inferred_scatter),
             "inferred_scatter_cut_off": self.cut_off or None,
             "fits": self.fits,
             "faults": list(self.faults),
             "evidence_gain": self.evidence_gain,
-            "samples": [len(ensemble.inputs) for ensemble in self.ensembles],
+            "samples": len(self.ensemble.inputs),
             "draws": len(self.draws.weights),
             "effective_draws": self.draws.effective,
         }
@@ -263,8 +292,9 @@ def _is_outer(unknown: Unknown, column: Array) -> Array:
 
 
 class Contrast(NamedTuple):
-    """Difference of a quantity between two sweeps, the second less the first."""
+    """Difference of a quantity between two oils, the second less the first."""
 
+    oils: tuple[str, str]
     what: str
     unit: str  # of velocities 1: it is that of their logarithms
     mean: float
@@ -274,23 +304,29 @@ class Contrast(NamedTuple):
 
 
 def contrasts(posterior: Posterior) -> Iterator[Contrast]:
-    """Differences of critical temperature, and of velocity at a middle load, of two sweeps."""
-    if len(posterior.ensembles) != 2:
+    """Differences of critical temperature, and of velocity at a middle load, between oils."""
+    ensemble, inputs = posterior.ensemble, posterior.sweep_draws.inputs
+    own = oils_of(ensemble.tests)[:1]
+    if not posterior.oils:
         return
-    inputs = [posterior.sweep_draws(number).inputs for number in range(2)]
-    pairs = list(zip(posterior.ensembles, inputs, strict=True))
-    kelvins = [one.values(CRITICAL, sweep_draws) for one, sweep_draws in pairs]
-    yield _difference(posterior, "critical temperature", "K", kelvins[1] - kelvins[0])
-    low = max(float(one.loads[0]) for one in posterior.ensembles)
-    high = min(float(one.loads[-1]) for one in posterior.ensembles)
-    if low <= high:
-        load = math.sqrt(low * high)
-        first, second = (log_boundary(*pair, [load])[0][:, 0] for pair in pairs)
-        yield _difference(posterior, f"critical velocity at {load:.3g} N", "1", second - first)
+    column = [one.path for one in ensemble.unknown].index(CRITICAL)
+    load = math.sqrt(float(ensemble.loads[0] * ensemble.loads[-1]))
+    by_oil = dict[str, tuple[Array, Array]]()
+    for oil, place in {own[0] or "the scene's oil": column, **posterior.oils}.items():
+        of_oil = inputs.copy()
+        of_oil[:, column] = posterior.draws.inputs[:, place]
+        by_oil[oil] = of_oil[:, column], log_boundary(ensemble, of_oil, [load])[0][:, 0]
+    for first, second in itertools.combinations(by_oil, 2):
+        parts = (("critical temperature", "K"), (f"critical velocity at {load:.3g} N", "1"))
+        for k, (what, unit) in enumerate(parts):
+            values = by_oil[second][k] - by_oil[first][k]
+            yield _difference(posterior, (first, second), what, unit, values)
 
 
-def _difference(posterior: Posterior, what: str, unit: str, values: Array) -> Contrast:
+def _difference(
+    posterior: Posterior, oils: tuple[str, str], what: str, unit: str, values: Array
+) -> Contrast:
     draws = posterior.draws
     more = float(draws.mean(np.where(values > 0, 1.0, 0.0)))
     moments = float(draws.mean(values)), draws.spread(values)
-    return Contrast(what, unit, *moments, draws.interval(values), more)
+    return Contrast(oils, what, unit, *moments, draws.interval(values), more)

@@ -1,4 +1,4 @@
-"""Inputs that tests add to those of a sweep: the friction of the rig, and a discrepancy.
+"""Inputs that tests add to those of a sweep: of the rig, of other oils, and a discrepancy.
 
 The friction µ of a test is that of the rig, µ₀, times a scatter of its own, and is measured with an
 error: ln µ = ln µ₀ ± τ, and the measured one is ln µ ± s. So a measured friction tells of µ₀ with
@@ -15,15 +15,17 @@ and the bulk temperature of each test, V₀ in the middle of the sweep and T₀ 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from pipeline.sweep.about import oils_of
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.inputs import FRICTION, LEAST_FRICTION
+from pipeline.uncertain.inputs import CRITICAL, FRICTION, LEAST_FRICTION
+from tribo import InputError
 from tribo.types import Array
 
 SCATTER = Unknown("friction.scatter", "log-normal", (0.02, 3.0))
@@ -35,11 +37,11 @@ Columns = list[int] | None
 _ROUNDED = 0.005  # of a measured friction: its error at least, as logs have two or three digits
 
 
-def learnt(rig: Array, test: Mapping[str, Any], log_factor: float) -> tuple[Array, Array, Array]:
+def learnt(rig: Array, test: Mapping[str, Any], log_factor: Array) -> tuple[Array, Array, Array]:
     """Logarithm of the friction that acted in a test, its variance, and what it tells.
 
     The last is the logarithm of the likelihood of the measured friction. Draws of a rig (n, 2) are
-    its friction and its scatter; the factor is that of friction at the velocity of the test.
+    its friction and its scatter; the factor is that of friction at the velocity of the test, (n,).
     """
     of_rig = np.log(np.maximum(rig[:, 0], LEAST_FRICTION)) + log_factor
     by_test = rig[:, 1] ** 2
@@ -53,23 +55,36 @@ def learnt(rig: Array, test: Mapping[str, Any], log_factor: float) -> tuple[Arra
     return acted, by_test * by_error / variance, told
 
 
-def join_rigs(
-    ensembles: Sequence[Ensemble], unknown: tuple[Unknown, ...], columns: Sequence[Any]
-) -> tuple[tuple[Unknown, ...], tuple[Columns, ...]]:
-    """Inputs with those of rigs that tests have measured, and the places of each sweep's."""
-    joint, frictions = list(unknown), list[int | None]()
-    for number, (ensemble, sweep_draws) in enumerate(zip(ensembles, columns, strict=True), 1):
-        paths = [one.path for one in ensemble.unknown]
-        column = None
-        if FRICTION in paths and any(test.get("friction") is not None for test in ensemble.tests):
-            own = paths.index(FRICTION)
-            column = int(sweep_draws[own])
-            if not ensemble.same_rig:
-                column, path = len(joint), f"{number}: {OTHER}" if len(ensembles) > 1 else OTHER
-                joint.append(replace(ensemble.unknown[own], path=path, correlated=()))
-        frictions.append(column)
-    places = tuple(None if one is None else [one, len(joint)] for one in frictions)
-    return (*joint, *([SCATTER] if any(places) else [])), places
+def join_rig(
+    ensemble: Ensemble, unknown: tuple[Unknown, ...]
+) -> tuple[tuple[Unknown, ...], Columns]:
+    """Inputs with those of a rig whose friction tests have measured, and their places."""
+    paths = [one.path for one in ensemble.unknown]
+    measured = any(test.get("friction") is not None for test in ensemble.tests)
+    if FRICTION not in paths or not measured:
+        return unknown, None
+    own, joint = paths.index(FRICTION), list(unknown)
+    column = own
+    if not ensemble.same_rig:
+        column = len(joint)
+        joint.append(replace(ensemble.unknown[own], path=OTHER, correlated=()))
+    return (*joint, SCATTER), [column, len(joint)]
+
+
+def join_oils(ensemble: Ensemble) -> tuple[tuple[Unknown, ...], dict[str, int]]:
+    """Inputs with the critical temperatures of the oils of tests but the scene's; their places."""
+    unknown = ensemble.unknown
+    others = oils_of(ensemble.tests)[1:]
+    if not others:
+        return unknown, {}
+    critical = next((one for one in unknown if one.path == CRITICAL), None)
+    if critical is None:
+        raise InputError(
+            f"the tests are of {len(others) + 1} oils, each with a critical temperature of its "
+            'own; give "temperature.critical" a range under [unknown], or the tests of one oil'
+        )
+    own = tuple(replace(critical, path=f"{CRITICAL} of {oil}", correlated=()) for oil in others)
+    return (*unknown, *own), {oil: len(unknown) + k for k, oil in enumerate(others)}
 
 
 SLOPES = (

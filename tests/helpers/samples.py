@@ -48,7 +48,7 @@ _AFTERWARDS = {BULK, CRITICAL_PATH, FRICTION_PATH}
 
 def fewer_draws(monkeypatch):
     """Weigh a quarter as many as users do, which tell means and spreads well enough."""
-    for name, count in {"_FIRST": 2**11, "_TEMPERED": 2**9, "_ENOUGH": 100}.items():
+    for name, count in {"_FIRST": 2**11, "_COUNT": 2**11, "_ENOUGH": 400}.items():
         monkeypatch.setattr(weigh, name, count)
     monkeypatch.setattr(prior, "__defaults__", (2**10,))
 

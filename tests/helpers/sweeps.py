@@ -11,7 +11,6 @@ from pipeline.store.schema import INPUTS
 from pipeline.sweep.about import About
 from pipeline.sweep.codec import sweep_text
 from pipeline.sweep.model import PART_OF, Plane, Record, Sweep
-from pipeline.sweep.severity import contact_temperature
 from pipeline.sweep.variants import Variants
 from tribo import Scene
 
@@ -49,7 +48,7 @@ def with_fields(ds, **values):
 def deciding(ds):
     """Temperature that decides at each point of one scene [K]."""
     judged = read_conditions(ds)
-    return contact_temperature(decisive_rise(ds, judged), judged)
+    return judged.contact_temperature(decisive_rise(ds, judged))
 
 
 def inputs_of(table):

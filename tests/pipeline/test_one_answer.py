@@ -25,13 +25,13 @@ from pipeline.analysis.transition import (
     outcomes,
 )
 from pipeline.cli import main
-from pipeline.cli.margins import document_of
+from pipeline.cli.verdicts import document_of
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.severity import rise_limit
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import with_fields
 from tests.pipeline.page import sweeps
-from tribo import Corrections
+from tribo import Corrections, Friction
 
 
 def done_only(ds, is_done):
@@ -94,7 +94,9 @@ def one_velocity(ds):
 def slippery():
     """Friction that falls with velocity, and a film on the disk."""
     ds = full()
-    falling = Corrections(friction=((1.0, 1.1), (3.0, 0.9)), film_resistance=1e-7)
+    falling = Corrections(
+        friction=Friction(by_velocity=((1.0, 1.1), (3.0, 0.9))), film_resistance=1e-7
+    )
     return with_fields(ds, conditions=replace(read_conditions(ds), corrections=falling))
 
 

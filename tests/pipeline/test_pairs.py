@@ -8,7 +8,7 @@ from matplotlib.colors import to_hex
 
 import pipeline
 from pipeline.analysis.dataset import dataset_of
-from pipeline.analysis.margins import judged
+from pipeline.analysis.margin_frame import judged
 from pipeline.figures.style import TINTS
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Column, placed_rows

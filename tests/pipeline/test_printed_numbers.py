@@ -18,7 +18,7 @@ import xarray as xr
 from scipy import stats
 
 import pipeline
-from pipeline.analysis.margin_error import error_of_point
+from pipeline.analysis.rise_error import error_of_point
 from pipeline.analysis.transition import outcomes
 from pipeline.sweep.plan import points
 from tests.helpers import stores as helpers
@@ -772,7 +772,7 @@ def test_a_check_prints_the_closed_forms_of_the_scene(stores, irg):
         "Péclet number {:.3g} to {:.3g}".format(*peclet),
         "9: 3 loads, 3 velocities",
         f"{document['steps']} contacts and {document['temperatures']} temperatures to solve",
-        "9, none of which waits for another",
+        "9, which do not wait for each other",
         f"about {document['worker_bytes'] / 1e6:.0f} MB a worker",
     ):
         assert words in said, words

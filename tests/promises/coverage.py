@@ -23,6 +23,7 @@ import numpy as np
 from scipy import stats
 
 import pipeline
+from pipeline.uncertain.evidence import FACTOR
 from pipeline.uncertain.inputs import CRITICAL
 from tests.helpers.campaigns import conclude
 from tests.promises.rigs import BULKS, CASES, SCATTER, Rig, ensemble_of, idle, weighed
@@ -34,7 +35,7 @@ LAWS = ("as said", "drawn")
 def logged(rig, batch, law):
     """Tests of a batch, as a log of the rig has them."""
     share = van_der_corput(rig.seed + 1)  # so that few rigs have scatters as many would
-    factor = 2.0 ** float(stats.norm.ppf(share)) if law == "drawn" else 1.0
+    factor = FACTOR ** float(stats.norm.ppf(share)) if law == "drawn" else 1.0
     for planned in batch:
         place = planned.test["normal_load"], planned.test["bulk_temperature"]
         if "transition" in planned.what:

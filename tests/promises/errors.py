@@ -22,7 +22,7 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 import pipeline
-from pipeline.analysis.margin_error import BETWEEN, RisePlane, rise_error
+from pipeline.analysis.rise_error import BETWEEN, RisePlane, rise_error
 from pipeline.analysis.warned_points import exponents
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.selection import PRESET_BOUNDS
@@ -285,7 +285,7 @@ def are_covered(lines):
 
 
 def constants(rows, places):
-    """Errors by which each constant of `pipeline.analysis.margin_error` is found, by its name."""
+    """Errors by which each constant of `pipeline.analysis.rise_error` is found, by its name."""
     points = places[places["is_point"]]
     clean = points[points["flags"] == 0]
     for (preset, is_refined), group in clean.groupby(["preset", "is_refined"]):

@@ -8,7 +8,7 @@ ACCURACIES = (0.05, 0.02, 0.01)
 PROMISED = {"draft": 0.08, "standard": 0.03, "fine": 0.01}
 COLUMNS = ("promise", "scenes", "kept", "broken in silence", "median", "90 % below", "largest")
 LEAST = {"cylinders": 0.98, "wide": 0.9}
-"""Share of scenes that keep a promise, as workflows/ACCURACY.md says: all but one in eleven."""
+"""Share of scenes that keep a promise, as workflows/MEASURED.md says: all but one in eleven."""
 SILENT = 0.02
 """Share of scenes that may break it without a warning, or beyond the stated error."""
 

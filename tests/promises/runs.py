@@ -23,6 +23,7 @@ import numpy as np
 from scipy import stats
 
 from pipeline.uncertain.answers import draws_of
+from pipeline.uncertain.evidence import FACTOR
 from pipeline.uncertain.fields import SampleField
 from tests.helpers.campaigns import conclude
 from tests.promises.coverage import van_der_corput
@@ -39,7 +40,7 @@ _GRID = 241
 
 def law_scatters(seed):
     """Scatter of a rig by law: drawn as the tool assumes it, or fixed."""
-    drawn = SCATTER * 2.0 ** float(stats.norm.ppf(van_der_corput(seed + 1)))
+    drawn = SCATTER * FACTOR ** float(stats.norm.ppf(van_der_corput(seed + 1)))
     return {"drawn": drawn} | {f"{100 * one:g} %": one for one in FIXED}
 
 
@@ -48,7 +49,7 @@ def next_run(ensemble, posterior):
     told = posterior.draws
     draws = draws_of(ensemble, told)
     draws = replace(draws, scatters=told.scatters, by_scatter=told.by_scatter)
-    rig = None if posterior.rigs[0] is None else told.inputs[:, posterior.rigs[0][1]]
+    rig = None if posterior.rig is None else told.inputs[:, posterior.rig[1]]
     return SampleField(ensemble, draws, None, posterior, rig)
 
 
@@ -72,7 +73,7 @@ def judged(ensemble, rig, scatter, count, bulk):
     """True probabilities of a rig after so many searches, by load."""
     loads = np.resize(ensemble.loads, count).tolist()
     posterior = weighed(ensemble, [rig.searched(load, bulk, scatter) for load in loads])
-    field = next_run(posterior.ensembles[0], posterior)
+    field = next_run(posterior.ensemble, posterior)
     found = (true_probabilities(field, rig, float(load), bulk, scatter) for load in ensemble.loads)
     return [one for one in found if one]
 

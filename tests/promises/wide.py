@@ -7,7 +7,7 @@ import numpy as np
 
 import tribo
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import bulk_rises, contact_temperature
+from pipeline.sweep.severity import bulk_rises
 from pipeline.sweep.variants import surfaces
 from tests.helpers.sweeps import sweep_of_fields
 from tests.promises.scenes import PAIRS, ROUGHLY, state_at, window_guess
@@ -158,7 +158,7 @@ def _with_boundary(sweep, velocity, bulks):
         warmest = conditions.bulk_temperature + max(0.0, apart)
         conditions = replace(conditions, critical_temperature=warmest + 1000.0)
     rise = float(conditions.decisive.rise(bulk_rises(state.heat.columns, conditions)))
-    critical = contact_temperature(rise, conditions)
+    critical = conditions.contact_temperature(rise)
     return sweep.changed(
         unequal_bulks=bulks != 0,
         conditions=replace(conditions, critical_temperature=critical),

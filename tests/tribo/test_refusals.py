@@ -14,12 +14,14 @@ from tests.helpers.scenes import STEEL, small_scene
 from tribo import (
     Ball,
     Bulk,
+    Conditions,
     Corrections,
     Criterion,
     Crowned,
     Cylinder,
     Disc,
     Fidelity,
+    Friction,
     Grid,
     MeasuredLoad,
     MeasuredRoughness,
@@ -52,11 +54,12 @@ from tribo.thermal import (
 )
 from tribo.wear import RollingWear
 from tribo.wear.laws import require_wear, wear_over
+from workflows.paper.rig import critical_temperature_rig
 
 GRID, FREE = Grid((6, 5), (1e-6, 1e-6)), Grid((6, 5), (1e-6, 1e-6), (False, False))
 ZERO, ON = np.zeros(GRID.shape), np.ones(GRID.shape, bool)
 WHITE = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 15e-9))
-RIG = tribo.inverse.critical_temperature_rig()
+RIG = critical_temperature_rig()
 INFINITE = math.inf
 
 
@@ -308,8 +311,15 @@ REFUSALS = {
     "velocity": (lambda: list(simulate(small_scene(), 300.0, math.nan)), "velocity is nan"),
     "unloaded": (lambda: list(simulate(small_scene(), 0.0, 1.0)), "normal_load is 0.0"),
     "carries": (lambda: list(simulate(small_scene(), 1e9, 1.0)), "the window carries at most"),
-    "frictions": (lambda: Corrections(friction=((2.0, 1.0), (1.0, 1.0))), "above 0 and ascending"),
-    "factor": (lambda: Corrections(friction=((1.0, -1.0),)), "each must be finite and ≥ 0"),
+    "frictions": (lambda: Friction(by_velocity=((2.0, 1.0), (1.0, 1.0))), "above 0 and ascending"),
+    "factor": (lambda: Friction(by_velocity=((1.0, -1.0),)), "each must be finite and ≥ 0"),
+    "warm friction": (lambda: Friction(by_temperature=((300.0, 0.0),)), "finite and above 0"),
+    "coefficient": (lambda: Friction(math.inf), "friction is inf"),
+    "unequal bulks": (lambda: Conditions(
+        friction=0.1, bulk_temperature=300.0, disk_temperature=310.0,
+        corrections=Corrections(friction=Friction(by_temperature=((300.0, 1.0), (400.0, 0.8)))),
+    ), "friction.by_temperature: the bulk temperatures"),
+    "two coefficients": (lambda: Corrections(friction=Friction(0.1)), "it must be 1"),
     "oxide": (lambda: Corrections(film_resistance=-1.0), "film_resistance is -1.0"),
     "no heat": (lambda: moment_of(RIG, start(RIG), None), "ended without a temperature"),
     "transitions": (lambda: critical_temperature(RIG, [], 298.0), "at least one is needed"),
@@ -333,7 +343,6 @@ ELSEWHERE = {
     "solver.solve_contact ConvergenceError": "contact/test_solver.py",
     "partition.partition_heat ConvergenceError": "thermal/test_partition.py",
     "inverse._crossing InputError": "no width within the window needs so high a rate",
-    "inverse.rig_heating InputError": "the rig always touches; for the type checker",
     "verdict.judge InputError": "a point always touches; for the type checker",
     "errors.law_errors": "an error of tribo, passed on as it is",
 }

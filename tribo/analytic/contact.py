@@ -169,7 +169,7 @@ class HertzContact(NamedTuple):
 
     half_width: float  # along x [m]
     peak_pressure: float  # p₀ [Pa]
-    aspect: float  # of the length along y to the width; infinite under a cylinder
+    aspect: float  # length along y over the width; infinite under a cylinder
 
 
 def hertz_contact(

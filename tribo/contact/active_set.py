@@ -29,8 +29,8 @@ _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 class ActiveSet(NamedTuple):
     """Limits that the steps so far have left for the next one."""
 
-    iterations: int = _INNER_ITERATIONS  # of conjugate gradients, at most
-    nodes: Nodes | None = None  # of the last step
+    iterations: int = _INNER_ITERATIONS  # at most, by conjugate gradients
+    nodes: Nodes | None = None  # after the last step
 
     def reduction(self, nodes: Nodes) -> float:
         """The factor by which the next step, on these nodes, has to reduce the residual."""

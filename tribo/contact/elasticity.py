@@ -36,7 +36,7 @@ from tribo.types import Array
 
 ElasticKernel = Literal["periodic", "nearest-image"]
 
-_STEP = 1 / 7  # of ln s, for a relative error of 3e-15
+_STEP = 1 / 7  # in ln s, for a relative error of 3e-15
 _REACH = 6.0  # widths at which a Gaussian has faded: erfc(6) = 2e-17, exp(−6²) = 2e-16
 _FAR = 1e4  # patch sizes from which on E_a E_b is constant over the patch, to 1e-14 of the sum
 _WIDE = 4 / 3  # elements; from this width on, three terms do on the right of Eq. (2)

@@ -17,7 +17,7 @@ from tribo.contact.simplex import nearest
 class Gradient(NamedTuple):
     """State of the gradient steps."""
 
-    length: float  # of the next step [Pa/m]; without unit where rows are soft
+    length: float  # that of the next step [Pa/m]; without unit where rows are soft
     idle: int = 0  # steps in a row that found no way down
 
 

@@ -27,13 +27,13 @@ from tribo.types import Array
 _SETTLED = 0.3  # share of the contact's nodes on the wrong side at which active-set steps start
 _PATIENCE = 3  # active-set steps without progress before gradient steps take over
 _FIRST_GRADIENT_STEPS = 8  # then; twice as many each time
-_ENOUGH = 0.5  # of the tolerance, which active-set steps aim at
+_ENOUGH = 0.5  # share of the tolerance that active-set steps aim at
 
 
 class Limits(NamedTuple):
     """Limits at which an iteration ends."""
 
-    tolerance: float  # of the error
+    tolerance: float  # largest error
     convolutions: float  # after which to give up, those on the way to the guess included
     by_change: bool = False  # the error is the last change of the pressure, not the residual
 
@@ -45,7 +45,7 @@ class IterationResult:
     pressure: Array  # [Pa]
     displacement: Array  # [m]
     gap: Array  # [m]
-    approach: float  # of the bodies, from the datum of the solid [m]
+    approach: float  # distance of the bodies from the datum of the solid [m]
     residual: float  # in units of D_self·max(p), with what rounding may hide of it
     error: float  # the residual, or the change of the pressure if that is bounded
     load_error: float  # relative

@@ -80,10 +80,10 @@ class Iterate(NamedTuple):
     pressure: Array  # [Pa]
     displacement: Array  # computed, or updated along with the pressure [m]
     datum: float  # height from which the separation counts [m]
-    separation: Array  # of the undeformed surfaces [m]
+    separation: Array  # between the undeformed surfaces [m]
     convolutions: float
-    updates: int = 0  # of the displacement since it was computed
-    shifts: int = 0  # of the datum
+    updates: int = 0  # times the displacement was updated since it was computed
+    shifts: int = 0  # times the datum was moved
 
     def pressed(self, problem: Problem, pressure: Array, spent: float = 0.0) -> Iterate:
         """The iterate of another pressure, its displacement computed.

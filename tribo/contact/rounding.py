@@ -19,11 +19,11 @@ from tribo.types import Array
 # value: observed are 8 for all updates of a solution together, and 70 where it began far off.
 _LOST_AT_ONCE, _LOST_A_STEP = 100.0, 10.0
 _AT_ROUNDING = 32.0  # the same, of a residual that rounding keeps from falling
-_LOST_BY_TRANSFORM = 3.0  # of that, what no update of the pressure can restore; observed are 2
+_LOST_BY_TRANSFORM = 3.0  # the same for what no update of the pressure can restore; observed are 2
 _STALLED = 40  # iterations without progress at the level of rounding after which to give up
 _LOST, _MOST_IDLE = 1000, 20  # the same at any level, and gradient steps without a way down
 _FARTHEST_DATUM = 4.0  # largest displacements from the surface, beyond which heights lose digits
-_MOST_SHIFTS = 3  # of the datum; one does unless heights have no digits left for the contact
+_MOST_SHIFTS = 3  # moves of the datum; one does unless heights have no digits left
 
 
 def largest(field: Array) -> float:

@@ -25,8 +25,8 @@ from tribo.types import Array, Indices
 
 _SOFT = 0.05  # coupling, in units of an element's compliance, that is worth a metric
 _ROUNDING = 1e-15
-_MOST_STEPS = 100  # of a root finder that halves its bracket where Newton's method leaves it
-_MOST_AT_ONCE = 10  # of Newton's method without a bracket
+_MOST_STEPS = 100  # steps of a root finder that halves its bracket where Newton's method leaves it
+_MOST_AT_ONCE = 10  # steps of Newton's method without a bracket
 
 
 @dataclass(frozen=True, slots=True)

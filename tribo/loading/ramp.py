@@ -26,7 +26,7 @@ MOST_STEPS = 100_000
 # left the rise within 2.4 % of that of eight times as many steps on the pixels with 4; with 10 it
 # is within 0.3 % of that.
 _GROWTH = 10.0
-_FEWEST_SHARE = 0.25  # of the increments up to the reference load, that a load takes at least
+_FEWEST_SHARE = 0.25  # least share of the reference load's increments that a load takes
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +144,7 @@ class Ramp:
 
         Before, the load has had the impulse of so long a time at the full one.
         """
-        begin, before = 0.0, max(before, 1e-15 * self.hold)  # of a ramp that takes no time
+        begin, before = 0.0, max(before, 1e-15 * self.hold)  # where a ramp takes no time
         stops = {stop for stop in (*self.stops, self.hold) if 0 < stop <= self.hold}
         for end in sorted(stops):
             grown = math.log1p((end - begin) / (before + begin))

@@ -13,11 +13,9 @@ from tribo.errors import InputError, require_positive
 from tribo.loading.ramp import Ramp, Station
 from tribo.types import Array
 
-_NOISE = 0.02  # of the reference load, by which a reading may lie off without the load having moved
-_EVEN = (
-    0.2  # of its way, by which a load may be ahead of the time or behind it, to take equal steps
-)
-_FITTED = (0.1, 0.9)  # of the reference load: the part of the rise that has no rounded ends
+_NOISE = 0.02  # share of the reference load by which a load at rest may read wrong
+_EVEN = 0.2  # share of its way that a load may be ahead or behind, to take equal steps
+_FITTED = (0.1, 0.9)  # shares of the reference load: the part of the rise without rounded ends
 _MOST_OF_COURSE = 500  # points, so that a store holds them in some 20 kB
 
 

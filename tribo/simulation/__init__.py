@@ -9,10 +9,14 @@ from tribo.simulation.contact_ramp import wear_number as wear_number
 from tribo.simulation.corrections import Corrections as Corrections
 from tribo.simulation.corrections import Track as Track
 from tribo.simulation.corrections import moment_of as moment_of
+from tribo.simulation.expected import expect_contacts as expect_contacts
 from tribo.simulation.fidelity import PRESETS as PRESETS
 from tribo.simulation.fidelity import Fidelity as Fidelity
+from tribo.simulation.friction import FRICTIONS as FRICTIONS
+from tribo.simulation.friction import Friction as Friction
 from tribo.simulation.loading_step import advance as advance
 from tribo.simulation.loading_step import start as start
+from tribo.simulation.lubrication import Lubrication as Lubrication
 from tribo.simulation.motion import Motion as Motion
 from tribo.simulation.motion import Velocities as Velocities
 from tribo.simulation.pins import PINS as PINS

@@ -23,7 +23,7 @@ from tribo.thermal import Conductor, conducted_spectrum
 from tribo.types import Array, Spectrum
 
 _MOST_BODIES = 8  # a scene needs up to three of them, one for each of its grids
-_MOST_BYTES = 2**28  # of thermal kernels, and of contacts
+_MOST_BYTES = 2**28  # for thermal kernels, and as many for contacts
 
 Value = TypeVar("Value")
 
@@ -70,13 +70,13 @@ class ElasticBodies(NamedTuple):
     """The bodies' map and shape, which no step of a loading changes."""
 
     solid: ElasticHalfSpace
-    separation: Array  # of the unworn, undeformed surfaces [m]
-    heights: Array | None = None  # of the disk about their mean, if swept along x and y [m]
+    separation: Array  # between the unworn, undeformed surfaces [m]
+    heights: Array | None = None  # the disk's about their mean, if swept along x and y [m]
     yielding: float = 0.0  # Σ u·z of the displacement u by z · 1 Pa/m, z these heights [m²]
 
 
 _bodies = Kept[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
-_heights = Kept[Array | None](size_of=lambda _: 1, limit=1)  # of all the grids of a scene
+_heights = Kept[Array | None](size_of=lambda _: 1, limit=1)  # all grids of a scene
 _spectra = Kept[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MOST_BYTES)
 _contacts = Kept[State](
     size_of=lambda state: (4 + len(state.passing)) * state.pressure.nbytes, limit=_MOST_BYTES

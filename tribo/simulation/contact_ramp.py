@@ -45,11 +45,10 @@ def wear_number(scene: Scene, velocity: float) -> float:
 
     Examples
     --------
-    >>> import tribo.inverse
+    >>> import tribo
     >>> from dataclasses import replace
-    >>> mild = tribo.inverse.critical_temperature_rig()
-    >>> worn = replace(mild, wear=tribo.Wear(2e-15))
-    >>> wear_number(mild, 0.5), wear_number(worn, 0.5)
+    >>> worn = replace(scene, wear=tribo.Wear(2e-15))
+    >>> wear_number(scene, 0.5), wear_number(worn, 0.5)
     (0.0, 1e-15)
     """
     if scene.wear is None:
@@ -65,9 +64,8 @@ def mechanics(scene: Scene) -> Scene:
 
     Examples
     --------
-    >>> import tribo.inverse
+    >>> import tribo
     >>> from dataclasses import replace
-    >>> scene = tribo.inverse.critical_temperature_rig()
     >>> insulating = replace(scene, disk=replace(scene.disk, thermal_conductivity=5.0))
     >>> mechanics(insulating) == mechanics(scene)
     True
@@ -86,9 +84,8 @@ def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
 
     Examples
     --------
-    >>> import tribo.inverse
+    >>> import tribo
     >>> from dataclasses import replace
-    >>> scene = tribo.inverse.critical_temperature_rig()
     >>> print(inseparable(scene, (0.1, 0.2)))
     None
     >>> history = replace(scene.fidelity, heat_model="history", history_coarsening=1)
@@ -133,9 +130,8 @@ def contacts(
     --------
     Twice the wear rate at half the velocity:
 
-    >>> import tribo.inverse
+    >>> import tribo
     >>> from dataclasses import replace
-    >>> scene = tribo.inverse.critical_temperature_rig()
     >>> one, other = (replace(scene, wear=tribo.Wear(k, "local")) for k in (1e-15, 2e-15))
     >>> *_, slow = contacts(other, normal_load=10.0, velocity=0.1)
     >>> *_, fast = contacts(one, normal_load=10.0, velocity=0.2)

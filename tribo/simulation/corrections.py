@@ -1,6 +1,7 @@
 """Physics beside the two half-spaces, which acts after the simulation.
 
-Friction that falls with velocity multiplies the rise at friction 1. Other parts stand in series
+Friction by velocity multiplies the rise at friction 1; that by temperature acts where a temperature
+is made of it. Other parts stand in series
 with the half-spaces in one thermal circuit, `tribo.thermal.circuit_rise`, in proportion to
 friction: a film on the disk, the stem that holds the pin, the heat of earlier turns in the tracks
 of both bodies, and behind them a bulk that warms. So all of it follows from what a simulation
@@ -15,15 +16,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, NamedTuple, Self
 
 import numpy as np
-import scipy  # parts of it are loaded where they are used
 
 from tribo.errors import InputError, require_positive
 from tribo.loading import MeasuredLoad, Ramp
 from tribo.material import Material
+from tribo.simulation.friction import Friction
 from tribo.simulation.motion import Motion
 from tribo.simulation.pins import Pin
 from tribo.simulation.scene import Scene
@@ -109,9 +110,8 @@ class Corrections:
 
     Attributes
     ----------
-    friction : tuple of tuple of float
-        Sliding velocities above 0, ascending [m/s], and friction there over the coefficient of
-        friction; smooth and monotonic in between, and beyond the ends as there.
+    friction : Friction
+        Friction over the coefficient of the conditions.
     track, pin_track : Track or None
         Tracks of disk and pin, which earlier turns have warmed; that of a body at rest is cold.
     motion : Motion or None
@@ -131,12 +131,12 @@ class Corrections:
 
     Examples
     --------
-    >>> falling = Corrections(friction=((1.0, 1.03), (4.0, 0.94)))
-    >>> falling.friction_factor(np.array([0.5, 2.0, 9.0])).round(3).tolist()
-    [1.03, 0.985, 0.94]
+    >>> falling = Corrections(friction=Friction(by_velocity=((1.0, 1.03), (4.0, 0.94))))
+    >>> falling.worded
+    'friction by velocity, measured'
     """
 
-    friction: tuple[tuple[float, float], ...] = ()
+    friction: Friction = field(default_factory=Friction)
     track: Track | None = None
     stem: Stem | None = None
     film_resistance: float = 0.0
@@ -148,13 +148,11 @@ class Corrections:
     rate: float | None = None
 
     def __post_init__(self) -> None:
-        velocities = [velocity for velocity, _ in self.friction]
-        if sorted(set(velocities)) != velocities or (velocities and velocities[0] <= 0):
+        if self.friction.coefficient != 1:
             raise InputError(
-                f"velocities of friction are {velocities}; they must be above 0 and ascending"
+                f"friction.coefficient is {self.friction.coefficient!r}; it must be 1, as that of "
+                "the conditions scales it"
             )
-        if not all(0 <= factor < math.inf for _, factor in self.friction):
-            raise InputError(f"friction is {self.friction!r}; each must be finite and ≥ 0")
         for name, track, bulk in (
             ("pin", self.pin_track, self.pin_bulk),
             ("disk", self.track, self.disk_bulk),
@@ -184,7 +182,10 @@ class Corrections:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the corrections that are present as plain data."""
-        plain = asdict(self) | {"friction": [list(pair) for pair in self.friction]}
+        curves = {"by_velocity": self.friction.by_velocity}
+        curves |= {"by_temperature": self.friction.by_temperature}
+        plain = asdict(self)
+        plain["friction"] = {k: [list(pair) for pair in v] for k, v in curves.items() if v}
         for name, track in (("track", self.track), ("pin_track", self.pin_track)):
             if track and track.disc:
                 plain[name] |= {"disc": track.disc.as_dict()}
@@ -195,7 +196,8 @@ class Corrections:
         """The corrections in words."""
         film = f"{self.film_resistance:.3g} m² K/W" if self.film_resistance else ""
         parts = {
-            "friction by velocity": self.friction and "measured",
+            "friction by velocity": self.friction.by_velocity and "measured",
+            "friction by temperature": self.friction.by_temperature and "measured",
             **{
                 f"{'disc of' if track and track.disc else 'earlier turns of'} the {body}": track
                 for body, track in (("pin", self.pin_track), ("disk", self.track))
@@ -206,20 +208,6 @@ class Corrections:
             "bulk of the disk": self.disk_bulk,
         }
         return "; ".join(f"{name}, {size}" for name, size in parts.items() if size)
-
-    def friction_factor(self, velocity: Array) -> Array:
-        """Friction at sliding velocities [m/s] over the coefficient of friction."""
-        if not self.friction:
-            return np.ones(np.shape(velocity))
-        velocities, factors = np.array(self.friction).T
-        # Smooth also at the ends, since a boundary is interpolated between points on both sides.
-        nodes = np.concatenate([[velocities[0] / 2], velocities, [2 * velocities[-1]]])
-        curve = scipy.interpolate.PchipInterpolator(
-            np.log(nodes), factors[[0, *range(len(factors)), -1]]
-        )
-        within = np.clip(velocity, nodes[0], nodes[-1])
-        factor: Array = curve(np.log(within))
-        return factor
 
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
         """Additional rise of the contact at friction 1 by all that is in the circuit [K].
@@ -279,7 +267,7 @@ class Corrections:
         Needed are those of `NEEDED`, and the rises by step as far as they are asked for.
         """
         added, slid = self.added_rise(columns), columns["sliding_distance"]
-        factor = self.friction_factor(slid / np.where(slid > 0, columns["time"], 1.0))
+        factor = self.friction.at(slid / np.where(slid > 0, columns["time"], 1.0))
         rises = {
             name: (columns[name] + added[after]) * factor[after]
             for name, after in _RISES.items()

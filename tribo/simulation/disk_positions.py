@@ -29,7 +29,7 @@ from tribo.wear import WEAR_SCHEMES, Stage, Wear, WearScheme
 # correlation lengths of 8 to 30 µm, the rise exceeded by 10 % of the contact is by these within
 # 0.9 % of that of 48 parts, in the 25 steps of `standard`; by two parts it is up to 5.2 % too high.
 _MOST_PARTS = 8
-_IMPRINT = 0.3  # of a part, beyond which a step has more of them, up to that number
+_IMPRINT = 0.3  # imprint in a part beyond which a step has more parts, up to that number
 _PLASTIC = 1.32471795724474602596  # the root of x³ = x + 1, whose powers fill a square evenly
 _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
 # Positions of the disk over which a temperature is a mean: up to so many, and with so many pixels
@@ -50,7 +50,7 @@ class Pass(NamedTuple):
     """A contact to be solved within a step."""
 
     stage: Stage
-    shift: tuple[int, int] | None = None  # of the disk along x and y, in elements
+    shift: tuple[int, int] | None = None  # the disk's along x and y, in elements
 
 
 def parts(scene: Scene, wear: Wear, distance: float) -> int:

@@ -17,7 +17,7 @@ from tribo.simulation.state import State
 from tribo.types import Mask
 from tribo.wear import WEAR_SCHEMES
 
-_END = 1 / 6  # of the step, taken implicitly
+_END = 1 / 6  # share of the step that is taken implicitly
 # The load that may lie where nothing has touched a step before, in that of the whole contact; and
 # the mean pressure there, in that of the whole, below which the new is but a rough contact's rim.
 # Of 28 points below it the short end moved the rise of one by 1.5 %, of the rest by up to 0.6 %.

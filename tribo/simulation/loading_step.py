@@ -24,8 +24,7 @@ def start(scene: Scene) -> State:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> start(scene).normal_load
     0.0
     """
@@ -84,8 +83,7 @@ def advance(
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> first = next(iter(scene.stations(10.0)))
     >>> advance(scene, start(scene), first, velocity=0.065).normal_load
     10.0
@@ -137,7 +135,7 @@ def _worn_volume(
 ) -> float:
     """Volume that the whole pin has lost by its law up to a station [m³]."""
     rate = wear.specific_wear_rate * abs(velocity)
-    if scene.wears_by_law:  # of this step alone is the rate known
+    if scene.wears_by_law:  # the rate is known for this step alone
         before = float(state.wear_depth.sum()) * element_area
         return before + rate * (station.impulse - state.impulse)
     return rate * station.impulse

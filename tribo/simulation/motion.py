@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from tribo.errors import InputError, require_positive
 
-_AT_REST = 1e-12  # of the sliding velocity, below which a body's own is rounding
+_AT_REST = 1e-12  # share of the sliding velocity below which a body's own is rounding
 
 
 class Velocities(NamedTuple):

@@ -44,8 +44,8 @@ class Pin(Protocol):
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> pin: Pin = Ball(radius=10e-3, material=tribo.inverse.AISI_316)
+    >>> import tribo
+    >>> pin: Pin = Ball(radius=10e-3, material=steel)
     >>> pin.words, f"{pin.hertz(10.0, 115e9).half_width * 1e6:.0f} µm"
     ('ball, radius 10 mm', '87 µm')
     """
@@ -97,8 +97,8 @@ class Cylinder:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> pin = tribo.Cylinder(radius=2e-3, length=3.4e-3, material=tribo.inverse.AISI_316)
+    >>> import tribo
+    >>> pin = tribo.Cylinder(radius=2e-3, length=3.4e-3, material=steel)
     >>> pin.length
     0.0034
     """
@@ -128,8 +128,8 @@ class Cylinder:
 
         Examples
         --------
-        >>> import tribo.inverse
-        >>> worn = Cylinder(2e-3, 3.4e-3, tribo.inverse.AISI_316).worn(90e-6, 2.8e-12)
+        >>> import tribo
+        >>> worn = Cylinder(2e-3, 3.4e-3, steel).worn(90e-6, 2.8e-12)
         >>> f"{1e6 * worn.width:.0f} µm wide, {1e6 * worn.depth:.2f} µm deep"
         '295 µm wide, 4.19 µm deep'
         """
@@ -161,8 +161,8 @@ class Ball:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> ball = tribo.Ball(radius=10e-3, material=tribo.inverse.AISI_316)
+    >>> import tribo
+    >>> ball = tribo.Ball(radius=10e-3, material=steel)
     >>> ball.radius
     0.01
     """
@@ -217,8 +217,8 @@ class Crowned:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> roller = tribo.Crowned(radius=10e-3, crown_radius=0.5, material=tribo.inverse.AISI_316)
+    >>> import tribo
+    >>> roller = tribo.Crowned(radius=10e-3, crown_radius=0.5, material=steel)
     >>> roller.crown_radius
     0.5
     """

@@ -56,8 +56,7 @@ def simulate(
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> for state in tribo.simulate(scene, normal_load=10.0, velocity=0.065):
     ...     print(f"{state.normal_load:g} N after {state.time:g} s")
     10 N after 1 s
@@ -80,8 +79,7 @@ def heated(scene: Scene, contact: State, velocity: float) -> State:
     --------
     Without wear a contact is the same at all velocities:
 
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> *_, contact = contacts(scene, normal_load=10.0, velocity=0.065)
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.13)
     >>> heated(scene, contact, 0.13).heat.max_rise == state.heat.max_rise

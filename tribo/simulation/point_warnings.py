@@ -31,7 +31,7 @@ _FEW_SWEPT = 1000
 # 8 %, with 2 up to 28 %.
 FEWEST_ACROSS, FEWEST_ROWS = 12, 6
 FEWEST_PIXELS = 2.0  # in a correlation length, to know the slopes of the roughness
-FEWEST_TURNS = 10  # of a pin that rolls, over which its wear is even around it to about a tenth
+FEWEST_TURNS = 10  # turns of a rolling pin over which its wear is even around it to about a tenth
 WIDEST = 0.3  # half-width in radii up to which a pin is a parabola and a half-space, about
 _TOO_WARM, _ON_PIXELS = 0.01, 0.005  # error of the rise from which the present heat warns
 SLOWEST = 0.3
@@ -85,7 +85,7 @@ class PointWarning(NamedTuple):
 
     Examples
     --------
-    >>> import tribo.inverse
+    >>> import tribo
     >>> PointWarning(tribo.WarningKind.CONTACT_AT_EDGE, "give a wider window").kind.label
     'contact at edge'
     """
@@ -102,8 +102,7 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> [warning.kind.label for warning in tribo.warnings(scene, state)]
     []

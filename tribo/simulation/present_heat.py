@@ -26,8 +26,8 @@ from tribo.simulation.state import State
 from tribo.thermal import rise_exceeded
 from tribo.types import Array
 
-_NODES = 128  # of a midpoint rule, which is exact to 1e-4 here
-_HOTTEST = 0.1  # of the contact, as the criterion has it unless told otherwise
+_NODES = 128  # a midpoint rule with them is exact to 1e-4 here
+_HOTTEST = 0.1  # share of the contact, as the criterion has it unless told otherwise
 
 
 def excess_of_present_heat(scene: Scene, state: State) -> float:
@@ -38,8 +38,7 @@ def excess_of_present_heat(scene: Scene, state: State) -> float:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> f"{100 * excess_of_present_heat(scene, state):.3f} %"  # after a minute at full load
     '0.000 %'

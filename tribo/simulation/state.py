@@ -36,12 +36,11 @@ class Heat:
         Mean of `bulk_response` over the contact area [K/K]; NaN where there is none.
     bulk_rise_quantile : ndarray, shape (len(BULK_RATIOS), len(QUANTILES)), or None
         Quantiles over the contact area of ``rise + ratio * bulk_response`` [K], for each ratio of
-        `tribo.BULK_RATIOS`.
+        `tribo.thermal.BULK_RATIOS`.
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> f"{0.1 * state.heat.max_rise:.1f} K at friction 0.1"
     '7.5 K at friction 0.1'
@@ -122,8 +121,7 @@ class State:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> state.normal_load, state.time, f"{state.pressure.max() / 1e9:.2f} GPa"
     (10.0, 61.0, '0.64 GPa')

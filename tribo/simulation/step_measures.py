@@ -35,8 +35,7 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> record = tribo.measures(scene, state)
     >>> f"{1e6 * record['contact_width']:.0f} µm, {record['sliding_distance']:g} m"

@@ -40,8 +40,7 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> scene = tribo.inverse.critical_temperature_rig()
+    >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> f"{0.1 * heat(scene, state, velocity=0.13).max_rise:.1f} K at friction 0.1"
     '13.8 K at friction 0.1'

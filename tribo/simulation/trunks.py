@@ -34,9 +34,9 @@ class _Trunk:
     """A ramp, as far as it has come; of a large one the last state alone."""
 
     states: list[State] = field(default_factory=list)  # at the last increments
-    count: int = 0  # of increments so far
+    count: int = 0  # increments so far
     nbytes: int = 0
-    notes: dict[Hashable, list[Any]] = field(default_factory=dict)  # of each increment, by name
+    notes: dict[Hashable, list[Any]] = field(default_factory=dict)  # one an increment, by name
     lock: threading.RLock = field(default_factory=threading.RLock)
 
     @property
@@ -66,9 +66,9 @@ class Trunks:
 
     Examples
     --------
-    >>> import tribo.inverse
+    >>> import tribo
     >>> from dataclasses import replace
-    >>> scene = replace(tribo.inverse.critical_temperature_rig(), wear=tribo.Wear(1e-15))
+    >>> scene = replace(scene, wear=tribo.Wear(1e-15))
     >>> ramp, fine = tribo.Ramp(1.0, 10.0), replace(scene.fidelity, increments=8)
     >>> scene = replace(scene, loading=ramp, fidelity=fine)
     >>> trunks = Trunks()

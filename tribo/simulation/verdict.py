@@ -8,15 +8,17 @@ are never negative.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from tribo.errors import InputError
 from tribo.loading import Ramp
 from tribo.simulation.corrections import Corrections
+from tribo.simulation.friction import Friction
 from tribo.simulation.point import simulate
 from tribo.simulation.scene import Scene
 from tribo.simulation.step_measures import measures
@@ -28,13 +30,20 @@ RISES = ("max_rise", "mean_rise", "rise_quantile")
 """Columns that depend on the bulk temperatures where these differ."""
 
 
-class Bulks:
-    """What follows from a friction, and from one bulk temperature or two [K]."""
+@dataclass(frozen=True, slots=True)
+class Judging(ABC):
+    """What a verdict asks of conditions: `Conditions` without the criterion."""
 
-    __slots__ = ()
     friction: float
     bulk_temperature: float
-    disk_temperature: float | None
+    critical_temperature: float | None = None
+    disk_temperature: float | None = field(default=None, kw_only=True)
+    corrections: Corrections | None = field(default=None, kw_only=True)
+
+    @property
+    @abstractmethod
+    def decisive(self) -> Criterion:
+        """Criterion of severe wear."""
 
     @property
     def bulk_difference(self) -> float:
@@ -54,7 +63,7 @@ class Bulks:
 
     @property
     def rise_factor(self) -> float:
-        """Factor of the rise at friction 1: the friction.
+        """Factor of the rise at friction 1: the friction, but for its dependence on temperature.
 
         Without friction unequal bulk temperatures still warm one of the bodies. Then it is so small
         that their ratio to it is the largest one that is kept.
@@ -67,37 +76,38 @@ class Bulks:
         difference = self.bulk_difference
         return difference / self.rise_factor if difference else 0.0
 
-
-class Judging(Protocol):
-    """What a verdict asks of conditions."""
-
     @property
-    def critical_temperature(self) -> float | None:
-        """Temperature above which the lubricant fails [K]; None where it is not known."""
+    def friction_law(self) -> Friction:
+        """Friction by velocity and temperature."""
+        present = self.corrections.friction if self.corrections else Friction()
+        return replace(present, coefficient=self.rise_factor)
 
-    @property
-    def corrections(self) -> Corrections | None:
-        """Physics beside the two half-spaces; None for none."""
+    def contact_temperature(self, rise: Any) -> Any:
+        """Temperature of the contact [K], from its rise at friction 1 [K], or rises."""
+        return self.friction_law.temperature(rise, self.coldest_bulk_temperature)
 
-    @property
-    def decisive(self) -> Criterion:
-        """Criterion of severe wear."""
+    def limit(self, temperature: float) -> float:
+        """Rise at friction 1 above which the contact is hotter than a temperature [K]."""
+        return self.friction_law.limit(temperature, self.coldest_bulk_temperature)
 
-    @property
-    def coldest_bulk_temperature(self) -> float:
-        """See `Bulks`."""
+    def temperature_error(self, temperature: float) -> float:
+        """Change of a temperature over the relative one of its rise at friction 1 [K]."""
+        return self.friction_law.sensitivity(temperature, self.coldest_bulk_temperature)
 
-    @property
-    def rise_factor(self) -> float:
-        """See `Bulks`."""
-
-    @property
-    def bulk_ratio(self) -> float:
-        """See `Bulks`."""
+    def require_proportional(self) -> None:
+        """Refuse a rise of unequal bulk temperatures where friction varies."""
+        law = self.friction_law
+        for name, curve in (("velocity", law.by_velocity), ("temperature", law.by_temperature)):
+            if curve and self.bulk_difference:
+                raise InputError(
+                    f"friction.by_{name}: the bulk temperatures of pin and disk differ, and then "
+                    "the rise is not proportional to friction; give one bulk temperature, or one "
+                    "friction"
+                )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Conditions(Bulks):
+class Conditions(Judging):
     """Conditions that turn a rise at friction 1 into mild or severe wear.
 
     Attributes
@@ -110,10 +120,10 @@ class Conditions(Bulks):
         Temperature above which the lubricant fails [K]; None where it is not known.
     disk_temperature : float or None
         Temperature of the disk far from the contact [K]; None where it is that of the pin.
+    corrections : Corrections or None
+        Bodies that warm, stem, film, friction by velocity and temperature; None for none of them.
     criterion : Criterion
         Criterion of severe wear: more than a tenth of the contact unless told otherwise.
-    corrections : Corrections or None
-        Bodies that warm, stem, film and friction by velocity; None for none of them.
 
     Examples
     --------
@@ -121,12 +131,7 @@ class Conditions(Bulks):
     0.1
     """
 
-    friction: float
-    bulk_temperature: float
-    critical_temperature: float | None = None
-    disk_temperature: float | None = None
     criterion: Criterion = field(default_factory=Criterion)
-    corrections: Corrections | None = None
 
     def __post_init__(self) -> None:
         if not 0 <= self.friction < math.inf:
@@ -141,6 +146,7 @@ class Conditions(Bulks):
                 f"critical_temperature is {self.critical_temperature:g} K; it must be above the "
                 f"bulk temperature, {warmest:g} K"
             )
+        self.require_proportional()
 
     @property
     def decisive(self) -> Criterion:
@@ -189,10 +195,7 @@ def rise_limit(conditions: Judging) -> float:
     """Decisive rise at friction 1 above which wear is severe [K]; infinite without friction."""
     if conditions.critical_temperature is None:
         raise InputError("critical_temperature is None, and a limit needs it; give one [K]")
-    if conditions.rise_factor == 0:
-        return math.inf
-    warming = conditions.critical_temperature - conditions.coldest_bulk_temperature
-    return warming / conditions.rise_factor
+    return conditions.limit(conditions.critical_temperature)
 
 
 def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
@@ -224,18 +227,18 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Judging) -> V
     rises = conditions.decisive.rise(together)
     worst = int(worst_moment(rises, together["normal_load"], load))
     rise, quantiles = float(rises[worst]), together["rise_quantile"][worst]
-    of_contact = conditions.rise_factor * float(conditions.decisive.rise(alone)[worst])
+    of_contact = float(conditions.contact_temperature(conditions.decisive.rise(alone)[worst]))
     known = conditions.critical_temperature is not None
-    decisive = bulk + conditions.rise_factor * rise
+    decisive = float(conditions.contact_temperature(rise))
     return Verdict(
         is_severe=Criterion.is_severe(rise, rise_limit(conditions)) if known else None,
         time=float(together["time"][worst]),
         decisive_temperature=decisive,
-        max_temperature=bulk + conditions.rise_factor * float(quantiles[-1]),
+        max_temperature=float(conditions.contact_temperature(quantiles[-1])),
         failed_fraction=failed_share(quantiles, rise_limit(conditions)) if known else None,
         bulk_temperature=bulk,
-        contact_rise=of_contact,
-        added_rise=decisive - bulk - of_contact,
+        contact_rise=of_contact - bulk,
+        added_rise=decisive - of_contact,
     )
 
 

@@ -11,7 +11,7 @@ from tribo.errors import require_positive
 from tribo.types import Array
 
 _DIRECTIONS = 90  # over half a turn, in which the autocorrelation falls
-_FARTHEST = 0.5  # of a side, beyond which lags have too few pairs of heights
+_FARTHEST = 0.5  # share of a side beyond which lags have too few pairs of heights
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from tribo.errors import InputError, require_positive
 from tribo.types import Array
 
 _FEWEST = 16  # heights along either side
-_SHORTEST = 0.5  # of the Nyquist wavenumber, up to which instruments resolve the spectrum
+_SHORTEST = 0.5  # share of the Nyquist wavenumber up to which instruments resolve the spectrum
 _BANDS, _MODES = 6, 50  # bands of wavelength that are compared, and the fewest modes of one
 _DEPENDENCE = 35 / 18  # modes that are one independent mode under a window of Hann, along each axis
 
@@ -143,8 +143,8 @@ def _turned(power: _Periodogram, aligned: Array, bounds: list[tuple[float, float
 class _Periodogram:
     """Power of the modes of a half plane, and their wavenumbers."""
 
-    power: Array  # of the modes that are compared
-    q_x: Array  # of all modes [1/m]
+    power: Array  # one value for each mode that is compared
+    q_x: Array  # one value for each mode [1/m]
     q_y: Array
     is_compared: Array
 

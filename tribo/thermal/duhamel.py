@@ -49,8 +49,8 @@ class Conductor(NamedTuple):
 
     Examples
     --------
-    >>> import tribo.inverse
-    >>> disk = Conductor(tribo.inverse.AISI_316, velocity=1.5)
+    >>> import tribo
+    >>> disk = Conductor(steel, velocity=1.5)
     >>> disk.length
     inf
     """

@@ -27,7 +27,7 @@ from tribo.types import Array, Mask, Nodes
 
 # Directions that the iteration keeps orthogonal. It rarely needs as many.
 _KEPT_DIRECTIONS = 60
-_RESERVE = 0.9  # of the tolerance, for the iteration; the rest is for rounding
+_RESERVE = 0.9  # share of the tolerance for the iteration; the rest is for rounding
 # The iteration goes by single precision, in two thirds of the time, down to this tolerance. What it
 # finds is judged in double.
 _SINGLE_TOLERANCE = 1e-4
@@ -54,10 +54,9 @@ class HeatPartition:
 
     Examples
     --------
-    >>> import tribo.inverse
+    >>> import tribo
     >>> import numpy as np
     >>> patch = tribo.Grid((8, 8), (1e-6, 1e-6))
-    >>> steel = tribo.inverse.AISI_316
     >>> body = tribo.thermal.ConductingHalfSpace(patch, steel, velocity=0.0, time=1e-5)
     >>> flux = np.zeros((8, 8))
     >>> flux[2:5, 3:6] = 1e9

@@ -17,7 +17,7 @@ from tribo.types import Array
 
 # erfc(6) = 2e-17 and exp(-6²) = 2e-16: what lies this many diffusion lengths off is nothing.
 REACH = 6.0
-_NOTHING = 1e-12  # of a length, below which no part of the integral is worth a panel
+_NOTHING = 1e-12  # share of a length below which no part of the integral is worth a panel
 
 
 def diffusion_length(reach: float, drift: float, distance: float) -> float:

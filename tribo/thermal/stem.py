@@ -12,7 +12,7 @@ from tribo.errors import InputError, require_positive
 from tribo.types import Array
 
 _TERMS = 200
-_EARLY = 0.05  # of κt/L², until which the far end is not felt
+_EARLY = 0.05  # κt/L² until which the far end is not felt
 
 
 @dataclass(frozen=True, slots=True)

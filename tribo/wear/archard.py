@@ -28,7 +28,7 @@ EXPLICIT_LIMIT = 2.0
 """Value of `Wear.stiffness` from which on the explicit scheme is unstable."""
 
 
-_LONGEST_STRETCH = 2.0  # of a step, to wear off what its stages' loads alone would not
+_LONGEST_STRETCH = 2.0  # factor of a step, to wear off what its stages' loads alone would not
 
 
 class Stage(NamedTuple):

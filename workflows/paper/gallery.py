@@ -24,13 +24,13 @@ def page(reports: Sequence[Report]) -> str:
 
 
 def _lines(reports: Sequence[Report]) -> Iterator[str]:
-    yield "| result | | verdicts | takes about |"
-    yield "|---|---|---|---|"
+    yield "| result | verdicts | takes about |"
+    yield "|---|---|---|"
     for report in reports:
         agree = sum(finding.agrees for finding in report.findings)
         yield (
-            f"| [{report.name}](#{report.name}) | {report.title} | "
-            f"{agree} of {len(report.findings)} agree | {_about(report.seconds)} |"
+            f"| [{report.name}](#{report.name}) | {agree} of {len(report.findings)} agree | "
+            f"{_about(report.seconds)} |"
         )
     for report in reports:
         name, title = report.name, report.title

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from pipeline import Sweep
 from pipeline.figures.style import BLUE, GREY, VERMILION, celsius, house_style
 from tribo import InputError, Ramp, Wear
-from tribo.inverse import rig_heating, specific_wear_rate
+from tribo.inverse import specific_wear_rate
 from tribo.types import Array
 from workflows.paper.publication import (
     RIG_HEATING,
@@ -23,6 +23,7 @@ from workflows.paper.publication import (
     TABLE_6,
 )
 from workflows.paper.report import Report, agree, line, mean, spread, texts
+from workflows.paper.rig import rig_heating
 from workflows.paper.study import Study
 from workflows.paper.transitions import (
     Tested,

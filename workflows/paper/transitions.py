@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 
 from pipeline import Sweep, run_point
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION, celsius
-from pipeline.sweep.severity import boundary_velocity_error, contact_temperature, rise_limit
-from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.severity import boundary_velocity_error, rise_limit
+from pipeline.sweep.surface import find_lubrication
 from tribo import InputError, State, measures, simulate
 from tribo.simulation import moment_of
 from tribo.thermal import Criterion, failed_share
@@ -147,7 +147,7 @@ def history(
     conditions, columns = sweep.conditions, result.columns
     warm = np.isfinite(columns["mean_rise"])
     rise = np.append(0.0, criterion.rise(columns)[warm])
-    temperature: Array = celsius(contact_temperature(rise, conditions))
+    temperature: Array = celsius(conditions.contact_temperature(rise))
     return np.append(0.0, columns["time"][warm]), temperature, result.state
 
 
@@ -162,7 +162,7 @@ def worn(sweep: Sweep, wear: Wear) -> Sweep:
 
 def film_parameter(sweep: Sweep, test: Any) -> float:
     """Minimum film over the roughness at a test, Λ."""
-    lubrication, bulk = Lubrication.of(sweep), sweep.conditions.bulk_temperature
+    lubrication, bulk = find_lubrication(sweep), sweep.conditions.bulk_temperature
     if lubrication is None:
         raise InputError(f"the scene {sweep.about.name} must have an [oil]")
     return float(lubrication.film_parameter(test.normal_load, test.velocity, bulk))

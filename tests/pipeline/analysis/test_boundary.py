@@ -10,9 +10,9 @@ from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.frames import frames_of
-from pipeline.cli.margins import document_of
+from pipeline.cli.verdicts import document_of
 from pipeline.store.schema import DONE, FAILED, PENDING
-from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, VELOCITIES
 from tribo.thermal import failed_share
@@ -201,7 +201,7 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
     plain, oiled = synthetic.sweep(), synthetic.sweep(oil=synthetic.OIL)
     assert not [name for name in boundary(plain) if name.startswith("film")]
     crossings = boundary(at(oiled, bulk_temperature=320.0, friction=[0.09, 0.1]))
-    of = Lubrication.of(stored_sweep(oiled)).film_parameter
+    of = find_lubrication(stored_sweep(oiled)).film_parameter
     for friction in (0.09, 0.1):
         part = crossings.sel({"friction.coefficient": friction})
         expected = of(part["load"], part["critical_velocity"], 320.0)

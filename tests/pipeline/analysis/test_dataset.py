@@ -14,7 +14,7 @@ from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import end_of_point, open_sweep, stored_sweep
 from pipeline.analysis.decisive import decisive_rise, temperatures
-from pipeline.analysis.margins import margin
+from pipeline.analysis.margin_frame import margin
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.ramp import ramp
 from pipeline.store.create import writing

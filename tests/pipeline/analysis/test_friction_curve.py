@@ -14,8 +14,10 @@ from pipeline.sweep.about import Measurement
 from tests.helpers import javascript, synthetic
 from tests.helpers.sweeps import with_fields
 
-FALLING = tribo.Corrections(friction=((0.5, 1.6), (2.0, 0.9), (6.0, 0.55)))
-BACK = tribo.Corrections(friction=((0.5, 4.0), (2.0, 0.9), (6.0, 0.2)))
+FALLING = tribo.Corrections(
+    friction=tribo.Friction(by_velocity=((0.5, 1.6), (2.0, 0.9), (6.0, 0.55)))
+)
+BACK = tribo.Corrections(friction=tribo.Friction(by_velocity=((0.5, 4.0), (2.0, 0.9), (6.0, 0.2))))
 
 
 def swept(corrections):
@@ -24,7 +26,7 @@ def swept(corrections):
 
 
 def temperature(corrections, load, velocity):
-    factor = corrections.friction_factor(np.asarray(velocity))
+    factor = corrections.friction.at(np.asarray(velocity))
     return 298.15 + 0.1 * factor * synthetic.rise(load, velocity, 0.9)
 
 

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.margin_error import error_of_point
+from pipeline.analysis.rise_error import error_of_point
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers import synthetic

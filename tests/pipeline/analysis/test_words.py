@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.entries import scene_entries, shown
-from pipeline.analysis.margin_error import RiseError, error_of_point, warned_error
+from pipeline.analysis.rise_error import RiseError, error_of_point, warned_error
 from pipeline.analysis.tables import write_frames
 from pipeline.analysis.transition import Transition, in_words, outcomes, range_of
 from tests.helpers import synthetic

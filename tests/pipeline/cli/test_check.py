@@ -6,6 +6,7 @@ import pytest
 
 import pipeline
 from pipeline.cli import main
+from pipeline.sweep.physics import note_on_ends
 
 SCENE = str(Path(__file__).parents[3] / "workflows" / "first_try.toml")
 
@@ -44,7 +45,7 @@ def test_the_document_holds_the_same(check):
     assert ra["value"] == pytest.approx(0.27e-6, rel=1e-2)
     assert ra["unit"] == "m"
     assert meaning["surface"]["lay"] == "none"
-    assert document["warnings"] == []
+    assert document["warnings"] == [note_on_ends(pipeline.load_scene(SCENE))]
     assert document["seconds"] > 0
 
 

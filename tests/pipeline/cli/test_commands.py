@@ -6,7 +6,7 @@ import shutil
 import pytest
 import xarray as xr
 
-from pipeline.analysis.margin_error import error_of_point
+from pipeline.analysis.rise_error import error_of_point
 from pipeline.cli import main
 from pipeline.cli.parser import FIRST, commands
 from tests.helpers.scenes import MEASURED, SCENE

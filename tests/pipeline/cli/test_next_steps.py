@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.analysis.at import at
 from pipeline.analysis.dataset import read_conditions, stored_sweep
-from pipeline.analysis.margins import margin
+from pipeline.analysis.margin_frame import margin
 from pipeline.cli.next_steps import (
     after_boundary,
     commands_that_decide,

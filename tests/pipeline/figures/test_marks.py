@@ -19,8 +19,8 @@ from pipeline.run.vary import Variation, Variations
 from pipeline.scene.along import Place
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.model import Point
-from pipeline.sweep.surface import Lubrication
-from pipeline.sweep.unknown import Unit, Unknown
+from pipeline.sweep.surface import find_lubrication
+from pipeline.sweep.unknown import Fixed, Unit, Unknown
 from pipeline.tradeoff.trade import Choice, Trade
 from pipeline.uncertain.design import Goal, Limit
 from pipeline.uncertain.sensitivity import Sensitivity
@@ -65,7 +65,7 @@ def test_the_full_film_begins_at_three_times_the_height_of_the_roughness():
     for level, beyond in ((1, "mixed"), (3, "full film")):
         label = f"Λ = {level}, {beyond} beyond"
         velocity, load = contour(axes, label)[0].T
-        film = Lubrication.of(stored_sweep(oily)).film_parameter(load, velocity, 298.15)
+        film = find_lubrication(stored_sweep(oily)).film_parameter(load, velocity, 298.15)
         assert film == pytest.approx(np.full(len(load), level), rel=2e-3)
         assert label in labels(axes.figure.legends[0])
 
@@ -269,7 +269,7 @@ def test_a_design_is_drawn_with_its_goal_its_limit_and_its_interval():
         WIDE, goal, "at least", 420.0, (415.0, 424.0), (420.0, 473.15), (473.15, 0.0),
         goal.places[0], (383.15, 413.15, 443.15, 473.15), (0.9, 0.1, 0.01, 0.0),
     )  # fmt: skip
-    axes = pipeline.draw_design([({}, limit)], ensemble).axes[0]
+    axes = pipeline.draw_design([limit], ensemble.title).axes[0]
     drawn = {line.get_label(): np.column_stack(line.get_data()) for line in axes.lines}
     np.testing.assert_allclose(drawn["emulated"][:, 0], np.array(limit.values) - 273.15)
     percent = np.maximum(100 * np.array(limit.probabilities), 1e-3)
@@ -282,9 +282,9 @@ def test_a_design_is_drawn_with_its_goal_its_limit_and_its_interval():
     assert axes.get_xlabel() == "temperature: critical [°C]"
     assert axes.get_ylabel() == "probability of severe wear [%]"
     assert axes.get_title().endswith("400 N at 1.6 m/s, 5 % at most")
-    other = samples.RATE.path
-    two = [({other: rate}, replace(limit, value=value)) for rate, value in RATES]
-    axes = pipeline.draw_design(two, ensemble).axes[0]
+    other = replace(samples.RATE, kind="uniform", parameters=(1e-15, 1.4e-15))
+    two = [replace(limit, value=value, at=(Fixed(other, rate),)) for rate, value in RATES]
+    axes = pipeline.draw_design(two, ensemble.title).axes[0]
     x, y = axes.lines[0].get_data()
     assert x == pytest.approx(samples.RATE.shown.of(np.array([rate for rate, _ in RATES])))
     assert y == pytest.approx([value - 273.15 for _, value in RATES])

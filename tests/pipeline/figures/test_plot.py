@@ -20,7 +20,7 @@ from pipeline.figures.ramp import ramp
 from pipeline.store.progress import Summary
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import Measurement
-from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.surface import find_lubrication
 from tests.helpers import samples, synthetic
 from tests.helpers.sweeps import with_fields
 from tests.helpers.synthetic import MEASURED, VELOCITIES
@@ -273,7 +273,7 @@ def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     ds = synthetic.sweep(oil=synthetic.OIL, roughness=of_height(0.2e-6))
     axes = diagram(ds).axes[0]
     (line,) = contour(axes, "Λ = 1, mixed beyond")
-    film = Lubrication.of(stored_sweep(ds)).film_parameter(line[:, 1], line[:, 0], 298.15)
+    film = find_lubrication(stored_sweep(ds)).film_parameter(line[:, 1], line[:, 0], 298.15)
     assert film == pytest.approx(np.ones(len(line)), rel=1e-3)
     rough = {"oil": synthetic.OIL, "roughness": of_height(2e-6)}
     thick = diagram(synthetic.sweep([200.0, 600.0], [1.0, 2.0], **rough))

@@ -4,6 +4,7 @@ import pandas as pd
 import pytest
 
 import pipeline
+from pipeline.cli import main
 from pipeline.laboratory.logs import outcome_of, read_log, read_trace
 from pipeline.scene.format import TRANSITION
 from pipeline.scene.units import to_si
@@ -40,9 +41,9 @@ def test_rows_of_a_log_stand_beside_tables(lab):
     head = "date;Normal load [kN];velocity [m/s];friction;bulk temperature [degC];outcome;hold [s]"
     scene = lab(f"{head}\n1 May;0.4;2.5;0.1;60;severe;\n\n2 May;0.6;1.5;;;mild;10\n")
     assert scene.about.tested == (
-        Measurement(400.0, 2.0, outcome="mild"),
-        Measurement(400.0, 2.5, 0.1, bulk_temperature=333.15, outcome="severe"),
-        Measurement(600.0, 1.5, hold=10.0, outcome="mild"),
+        Measurement(400.0, 2.0, outcome="mild", number="1"),
+        Measurement(400.0, 2.5, 0.1, bulk_temperature=333.15, outcome="severe", number="row 2"),
+        Measurement(600.0, 1.5, hold=10.0, outcome="mild", number="row 4"),
     )
     assert "tested[1].file: columns not used: date" in scene.about.notes
 
@@ -127,8 +128,8 @@ def test_a_log_of_an_office_is_read_as_it_is(tmp_path, encoding):
     (tmp_path / "log.csv").write_bytes(OFFICE.encode(encoding))
     about = pipeline.load_scene(tmp_path / "lab.toml").about
     assert about.tested[1:] == (
-        Measurement(400.0, 1.75, 0.098, bulk_temperature=298.15, outcome="mild"),
-        Measurement(1200.5, 2.75, bulk_temperature=298.15, outcome="severe"),
+        Measurement(400.0, 1.75, 0.098, bulk_temperature=298.15, outcome="mild", number="1"),
+        Measurement(1200.5, 2.75, bulk_temperature=298.15, outcome="severe", number="2"),
     )
     assert any('"Normalkraft F_N / N" as load' in note for note in about.notes)
     assert any("row 6 without load and velocity left out" in note for note in about.notes)
@@ -143,7 +144,21 @@ def test_a_sheet_of_excel_is_read_as_the_same_csv(tmp_path):
     scene = SCENE.replace("log.csv", "log.xlsx")
     (tmp_path / "lab.toml").write_text(scene, encoding="utf-8")
     tested = pipeline.load_scene(tmp_path / "lab.toml").about.tested
-    assert tested[1] == Measurement(400.0, 1.75, outcome="mild")
+    assert tested[1] == Measurement(400.0, 1.75, outcome="mild", number="row 4")
+
+
+def test_rows_of_one_run_are_told_and_kept_apart_between_logs(tmp_path, capsys):
+    log = "run,load [N],velocity [m/s],outcome\n3,300,2,ok\n3,400,2,Fresser\n4,400,2,ok\n"
+    (tmp_path / "log.csv").write_text(log, encoding="utf-8")
+    (tmp_path / "other.csv").write_text(log, encoding="utf-8")
+    both = SCENE + '\n[[tested]]\nfile = "other.csv"\n'
+    (tmp_path / "lab.toml").write_text(both, encoding="utf-8")
+    tested = pipeline.load_scene(tmp_path / "lab.toml").about.tested[1:]
+    runs = [*["log.csv 3"] * 2, "log.csv 4", *["other.csv 3"] * 2, "other.csv 4"]
+    assert [test.run for test in tested] == runs
+    assert tested[0].number == "log.csv row 2"
+    assert main(["tests", str(tmp_path / "log.csv")]) == 0
+    assert "3 tests of 2 runs: 2 mild, 1 severe" in capsys.readouterr().out
 
 
 def test_columns_words_and_decimals_of_the_user_come_first(tmp_path):
@@ -152,7 +167,7 @@ def test_columns_words_and_decimals_of_the_user_come_first(tmp_path):
     log = 'Soll [N],Ist [N],v [m/s],Befund\n400,398,"1,75",kaputt\n'
     (tmp_path / "log.csv").write_text(log, encoding="utf-8")
     tested = pipeline.load_scene(tmp_path / "lab.toml").about.tested
-    assert tested[1] == Measurement(400.0, 1.75, outcome="severe")
+    assert tested[1] == Measurement(400.0, 1.75, outcome="severe", number="row 2")
 
 
 def test_faults_of_one_kind_stand_in_one_line(lab):
@@ -182,7 +197,7 @@ def test_what_may_be_thousands_is_refused_unless_the_decimal_mark_is_given(lab, 
 
 
 def test_a_scar_is_no_track_and_an_area_no_transition(tmp_path):
-    path = tmp_path / "four_ball.csv"
+    path = tmp_path / "scars.csv"
     log = "load [N],speed [rpm],wear scar diameter [mm],outcome\n400,1450,0.6,mild\n"
     *_, fault = read_log_faults(path, log)
     assert 'none of "wear scar diameter [mm]" is surely its track' in fault
@@ -210,11 +225,11 @@ def test_exact_names_win_and_negations_are_known(tmp_path):
     assert 'words = { "hardly severe" = "OUTCOME" }' in fault
 
 
-def test_rows_of_several_oils_are_asked_about_and_counted_once(tmp_path):
+def test_rows_of_several_oils_are_told_apart_and_counted_once(tmp_path):
     rows = "1,FVA 3,400,1,mild\n2,PAO 8,400,1,mild\n3,PAO 8,800,1,severe\n3,PAO 8,800,1,severe\n"
     path = tmp_path / "oils.csv"
-    (fault,) = read_log_faults(path, f"run,Öl,load [N],velocity [m/s],outcome\n{rows}")
-    assert 'column "Öl" has FVA 3, PAO 8' in fault
+    assert read_log_faults(path, f"run,Öl,load [N],velocity [m/s],outcome\n{rows}") == []
+    assert [test["oil"] for test in read_log(path).tests] == ["FVA 3", "PAO 8", "PAO 8"]
     log = read_log(path, {"where": {"Öl": "PAO 8"}})
     assert (len(log.tests), log.twice, log.faults) == (2, [5], [])
     assert "no row has" in read_log(path, {"where": {"Öl": "X"}}).faults[0]

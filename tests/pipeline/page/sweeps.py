@@ -4,7 +4,8 @@ import numpy as np
 import xarray as xr
 
 from tests.helpers import synthetic
-from tribo import BULK_RATIOS, QUANTILES
+from tribo import QUANTILES
+from tribo.thermal import BULK_RATIOS
 
 _VELOCITIES = np.array([0.5, 0.75, 1.0, 1.4, 1.8, 2.4, 3.0, 4.0])
 _LOADS = np.array([150.0, 200.0, 300.0, 450.0, 600.0, 750.0])

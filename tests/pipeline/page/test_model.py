@@ -18,7 +18,7 @@ from tests.helpers.javascript import run
 from tests.helpers.sweeps import with_fields
 from tests.pipeline.page import sweeps
 from tests.pipeline.page.sweeps import same
-from tribo import Corrections, InputError
+from tribo import Corrections, Friction, InputError
 
 BOUNDARY = """
 return argument.map((given) => {
@@ -165,7 +165,7 @@ def test_beyond_the_points_a_run_is_as_likely_severe_as_the_command_says():
 def banded():
     """Friction that falls with velocity, so that wear is severe, mild and severe again."""
     ds = synthetic.sweep()
-    falling = Corrections(friction=((0.5, 2.6), (1.2, 1.0), (6.0, 0.9)))
+    falling = Corrections(friction=Friction(by_velocity=((0.5, 2.6), (1.2, 1.0), (6.0, 0.9))))
     return with_fields(ds, conditions=replace(read_conditions(ds), corrections=falling))
 
 

@@ -10,7 +10,7 @@ from pipeline.analysis.curve import Curve
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.sweep.model import Point
 from tests.helpers import synthetic
-from tribo import Corrections
+from tribo import Corrections, Friction
 
 LOADS = tuple(float(load) for load in range(200, 751, 50))
 LIMIT = 1200.0
@@ -90,7 +90,9 @@ def test_a_rise_that_falls_in_places_ends_too():
 
 def test_friction_that_bends_between_two_velocities_hides_no_boundary():
     """It falls by a quarter from 1.6 to 1.8 m/s: the rise passes the limit three times there."""
-    falling = Corrections(friction=((1.0, 1.3), (1.6, 1.3), (1.8, 1.0), (4.0, 0.95)))
+    falling = Corrections(
+        friction=Friction(by_velocity=((1.0, 1.3), (1.6, 1.3), (1.8, 1.0), (4.0, 0.95)))
+    )
     loads = (200.0, 400.0, 750.0)
     sweep = synthetic.scene(
         conditions=replace(synthetic.conditions(), corrections=falling),

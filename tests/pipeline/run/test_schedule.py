@@ -288,6 +288,6 @@ def test_a_point_that_is_begun_on_workers_that_all_leave_fails_and_others_go_on(
     assert ended == {"done": 11, "failed": 1}
     (failed,) = summarized(store).failed
     assert (failed.load, failed.velocity) == bad[:2]
-    assert failed.message.startswith(f"begun on {STARTS} workers, each of which left before")
+    assert failed.message.startswith(f"begun on {STARTS} workers, and each left before")
     assert client.cancelled[-1].key == client.endless
     assert_is_as_computed_alone(store, points(SWEEP)[10])

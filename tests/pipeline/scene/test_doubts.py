@@ -11,6 +11,7 @@ import tribo
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Span, facts_of
 from pipeline.sweep.about import Measurement
+from pipeline.sweep.physics import note_on_ends
 from pipeline.sweep.surface import SurfaceFacts
 from tests.helpers.scenes import STEEL
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
@@ -106,6 +107,15 @@ USUAL = [
 ]
 
 
+def test_the_ends_of_a_worn_cylinder_are_told_with_a_size():
+    worn = SMOOTH.changed(wear=tribo.Wear(1.2e-15))
+    size = "within 0.1 mm of them is 5 to 8 % higher"
+    assert sum(size in doubt for doubt in said_of(worn)) == 1
+    rolling = worn.changed(motion=tribo.Motion(slide_roll_ratio=1.0))
+    for other in (BALL, worn.changed(wear=None), rolling):
+        assert not any(size in doubt for doubt in said_of(other))
+
+
 @pytest.mark.parametrize(("words", "low", "high", "said"), USUAL, ids=[row[0] for row in USUAL])
 def test_values_are_doubted_beyond_the_usual_and_not_within(words, low, high, said):
     for value in (low * JUST_LESS, high * JUST_MORE) if low else (high * JUST_MORE,):
@@ -194,6 +204,7 @@ def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
         contact_widths=widths,
         window=(100e-6, 20e-6),  # which repeats along y
     )
+    doubts = [doubt for doubt in doubts if doubt != note_on_ends(SMOOTH)]
     assert len(doubts) == bool(said)
     assert all(text in doubts[0] for text in said)
 

@@ -10,7 +10,7 @@ import pipeline
 import tribo
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import facts_of
-from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.surface import find_lubrication
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
 from tests.pipeline.conftest import commit_all
@@ -64,7 +64,7 @@ def test_a_new_pin_is_checked_sized_and_swept_like_any_other(sweep, tmp_path):
     assert facts.wear_depth == expected.wear_depth
     assert sizes_of(sweep.scene.pin) == ("radius", "bluntness")
     assert "bluntness" in " ".join(doubts(sweep.changed(pin=Oblong(5e-3, 1e9, STEEL)), facts))
-    film = [Lubrication.of(one).film_parameter(5.0, 1.0, 298.15) for one in (sweep, crowned)]
+    film = [find_lubrication(one).film_parameter(5.0, 1.0, 298.15) for one in (sweep, crowned)]
     assert film[0] == film[1] > 0
     store = tmp_path / "new.zarr"
     commit_all(store, sweep)

@@ -188,7 +188,7 @@ ENTRIES = {
     "ra unit": (entry("disk.roughness.ra", "0.27 GPa"), '"0.27 GPa" cannot be converted to um'),
     "ra word": (entry("disk.roughness.ra", "0.27 parsnip"), "unknown unit: 'parsnip'"),
     "pair": (entry("disk.roughness.correlation_length", ["4 um"]),
-             "has 1 entry; give a list of 2, each a length"),
+             "has 1 entry; give a list of 2 values, each a length"),
     "no list": (entry("sweep.loads", []), "[] is empty"),
     "nan": (entry("materials.steel.poisson_ratio", math.nan), "nan is out of range"),
     "huge": (entry("model.scatter", 1e-200), "is out of range, which is from"),
@@ -263,7 +263,7 @@ ENTRIES = {
         "changes nothing in this scene"),
     "over bulks": (over("temperature.bulk.disk", ["25 degC", "50 degC"],
                         **{"temperature.bulk": {"pin": "25 degC", "disk": "25 degC"}}),
-                   "which every value has in common"),
+                   "which must be the same for all values"),
     "over grid": (over("fidelity.pixels_per_element", [2, 4]), "the grid of the stored fields"),
     "over many": (over("pin.radius", [f"{2 + n / 1000} mm" for n in range(149)], **{
         "sweep.over.pin.length": [f"{3 + n / 1000} mm" for n in range(149)]}), "are too many"),

@@ -100,6 +100,48 @@ def test_a_wear_rate_of_another_bulk_temperature_is_told():
     assert note_on_wear(pipeline.load_scene("first_try", overrides=BY_TEMPERATURE | right)) is None
 
 
+@pytest.mark.parametrize(
+    ("unknown", "told"),
+    [
+        ({}, True),
+        (
+            {"wear.specific_wear_rate": {"from": "0.3e-6 mm^3/(N m)", "to": "1e-6 mm^3/(N m)"}},
+            False,
+        ),
+    ],
+)
+def test_a_wear_rate_of_one_bulk_temperature_is_told_where_the_bulk_is_unknown(unknown, told):
+    warm = {"temperature.bulk": {"from": "25 degC", "to": "62.5 degC"}}
+    draft = {"fidelity.preset": "draft", "sweep.samples": 16, "unknown": warm | unknown}
+    note = note_on_wear(pipeline.load_scene("first_try", overrides=BY_TEMPERATURE | draft))
+    assert bool(note) == told
+    if told:  # at 95 % of the range, 60.6 °C
+        assert note.startswith("temperature.bulk is unknown, and the wear rate at the bulk")
+        assert "60.625 °C" in note
+        assert "is 5.58e-07 mm³/(N m)" in note
+
+
+def test_a_misspelt_law_is_asked_for_by_the_laws_that_ship():
+    with pytest.raises(pipeline.SceneFileError) as caught:
+        pipeline.load_scene(
+            "first_try",
+            overrides={
+                "wear": {
+                    "law": "runing-in",
+                    "initial_rate": "6e-6 mm^3/(N m)",
+                    "final_rate": "1e-6 mm^3/(N m)",
+                    "distance": "2 m",
+                }
+            },
+        )
+    assert 'wear.law: "runing-in" is unknown (did you mean "running-in"?)' in str(caught.value)
+    for path, near in (("pin.shape", "cylindr"), ("temperature.criterion", "higest")):
+        with pytest.raises(pipeline.SceneFileError, match="did you mean"):
+            pipeline.load_scene("first_try", overrides={path: near})
+    with pytest.raises(pipeline.SceneFileError, match='did you mean "by_temperature"'):
+        pipeline.load_scene("first_try", overrides={"friction.by_temprature": []})
+
+
 def test_an_answer_at_another_bulk_temperature_says_that_its_wear_is_of_the_first(tmp_path, irg):
     store = tmp_path / "worn.zarr"
     draft = {"fidelity.preset": "draft", "sweep.loads": ["400 N"]}

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from pipeline.sweep.conditions import Conditions
-from tribo import Bulk, Corrections
+from tribo import Bulk, Corrections, Friction
 
-CURVE = Corrections(friction=((1.0, 1.2), (4.0, 0.8)), disk_bulk=Bulk(650.0))
+CURVE = Corrections(friction=Friction(by_velocity=((1.0, 1.2), (4.0, 0.8))), disk_bulk=Bulk(650.0))
 BENT = Conditions(0.1, 298.15, 418.15, corrections=CURVE)
 WARM = Conditions(0.1, 298.15, 418.15, disk_temperature=313.15)
 
@@ -15,7 +15,7 @@ WARM = Conditions(0.1, 298.15, 418.15, disk_temperature=313.15)
 def test_a_friction_measured_at_a_point_is_that_of_every_velocity():
     here = BENT.replace_friction(0.07)
     assert [here.friction_at(velocity) for velocity in (0.5, 2.0, 8.0)] == [0.07] * 3
-    assert here.corrections == replace(CURVE, friction=())
+    assert here.corrections == replace(CURVE, friction=Friction())
     assert BENT.replace_friction(None) == BENT
     assert BENT.row_conditions({"friction": 0.05}).friction_at(4.0) == 0.05
     assert BENT.row_conditions({"critical_temperature": 400.0}).friction_at(4.0) == pytest.approx(

@@ -101,7 +101,7 @@ REFUSALS = {
                 "25 °C (298.15 K) of the pin"),
     # the sweep and its variants
     "plane": (lambda: Plane((), (1.0,)), "no load or no velocity"),
-    "search": (PLACED.require_search, "each row has a velocity of its own"),
+    "search": (PLACED.require_search, "each row has its own velocity"),
     "hold": (lambda: tiny.sweep(loading=RECORD).held(2.0), "hold is 2 s, but the load follows"),
     "field": (misnamed, "a sweep has no friktion"),
     "surface": (lambda: SMOOTH.take_surface(3), "realization is 3"),

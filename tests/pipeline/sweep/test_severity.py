@@ -11,7 +11,6 @@ from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import (
     boundary_velocity_error,
     bulk_rises,
-    contact_temperature,
     failed_fraction,
     momentary_rise,
     rise_limit,
@@ -20,8 +19,9 @@ from pipeline.sweep.severity import (
     worst_rises,
 )
 from tests.helpers import tiny
-from tribo import BULK_RATIOS, QUANTILES, Ramp
+from tribo import QUANTILES, Ramp
 from tribo.inverse import critical_temperature
+from tribo.thermal import BULK_RATIOS
 
 OWN = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
 EVEN = 2000.0 * np.array(QUANTILES)
@@ -43,7 +43,7 @@ def test_at_the_limit_just_the_failing_share_is_above_the_critical_temperature(s
     rises = EVEN * at_limit / conditions.decisive.rise({"rise_quantile": EVEN})
     assert failed_fraction(rises, conditions) == pytest.approx(share, abs=1e-12)
     decisive = conditions.decisive.rise({"rise_quantile": rises})
-    assert contact_temperature(decisive, conditions) == pytest.approx(
+    assert conditions.contact_temperature(decisive) == pytest.approx(
         conditions.critical_temperature
     )
     for factor, is_severe in ((1.001, True), (0.999, False)):
@@ -80,9 +80,9 @@ def test_rises_count_from_the_colder_body_and_temperatures_do_not_depend_on_it(p
     rises = at_ratio["rise_quantile"]
     assert (rises > 0).all()
     np.testing.assert_allclose(
-        contact_temperature(rises, conditions), pin + 0.1 * (EVEN + 0.4 * ratio)
+        conditions.contact_temperature(rises), pin + 0.1 * (EVEN + 0.4 * ratio)
     )
-    assert contact_temperature(rise_limit(conditions), conditions) == pytest.approx(418.15)
+    assert conditions.contact_temperature(rise_limit(conditions)) == pytest.approx(418.15)
 
 
 def test_without_friction_nothing_is_warm_and_nothing_severe():

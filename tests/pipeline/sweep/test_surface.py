@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.sweep.surface import Lubrication
+from pipeline.sweep.surface import find_lubrication
 from tribo import Ball, Crowned, MeasuredRoughness, Motion, Oil, lubrication_regime
 from tribo.material import minimum_point_film
 
@@ -24,7 +24,7 @@ def sweep():
 def test_film_parameters_of_the_papers_transitions(sweep):
     """0.33, 0.38, 0.53, 0.84 with 55 mPa s; ASTM D341 gives the oil 59.3 mPa s at 25 °C."""
     thinner = replace(WHITE, density=WHITE.density * 0.055 / WHITE.viscosity(298.15))
-    lubrication = Lubrication.of(sweep.changed(oil=thinner))
+    lubrication = find_lubrication(sweep.changed(oil=thinner))
     expected = [0.33, 0.38, 0.53, 0.84]
     assert lubrication.film_parameter(LOADS, VELOCITIES, 298.15) == pytest.approx(
         expected, abs=0.01
@@ -32,7 +32,7 @@ def test_film_parameters_of_the_papers_transitions(sweep):
 
 
 def test_the_film_grows_with_speed_and_shrinks_with_heat_and_load(sweep):
-    of = Lubrication.of(sweep).film_parameter
+    of = find_lubrication(sweep).film_parameter
     assert of(750, 2.5, 298.15) / of(750, 1.25, 298.15) == pytest.approx(2**0.7)
     assert of(1500, 1.25, 298.15) / of(750, 1.25, 298.15) == pytest.approx(2**-0.13)
     assert of(750, 1.25, 373.15) < 0.2 * of(750, 1.25, 298.15)
@@ -43,7 +43,7 @@ def test_the_film_grows_with_speed_and_shrinks_with_heat_and_load(sweep):
 
 def test_rolling_draws_in_more_oil_than_sliding(sweep):
     at_rest, rolling = (
-        Lubrication.of(sweep.changed(motion=motion)).film_parameter(750, 1.0, 298.15)
+        find_lubrication(sweep.changed(motion=motion)).film_parameter(750, 1.0, 298.15)
         for motion in (None, Motion(slide_roll_ratio=0.5))
     )
     assert rolling / at_rest == pytest.approx(4**0.7)
@@ -52,7 +52,7 @@ def test_rolling_draws_in_more_oil_than_sliding(sweep):
 def test_a_ball_has_the_film_of_a_point_contact(sweep):
     ball = sweep.changed(pin=Ball(5e-3, sweep.scene.disk), pixels=replace(
         sweep.scene.pixels, periodic=(False, False)), wear=None)  # fmt: skip
-    lubrication = Lubrication.of(ball)
+    lubrication = find_lubrication(ball)
     expected = minimum_point_film(
         0.5, WHITE.viscosity(298.15), 20e-9, 50.0, 5e-3, lubrication.contact_modulus
     )
@@ -66,7 +66,7 @@ def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
     """Hamrock and Dowson give k = 1.03 (R_y/R_x)^0.64 in place of the ellipse of Hertz."""
     free = replace(sweep.scene.pixels, periodic=(False, False))
     ball, crowned = (
-        Lubrication.of(sweep.changed(pin=pin, pixels=free, wear=None))
+        find_lubrication(sweep.changed(pin=pin, pixels=free, wear=None))
         for pin in (Ball(5e-3, sweep.scene.disk), Crowned(5e-3, 5e-3 * ratio, sweep.scene.disk))
     )
     ellipticity = crowned.pin.hertz(50.0, crowned.contact_modulus).aspect
@@ -88,7 +88,7 @@ def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
     ],
 )
 def test_nothing_is_said_without_what_it_takes(sweep, change):
-    assert Lubrication.of(sweep.changed(**change)) is None
+    assert find_lubrication(sweep.changed(**change)) is None
 
 
 def test_regimes_change_at_one_and_three():

@@ -1,5 +1,6 @@
 """The value of an input that makes severe wear unlikely, on a rise known in closed form."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,12 +9,14 @@ import pytest
 import pipeline
 from pipeline.analysis.model_error import ModelError
 from pipeline.scene.along import Place
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.unknown import Fixed, Unknown, drawn
 from pipeline.uncertain import design
 from pipeline.uncertain.answers import run_probability
-from pipeline.uncertain.design import Goal
+from pipeline.uncertain.design import Chances, Direct, Goal
 from pipeline.uncertain.ensemble import Excess
-from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE, ensemble, rise
+from pipeline.uncertain.inputs import BULK
+from tests.helpers.samples import CRITICAL, EXPONENT, FRICTION, LENGTH, RATE, ensemble, rise
 from tribo import InputError
 
 WIDE = Unknown(CRITICAL.path, "uniform", (383.15, 473.15), "K")
@@ -40,7 +43,7 @@ def test_the_limit_is_where_direct_draws_have_the_risk(samples, risk):
     assert limit.side == "at least"
     assert limit.value == pytest.approx(hottest(HERE, 1 - risk), abs=1.5)
     assert limit.interval[0] < limit.value < limit.interval[1]
-    assert limit.safe == (limit.value, 473.15)
+    assert limit.safe == (limit.value, limit.values[-1])
     assert limit.as_dict()["limit"]["unit"] == "K"
 
 
@@ -76,28 +79,107 @@ def test_the_error_of_a_draw_and_the_scatter_of_a_run_add_up(usual, error):
     np.testing.assert_allclose(found, expected, atol=6e-4)
 
 
-def test_direct_simulations_correct_samples_that_tell_too_little(samples, monkeypatch):
-    def simulated(entries, load, velocity):
-        row = np.zeros(len(UNKNOWN))
-        for number in (1, 3):  # what the rise at friction 1 depends on
-            text, one = entries[UNKNOWN[number].path], UNKNOWN[number]
-            row[number] = float(text.split()[0]) / one.shown.of(1.0)
-        return np.log(rise(row[None], load, velocity, UNKNOWN)[0])
+def simulated_rise(entries, load, velocity):
+    row = np.zeros(len(UNKNOWN))
+    for number in (1, 3):  # what the rise at friction 1 depends on
+        text, one = entries[UNKNOWN[number].path], UNKNOWN[number]
+        row[number] = float(text.split()[0]) / one.shown.of(1.0)
+    return np.log(rise(row[None], load, velocity, UNKNOWN)[0])
 
-    monkeypatch.setattr(design, "log_rise", simulated)
+
+def true_risk(critical, usual):
+    """Probability of a severe run, by many draws of the rise as it is."""
+    direct = drawn(UNKNOWN, 99, 2**15)
+    excess = np.log(direct[:, 2] * rise(direct, *HERE, UNKNOWN) / (critical - 298.15))
+    return float(np.mean(ModelError(usual=usual).below(excess / EXPONENT)))
+
+
+def test_direct_simulations_correct_samples_that_tell_too_little(samples, monkeypatch):
+    monkeypatch.setattr(design, "log_rise", simulated_rise)
     low, goal = replace(samples, rises=0.96 * samples.rises, keeper=None), Goal((HERE,), 0.01)
-    limit = pipeline.design(low, goal, WIDE.path, **CERTAIN)
-    found = design.directly(low, goal, HERE, {WIDE.path: limit.value}, dict, **CERTAIN)
-    assert found.shift == pytest.approx(-np.log(0.96), abs=2e-3)
+    chances = Chances(low, goal, **CERTAIN)
+    limit = chances.limit(WIDE.path)
+    found = chances.simulated(limit, dict)
+    assert found.shift == pytest.approx(-np.log(0.96), abs=3e-3)
     assert found.probability > 0.015
-    assert not found.agrees_with(0.01)
-    limit = pipeline.design(low, goal, WIDE.path, shift=found.shift, **CERTAIN)
+    assert not found.confirms(0.01)
+    corrected = replace(chances, shift=found.shift)
+    limit = corrected.limit(WIDE.path)
     assert limit.value == pytest.approx(hottest(HERE, 0.99), abs=1.5)
-    again = design.directly(
-        low, goal, HERE, {WIDE.path: limit.value}, dict, shift=found.shift, seed=1, **CERTAIN
+    again = corrected.simulated(limit, dict, seed=1)
+    assert again.shift == pytest.approx(found.shift, abs=3e-3)
+    assert again.probability == pytest.approx(0.01, abs=4 * again.error)
+    safer = replace(corrected, spare=again.spare).limit(WIDE.path)
+    assert safer.value > limit.value
+    assert corrected.simulated(safer, dict, seed=2).confirms(0.01)
+
+
+@pytest.mark.parametrize("usual", [0.0, 0.1])
+def test_the_stated_error_of_90_simulations_holds(samples, monkeypatch, usual):
+    monkeypatch.setattr(design, "log_rise", simulated_rise)
+    low = replace(samples, rises=0.98 * samples.rises, keeper=None)
+    chances = Chances(low, Goal((HERE,), 0.02), scatter=ModelError(usual=usual))
+    limit = chances.limit(WIDE.path)
+    truth = true_risk(limit.value, usual or 1e-6)
+    found = [chances.simulated(limit, dict, seed) for seed in range(8)]
+    assert all(one.simulated <= design.SIMULATED for one in found)
+    off = np.array([(one.probability - truth) / one.error for one in found])
+    # The mean square of 8 scores lies below 2.7 with 99.5 %.
+    assert np.mean(off**2) < 2.7
+    if usual:
+        assert max(one.error for one in found) < 0.0012
+
+
+def test_only_a_probability_that_keeps_the_risk_by_its_error_confirms_it():
+    found = Direct(0.0144, 0.0023, 2048, 90, 0.0)
+    assert not found.confirms(0.01)
+    assert not replace(found, probability=0.0099).confirms(0.01)
+    assert replace(found, probability=0.01 - 1.645 * 0.0023).confirms(0.01)
+
+
+def test_the_error_of_the_preset_moves_the_limit(samples):
+    goal, rough = Goal((HERE,), 0.05), replace(samples, velocity_error=0.08)
+    exact, safer = (pipeline.design(one, goal, WIDE.path).value for one in (samples, rough))
+    # Its rises may err by 0.6 of that.
+    assert (safer - 298.15) / (exact - 298.15) == pytest.approx(1.048, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("path", "side"), [("load", "at most"), ("velocity", "at most"), (FRICTION.path, "at most"),
+                       (BULK, "at most"), (CRITICAL.path, "at least")],
+)  # fmt: skip
+def test_place_and_conditions_are_sought_like_inputs_and_need_no_range(path, side):
+    known = ensemble((RATE, LENGTH))  # neither friction nor a temperature is unknown
+    limit = pipeline.design(known, Goal((HERE,), 0.1), path, **CERTAIN)
+    assert limit.side == side
+    assert limit.probabilities[0 if side == "at least" else -1] > 0.9
+    values = {"load": HERE.load, "velocity": HERE.velocity, FRICTION.path: 0.1, BULK: 298.15}
+    values |= {CRITICAL.path: 418.15, path: limit.value}
+    direct = drawn((RATE, LENGTH), 99, 2**15)
+    rises = rise(direct, values["load"], values["velocity"], (RATE, LENGTH))
+    hot = values[BULK] + values[FRICTION.path] * rises
+    assert np.mean(hot > values[CRITICAL.path]) == pytest.approx(0.1, abs=0.03)
+    is_place = path in ("load", "velocity")
+    assert limit.binding == (HERE._replace(**{path: limit.value}) if is_place else HERE)
+
+
+def test_the_critical_temperature_is_sought_where_none_is_known():
+    known = replace(ensemble((RATE, LENGTH)), conditions=Conditions(0.1, 298.15, None))
+    limit = pipeline.design(known, Goal((HERE,), 0.1), CRITICAL.path, **CERTAIN)
+    direct = drawn((RATE, LENGTH), 99, 2**15)
+    hot = 298.15 + 0.1 * rise(direct, *HERE, (RATE, LENGTH))
+    assert limit.value == pytest.approx(np.quantile(hot, 0.9), abs=1.0)
+
+
+def test_a_load_is_sought_at_values_of_the_velocity(samples):
+    nowhere = Goal((Place(math.nan, math.nan),), 0.05)
+    slow, fast = (
+        pipeline.design(samples, nowhere, "load", at={"velocity": velocity}, **CERTAIN)
+        for velocity in (1.5, 1.6)
     )
-    assert again.shift == pytest.approx(found.shift, abs=1e-3)
-    assert again.agrees_with(0.01)
+    # Rises are powers of both.
+    assert slow.value / fast.value == pytest.approx((1.6 / 1.5) ** (EXPONENT / 0.58), rel=0.02)
+    assert fast.binding == Place(fast.value, 1.6)
 
 
 def test_of_several_points_the_worst_one_binds_and_a_margin_asks_for_that_much_more(samples):
@@ -129,8 +211,8 @@ def test_a_second_entry_moves_the_limit_of_the_first(samples):
 
 def test_an_entry_that_no_design_can_move_is_refused(samples):
     goal = Goal((HERE,), 0.05)
-    with pytest.raises(InputError, match=r"coefficient is normal, .*; a design needs a range"):
-        pipeline.design(samples, goal, FRICTION.path)
+    with pytest.raises(InputError, match=r"specific_wear_rate is log-normal, .* needs a range"):
+        pipeline.design(samples, goal, RATE.path)
     fixed = replace(samples, unknown=(WIDE, RATE, FRICTION), fixed=(Fixed(LENGTH, 4e-6),))
     with pytest.raises(InputError, match=r"correlation_length is fixed at 4e-06 m; leave that out"):
         pipeline.design(fixed, goal, LENGTH.path, **CERTAIN)

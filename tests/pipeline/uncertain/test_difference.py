@@ -1,4 +1,4 @@
-"""Two oils on one steel, on a rise that is known in closed form."""
+"""Two oils on one rig, on a rise that is known in closed form."""
 
 import dataclasses
 import math
@@ -7,29 +7,68 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.sweep.about import Measurement, own_tests
+from pipeline.uncertain.answer_posterior import _word_contrast
 from pipeline.uncertain.posterior import contrasts
 from tests.helpers.samples import CRITICAL, EXPONENT, LENGTH, LOADS, critical_velocity, ensemble
+from tests.promises.laboratories import oils_held
+from tests.promises.stages import closed_form
+from tribo import InputError
 
 WIDE = dataclasses.replace(CRITICAL, parameters=(418.15, 20.0))
 LONG = dataclasses.replace(LENGTH, parameters=(1e-6, 9e-6))
 
 
-def of_an_oil(kelvins):
+def of_oil(oil, kelvins):
     truth = np.array([[kelvins, 1.2e-15, 0.1, 6e-6]])
-    tests = [
-        {"normal_load": load, "velocity": float(critical_velocity(truth, load)[0]), "friction": 0.1}
-        for load in LOADS.tolist()
+    velocities = [float(critical_velocity(truth, load)[0]) for load in LOADS.tolist()]
+    return [
+        {"normal_load": load, "velocity": velocity, "friction": 0.1, "oil": oil}
+        for load, velocity in zip(LOADS.tolist(), velocities, strict=True)
     ]
-    return ensemble((WIDE, LONG), 16, tests=tests)
 
 
 def test_two_oils_differ_by_less_than_either_is_known():
-    oils = of_an_oil(413.15), of_an_oil(425.15)
-    kelvins, velocity = contrasts(pipeline.posterior(oils, 0.02))
-    alone = [next(pipeline.posterior(oil, 0.02).summary())["posterior"]["sd"] for oil in oils]
+    both = ensemble((WIDE, LONG), 16, tests=of_oil("A", 413.15) + of_oil("B", 425.15))
+    posterior = pipeline.posterior(both, 0.02)
+    kelvins, velocity = contrasts(posterior)
+    first, _, second = (row["posterior"]["sd"] for row in posterior.summary())
+    assert kelvins.oils == ("A", "B")
     assert kelvins.mean == pytest.approx(12.0, abs=1.5)
-    assert kelvins.sd < 0.75 * math.hypot(*alone)
+    assert kelvins.sd < 0.75 * math.hypot(first, second)
     assert kelvins.probability > 0.99
     expected = math.log((425.15 - 298.15) / (413.15 - 298.15)) / EXPONENT
     assert velocity.mean == pytest.approx(expected, abs=0.02)
-    assert list(contrasts(pipeline.posterior(oils[0]))) == []
+    assert "B stands more than A with a probability of 1" in _word_contrast(kelvins)
+    assert posterior.unknown[-1].path == f"{CRITICAL.path} of B"
+    assert len(pipeline.draw_posterior(posterior).axes) >= 4
+
+
+def test_tests_of_one_oil_are_not_compared_and_count_as_those_without_a_name():
+    named = ensemble((WIDE, LONG), 16, tests=of_oil("A", 413.15))
+    plain = [{k: v for k, v in test.items() if k != "oil"} for test in named.tests]
+    assert list(contrasts(pipeline.posterior(named, 0.02))) == []
+    rows = (
+        next(pipeline.posterior(dataclasses.replace(named, tests=tests), 0.02).summary())
+        for tests in (named.tests, tuple(plain))
+    )
+    first, second = rows
+    assert first == second
+
+
+def test_oils_need_a_critical_temperature_that_is_not_known():
+    known = ensemble((LONG,), 16, tests=of_oil("A", 413.15) + of_oil("B", 425.15))
+    with pytest.raises(InputError, match=r'of 2 oils.*give "temperature.critical" a range'):
+        pipeline.posterior(known)
+
+
+def test_the_scene_s_oil_is_that_of_tests_without_one_else_the_first():
+    plain, a, b = (Measurement(400.0, 2.0, oil=oil) for oil in (None, "A", "B"))
+    assert own_tests((a, plain, b)) == (plain,)
+    assert own_tests((b, a, b)) == (b, b)
+    assert own_tests(()) == ()
+
+
+def test_intervals_of_the_difference_between_oils_hold():
+    with closed_form():
+        assert oils_held(12)["right"]

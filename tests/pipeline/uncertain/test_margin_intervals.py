@@ -8,7 +8,7 @@ import pytest
 
 import pipeline
 from pipeline.analysis.margin import percent
-from pipeline.analysis.margin_error import error_of_point
+from pipeline.analysis.rise_error import error_of_point
 from pipeline.sweep.unknown import drawn
 from tests.helpers.samples import (
     ALL,

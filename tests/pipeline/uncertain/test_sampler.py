@@ -17,6 +17,7 @@ from scipy.special import ndtri
 import pipeline
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import worst_rises
+from pipeline.uncertain.evidence import FACTOR
 from pipeline.uncertain.inputs import CRITICAL
 from tests.helpers.scenes import SCENE
 from tests.promises.risk import entries_of
@@ -88,7 +89,7 @@ def rejected(ensemble, load_scene, tests, scatter, count, seed=0):
     inputs = np.stack(
         [one.quantile(column) for one, column in zip(others, shares.T, strict=False)], axis=1
     )
-    factor = 2.0 ** ndtri(shares[:, len(others)])
+    factor = FACTOR ** ndtri(shares[:, len(others)])
     errors = ndtri(shares[:, len(others) + 1 :]).reshape(count, len(tests), 2)
     ends = np.array(
         [

@@ -5,11 +5,14 @@ import math
 
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.special import ndtr
 
 import pipeline
 from pipeline.sweep.unknown import Unknown, correlations, drawn
+from pipeline.uncertain.evidence import log_between
 from pipeline.uncertain.inputs import prior
+from pipeline.uncertain.weigh import _long_tailed
 from tests.helpers.samples import (
     CRITICAL,
     EXPONENT,
@@ -23,7 +26,7 @@ from tests.helpers.samples import (
     ensemble,
     rise,
 )
-from tribo import Corrections, InputError
+from tribo import Corrections, Friction, InputError
 
 
 def transitions(truth, scatter=0.05, seed=0, friction=True, loads=LOADS, off=None):
@@ -51,7 +54,7 @@ def test_without_data_what_is_assumed_comes_back():
     for row in posterior.summary():
         assert row["posterior"] == row["prior"]
     assert not list(posterior.hidden())
-    ends = 2.0 ** np.array([-1.645, 0.0, 1.645])
+    ends = 3.0 ** np.array([-1.645, 0.0, 1.645])
     assert posterior.inferred_scatter == pytest.approx(0.05 * ends, rel=1e-3)
     # Values of a uniform input are correlated a little less than their normal scores.
     assert posterior.correlations == pytest.approx(correlations(JOINT), abs=0.02)
@@ -195,11 +198,75 @@ def test_tests_that_stayed_mild_or_turned_severe_bracket_as_their_likelihood_say
     assert critical["posterior"]["sd"] == pytest.approx(spread, rel=0.03)
 
 
+def stage(load, outcome, velocity=2.0, **more):
+    place = {"normal_load": load, "velocity": velocity, "friction": 0.1, "outcome": outcome}
+    return place | {"velocity_scatter": 0.1 * velocity} | more
+
+
+def test_stages_of_a_run_are_of_one_specimen_and_tails_of_it_at_its_ends():
+    # A run within its stages, one beyond its last, one that failed at its first.
+    tests = [
+        *(stage(load, "mild", run="1") for load in (200.0, 300.0, 350.0)),
+        stage(430.0, "severe", run="1"),
+        *(stage(load, "mild", run="2") for load in (200.0, 300.0, 375.0)),
+        stage(450.0, "severe", run="3", bulk_temperature=310.0),
+    ]
+    posterior = pipeline.posterior(ensemble((CRITICAL,), tests=tests))
+    kelvins = np.linspace(360.0, 480.0, 4001)
+
+    def z(test):
+        limit = (kelvins - test.get("bulk_temperature", 298.15)) / 0.1
+        return np.log(test["velocity"] / alone(limit, test["normal_load"])) / 0.1
+
+    density = np.exp(-0.5 * ((kelvins - 418.15) / 8.0) ** 2)
+    density *= ndtr(z(tests[3])) - ndtr(z(tests[2]))
+    density *= ndtr(-z(tests[6])) * ndtr(z(tests[7]))
+    mean = np.average(kelvins, weights=density)
+    spread = math.sqrt(np.average((kelvins - mean) ** 2, weights=density))
+    (critical,) = posterior.summary()
+    assert critical["posterior"]["mean"] == pytest.approx(mean, abs=0.1)
+    assert critical["posterior"]["sd"] == pytest.approx(spread, rel=0.03)
+    assert [one.outcome for one in posterior.judged] == [
+        "severe, mild up to 350 N",
+        "mild",
+        "severe",
+    ]
+    assert posterior.evidence == "3 runs"
+    assert [len(one.tests) for one in posterior.judged] == [2, 1, 1]  # those that decide
+
+
+def test_the_friction_of_a_specimen_counts_once_however_often_it_was_measured():
+    def spread(*runs):
+        tests = [one | {"run": run} for one, run in zip(idle_tests([0.104] * 4), runs, strict=True)]
+        (friction, _) = pipeline.posterior(ensemble((FRICTION,), tests=tests)).summary()
+        return friction["posterior"]["sd"]
+
+    assert spread(*"1234") < 0.8 * spread(*"1111")
+
+
+def test_outliers_have_long_tails():
+    z = np.array([-1e5, -30.0, -3.0, -0.5, 0.0, 2.0, 40.0])
+    assert _long_tailed(z) == pytest.approx(stats.t(4).cdf(math.sqrt(2) * z), rel=1e-9)
+
+
+def test_an_interval_far_out_has_the_logarithm_of_its_probability():
+    low, high = np.array([-np.inf, -40.0, 8.0, 40.0, 1.0]), np.array([0.0, -39.0, 9.0, 41.0, 0.5])
+    tail = 0.5 * np.log(2 * math.pi)
+    expected = [math.log(0.5), -(39.0**2) / 2 - math.log(39.0) - tail]
+    found = log_between(low, high)
+    assert found[:2] == pytest.approx(expected, abs=1e-3)
+    assert found[2] == pytest.approx(math.log(ndtr(-8.0) - ndtr(-9.0)), rel=1e-12)
+    assert found[3] == pytest.approx(-800.0 - math.log(40.0) - tail, abs=1e-3)
+    assert found[4] < -1e5
+
+
 def test_many_tests_are_weighed_in_steps_to_the_same_distribution():
     truth = np.array([420.0, 1.2e-15, 0.1, 4.5e-6])
     measured = [dict(entry, velocity_scatter=0.004) for entry in transitions(truth, 0.002)]
     sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), tests=measured))
-    assert len(sharp.draws.weights) < len(sharp.prior.weights)  # drawn in steps, not weighed
+    # Drawn near the tests, and not those of the prior weighed.
+    assert np.ptp(sharp.draws.inputs[:, 0]) < 0.8 * np.ptp(sharp.prior.inputs[:, 0])
+    assert 0.4 < sharp.draws.effective / len(sharp.draws.weights) < 1
     inputs, _, parity = pipeline.draw_posterior(sharp).axes
     (critical, *_) = sharp.summary()
     for patch, one in zip(inputs.patches, ("prior", "posterior"), strict=True):
@@ -301,24 +368,6 @@ def test_a_scatter_beyond_those_considered_is_cut_off_and_says_so():
     assert posterior.as_dict()["inferred_scatter_cut_off"] == "above"
 
 
-def test_sweeps_share_their_steel_and_have_each_a_lubricant_of_its_own():
-    narrow = Unknown(CRITICAL.path, "normal", (418.15, 1.0), "K")
-    truth = np.array([418.15, 1.2e-15, 0.1, 5.5e-6])
-    narrowed = ensemble((narrow, LENGTH), tests=transitions(truth, 0.005))
-    other = ensemble((CRITICAL, LENGTH))
-    posterior = pipeline.posterior([other, narrowed], 0.005)
-    paths = [entry.path for entry in posterior.unknown]
-    assert paths == [f"1: {CRITICAL.path}", LENGTH.path, f"2: {CRITICAL.path}"]
-    first, length, second = posterior.summary()
-    assert first["posterior"]["sd"] == pytest.approx(first["prior"]["sd"], rel=0.1)  # untested
-    assert length["posterior"]["sd"] < 0.6 * length["prior"]["sd"]
-    assert second["posterior"]["sd"] < 1.05
-    assert posterior.sweep_draws(0).inputs.shape[1] == 2
-    longer = Unknown(LENGTH.path, "uniform", (3e-6, 7e-6), "m")
-    with pytest.raises(InputError, match=r"correlation_length is shared.*differ"):
-        pipeline.posterior([other, ensemble((CRITICAL, longer))])
-
-
 def test_a_shorter_hold_is_that_of_the_steps_of_the_samples():
     entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "hold": 2.0}
     tests = [entry, dict(entry, hold=5.0, velocity=1.9)]
@@ -337,7 +386,7 @@ def test_a_shorter_hold_is_that_of_the_steps_of_the_samples():
 
 
 def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
-    falling = Corrections(friction=((1.0, 1.2), (4.0, 0.8)))
+    falling = Corrections(friction=Friction(by_velocity=((1.0, 1.2), (4.0, 0.8))))
     entry = {"normal_load": 400.0, "velocity": 1.2, "outcome": "mild"}  # which tells nothing new
     limit = (CRITICAL.parameters[0] - 298.15) / 0.1
     steady = alone(limit, 400.0)

@@ -7,8 +7,8 @@ import pytest
 from scipy.special import erf
 
 import tribo
-import tribo.inverse
 from tribo.simulation import moment_of
+from workflows.paper.rig import critical_temperature_rig
 
 STEEL = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
 DIFFUSIVITY, CAPACITY = 45.0 / (7800.0 * 470.0), 7800.0 * 470.0
@@ -138,7 +138,7 @@ def test_a_steady_state_is_two_chains_of_resistances():
 
 def test_a_moment_knows_the_load_that_its_scene_had_before():
     """A ramp of 1 s and a hold of 60 s: 0.065 m/s times 605 N s are 39.3 J at friction 1."""
-    scene = tribo.inverse.critical_temperature_rig()
+    scene = critical_temperature_rig()
     *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     bulk = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=100.0))
     plain, warm = (moment_of(scene, state, parts)["mean_rise"] for parts in (None, bulk))
@@ -147,7 +147,7 @@ def test_a_moment_knows_the_load_that_its_scene_had_before():
 
 
 def test_the_columns_of_a_hold_without_wear_know_the_load_before_it():
-    scene = tribo.inverse.critical_temperature_rig()
+    scene = critical_temperature_rig()
     states = list(tribo.simulate(scene, normal_load=10.0, velocity=0.065))
     bulk = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=100.0))
     records = [{**tribo.measures(scene, state), **state.heat.columns} for state in states]
@@ -161,7 +161,10 @@ def test_what_the_bodies_keep_has_the_friction_of_the_velocity_too():
     film = tribo.Corrections(film_resistance=1e-7)
     alone, both = (
         corrections.applied(columns)["mean_rise"]
-        for corrections in (film, replace(film, friction=((1.0, 0.8), (4.0, 0.8))))
+        for corrections in (
+            film,
+            replace(film, friction=tribo.Friction(by_velocity=((1.0, 0.8), (4.0, 0.8)))),
+        )
     )
     assert alone > 1.01 * RISE
     assert both == pytest.approx(0.8 * alone)
@@ -179,10 +182,10 @@ def test_a_moment_before_the_end_has_the_record_up_to_there():
 
 
 def test_friction_by_velocity_has_no_kink_where_it_ends():
-    falling = tribo.Corrections(friction=((1.0, 1.2), (2.0, 1.0), (4.0, 0.9)))
+    falling = tribo.Friction(by_velocity=((1.0, 1.2), (2.0, 1.0), (4.0, 0.9)))
     velocities = np.array([0.1, 0.7, 1.0, 1.001, 3.996, 4.0, 6.0, 100.0])
     expected = [1.2, 1.2, 1.2, 1.2, 0.9, 0.9, 0.9, 0.9]
-    assert falling.friction_factor(velocities) == pytest.approx(expected, abs=1e-5)
-    between = falling.friction_factor(np.geomspace(1.0, 4.0, 50))
+    assert falling.at(velocities) == pytest.approx(expected, abs=1e-5)
+    between = falling.at(np.geomspace(1.0, 4.0, 50))
     assert (np.diff(between) < 0).all()
-    assert falling.friction_factor(np.array([2.0])) == pytest.approx(1.0)
+    assert falling.at(np.array([2.0])) == pytest.approx(1.0)

@@ -8,7 +8,6 @@ import pytest
 
 from tests.helpers.scenes import STEEL, small_scene
 from tribo import (
-    BULK_RATIOS,
     PRESETS,
     QUANTILES,
     Cylinder,
@@ -22,6 +21,7 @@ from tribo import (
 )
 from tribo.inverse import critical_temperature
 from tribo.thermal import (
+    BULK_RATIOS,
     ConductingHalfSpace,
     Conductor,
     HeatHistory,

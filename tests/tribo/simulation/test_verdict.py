@@ -13,7 +13,9 @@ from tests.helpers.scenes import STEEL
 from tribo.loading import MeasuredLoad
 
 TRACK = tribo.Track.under(tiny.sweep().scene.pin, STEEL, tribo.Disc(diameter=0.1, width=0.02))
-WARM = tribo.Corrections(track=TRACK, film_resistance=1e-8, friction=((1.0, 1.1), (4.0, 0.9)))
+WARM = tribo.Corrections(
+    track=TRACK, film_resistance=1e-8, friction=tribo.Friction(by_velocity=((1.0, 1.1), (4.0, 0.9)))
+)
 LOADINGS = {
     "ramp": tribo.Ramp(150.0, 750.0),
     "hold": tribo.Ramp(150.0, 750.0, hold=60.0),
@@ -74,5 +76,6 @@ def test_the_script_of_the_page_prints_a_verdict(capsys):
     page = (Path(tribo.__file__).parent / "README.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
     assert "pipeline" not in code
+    assert len([line for line in code.splitlines() if line]) <= 10
     exec(code, {})
     assert capsys.readouterr().out.startswith("Verdict(is_severe=")

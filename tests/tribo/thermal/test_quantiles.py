@@ -1,8 +1,14 @@
 import numpy as np
 import pytest
 
-from tribo import BULK_RATIOS, QUANTILES, InputError
-from tribo.thermal import combine_bulks, contact_quantiles, failed_share, rise_exceeded
+from tribo import QUANTILES, InputError
+from tribo.thermal import (
+    BULK_RATIOS,
+    combine_bulks,
+    contact_quantiles,
+    failed_share,
+    rise_exceeded,
+)
 
 
 def test_quantile_and_failed_share_are_one_criterion():

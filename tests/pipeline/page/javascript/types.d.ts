@@ -9,7 +9,7 @@ type Conditions = {
   failing_share: number;
   criterion?: string;
   /** Measured at a place, and does not follow the scene's over velocity. */
-  at_one_friction?: boolean;
+  strip_friction?: boolean;
 };
 
 type ControlName =
@@ -34,6 +34,8 @@ type Measurement = {
   friction: number | null;
   bulk_temperature?: number;
   outcome?: "mild" | "severe";
+  /** That several tests share. */
+  run?: string;
   /** Conditions that it is judged at, in place of the reader's. */
   own: Partial<Conditions>;
   node: [number, number];
@@ -72,6 +74,8 @@ type Content = {
   nodes: { velocity: number[]; load: number[] };
   beside: [number, number][];
   friction_factors: number[];
+  /** Temperatures of the contact [K], and the factor of friction at each. */
+  friction_by_temperature: [number[], number[]];
   plane: string;
   /** Nodes at which lines along load begin that have their points alone, by surface and velocity. */
   columns: { [place: string]: number };

@@ -7,7 +7,7 @@
 Each is a bound that some 99 % of places keep, and they are independent, so that their squares add.
 A part that is not known is None, and so is the total. `python -m tests.promises.errors` judges by
 `fine` where a tenth of the contact decides, and counts the places that keep to the total
-(workflows/ACCURACY.md). Where the highest temperature decides, fewer do.
+(workflows/MEASURED.md). Where the highest temperature decides, fewer do.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 import scipy  # loads its parts when they are used
@@ -23,6 +23,7 @@ import xarray as xr
 
 from pipeline.analysis.dataset import asked, keep_steps, stored_sweep
 from pipeline.analysis.warned_points import warnings_of
+from pipeline.sweep.conditions import Conditions
 from tribo import WarningKind
 from tribo.types import Array, Indices, Mask
 
@@ -61,17 +62,22 @@ _OF_WARNED = {
     WarningKind.COARSE_PIXELS: 0.70,
     # The elements are the pixels then. Other surfaces and smaller pixels are no error of these.
     WarningKind.FEW_NODES: 0.01,
-    WarningKind.SLOW_RISE: 0.03,  # of 33 points `standard` missed one by 3.7 %
+    WarningKind.SLOW_RISE: 0.03,  # `standard` missed one of 33 points by 3.7 %
 }
 """Relative error of the rise that a warning adds; that of others is not known.
 
 Found by `python -m tests.promises.errors`.
 """
 
+_OF_FILM = 0.032
+"""Largest error of a rise whose film resistance is counted after the simulation, at 200 N."""
+_OF_FRICTION = 0.14
+"""That of friction by temperature, over the change of ln(friction) from the bulk to the limit."""
+
 _DURATIONS, _TOO_WARM = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 """Durations of ramps [s], and how much present heat makes contacts too warm at most.
 
-The table of ACCURACY.md; 5 % is that of loads that jump late, also in longer tests. On ramps of
+The table of MEASURED.md; 5 % is that of loads that jump late, also in longer tests. On ramps of
 seconds it was 1 %.
 """
 
@@ -196,6 +202,18 @@ def error_of_point(
     return RiseError(0.0, _preset(velocity_error, is_refined), warned_error([(flags, duration)]))
 
 
+def add_counted(error: RiseError, conditions: Conditions) -> RiseError:
+    """The error with that of what is counted after the simulation: a film, friction when warm."""
+    law, parts = conditions.friction_law, conditions.corrections
+    if error.warned is None or parts is None:
+        return error
+    film = _OF_FILM if parts.film_resistance else 0.0
+    bulk = conditions.coldest_bulk_temperature
+    ends = law.at(temperature=np.array([bulk, conditions.critical_temperature or bulk]))
+    change = abs(math.log(ends[1] / ends[0])) if law.by_temperature else 0.0
+    return replace(error, warned=math.hypot(error.warned, film, _OF_FRICTION * change))
+
+
 def _preset(velocity_error: float | None, is_refined: bool) -> float | None:
     if velocity_error is None:
         return None
@@ -238,7 +256,7 @@ def _gap_error(grid: RisePlane, axis: str, gap: Array) -> float | None:
     return None if missed is None else BETWEEN * missed * math.log(gap[-1] / gap[0])
 
 
-@functools.lru_cache(maxsize=1024)  # of many places between the same points
+@functools.lru_cache(maxsize=1024)  # many places lie between the same points
 def _missed(grid: RisePlane, axis: str) -> float | None:
     """Root mean square of what interpolation misses left-out points by, over ln of the gap."""
     lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)

@@ -25,7 +25,7 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.field import Field, fields
 from pipeline.analysis.margin import NOT_DECIDED, Margin
-from pipeline.analysis.margins import LONG, Judged, counts_in_words, judged, margin_frame
+from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
 from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import as_dict, notes_of, short, upright
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_words, outcomes
@@ -34,6 +34,7 @@ from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_
 from pipeline.cli.output import Result, counted, working
 from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
+from pipeline.sweep.physics import note_on_ends
 from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
 from pipeline.sweep.wear_rates import note_on_wear
@@ -178,24 +179,25 @@ def boundary(options: argparse.Namespace) -> Result:
         return _row_boundaries(ds)
     with working("finding the boundary"):
         crossings = pipeline.boundary(ds)
-    command, cold, tests = None, None, None
+    command, tests = None, None
     document = document_of(crossings)
     text: list[str | pd.DataFrame] = [judged_by(map(read_conditions, scenes(ds)))]
     for part in frames.boundary_parts(crossings):
         text += ["", part] if isinstance(part, pd.DataFrame) else [part]
+    left_out = [note_on_wear(stored_sweep(ds)), note_on_ends(stored_sweep(ds))]
     if kind is Kind.SAMPLES:
         document |= _tell_basis(fields(ds), text)
     else:
         command = _command(crossings, options.store, ds)
-        left_out = turns_left_out(ds, crossings), note_on_wear(stored_sweep(ds))
-        cold = "; ".join(filter(None, left_out)) or None
+        left_out.append(turns_left_out(ds, crossings))
         # Of several values of a condition none is that of a test which gives none.
         tests = laboratory.compared(ds.isel(dict.fromkeys(judged_dims(ds), 0)))
         text += ["", f"compute more of the boundary with: {command}"] if command else []
-        text += ["", f"warning: {cold}"] if cold else []
+    text += [part for note in filter(None, left_out) for part in ("", f"warning: {note}")]
+    if kind is not Kind.SAMPLES:
         text += [] if tests is None else ["", *laboratory.test_parts(tests)]
         text += after_boundary(scene_sweep(ds), options.store)
-    document |= {"command": command, "not_counted": cold}
+    document |= {"command": command, "not_counted": "; ".join(filter(None, left_out)) or None}
     if tests is not None:
         document["tests"] = as_dict(tests)
     return Result(document, text, pipeline.warned(ds), frames.frames_of(crossings))
@@ -205,11 +207,11 @@ _IN_KELVIN = "decisive temperature [°C]", "temperature error [K]", "distance [K
 
 
 def _row_boundaries(ds: xr.Dataset) -> Result:
-    """Boundary about rows with places of their own: factors of velocity and load of each."""
+    """Boundary around rows, each at its own place: factors of velocity and load."""
     if PLACE not in ds.coords:
         raise InputError(
-            "each row has one place, and no boundary; irg margin gives their margins in K, and "
-            "sweep.around = 5 beside sweep.along the factors in velocity and load, too"
+            "each row has one place, and so no boundary; irg margin gives its margin in K, and "
+            "with sweep.around = 5 beside sweep.along also the factors in velocity and load"
         )
     table = pipeline.margin(ds).drop(columns=[*_IN_KELVIN])
     crosses = table[["velocity outcome", "load outcome"]] == outcomes("load")[CROSSES]

@@ -73,7 +73,7 @@ def margin(
     ------
     InputError
         If the operating point lies outside the sweep, too little of the sweep is done, or the table
-        has faults, all of which are named.
+        has faults; the message names all.
 
     Examples
     --------

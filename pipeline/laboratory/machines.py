@@ -1,0 +1,335 @@
+"""Forms in which usual machines report tests, as rows of load, velocity, outcome and run.
+
+A form is an entry of `FORMS`: by which columns it is known, what its columns make, and whether its
+rows are stages of one specimen. What the standards fix is in the library.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+from pipeline.scene.format import TEST
+from pipeline.scene.headings import Heading, Row, Sheet
+from pipeline.scene.library import library
+from pipeline.scene.units import TURNS, UnitError, to_si
+
+
+class Quantity(NamedTuple):
+    """A column of a form: words of its heading, and its units, the first where that gives none."""
+
+    words: str
+    units: tuple[str, ...]
+
+
+_BODY = r"(disc|disk|roller|ring|scheibe|rolle|shaft|body|welle)"
+_SPEED = r"(speed|velocity|rpm|drehzahl|geschw\w*|[nuv])"
+_TURNING = "m/s", "rpm"
+COLUMNS = {
+    "failed": Quantity(
+        r"(fail\w*|scuff\w*)( load)? stage|fls|(schaden\w*|fress\w*)(kraft|last)stufe|sks", ("",)
+    ),
+    "stage": Quantity(r"(load |test )?(stage|step)( no)?|(kraft|last)stufe|ks|ls", ("",)),
+    "torque": Quantity(
+        r"(pinion |test )?torque( on pinion| t ?1)?|ritzel(dreh)?moment|drehmoment|t ?1", ("N m",)
+    ),
+    "frequency": Quantity(r"frequency|freq|(schwing)?frequenz|fréquence|frequenza", ("Hz",)),
+    "stroke": Quantity(r"stroke( length)?|(schwing)?hub(weg|länge)?|schwingweg|course", ("mm",)),
+    "passed": Quantity(
+        r"(ok|pass\w*|last pass\w*|last ok|gut) ?(load|last|kraft)|(load|last) (passed|ok)"
+        r"|last non ?seizure( load)?|lnsl?", ("N", "kgf"),
+    ),
+    "seized": Quantity(
+        r"((initial|first) )?(fail\w*|seizure|scuff\w*|fress|weld\w*) ?(load|last|point)|isl|wl",
+        ("N", "kgf"),
+    ),
+    "load": Quantity(
+        r"((applied|test|normal|axial) )?(load|force)|(prüf|normal)?(last|kraft)|f ?n", ("N", "kgf")
+    ),
+    "speed": Quantity(r"((rotation\w*|spindle|ball|shaft) )?(speed|drehzahl|rpm)|n", ("rpm",)),
+    "velocity": Quantity(r"(sliding )?(velocity|speed)|gleitgeschw\w*", ("m/s",)),
+    "ratio": Quantity(r"slide( to)? roll ratio|slip( ratio)?|schlupf|srr", ("%", "")),
+    "rolling": Quantity(
+        r"(rolling|entrain\w*|mean|average)( rolling)? ?(speed|velocity)|(roll|wälz)geschw\w*",
+        ("m/s",),
+    ),
+    "first": Quantity(rf"{_SPEED}( of)?( {_BODY})? ?1|{_BODY} ?1 {_SPEED}", _TURNING),
+    "second": Quantity(rf"{_SPEED}( of)?( {_BODY})? ?2|{_BODY} ?2 {_SPEED}", _TURNING),
+    "diameter": Quantity(rf"({_BODY} )?diameter|({_BODY}n?)?durchmesser", ("mm",)),
+}  # fmt: skip
+"""Quantities of forms; their words match a whole title, in small letters and without signs."""
+
+Values = Mapping[str, float]
+Make = tuple[tuple[str, ...], Callable[..., float]]
+"""What a quantity is made of, and how, in SI."""
+
+
+def _fixed(machine: str, name: str) -> Any:
+    return library()["machines"][machine][name]
+
+
+def _stage_force(stage: float) -> float:
+    """Normal force between teeth in a load stage [N]."""
+    stages = _fixed("FZG", "stages")
+    return _tooth_force(stages[round(stage) - 1]) if 1 <= stage <= len(stages) else math.nan
+
+
+def _tooth_force(torque: float) -> float:
+    return float(torque / _fixed("FZG", "base_radius"))
+
+
+def _ball_force(load: float) -> float:
+    """Force on each of three balls below a fourth: their contacts lie at cos⁻¹ √(2/3)."""
+    return load / math.sqrt(6)
+
+
+def _ball_velocity(turns: float) -> float:
+    """Sliding velocity on the contact circle, of radius R/√3, at turns in a second."""
+    radius = float(_fixed("four-ball", "ball_diameter")) / 2
+    return 2 * math.pi * turns * radius / math.sqrt(3)
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """A form in which a machine reports tests."""
+
+    name: str
+    #: Any of these sets of columns, or these words in a heading or the name of the file, tell it.
+    signs: tuple[frozenset[str], ...]
+    words: str
+    makes: Mapping[str, tuple[Make, ...]]  #: Ways to make load and velocity; the first is asked.
+    says: str  #: How they are made, in words.
+    #: Rows are stages of one specimen, until the load falls; else each is a specimen.
+    has_stages: bool = True
+    #: Quantity before one that failed, and after one that was passed.
+    before: Callable[[float], float] | None = None
+    after: Callable[[float], float] | None = None
+
+
+def _signs(*sets: str) -> tuple[frozenset[str], ...]:
+    return tuple(frozenset(one.split()) for one in sets)
+
+
+FORMS = (
+    Form(
+        "FZG A/8.3/90", _signs("torque", "failed"), r"\bfzg\b|kraftstufe",
+        {
+            "load": ((("torque",), _tooth_force), (("stage",), _stage_force),
+                     (("failed",), _stage_force)),
+            "velocity": ((("velocity",), float),),
+        },
+        "load is the pinion's torque over the radius of its base circle, velocity that of sliding "
+        "where the contact lies on the flank",
+        before=lambda stage: stage - 1,
+    ),
+    Form(
+        "SRV", _signs("frequency", "stroke"), r"\bsrv\b",
+        {
+            "load": ((("load",), float), (("passed",), float), (("seized",), float)),
+            "velocity": ((("frequency", "stroke"), lambda f, s: 2 * f * s),),
+        },
+        "velocity is the mean one, 2 × frequency × stroke",
+        before=lambda load: load - _fixed("SRV", "step"),
+        after=lambda load: load + _fixed("SRV", "step"),
+    ),
+    Form(
+        "four-ball", (),
+        r"four.?ball|4.?ball|vierkugel|\bvka\b|(load|last).*\b(kgf?|kp)\b|\bweld|non.?seizure",
+        {
+            "load": ((("load",), _ball_force), (("passed",), _ball_force),
+                     (("seized",), _ball_force)),
+            "velocity": ((("speed",), _ball_velocity),),
+        },
+        "load is that of one contact, 1/√6 of the applied one; velocity that of its circle",
+        has_stages=False,
+    ),
+    Form(
+        "twin disc", _signs("ratio", "first second"), r"twin.?disc|zwei.?scheiben",
+        {
+            "load": ((("load",), float),),
+            "velocity": (
+                (("ratio", "rolling"), lambda ratio, mean: abs(ratio) * mean),
+                (("first", "second"), lambda one, other: abs(one - other)),
+            ),
+        },
+        "velocity is that of sliding, the difference of both surfaces",
+    ),
+)  # fmt: skip
+_BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\S.*)|(\d[\d.]*)\s*\+")
+_ALIASES = {"Nm": "N m", "kg": "kgf", "kp": "kgf"}
+_ENDS = ("failed", "seized", "passed")
+_TARGETS = {"load": "N", "velocity": "m/s"}
+_CONTACT = ("N", "kN", "m/s", "mm/s")
+
+
+def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
+    """Append a column for each quantity that the file does not say."""
+    for name, value in given.items():
+        if name not in COLUMNS and name not in TEST.keys:
+            allowed = ", ".join(dict.fromkeys([*TEST.keys, *COLUMNS]))
+            sheet.of_rows.append(f"given.{name}: no such quantity; give one of {allowed}")
+            continue
+        number, _, unit = str(value).partition(" ")
+        sheet.headings.append(Heading(f"{name}, given", name, unit.strip()))
+        for row in sheet.rows:
+            row.cells.append(number)
+
+
+def form_of(headings: Sequence[Heading], stem: str = "") -> Form | None:
+    """The form in which a machine reports tests below these headings, if it is one.
+
+    Columns with the names that a scene has for load and velocity are those of the contact.
+    """
+    exact = {heading.name for heading in headings if heading.unit in _CONTACT}
+    if {"load", "velocity"} <= exact:
+        return None
+    found, said = _columns(headings), [stem, *(heading.text for heading in headings)]
+    for form in FORMS:
+        is_told = any(re.search(form.words, text, re.IGNORECASE) for text in said)
+        is_load = any(name in found for name in ("load", "torque", "stage", *_ENDS))
+        if any(signs <= found.keys() for signs in form.signs) or (is_told and is_load):
+            return form
+    return None
+
+
+def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool) -> bool:
+    """Put load, velocity, outcome and run in place of what a machine reports, if it is one."""
+    _add_given(sheet, given)
+    form = form_of(sheet.headings, stem)
+    if form is None:
+        return False
+    found = _columns(sheet.headings)
+    ends = [name for name in _ENDS if name in found]
+    ways = {name: _way(form, name, found, ends) for name in _TARGETS}
+    inputs = [one for ins, _ in ways.values() for one in ins]
+    turning = [one for one in inputs if one in found and _turns(sheet.headings[found[one]])]
+    inputs += ["diameter"] if {*turning} & {"first", "second"} else []
+    inputs += ["seized"] if ends == ["passed"] and form.after is None else []
+    if missing := [one for one in inputs if one not in found]:
+        _ask(sheet, form, missing)
+        return True
+    rows, last, run = list[Row](), math.inf, 0
+    makes_runs = form.has_stages and not has_runs
+    for row in sheet.rows:
+        values = {name: _value(name, row.cells[k], sheet.headings[k]) for name, k in found.items()}
+        for one in turning:
+            if one != "speed":
+                values[one] *= math.pi * values["diameter"]
+        for outcome, load in _outcomes(form, row, found, values, ends):
+            stage = values | {ways["load"][0][0]: load} if ends else values
+            made = [make(*(stage[one] for one in ins)) for ins, make in ways.values()]
+            run += not made[0] > last
+            last = made[0]
+            label = str(row.number if ends else run)
+            cells = ["" if math.isnan(one) else f"{one:.6g}" for one in made]
+            cells += [outcome] * bool(ends) + [label] * makes_runs
+            rows.append(Row(row.number, [*row.cells, *cells]))
+    used = {found[one] for one in (*inputs, *ends, "stage") if one in found}
+    appended = _TARGETS | ({"outcome": ""} if ends else {}) | ({"run": ""} if makes_runs else {})
+    sheet.headings = [
+        *(replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)),
+        *(Heading(f"{name} of {form.name}", name, unit) for name, unit in appended.items()),
+    ]
+    sheet.rows, sheet.made_of = rows, used
+    sheet.form.append(f"form of {form.name}: {form.says}")
+    return True
+
+
+def _columns(headings: Sequence[Heading]) -> dict[str, int]:
+    """Columns of the quantities of forms."""
+    found = dict[str, int]()
+    for k, heading in enumerate(headings):
+        title = re.sub(r"[\W_]+", " ", heading.title.lower().replace(".", "")).strip()
+        for name, quantity in COLUMNS.items():
+            is_named = title == name or re.fullmatch(quantity.words, title)
+            if name not in found and is_named and _fits(heading, title, quantity):
+                found[name] = k
+                break
+    return found
+
+
+def _fits(heading: Heading, title: str, quantity: Quantity) -> bool:
+    """True if the unit of a heading is one of a quantity; a lone letter needs one."""
+    unit = _ALIASES.get(heading.unit, heading.unit)
+    if not unit:
+        return "" in quantity.units or len(title) > 2
+    if unit in TURNS:
+        return "rpm" in quantity.units
+    for like in quantity.units:
+        with suppress(UnitError):
+            if unit == like or (like and like != "%" and to_si(f"1 {unit}", f"1 {like}")):
+                return True
+    return False
+
+
+def _turns(heading: Heading) -> bool:
+    return heading.unit in TURNS
+
+
+def _value(name: str, cell: str, heading: Heading) -> float:
+    """Value of a cell, a rotation in turns a second [SI]; NaN of one that is no number."""
+    match, usual = _BEYOND.fullmatch(cell), COLUMNS[name].units[0]
+    number, _, own = ((match[1] or match[2]) if match else cell).strip().partition(" ")
+    unit = own or heading.unit or usual
+    unit = _ALIASES.get(unit, unit)
+    try:
+        if name == "ratio":
+            value = float(number)
+            return value / 100 if own == "%" or heading.unit == "%" or abs(value) > 2 else value
+        if not usual:
+            return float(number)
+        return float(number) / 60 if unit in TURNS else to_si(f"{number} {unit}", f"1 {usual}")
+    except (ValueError, UnitError):
+        return math.nan
+
+
+def _way(form: Form, name: str, found: Collection[str], ends: Sequence[str]) -> Make:
+    """What load or velocity is made of: the first way for which there is all, else the first."""
+    ways = form.makes[name]
+    if name == "velocity" and name in found:
+        return (name,), float
+    if name == "load" and ends:
+        ways = tuple(way for way in ways if way[0][0] in ends) or ways
+    return next((way for way in ways if {*way[0]} <= {*found}), ways[0])
+
+
+def _outcomes(
+    form: Form, row: Row, found: Mapping[str, int], values: Values, ends: Sequence[str]
+) -> Iterator[tuple[str, float]]:
+    """Outcomes of a row and their stages or loads; one without both where it has none."""
+    if not ends:
+        yield "", math.nan
+        return
+    stages = dict[str, float]()
+    for name in ends:  # a load that was passed comes last, and is surer than the step before
+        value, is_beyond = values[name], bool(_BEYOND.fullmatch(row.cells[found[name]]))
+        if name == "passed" or is_beyond:
+            stages["mild"] = value
+            if name == "passed" and len(ends) == 1 and form.after and not is_beyond:
+                stages["severe"] = form.after(value)
+        else:
+            stages |= {"mild": form.before(value) if form.before else math.nan, "severe": value}
+    told = [(outcome, value) for outcome, value in sorted(stages.items()) if value > 0]
+    yield from told or [("", math.nan)]
+
+
+def _ask(sheet: Sheet, form: Form, missing: Sequence[str]) -> None:
+    """Say in a line what a form does not."""
+    names = dict.fromkeys(missing)
+    values = [f"{name}=... {COLUMNS[name].units[0]}".strip() for name in names]
+    options = " ".join(f'--given "{value}"' for value in values)
+    entry = ", ".join(f'{name} = "... {COLUMNS[name].units[0]}"' for name in names)
+    sheet.of_rows.append(
+        f"the form of {form.name} ({form.says}) does not say {' or '.join(names)}; give {options}, "
+        f"in a scene given = {{ {entry} }}"
+    )
+    used = {*_columns(sheet.headings).values()}
+    sheet.headings = [
+        *(replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)),
+        *(Heading(name, name, unit) for name, unit in _TARGETS.items()),
+    ]
+    sheet.rows, sheet.made_of = [], used

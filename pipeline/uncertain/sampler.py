@@ -1,0 +1,139 @@
+"""Draws of the unknown inputs given tests, and how many they are worth.
+
+Draws are weighed by prior × likelihood over the density that they were drawn from (importance
+sampling). That density is a mixture of Student's t in normal scores, fitted to the draws before,
+which begin with the prior; where few of them agree with the tests, they are weighed by a power of
+the likelihood first (adaptive importance sampling; Cappé, Douc, Guillin, Marin & Robert, Stat.
+Comput. 18 (2008) 447). Draws are even (Sobol') and independent of each other, so that their weights
+tell how many they are worth.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import gammaincinv, gammaln, logsumexp, ndtri, softmax
+
+from pipeline.sweep.unknown import Unknown, score_values, sequence
+from tribo.types import Array
+
+_AT_LEAST = 0.1  # effective share of the draws that a power of the likelihood leaves
+_ENOUGH = 0.5  # effective share after which the mixture is not fitted again
+_ROUNDS = 12  # fits, at most
+_PARTS, _FITS = 3, 12  # of the mixture, and steps of a fit
+_FREEDOM = 8.0  # degrees of freedom of Student's t, whose tails hold those of a posterior
+_WIDER = 1.1  # standard deviations of a part over those of its draws
+_LEAST = 0.02  # covariance of a part over that of all, besides its own
+
+
+class Weighed(NamedTuple):
+    """Draws (n, n_unknown) [SI], and logarithms of weights whose mean is the evidence."""
+
+    inputs: Array
+    log_weights: Array
+
+
+def sample(
+    unknown: Sequence[Unknown],
+    log_likelihood: Callable[[Array], Array],
+    seed: int,
+    count: int,
+) -> Weighed:
+    """Draw so many inputs from prior times likelihood, given the likelihood's logarithm (n,)."""
+    n, power = len(unknown), 0.0
+    scores, mixture = ndtri(sequence(seed, count, n)), None
+    best, most = Weighed(scores, np.zeros(len(scores))), 0.0
+    for number in range(_ROUNDS):
+        inputs = score_values(unknown, scores)
+        likelihood, over = log_likelihood(inputs), np.zeros(count)
+        if mixture:
+            log_prior = -0.5 * (np.sum(scores**2, axis=1) + n * math.log(2 * math.pi))
+            over = log_prior - mixture.log_density(scores)
+        power = _next_power(likelihood, over, power)
+        share = effective_share(likelihood + over)
+        if share >= most:
+            best, most = Weighed(inputs, likelihood + over), share
+        if share >= _ENOUGH:
+            break
+        chance = np.random.default_rng((seed, number))
+        mixture = Mixture.fit(scores, softmax(power * likelihood + over), chance)
+        scores = mixture.draw(sequence(seed + number + 1, count, n + 2))
+    return best
+
+
+def effective_share(log_weights: Array) -> float:
+    """Effective sample size over the number of draws."""
+    total = 2 * logsumexp(log_weights) - logsumexp(2 * log_weights)
+    return float(np.exp(total)) / len(log_weights)
+
+
+def _next_power(likelihood: Array, over: Array, power: float) -> float:
+    """Largest power of the likelihood, from that of before on, that leaves enough draws."""
+
+    def spare(other: float) -> float:
+        return effective_share(other * likelihood + over) - _AT_LEAST
+
+    if spare(1.0) >= 0:
+        return 1.0
+    return float(brentq(spare, power, 1.0)) if spare(power) > 0 else power
+
+
+class Mixture(NamedTuple):
+    """Student's t about some centres in normal scores."""
+
+    shares: Array  # (n_part,)
+    centres: Array  # (n_part, n_unknown)
+    factors: Array  # triangular ones of the covariances, (n_part, n_unknown, n_unknown)
+
+    @classmethod
+    def fit(cls, scores: Array, weights: Array, chance: np.random.Generator) -> Mixture:
+        """Fit to weighed scores, by expectation and maximisation with normal parts."""
+        n = scores.shape[1]
+        spread = np.cov(scores.T, aweights=weights, ddof=0).reshape(n, n) + 1e-9 * np.eye(n)
+        centres = scores[chance.choice(len(scores), _PARTS, p=weights)]
+        factors: Array = np.linalg.cholesky(np.array([spread] * _PARTS))
+        parts = cls(np.full(_PARTS, 1 / _PARTS), centres, factors)
+        for _ in range(_FITS):
+            odds = softmax(
+                [log - 0.5 * squares for squares, log in parts._distances(scores)], axis=0
+            )
+            odds = odds * weights + 1e-6 / len(scores)
+            totals = odds.sum(axis=1)
+            centres = odds @ scores / totals[:, None]
+            apart = scores - centres[:, None]
+            covariances = np.einsum("kn,kni,knj->kij", odds, apart, apart, optimize=True)
+            covariances = covariances / totals[:, None, None] + _LEAST * spread
+            parts = cls(totals / totals.sum(), centres, np.linalg.cholesky(covariances))
+        return parts._replace(factors=_WIDER * parts.factors)
+
+    def draw(self, points: Array) -> Array:
+        """Draws (n, n_unknown) at even points (n, n_unknown + 2)."""
+        part = np.searchsorted(np.cumsum(self.shares)[:-1], points[:, -1])
+        wider = np.sqrt(_FREEDOM / 2 / gammaincinv(_FREEDOM / 2, points[:, -2]))
+        steps = np.einsum("nij,nj->ni", self.factors[part], ndtri(points[:, :-2]))
+        return np.asarray(self.centres[part] + wider[:, None] * steps)
+
+    def log_density(self, scores: Array) -> Array:
+        """Logarithm of the density at scores (n, n_unknown)."""
+        n, freedom = self.centres.shape[1], _FREEDOM
+        constant = gammaln((freedom + n) / 2) - gammaln(freedom / 2)
+        constant -= 0.5 * n * math.log(freedom * math.pi)
+        parts = [
+            log - 0.5 * (freedom + n) * np.log1p(z2 / freedom)
+            for z2, log in self._distances(scores)
+        ]
+        return np.asarray(constant + logsumexp(parts, axis=0))
+
+    def _distances(self, scores: Array) -> list[tuple[Array, float]]:
+        """Squares of the distances of scores by part, and logarithms of share over volume."""
+        return [
+            (
+                np.sum(np.linalg.solve(factor, (scores - centre).T) ** 2, axis=0),
+                math.log(share) - float(np.log(np.diag(factor)).sum()),
+            )
+            for share, centre, factor in zip(*self, strict=True)
+        ]

@@ -1,0 +1,162 @@
+"""Judge what runs by stages say of the boundary, by hidden truths.
+
+Each truth has a scatter of its specimens. Each run has one velocity and one specimen, whose load
+grows by stages until wear turns severe; the log has all stages. Asked is the critical velocity at a
+load in the middle: how often its interval of 90 % holds the truth, and by how much the median is
+off on average. The rise is known in closed form, or with ``--direct`` that of simulations.
+
+Prints a JSON document; the exit code is 1 unless each kind of stages holds 85 to 95 %, and is off
+by at most 2 %, as far as so many truths tell.
+"""
+
+import argparse
+import json
+import math
+import sys
+from dataclasses import replace
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+import pipeline
+from pipeline.sweep.unknown import drawn
+from pipeline.uncertain.answers import log_boundary
+from pipeline.uncertain.ensemble import Ensemble
+from tests.helpers.campaigns import conclude
+from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE, critical_velocity
+from tests.promises.laboratories import closed_excess, samples_of
+from tests.promises.rigs import CASES, Rig, ensemble_of, weighed
+from tests.promises.risk import WORKFLOWS
+
+KINDS = {"5 %": (0.05, 0.10), "10 %": (0.10, 0.15), "25 %": (0.25, 0.10)}
+"""Step of the load, and scatter of the specimens in velocity."""
+HELD, OFF = (0.85, 0.95), 0.02
+WIDE = 20.0  # K, to which the critical temperature is known before
+_SEED = 2718
+_WITHIN = 0.8  # of the logarithm of loads, in which runs are to turn severe
+
+
+def staged(load_transition, ends, step, scatter, count, chance):
+    """Tests of some runs, given ln(transition) by ln(load).
+
+    Runs have velocities at which they turn severe at loads of the sweep.
+    """
+    low, high = np.log(ends)
+    loads = np.exp(np.arange(low, high, math.log1p(step)))
+    middle, half = (low + high) / 2, _WITHIN * (high - low) / 2
+    for run in range(count):
+        aim = middle + half * (2 * (run + 0.5) / count - 1)
+        velocity = math.exp(float(load_transition(aim)))
+        off = scatter * chance.standard_normal()
+        for load in loads.tolist():
+            is_severe = math.log(velocity) + off > float(load_transition(math.log(load)))
+            outcome = "severe" if is_severe else "mild"
+            place = {"normal_load": load, "velocity": velocity, "run": str(run)}
+            yield place | {"outcome": outcome}
+            if is_severe:
+                break
+
+
+def transition_line(loads, places):
+    """Logarithm of the transition by that of the load; None if some lie beyond the sweep."""
+    return CubicSpline(np.log(loads), places) if np.isfinite(places).all() else None
+
+
+def judge(ensemble, truth, step, scatter, count, chance, weigh):
+    """Error of the median of the critical velocity in the middle, and if the interval holds it."""
+    tests = staged(truth, ensemble.loads[[0, -1]], step, scatter, count, chance)
+    posterior = weigh(ensemble, list(tests))
+    load = math.exp(np.log(ensemble.loads[[0, -1]]).mean())
+    draws = posterior.draws
+    found = log_boundary(ensemble, draws.inputs[:, : len(ensemble.unknown)], [load])[0][:, 0]
+    low, middle, high = draws.interval(found)
+    actual = float(truth(math.log(load)))
+    return {"off": middle - actual, "held": bool(low <= actual <= high), "width": high - low}
+
+
+def summarise(rows):
+    """Share of intervals that hold, and the mean error, with their standard errors."""
+    off, held = (np.array([row[name] for row in rows], float) for name in ("off", "held"))
+    n = len(rows)
+    return {
+        "truths": n,
+        "held": float(held.mean()),
+        "its_error": math.sqrt(0.9 * 0.1 / n),
+        "off": float(off.mean()),
+        "off_error": float(off.std(ddof=1)) / math.sqrt(n),
+        "width": float(np.mean([row["width"] for row in rows])),
+    }
+
+
+def is_right(result):
+    """True if intervals hold what they say, and nothing is off, as far as so many truths tell."""
+    low, high = HELD
+    is_held = low - result["its_error"] <= result["held"] <= high + result["its_error"]
+    return is_held and abs(result["off"]) - result["off_error"] <= OFF
+
+
+def closed_rigs(count):
+    """Samples of a closed form, and the transition of each truth."""
+    inputs = (replace(CRITICAL, parameters=(CRITICAL.parameters[0], WIDE)), RATE, FRICTION, LENGTH)
+    samples = samples_of(inputs)
+    for truth in drawn(inputs, _SEED, count):
+        places = [math.log(critical_velocity(truth[None], load)[0]) for load in samples.loads]
+        yield samples, transition_line(samples.loads, places)
+
+
+def direct_rigs(options):
+    """Samples of a scene, and the transition of each truth by simulations."""
+    overrides = {"fidelity.preset": options.preset} | CASES[options.case]
+    ensemble = ensemble_of(options.scene, overrides, options.store)
+    bulk = ensemble.conditions.bulk_temperature
+    for number in range(options.truths):
+        rig = Rig(ensemble, options.scene, overrides, number)
+        places = [rig.transition(float(load), bulk) for load in ensemble.loads]
+        yield ensemble, transition_line(ensemble.loads, places)
+
+
+def closed_form():
+    """Patch of the emulator by the closed form."""
+    return mock.patch.object(Ensemble, "excess", closed_excess)
+
+
+def weigh_closed(ensemble, tests):
+    """The posterior of a closed form."""
+    return pipeline.posterior(replace(ensemble, tests=tuple(tests)))
+
+
+def judged_rows(rigs, count, weigh):
+    """Rows of each kind of stages, of rigs with so many runs."""
+    rows = {kind: [] for kind in KINDS}
+    for number, (ensemble, truth) in enumerate(rigs):
+        chance = np.random.default_rng((_SEED, number))
+        for kind, (step, scatter) in KINDS.items() if truth else ():
+            rows[kind].append(judge(ensemble, truth, step, scatter, count, chance, weigh))
+        print(number, *(row[-1:] for row in rows.values()), file=sys.stderr, flush=True)
+    return rows
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="python -m tests.promises.stages", description=__doc__)
+    parser.add_argument("--direct", action="store_true", help="by simulations of a scene")
+    parser.add_argument("--scene", type=Path, default=WORKFLOWS / "uncertain.toml")
+    parser.add_argument("--store", type=Path, help="of the scene's samples; computed if not given")
+    parser.add_argument("--case", choices=CASES, default="known")
+    parser.add_argument("--preset", default="draft")
+    parser.add_argument("--truths", type=int, default=200)
+    parser.add_argument("--runs", type=int, default=8, help="of each truth")
+    options = parser.parse_args()
+    if options.direct:
+        rows = judged_rows(direct_rigs(options), options.runs, weighed)
+    else:
+        with closed_form():
+            rows = judged_rows(closed_rigs(options.truths), options.runs, weigh_closed)
+    results = {kind: summarise(of_kind) for kind, of_kind in rows.items()}
+    right = all(map(is_right, results.values()))
+    return conclude("stages", json.dumps(results, indent=1), right)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,64 @@
+"""The film of an oil between smooth bodies before any wear, which enters no simulation."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tribo.material import Oil, contact_modulus
+from tribo.simulation.motion import Motion
+from tribo.simulation.pins import OilEntry, Pin
+from tribo.simulation.scene import Scene
+from tribo.types import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Lubrication:
+    """Quantities that the film parameter Λ depends on, of smooth bodies before any wear.
+
+    Examples
+    --------
+    >>> from tribo import Oil
+    >>> oil = Oil((313.15, 373.15), (32e-6, 5.4e-6), 866.0, (20e-9, 15e-9))
+    >>> film = Lubrication.make(scene, oil, rms_height=0.3e-6)
+    >>> f"{film.film_parameter(10.0, 0.065, 298.15):.3f}"
+    '0.067'
+    """
+
+    oil: Oil  # with a pressure-viscosity coefficient
+    pin: Pin
+    contact_modulus: float  # [Pa]
+    rms_height: float  # of the disk [m]
+    motion: Motion | None = None  # None if the pin is at rest
+
+    @classmethod
+    def make(cls, scene: Scene, oil: Oil, rms_height: float) -> Self:
+        """The lubrication of a scene by an oil, with a root mean square height of its disk [m]."""
+        modulus = contact_modulus(scene.pin.material, scene.disk)
+        return cls(oil, scene.pin, modulus, rms_height, scene.motion)
+
+    def film_thickness(self, load: float, velocity: float, temperature: float) -> float:
+        """Minimum film thickness at a load [N], a sliding velocity [m/s] and a temperature [K] [m].
+
+        Where the pin is at rest, the oil enters at half the sliding velocity.
+        """
+        both = self.motion.velocities(velocity) if self.motion else (0.0, velocity)
+        viscosity = self.oil.viscosity(temperature)
+        coefficient = self.oil.pressure_coefficient(temperature)
+        oil = OilEntry(abs(sum(both)) / 2, viscosity, coefficient)
+        return self.pin.film_thickness(oil, load, self.contact_modulus)
+
+    def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
+        """Film parameter Λ of loads [N] and velocities [m/s], broadcast; NaN without a load."""
+        loads, velocities = np.broadcast_arrays(load, velocity)
+        parameters = np.full(loads.shape, np.nan)
+        for index in np.ndindex(loads.shape):
+            load, velocity = float(loads[index]), float(velocities[index])
+            if load > 0 and math.isfinite(velocity):
+                film = self.film_thickness(load, velocity, temperature)
+                parameters[index] = film / self.rms_height
+        return parameters
