@@ -178,7 +178,7 @@ def measurements_to_make(
         load_of_target(weighed, options.target)
     if options.next > 1:
         ranked = tests = pipeline.plan_tests(weighed, options.next, **about)
-        head = f"{options.next} tests to make next, each beside those before it"
+        head = f"{options.next} runs to make next, each beside those before it"
     else:
         ranked = pipeline.candidates(weighed, **about)
         tests = tuple(one for one in ranked if one.test)[:1]
@@ -187,7 +187,8 @@ def measurements_to_make(
     before = _spread(ranked[0].before, unknown)
     sentence = f"{head}; {_target(options)} is known to {before} today"
     frame = _measurements(ranked, unknown)
-    return _plan(options, ranked, tests), [sentence, frame], frame
+    lines = [sentence, frame, *filter(None, [ranked[-1].comparison])]
+    return _plan(options, ranked, tests), lines, frame
 
 
 def _measurements(ranked: Sequence[Candidate], unknown: Unknown | None) -> pd.DataFrame:
@@ -198,7 +199,10 @@ def _measurements(ranked: Sequence[Candidate], unknown: Unknown | None) -> pd.Da
         unit = "" if unknown.unit == "1" else f" [{unknown.spread.name}]"
         left, rows = f"left, ±{unit}", [float(unknown.spread.of(one.spread)) for one in ranked]
     narrows = [100 * one.narrows for one in ranked]
-    columns = {"measurement": [one.what for one in ranked], left: rows, "narrows by [%]": narrows}
+    columns = {
+        "measurement": [one.what for one in ranked], "runs": [one.runs for one in ranked],
+        left: rows, "narrows by [%]": narrows,
+    }  # fmt: skip
     return pd.DataFrame(columns)
 
 
@@ -217,7 +221,7 @@ def _plan(
     options: argparse.Namespace, ranked: Sequence[Candidate], tests: Sequence[Candidate]
 ) -> dict[str, Any]:
     """Measurements and planned tests, as plain data."""
-    names = ("what", "test", "spread", "narrows")
+    names = ("what", "test", "runs", "spread", "narrows", "in_turn")
     return {
         "target": options.target,
         "next": [{name: getattr(test, name) for name in names} for test in ranked],

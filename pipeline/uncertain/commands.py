@@ -15,7 +15,7 @@ _INFER = (
     *o.KEPT,
     Option(
         "--next", metavar="COUNT", nargs="?", const=1, type=values.count,
-        help="for samples: rank the measurements to make next, or plan COUNT tests at once",
+        help="for samples: rank the measurements to make next, or plan COUNT runs at once",
     ),
     Option(
         "--for", metavar="ENTRY", dest="target",

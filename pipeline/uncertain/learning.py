@@ -135,6 +135,7 @@ class Observable(NamedTuple):
     high: float = math.inf
     test: dict[str, float] | None = None  # its place
     besides: Observable | None = None  # a further number that it measures
+    runs: int = 1  # that it costs
 
 
 @dataclass(frozen=True, slots=True, eq=False)

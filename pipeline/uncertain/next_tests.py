@@ -1,8 +1,9 @@
-"""The next test: candidates, ranked by the spread of a target that each is expected to leave.
+"""The next run: candidates, ranked by what each run of them tells of a target.
 
-A test at each of the truths that are drawn from the posterior updates a filter
-(`pipeline.uncertain.learning`); the spread that is left is averaged over them. No truth is among
-the draws that it is compared with, so the promise also holds for many tests.
+A single test costs one run, a search for a transition as many as bisection takes. A test at each of
+the truths that are drawn from the posterior updates a filter (`pipeline.uncertain.learning`); the
+spread that is left is averaged over them. No truth is among the draws that it is compared with, so
+the promise also holds for many tests.
 """
 
 from __future__ import annotations
@@ -35,6 +36,8 @@ _KNOWN = 0.1  # of an input's spread: what a good measurement of it leaves
 _TRUTHS = 256
 _SCORES_APART = 2 * OF_90  # normal scores between 5 and 95 %
 _VELOCITIES = 9  # of tests at a load and bulk temperature, where the transition is as likely
+_BETTER = 0.2  # of a spread, by which a plan is to be better than runs in turn
+_LEAST = 1e-12  # share of a spread
 _WARMER = (1 / 3, 2 / 3)  # of the way from the bulk to the critical temperature
 
 
@@ -50,11 +53,31 @@ class Candidate:
     before: float  #: Standard deviation today.
     #: Load [N], velocity [m/s] and bulk temperature [K] of a test; None for other measurements.
     test: dict[str, float] | None = None
+    runs: int = 1  #: Runs that it costs.
+    #: Of a plan: the spread after as many runs at each load and bulk temperature in turn.
+    in_turn: float | None = None
 
     @property
     def narrows(self) -> float:
         """Share of today's spread that the measurement takes away."""
         return round(1 - self.spread / self.before, 12)
+
+    @property
+    def told(self) -> float:
+        """What each of its runs tells: −ln(spread/before) over their number."""
+        return -math.log(max(self.spread, _LEAST) / self.before) / self.runs
+
+    @property
+    def comparison(self) -> str:
+        """Runs in turn beside those planned, in a sentence; empty beside no plan."""
+        if self.in_turn is None:
+            return ""
+        more = self.in_turn / self.spread - 1
+        if more < _BETTER / (1 - _BETTER):
+            return "as many runs at each load and bulk temperature in turn do about as well"
+        return (
+            f"as many runs at each load and bulk temperature in turn leave {100 * more:.0f} % more"
+        )
 
 
 def load_of_target(posterior: Posterior, target: str) -> float:
@@ -78,7 +101,7 @@ def candidates(
     target: str | None = None,
     bulk_temperatures: Sequence[float | str] = (),
 ) -> tuple[Candidate, ...]:
-    """Rank measurements by the spread of a target that each is expected to leave, the best first.
+    """Rank measurements by what each of their runs tells of a target, the best first.
 
     Parameters
     ----------
@@ -114,14 +137,14 @@ def plan_tests(
     target: str | None = None,
     bulk_temperatures: Sequence[float | str] = (),
 ) -> tuple[Candidate, ...]:
-    """Plan several tests at once, each the best beside those before it.
+    """Plan several runs at once, each a single test, the best beside those before it.
 
     Parameters
     ----------
     posterior : Posterior
         Result of `pipeline.posterior`.
     count : int
-        Number of tests, at least 1.
+        Number of runs, at least 1.
     target, bulk_temperatures : optional
         See `candidates`.
 
@@ -196,21 +219,46 @@ class _Plan:
         return self._known.expected(measurement, self._target)
 
     def best(self) -> Iterator[Candidate]:
-        """Tests without end, each the best beside those before it, of which each truth learns."""
+        """Runs without end, each the best beside those before it, of which each truth learns."""
+        runs, in_turn = [test for test in self.tests if test.runs == 1], self._in_turn()
         while True:
-            test = min(self.tests, key=self._left)
+            test = min(runs, key=self._left)
             self._known = self._known.after(test, self._chance)
-            yield Candidate(test.what, self.spread, self.before, test.test)
+            yield Candidate(test.what, self.spread, self.before, test.test, 1, next(in_turn))
+
+    def _in_turn(self) -> Iterator[float]:
+        """Spread after each run at the loads and bulk temperatures in turn, where it may be both.
+
+        At each the velocity is the one at which the transition is as likely above as below.
+        """
+        places = dict[tuple[float, float], list[Observable]]()
+        for test in self.tests:
+            if test.runs == 1 and test.test:
+                place = test.test["normal_load"], test.test["bulk_temperature"]
+                places.setdefault(place, []).append(test)
+        known, chance = self._known, np.random.default_rng(self._ensemble.design.seed + 1)
+        for tests in itertools.cycle([*places.values()]):
+            known = known.after(tests[len(tests) // 2], chance)
+            yield known.spread(self._target)
 
     def ranked(self, measurements: Iterable[Observable]) -> list[Candidate]:
-        """Measurements, and values of lists that could be found out, the best first."""
-        ranked = [Candidate(m.what, self._left(m), self.before, m.test) for m in measurements]
+        """Measurements, and values of lists that could be found out, the best first.
+
+        Of single tests at a load and a bulk temperature it is the one at the best velocity.
+        """
+        ranked = [
+            Candidate(m.what, self._left(m), self.before, m.test, m.runs) for m in measurements
+        ]
         for number, quantity in enumerate(self._posterior.unknown):
             if quantity.kind == "list":
                 known = self._known.knowing(self._features.numbers(number))
                 left = known.spread(self._target)
                 ranked.append(Candidate(f"{quantity.path} itself", left, self.before))
-        return sorted(ranked, key=lambda candidate: candidate.spread)
+        best = dict[Any, Candidate]()
+        for one in sorted(ranked, key=lambda candidate: -candidate.told):
+            at = one.test and (one.test["normal_load"], one.test["bulk_temperature"])
+            best.setdefault((at, one.runs) if at else one.what, one)
+        return [*best.values()]
 
     def _others(self) -> Iterator[Observable]:
         """What could be measured beside tests: worn widths, and inputs."""
@@ -258,10 +306,14 @@ class _Plan:
             where = f"{load:g} N, bulk {bulk - 273.15:.3g} °C"
             likely = math.exp(float(np.median(log_velocity)))
             if low <= likely <= high:
-                what = f"the transition at {where}, about {likely:.3g} m/s"
                 ends = math.log(low), math.log(high)
+                halved = (ends[1] - ends[0]) / float(np.median(deviation))
+                runs = 1 + math.ceil(math.log2(max(halved, 2.0)))
+                what = f"the transition at {where}, about {likely:.3g} m/s, in {runs} runs"
                 at_likely = test | {"velocity": likely}
-                yield Observable(what, log_velocity, slopes, deviation, *ends, at_likely, friction)
+                yield Observable(
+                    what, log_velocity, slopes, deviation, *ends, at_likely, friction, runs
+                )
             shares = (np.arange(_VELOCITIES) + 0.5) / _VELOCITIES
             velocities = np.exp(np.quantile(log_velocity, shares)).clip(low, high)
             for velocity in np.unique(velocities).tolist():

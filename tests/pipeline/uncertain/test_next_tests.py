@@ -10,7 +10,7 @@ import pipeline
 from pipeline.cli.parser import parse
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_boundary
-from pipeline.uncertain.next_tests import candidates, ranking_command
+from pipeline.uncertain.next_tests import Candidate, candidates, ranking_command
 from tests.helpers.samples import CRITICAL, FRICTION, LOADS, RATE, critical_velocity, ensemble
 
 
@@ -39,10 +39,38 @@ def test_what_is_known_of_a_boundary_today_is_the_spread_of_its_draws():
     assert best.narrows == pytest.approx(1 - best.spread / best.before)
 
 
-def test_tests_are_ranked_for_all_stores_as_they_were_weighed():
-    stores = ["my rig.zarr"]
+def test_tests_are_ranked_as_they_were_weighed():
     at = {"pin.radius": "2 mm"}
-    options = parse(shlex.split(ranking_command(stores, 0.08, at, "temperature.critical"))[1:])
-    assert list(map(str, options.scene)) == stores
+    options = parse(
+        shlex.split(ranking_command(["my rig.zarr"], 0.08, at, "temperature.critical"))[1:]
+    )
+    assert str(options.scene) == "my rig.zarr"
     assert options.at == [*at.items()]
     assert (options.next, options.target, options.scatter) == (1, "temperature.critical", 0.08)
+
+
+def test_a_search_costs_the_runs_of_a_bisection_and_a_plan_is_made_of_single_runs():
+    posterior = pipeline.posterior(ensemble((CRITICAL, FRICTION, RATE)))
+    ranked = candidates(posterior)
+    searches = [one for one in ranked if one.what.startswith("the transition")]
+    singles = [one for one in ranked if one.what.startswith("a test")]
+    # ln(12) is halved until it is as narrow as the scatter of 4 to 8 %.
+    assert {one.runs for one in searches} <= {6, 7}
+    assert {one.runs for one in singles} == {1}
+    told = [-math.log(one.spread / one.before) / one.runs for one in ranked]
+    assert told == sorted(told, reverse=True)
+    assert min(one.spread for one in searches) < min(one.spread for one in singles)
+    plan = pipeline.plan_tests(posterior, 4)
+    assert [one.runs for one in plan] == [1, 1, 1, 1]
+    assert [one.spread for one in plan] == sorted((one.spread for one in plan), reverse=True)
+    before = plan[0].before
+    assert before > plan[0].in_turn > plan[-1].in_turn
+
+
+@pytest.mark.parametrize(
+    ("in_turn", "said"), [(0.0124, "do about as well"), (0.013, "leave 30 % more"), (None, "")]
+)
+def test_a_plan_says_where_runs_in_turn_do_as_well(in_turn, said):
+    one = Candidate("a test", 0.01, 0.05, in_turn=in_turn)
+    assert said in one.comparison
+    assert bool(one.comparison) == bool(said)
