@@ -12,8 +12,8 @@ ROLLING = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}
 BALL = {"without": ["pin.length"], "pin.shape": "ball"}
 CROWNED = {"without": ["pin.length"], "pin.shape": "crowned", "pin.crown_radius": "50 mm"}
 NAMES = {
-    "friction by velocity", "friction by temperature", "earlier turns", "bulk that follows", "stem and holder of the pin",
-    "oxide or tribofilm", "conductivity and specific heat when warm",
+    "friction by velocity", "friction by temperature", "earlier turns", "bulk that follows",
+    "stem and holder of the pin", "oxide or tribofilm", "conductivity and specific heat when warm",
     "plastic memory of the track", "kinetics of desorption",
 }  # fmt: skip
 SCENES = {
