@@ -28,7 +28,7 @@ from tribo.thermal import Criterion, add_bulk_ratio
 from tribo.wear import Wear, WearPattern
 
 _WEAR_RATES = 1e-20, 1e-8  # where one is looked for [m²/N]; boundary lubrication has about 1e-15
-_PRECISION = 0.01  # of the wear rate
+_PRECISION = 0.01  # relative precision of the wear rate
 
 
 class Transition(NamedTuple):

@@ -30,7 +30,7 @@ _SEVERE = (
 _NEGATION = re.compile(
     r"^\s*(not|no|non|nicht|keine?r?|sans|pas( de)?|senza|sin|ohne|without)[\s_-]+"
 )
-_NEAR = re.compile(r" \(did you mean [^)]*\)")  # of a word, which may mean the contrary
+_NEAR = re.compile(r" \(did you mean [^)]*\)")  # the word may mean the contrary
 _MEASURED_WEAR = re.compile(r"brugger|\b(area|scar)\b|fläche|kalotte|narbe", re.IGNORECASE)
 _TRANSITIONS = re.compile(
     r"transition|critical|kritisch|übergang|scuff|fress|seiz|fail|limit|grenz", re.IGNORECASE
@@ -158,10 +158,10 @@ def _hinted(fault: CellFault) -> CellFault:
 
 _OF_TRACE = ("time", "friction", "load", "velocity", "friction_force")
 _LEAST_ROWS = 20
-_STANDARD_DEVIATIONS = 4.0  # of friction before, below which a rise is scatter
-_STEP_APART = 0.02  # of the highest load, from which on two loads are of two steps
+_STANDARD_DEVIATIONS = 4.0  # standard deviations of friction before, below which a rise is scatter
+_STEP_APART = 0.02  # share of the highest load by which the loads of two steps differ
 _LEAST_OF_STEP = 5  # rows
-_LEAST_RISE = 0.2  # of friction before; less is running-in or a warmer film
+_LEAST_RISE = 0.2  # share of friction before; less is running-in or a warmer film
 
 
 @dataclass(frozen=True)

@@ -40,8 +40,8 @@ _LAY = 0.5  # Str of ISO 25178, below which a surface has a lay
 _FLATTEST, _ROUGHEST = 1e-10, 1e-4  # Rq [m], beyond which the unit of heights is doubted
 _FINEST, _COARSEST = 1e-9, 1e-3  # sides of a pixel [m], beyond which their unit is doubted
 _HIGHEST = 1.0  # height [m], above which the unit is wrong
-_ROUNDING = 1e-9  # of the heights' size, below which what is left above their plane is rounding
-_DEGREES = 10.0  # of a lay from an axis, beyond which the fit along the axes is another surface
+_ROUNDING = 1e-9  # share of the heights below which what is left above their plane is rounding
+_DEGREES = 10.0  # angle of a lay to an axis beyond which the fit along the axes is another surface
 
 
 @dataclass(frozen=True, slots=True)

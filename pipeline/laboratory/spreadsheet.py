@@ -134,7 +134,7 @@ def _read_excel(path: Path, wanted: str | None) -> tuple[list[Row], list[str], s
         ) from error
     except (OSError, InputError):
         raise
-    except Exception as error:  # of the archive, its XML, or openpyxl
+    except Exception as error:  # from the archive, its XML, or openpyxl
         raise InputError(f"{path} is no sound .xlsx file: {error}; save it again") from error
     lines = [[cell.removesuffix(" 00:00:00").strip() for cell in line] for line in sheet.to_numpy()]
     rows = [Row(number, line or [""]) for number, line in enumerate(lines, 1)]

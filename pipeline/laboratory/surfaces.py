@@ -22,7 +22,7 @@ from tribo.errors import reason_of, require_file
 from tribo.types import Array
 
 _MOST_BYTES = 2**30  # that an archive may unpack to
-_SAME = 0.01  # of a length, within which two say the same
+_SAME = 0.01  # share of a length within which two say the same
 _STEEPEST = 20.0  # tilt [°] that leaves no pixel of an instrument its height
 _IMAGES = (".tif", ".tiff", ".png", ".jpg", ".jpeg", ".bmp", ".gif")
 
@@ -128,7 +128,7 @@ def _read_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
         ) from error
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of its own house-keeping
+            warnings.simplefilter("ignore")  # it warns of its own house-keeping
             topography = formats.open_topography(str(path)).topography()
             return _converted(path, topography, height_unit)
     except InputError:

@@ -37,7 +37,7 @@ _HEAD = re.compile(r"\b([xyz])\b\s*[\[(/]\s*([^\])/\s;,\t]+)", re.IGNORECASE)
 _AFTER_COMMA = re.compile(r",0\d")  # decimals, for no whole number begins with 0
 _LEAST_PLACES = 9  # rows of three numbers from which on they are x, y and z
 _MOST_BYTES = 2**30
-_TOLERANCE = 1e-3  # of a step, within which places are on a grid
+_TOLERANCE = 1e-3  # share of a step within which places are on a grid
 
 
 Size = tuple[float, float] | None

@@ -27,7 +27,7 @@ class Measurement:
     hold: float | None = None  # at the full load [s]
     outcome: str | None = None  # "mild" or "severe"; None at a transition
     number: str | None = None  # by which answers call it
-    run: str | None = None  # of several tests, which are of one specimen then
+    run: str | None = None  # shared by the tests of one specimen
     oil: str | None = None  # the scene's if None
 
     @classmethod

@@ -17,7 +17,7 @@ from pipeline.uncertain.fields import single_field
 from pipeline.uncertain.next_tests import ranking_command
 from pipeline.uncertain.sensitivity import Sensitivity
 
-_GOOD = 0.3  # of the spread of a velocity, which its error may be
+_GOOD = 0.3  # share of the spread of a velocity that its error may be
 
 
 def sensitivity(options: argparse.Namespace) -> Result:

@@ -27,10 +27,10 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
 
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
 _WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
-_APART = 0.01  # of the excess, over which the slope of a probability is taken
-_NO_SCATTER = 1e-9  # of ln(velocity)
+_APART = 0.01  # step of the excess over which the slope of a probability is taken
+_NO_SCATTER = 1e-9  # in ln(velocity)
 _SHARES = (np.arange(400) + 0.5) / 400
-_DISTANCES = np.linspace(-3.0, 3.0, 6001)  # of ln(velocity)
+_DISTANCES = np.linspace(-3.0, 3.0, 6001)  # in ln(velocity)
 _WIDER, _AT_ONCE = 0.8, 2**12
 
 

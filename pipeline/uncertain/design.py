@@ -41,14 +41,14 @@ _UNITS = {
     LOAD: ("N", None), VELOCITY: ("m/s", None), FRICTION: ("1", None),
     CRITICAL: ("K", Unit("°C", 1.0, 273.15)), BULK: ("K", Unit("°C", 1.0, 273.15)),
 }  # fmt: skip
-_VALUES = 17  # of the entry, among which a limit is sought
-_DRAWS = 2**13  # of the inputs
+_VALUES = 17  # values of the entry among which a limit is sought
+_DRAWS = 2**13  # draws of the inputs
 _LEAST = 1e-9  # probability
-_BEYOND = 0.7  # of ln(rise) beyond all draws, which the range of a condition reaches
-_APART = 0.05  # of ln(velocity), over which the slope of ln(rise) is taken
-_ANYWHERE = 0.1  # of the simulated draws: those that lie wherever the emulator is sure, too
+_BEYOND = 0.7  # ln(rise) beyond all draws that the range of a condition reaches
+_APART = 0.05  # step of ln(velocity) over which the slope of ln(rise) is taken
+_ANYWHERE = 0.1  # share of the simulated draws that lie anywhere, also where the emulator is sure
 _TO_EITHER_SIDE = 2.0  # errors of the emulator, over which a probability changes
-_LEAST_EITHER = 0.04  # of ln(rise), where the emulator takes itself to be surer
+_LEAST_EITHER = 0.04  # least error of ln(rise), where the emulator takes itself to be surer
 _MOST_KEPT = 64  # places, whose rises take 0.5 MB each
 _Rise = tuple[Excess, Array]  # or an excess; with its slope over ln(velocity)
 

@@ -40,16 +40,16 @@ _MOST_TO_FIT = 256  # rows by which the constants are found, in n³ operations a
 _MOST_TO_LEAVE = 128
 _FOLDS = 16
 _BEGIN = np.log([0.1, 0.03, 0.05, 0.003, 0.002])  # a, b, c, s, n, of ln(rise)
-_LENGTH = np.log(4.0)  # of features whose spread is 1
+_LENGTH = np.log(4.0)  # length of features whose spread is 1
 _LEAST = np.log(1e-5)
-_LEAST_OF_END = 1e-3  # of a relative input over its upper end, where draws cross what is possible
+_LEAST_OF_END = 1e-3  # a relative input over its upper end, where draws cross what is possible
 
 Groups = NDArray[np.intp]
 
 
 END = 0.15
 """Share of the logarithm of the velocities at either end, in which the band widens."""
-_SHARE = 0.9  # of places that a band is to hold
+_SHARE = 0.9  # share of places that a band is to hold
 _LEAST_SCORE = 1e-3  # where outputs are known exactly, or no row is left
 
 
@@ -193,7 +193,7 @@ def _constants(features: Array, dimensions: Groups, contacts: Groups, outputs: A
     """Constants of the greatest posterior density under a weak prior, by its gradient."""
     count = int(dimensions.max(initial=-1)) + 1
     middle = np.concatenate([_BEGIN, np.full(count, _LENGTH)])
-    spread = np.concatenate([np.full(5, 3.0), np.full(count, 1.0)])  # of a weak prior
+    spread = np.concatenate([np.full(5, 3.0), np.full(count, 1.0)])  # spread of a weak prior
     differences = [
         sum(np.subtract.outer(column, column) ** 2 for column in features.T[dimensions == i])
         for i in range(count)
@@ -297,7 +297,7 @@ def _missed(inverse: Array, weights: Array, rows: Mask) -> Array:
     return missed
 
 
-_BEND = 0.02  # of ln(rise), unknown between two loads alone: ten times that of the shipped scenes
+_BEND = 0.02  # bend of ln(rise) between two loads: ten times a shipped scene's
 
 
 def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]:

@@ -43,7 +43,7 @@ from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
 from tribo import InputError, Material, Scene, Wear
 from tribo.simulation import inseparable
 
-_FACTOR = 1.25  # of a wear rate that is known, in which samples of a contact differ all the same
+_FACTOR = 1.25  # factor of a known wear rate by which samples of a contact differ all the same
 _FIXED = (
     "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
 )  # fmt: skip

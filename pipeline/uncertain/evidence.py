@@ -47,7 +47,7 @@ class Distances(NamedTuple):
     """Distances of draws from tests, shape (n_test, n)."""
 
     values: Array  # logarithm of a test's velocity over the critical one
-    variance: Array  # of these without the scatter of the velocity
+    variance: Array  # theirs without the scatter of the velocity
     told: Array | float = 0.0  # log likelihood of a measured friction, where it tells of the rig's
 
 
@@ -244,7 +244,7 @@ FACTOR = 3.0
 """Factor within which two thirds of scatters are of the one that is said: rigs differ as much."""
 FACTORS = FACTOR ** np.linspace(-2.0, 2.2, 11)
 """Factors on the scatter that is said."""
-_LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(FACTOR)) ** 2  # of the factors
+_LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(FACTOR)) ** 2  # one for each factor
 _FAR = 2.0  # largest standard deviations of a test from the best draw, root mean square
 
 
@@ -261,7 +261,7 @@ class Joint:
     """Inputs of a sweep, of its rig and of the oils that ran on it, and its tests."""
 
     ensemble: Ensemble
-    unknown: tuple[Unknown, ...]  # of the sweep, then of other oils, of the rig, of a discrepancy
+    unknown: tuple[Unknown, ...]  # the sweep's; then of oils, rig, discrepancy
     rig: Columns
     oils: Mapping[str, int]  # inputs that are the critical temperatures of other oils
     has_discrepancy: bool

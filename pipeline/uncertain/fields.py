@@ -40,7 +40,7 @@ class InferredScatter:
 
     scatters: Array  # standard deviations of ln(velocity), (n_scatter,)
     by_draw: Array  # probability of each by draw, (n, n_scatter)
-    weights: Array  # of the draws
+    weights: Array  # one for each draw
     worded: str
 
     def below(self, distances: Array) -> Array:

@@ -24,7 +24,7 @@ _COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)
 _BINS = 40
 
 
-_LOADS, _VELOCITIES = 45, 121  # of the plane that is drawn
+_LOADS, _VELOCITIES = 45, 121  # nodes of the plane that is drawn
 
 
 @style.house_style

@@ -21,8 +21,8 @@ from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.inputs import Draws
 from tribo.types import Array
 
-_STEP = 0.25  # of the spread of an input, over which slopes are taken
-_LEAST = 1e-300  # of a spread
+_STEP = 0.25  # share of the spread of an input over which slopes are taken
+_LEAST = 1e-300  # least spread
 _OUTERMOST = 12.0  # normal score, beyond which no result lies
 _LOG_ROOT = 0.5 * math.log(2 * math.pi)
 

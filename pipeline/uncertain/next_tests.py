@@ -32,13 +32,13 @@ from tribo.types import Array
 
 WIDTH_SCATTER = 0.03
 """Relative standard deviation of a measured width."""
-_KNOWN = 0.1  # of an input's spread: what a good measurement of it leaves
+_KNOWN = 0.1  # share of an input's spread that a good measurement of it leaves
 _TRUTHS = 256
 _SCORES_APART = 2 * OF_90  # normal scores between 5 and 95 %
-_VELOCITIES = 9  # of tests at a load and bulk temperature, where the transition is as likely
-_BETTER = 0.2  # of a spread, by which a plan is to be better than runs in turn
+_VELOCITIES = 9  # velocities of tests at a load and bulk temperature, even in probability
+_BETTER = 0.2  # share of a spread by which a plan is to be better than runs in turn
 _LEAST = 1e-12  # share of a spread
-_WARMER = (1 / 3, 2 / 3)  # of the way from the bulk to the critical temperature
+_WARMER = (1 / 3, 2 / 3)  # shares of the way from the bulk to the critical temperature
 
 
 @dataclass(frozen=True, slots=True)

@@ -242,7 +242,7 @@ def _share_values(values: tuple[float, float, float]) -> dict[str, float]:
 
 _OUTER, _MUCH = 0.03, 0.15  # share of an input's range at either end; of its posterior there
 _RANGE = 3.0  # standard deviations about the mean that are the range of a normal input
-_CUT_OFF = 0.05  # of the probability at an end of the scatters, beyond which it is cut off there
+_CUT_OFF = 0.05  # probability at an end of the scatters beyond which it is cut off there
 _EXPLAINED = 1.25  # median scatter over the one said, without a test that explains it
 
 
@@ -296,7 +296,7 @@ class Contrast(NamedTuple):
 
     oils: tuple[str, str]
     what: str
-    unit: str  # of velocities 1: it is that of their logarithms
+    unit: str  # 1 for velocities, whose logarithms are meant
     mean: float
     sd: float
     interval: tuple[float, float, float]  # that 5, 50 and 95 % stay below

@@ -34,7 +34,7 @@ OTHER = "friction.rig"
 """Path of a rig's own friction, where it is not that of the scene."""
 Columns = list[int] | None
 """Those of a rig's friction and of its scatter among all inputs; None where it has none."""
-_ROUNDED = 0.005  # of a measured friction: its error at least, as logs have two or three digits
+_ROUNDED = 0.005  # least relative error of a measured friction, as logs have two or three digits
 
 
 def learnt(rig: Array, test: Mapping[str, Any], log_factor: Array) -> tuple[Array, Array, Array]:
@@ -92,7 +92,7 @@ SLOPES = (
     Unknown("discrepancy.bulk", "normal", (0.0, 0.2)),
 )
 """Slopes of ln(rise) over ln(velocity), and over the bulk temperature in 100 K."""
-_KELVINS = 100.0  # of bulk temperature, over which the second slope is given
+_KELVINS = 100.0  # change of the bulk temperature over which the second slope is given
 
 
 def log_discrepancy(slopes: Array, log_velocities: Array, warmer: float) -> Array:

@@ -21,7 +21,7 @@ from pipeline.uncertain.inputs import Draws
 from tribo.types import Array
 
 _POINTS = 2**10
-_SCRAMBLES = 4  # of the points, whose scatter tells their error
+_SCRAMBLES = 4  # scrambles of the points, whose scatter tells their error
 _BINS = 24
 
 

@@ -22,12 +22,12 @@ _ROUGH_RISE = 3.0  # root mean squares by which peaks reach beyond the smooth co
 class Expected(NamedTuple):
     """What is expected at the end of points, by load or by load and velocity."""
 
-    peak_pressures: Array  # of Hertz, by load [Pa]
+    peak_pressures: Array  # those of Hertz, by load [Pa]
     half_widths: Array  # likewise [m]
     durations: Array  # by load [s]
     distances: Array  # slid until the end [m]
-    widths: Array  # of the worn and rough contact along sliding [m]
-    depths: Array  # of the wear of the pin [m]
+    widths: Array  # the worn and rough contact's along sliding [m]
+    depths: Array  # depth of the pin's wear [m]
 
 
 def expect_contacts(

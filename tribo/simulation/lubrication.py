@@ -32,7 +32,7 @@ class Lubrication:
     oil: Oil  # with a pressure-viscosity coefficient
     pin: Pin
     contact_modulus: float  # [Pa]
-    rms_height: float  # of the disk [m]
+    rms_height: float  # the disk's [m]
     motion: Motion | None = None  # None if the pin is at rest
 
     @classmethod
