@@ -344,9 +344,8 @@ FRICTION_TABLE = Table({
     "by_temperature": Optional(List(Table({
         "temperature": Entry(TEMPERATURE, "Temperature of the contact."),
         "coefficient": Entry(Number(above=0), "Coefficient of friction there."),
-    })), "Friction at temperatures of the contact, each part of it at its own; linear in between, "
-         "and constant beyond them. Its factor on the coefficient multiplies that of the velocity. "
-         "It takes effect after the simulation.", default=()),
+    })), "The same at temperatures of the contact, each part of it at its own; linear in between. "
+         "Both factors multiply.", default=()),
 })
 
 TEMPERATURES = Table({

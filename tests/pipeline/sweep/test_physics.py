@@ -12,7 +12,8 @@ ROLLING = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}
 BALL = {"without": ["pin.length"], "pin.shape": "ball"}
 CROWNED = {"without": ["pin.length"], "pin.shape": "crowned", "pin.crown_radius": "50 mm"}
 NAMES = {
-    "friction by velocity", "earlier turns", "bulk that follows", "stem and holder of the pin",
+    "friction by velocity", "friction by temperature", "earlier turns", "bulk that follows",
+    "stem and holder of the pin",
     "oxide or tribofilm", "conductivity and specific heat when warm",
     "plastic memory of the track", "kinetics of desorption",
 }  # fmt: skip
@@ -27,6 +28,7 @@ SCENES = {
             "film": {"thickness": "20 nm", "thermal_conductivity": "2 W/(m K)"},
         },
         "friction.by_velocity": [{"velocity": "1 m/s", "coefficient": 0.1}],
+        "friction.by_temperature": [{"temperature": "25 degC", "coefficient": 0.1}],
     },
     "ball": BALL,
     "crowned pin that rolls": CROWNED | ROLLING,
@@ -73,7 +75,7 @@ def test_every_kind_of_scene_has_all_effects(scene, kind):
     by_name = sound(physics_of(scene(SCENES[kind])))
     if kind == "all counted":
         counted = {name for name, effect in by_name.items() if effect.state == "counted"}
-        assert len(counted) == 5
+        assert len(counted) == 6
 
 
 @pytest.mark.parametrize(
