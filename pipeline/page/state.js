@@ -37,7 +37,8 @@ function kept(key, make) {
 
 /** Temperature of a rise at friction 1 [K]: the lowest whose friction gives it. @param {number} rise */
 function temperature(rise) {
-  const [{ coldest, factor, limitOf }, [, factors]] = [heatOf(chosen.conditions), content.friction_by_temperature];
+  const [, factors] = content.friction_by_temperature;
+  const { coldest, factor, limitOf } = heatOf(chosen.conditions);
   let [low, high] = [coldest, coldest + factor * Math.max(...factors) * rise];
   for (let n = 0; n < 40 && factors.length > 1; n += 1) {
     const middle = (low + high) / 2;

@@ -35,7 +35,8 @@ _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
 # Positions of the disk over which a temperature is a mean: up to so many, and with so many pixels
 # of Hertzian contact in all of them. The rise of five balls and crowned pins on 56 to 563 elements
 # differed between 50, 100, 200 and 400 steps by 0.8 to 7.4 % at one position, by 0.03 to 0.9 % so,
-# and others that wear heavily by up to 2.6 % from 50 to 100.
+# and others that wear heavily by up to 2.6 % from 50 to 100. Of the positions themselves: a ball of
+# 2 mm at 10 N that wears off 2.4 µm moves by 0.5 % from 9 to 19 and 0.8 % from 19 to 38.
 _MOST_POSITIONS, _PIXELS = 100, 1e5
 # Below so many, the disk's own position suffices: from one to another the shipped ball's rise
 # differs by 0.4 %.

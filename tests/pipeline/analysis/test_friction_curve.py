@@ -65,7 +65,7 @@ def test_a_test_is_compared_at_the_friction_that_it_measured():
     ds = with_fields(swept(FALLING), measured=measured)
     for test, row in zip(tests, compared(ds).to_dict("records"), strict=True):
         place = test["normal_load"], test["velocity"]
-        friction = test["friction"] or 0.1 * float(FALLING.friction_factor(np.array(place[1])))
+        friction = test["friction"] or 0.1 * float(FALLING.friction.at(place[1]))
         warm = 25.0 + friction * float(synthetic.rise(*place, 0.9))
         assert row["decisive temperature [°C]"] == pytest.approx(warm, rel=2e-3)
         own = point_field(ds).under(own_conditions(ds, Measurement(**test)))

@@ -101,14 +101,14 @@ def test_friction_that_bends_between_two_velocities_hides_no_boundary():
     )
 
     def rise(load, velocity):
-        return bent(load, velocity) * falling.friction_factor(np.asarray(velocity)).item()
+        return bent(load, velocity) * falling.friction.at(np.asarray(velocity)).item()
 
     search, rises = BoundarySearch.of(sweep, 0.01), {}
     assert search.limit == LIMIT
     while asked := search.wanted(rises):
         rises |= {point: rise(*point[:2]) for point in asked}
     fine = np.geomspace(0.5, 5.0, 2000)
-    factors = falling.friction_factor(fine)
+    factors = falling.friction.at(fine)
     for load in loads:
         rising = factors * [bent(load, velocity) for velocity in fine]
         true, *_ = Curve(fine, np.array(rising)).crossings(LIMIT)
