@@ -20,7 +20,7 @@ from tests.helpers.refusals import Refusals
 
 OIL = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
-CURVE = tribo.Corrections(friction=((1.0, 1.0), (2.0, 1.1)))
+CURVE = tribo.Corrections(friction=tribo.Friction(by_velocity=((1.0, 1.0), (2.0, 1.1))))
 LAWS = """
 import tribo
 
