@@ -2,15 +2,17 @@
 
 import itertools
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.margin import probabilities_alone
+from pipeline.analysis.margin import outcome_in_words, probabilities_alone
 from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.rise_error import RiseError, error_of_point
+from pipeline.analysis.transition import CROSSES, MILD
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers import synthetic
@@ -51,6 +53,11 @@ def test_a_point_alone_decides_nothing_where_its_error_is_unknown_and_else_withi
         hotter = probabilities_alone(1.05 * rise, LIMIT, ModelError(), RiseError(0.0, 0.0, 0.0))[1]
         known = probabilities_alone(rise, LIMIT, ModelError(), RiseError(0.0, 0.05, 0.0))
         assert known[0] < known[1] == likely < known[2] == pytest.approx(hotter)
+
+
+def test_the_members_that_cross_are_counted():
+    several = SimpleNamespace(outcome=np.array([CROSSES, CROSSES, MILD]))
+    assert outcome_in_words(several, "velocity") == "crosses on 2 of 3"
 
 
 def wavy(load, velocity, quantile=1.0):
