@@ -2,13 +2,17 @@
 
 import itertools
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.rise_error import error_of_point
+from pipeline.analysis.margin import outcome_in_words, probabilities_alone
+from pipeline.analysis.model_error import ModelError
+from pipeline.analysis.rise_error import RiseError, error_of_point
+from pipeline.analysis.transition import CROSSES, MILD
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers import synthetic
@@ -39,6 +43,21 @@ def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
     if result.load_outcome == "crosses":
         critical = synthetic.critical_load(velocity, LIMIT)
         assert result.load_factor == pytest.approx(critical / load, rel=1e-9)
+
+
+def test_a_point_alone_decides_nothing_where_its_error_is_unknown_and_else_within_it():
+    for rise in (300.0, 1100.0, 1200.0, 3000.0):
+        likely = probabilities_alone(rise, LIMIT, ModelError(), RiseError(0.0, 0.0, 0.0))[1]
+        unknown = probabilities_alone(rise, LIMIT, ModelError(), RiseError(0.0, None, 0.0))
+        assert unknown == (0.0, likely, 1.0)
+        hotter = probabilities_alone(1.05 * rise, LIMIT, ModelError(), RiseError(0.0, 0.0, 0.0))[1]
+        known = probabilities_alone(rise, LIMIT, ModelError(), RiseError(0.0, 0.05, 0.0))
+        assert known[0] < known[1] == likely < known[2] == pytest.approx(hotter)
+
+
+def test_the_members_that_cross_are_counted():
+    several = SimpleNamespace(outcome=np.array([CROSSES, CROSSES, MILD]))
+    assert outcome_in_words(several, "velocity") == "crosses on 2 of 3"
 
 
 def wavy(load, velocity, quantile=1.0):

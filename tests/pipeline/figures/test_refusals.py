@@ -76,7 +76,7 @@ REFUSALS = {
     "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the sweep holds no fields"),
     "show": (plot("ramp", show="colour"), "show is 'colour'; stored at each step are"),
     "no tests": (over_computed(), "the scene has no tests to draw"),
-    "far tests": (over_computed(Measurement(9000.0, 1.0)), "the sweep reaches no test of its"),
+    "far tests": (over_computed(Measurement(9000.0, 1.0)), "no test of the scene is in the sweep"),
 }  # fmt: skip
 
 

@@ -21,6 +21,7 @@ BALL_TABLE = {"without": "pin.length", "pin.shape": "ball"}
 STEEL = TEXT[TEXT.index("[materials.steel]") : TEXT.index("[pin]")]
 WEAR = TEXT[TEXT.index("[wear]") : TEXT.index("[friction]")]
 RAMP = 'rate = "150 N/s"\nreference_load = "750 N"'
+STAGES = '\n[[tested]]\nvelocity = "2 m/s"\nmild_up_to = "400 N"\nrun = 1\n'
 LONG = "title = 'a'\n" + ".".join("a" * 20) + " = 1\n"
 
 
@@ -322,6 +323,14 @@ TEXTS = {
     "extends none": (toml(b'extends = "no.toml"\n'), "extends: no.toml"),
     "nothing to leave": (text("title =", 'without = ["pin"]\ntitle ='), "nothing to leave out"),
     "lacks": (lambda: extending('without = ["pin.radius"]\n'), "missing; give a length above 0"),
+    "stages": (
+        lambda: scene(text=TEXT + STAGES + 'load = "3 N"\n'),
+        "both load and velocity are given beside stages",
+    ),
+    "stages fall": (
+        lambda: scene(text=TEXT + STAGES + 'severe_at = "3 N"\n'),
+        "is not above mild_up_to",
+    ),
     "new": (lambda: new_scene("mine.txt"), "give a name such as mine.toml"),
     "new like": (lambda: new_scene("mine.toml", "twin_disk"), 'did you mean "twin_disc"?'),
     "new again": (again, "mine.toml exists already"),
