@@ -406,15 +406,16 @@ SWEEP = Table({
         'ramp without a hold and has contacts of its own, else "end".'),
 })
 
-CORRELATED = {
+_ALWAYS = {
+    "varies": Optional(Flag(), default=False),
     "correlated": Optional(ByPath(Number(above=-1, below=1), "the paths of others"), default={}),
 }
 UNKNOWN = ByPath(Distribution(
     forms=(
-        Table({"mean": Entry(Scalar()), "sd": Entry(Scalar()), **CORRELATED}, "normal"),
-        Table({"median": Entry(Scalar()), "factor": Entry(Number(above=1)), **CORRELATED},
+        Table({"mean": Entry(Scalar()), "sd": Entry(Scalar()), **_ALWAYS}, "normal"),
+        Table({"median": Entry(Scalar()), "factor": Entry(Number(above=1)), **_ALWAYS},
             "log-normal"),
-        Table({"from": Entry(Scalar()), "to": Entry(Scalar()), **CORRELATED}, "uniform"),
+        Table({"from": Entry(Scalar()), "to": Entry(Scalar()), **_ALWAYS}, "uniform"),
     ),
     listed=List(Scalar(), distinct=True),  # each as likely
 ), "the paths of entries")
@@ -528,7 +529,9 @@ FORMAT = Table({
         "uniform between two values, or a list of values that are as likely. An entry that "
         "`--set` gives, or a scene that extends this one, is fixed at that value. `correlated` in "
         "a table gives others by their paths, each with its correlation: that of the normal "
-        "scores, which are the values of a normal input and the logarithms of a log-normal one.",
+        "scores, which are the values of a normal input and the logarithms of a log-normal one. "
+        "`varies = true` says that it differs from part to part, so that no test narrows it, as "
+        "none does the seed of a surface.",
         example={"temperature.critical": {"mean": "145 degC", "sd": "8 K"}}),
     "measured": Optional(List(Either(TRANSITION, LOG)),
         "Transitions that were measured, each a table `[[measured]]`: drawn in the diagram, and "

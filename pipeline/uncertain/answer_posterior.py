@@ -69,6 +69,8 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     yield f"{weighed.evidence}, {weighed.scatter_words}; {samples} samples"
     yield from (f"  {one}" for one in weighed.ensemble.fixed)
     yield weighed.draws_words
+    if weighed.judged:
+        yield f"  {weighed.run_words}"
     yield frame_of(("input", "before", "after", "90 % within"), weighed.in_words())
     for a, b, correlation in weighed.hidden():
         signed = f"{correlation:+.2f}".replace("-", "−")
