@@ -52,7 +52,7 @@ def posterior(options: argparse.Namespace, store: Path) -> Result:
     document["differences"] = [one._asdict() for one in compared]
     text += map(_word_contrast, compared)
     if options.next is None:
-        command = ranking_command([store], options.scatter, at)
+        command = ranking_command(store, options.scatter, at)
         text.append(f"next: the test that tells most: {command}")
     else:
         with working("ranking tests"):
