@@ -157,12 +157,12 @@ def _correlated(
             faults.note(key, f"this is not another input of [unknown]{hint}")
         elif not {path, other} <= set(order):
             continue  # one of them is faulty
-        elif unknown[order[other]].varies != unknown[order[path]].varies:
-            problem = "one of them varies from part to part, and the other does not"
-            faults.note(key, f"{problem}; give both the same varies, or leave this out")
         elif unknown[order[other]].kind == "list":
             problem = "each value of a list is as likely, whatever else is; give a distribution"
             faults.note(key, problem)
+        elif unknown[order[other]].varies != unknown[order[path]].varies:
+            problem = "one of them varies from part to part, and the other does not"
+            faults.note(key, f"{problem}; give both the same varies, or leave this out")
         else:
             earlier, later = sorted((order[path], order[other]))
             is_new = keys.setdefault((later, earlier), key) == key
