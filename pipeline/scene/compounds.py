@@ -193,16 +193,17 @@ class Tables(Kind):
 
 
 class Shape(NamedTuple):
-    """Distribution of an input as a file gives it: its form, parameters and correlations."""
+    """Distribution of an input as a file gives it; it may vary from part to part."""
 
     form: str
     parameters: tuple[Any, ...]
+    varies: bool
     correlated: Mapping[str, float]
 
 
 @dataclass(frozen=True)
 class Distribution(Kind):
-    """A table of one of several forms, whose last key is ``correlated``; or a list."""
+    """A table of one of several forms, whose last keys are those of all forms; or a list."""
 
     forms: tuple[Table, ...]
     listed: Kind
@@ -214,17 +215,17 @@ class Distribution(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> Shape | None:
         if isinstance(value, list):
             items = self.listed.read(value, place, faults)
-            return items and Shape("list", items, {})
+            return items and Shape("list", items, False, {})
         keys = set(value) if isinstance(value, dict) else set()
         fits = (table for table in self.forms if set(table.needed) <= keys <= set(table.keys))
         table = next(fits, None)
         if table is None:
             words = f"a table with {', '.join(value)}" if isinstance(value, dict) else quoted(value)
             raise UnfitError(f"{words} is not a distribution")
-        *parameters, correlated = table._read(value, place, faults).values()
-        if correlated is None or None in parameters:
+        *parameters, varies, correlated = table._read(value, place, faults).values()
+        if None in (varies, correlated, *parameters):
             return None
-        return Shape(table.form, tuple(parameters), correlated)
+        return Shape(table.form, tuple(parameters), varies, correlated)
 
 
 @dataclass(frozen=True)

@@ -413,15 +413,16 @@ SWEEP = Table({
         'contacts of its own, else "end".'),
 })
 
-CORRELATED = {
+_ALWAYS = {
+    "varies": Optional(Flag(), default=False),
     "correlated": Optional(ByPath(Number(above=-1, below=1), "paths of other inputs"), default={}),
 }
 UNKNOWN = ByPath(Distribution(
     forms=(
-        Table({"mean": Entry(Scalar()), "sd": Entry(Scalar()), **CORRELATED}, "normal"),
-        Table({"median": Entry(Scalar()), "factor": Entry(Number(above=1)), **CORRELATED},
+        Table({"mean": Entry(Scalar()), "sd": Entry(Scalar()), **_ALWAYS}, "normal"),
+        Table({"median": Entry(Scalar()), "factor": Entry(Number(above=1)), **_ALWAYS},
             "log-normal"),
-        Table({"from": Entry(Scalar()), "to": Entry(Scalar()), **CORRELATED}, "uniform"),
+        Table({"from": Entry(Scalar()), "to": Entry(Scalar()), **_ALWAYS}, "uniform"),
     ),
     listed=List(Scalar(), distinct=True),  # each as likely
 ), "paths of entries")
@@ -534,7 +535,8 @@ FORMAT = Table({
         "deviation), log-normal (median, and the factor within which two thirds lie) or uniform; a "
         "list has equally likely values. `--set`, or an entry of a scene that extends this one, "
         "fixes an input. `correlated` gives correlations with other inputs, between normal scores: "
-        "values of normal inputs, logarithms of log-normal ones.",
+        "values of normal inputs, logarithms of log-normal ones. `varies = true`: it differs "
+        "from part to part, so that no test narrows it; a seed always does.",
         example={"temperature.critical": {"mean": "145 degC", "sd": "8 K"}}),
     "measured": Optional(List(Either(TRANSITION, LOG)),
         "Measured transitions, a table for each: for the diagram, for `irg infer`, and for the "

@@ -63,6 +63,7 @@ class Unknown:
     unit: str = "1"
     written: Unit | None = field(default=None, compare=False)
     correlated: tuple[tuple[str, float], ...] = ()
+    varies: bool = False  # from part to part; else it is one value
 
     def __post_init__(self) -> None:
         terms = self.parameters
@@ -117,7 +118,7 @@ class Unknown:
             "parameters": list(self.parameters),
             "correlated": list(map(list, self.correlated)),
         }
-        rare = {"written": self.written, "correlated": self.correlated}
+        rare = {n: getattr(self, n) for n in ("written", "correlated", "varies")}
         return {k: v for k, v in (asdict(self) | lists).items() if rare.get(k, True)}
 
     def __str__(self) -> str:
@@ -132,7 +133,8 @@ class Unknown:
             "list": f"one of {', '.join(values)}{unit}",
         }[self.kind]
         pairs = (f", correlated by {number:g} with {path}" for path, number in self.correlated)
-        return f"{self.path}: {words}{''.join(pairs)}"
+        varies = ", from part to part" if self.varies and self.kind != "list" else ""
+        return f"{self.path}: {words}{''.join(pairs)}{varies}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -52,7 +52,7 @@ def posterior(options: argparse.Namespace, store: Path) -> Result:
     document["differences"] = [one._asdict() for one in compared]
     text += map(_word_contrast, compared)
     if options.next is None:
-        command = ranking_command([store], options.scatter, at)
+        command = ranking_command(store, options.scatter, at)
         text.append(f"next: the test that tells most: {command}")
     else:
         with working("ranking tests"):
@@ -69,6 +69,8 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     yield f"{weighed.evidence}, {weighed.scatter_words}; {samples} samples"
     yield from (f"  {one}" for one in weighed.ensemble.fixed)
     yield weighed.draws_words
+    if weighed.judged:
+        yield f"  {weighed.run_words}"
     yield frame_of(("input", "before", "after", "90 % within"), weighed.in_words())
     for a, b, correlation in weighed.hidden():
         signed = f"{correlation:+.2f}".replace("-", "−")

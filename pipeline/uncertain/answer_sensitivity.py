@@ -35,7 +35,7 @@ def sensitivity(options: argparse.Namespace) -> Result:
         *notes,
         *_describe_indices(indices, frame),
         f"next: {most.path} moves the boundary most; tests to make: "
-        f"{ranking_command([options.store], options.scatter, at, target)}",
+        f"{ranking_command(options.store, options.scatter, at, target)}",
     ]
     draw = partial(pipeline.draw_sensitivity, indices, samples.ensemble.title)
     return Result(document | indices.as_dict(), text, pipeline.warned(ds), [frame], draw)

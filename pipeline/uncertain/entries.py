@@ -135,7 +135,9 @@ def _inputs(
     table, inputs = tables["unknown"], []
     for path, shape in table.items():
         with faults.at(f"unknown.{quoted(path)}"):
-            inputs.append(_input(path, shape.form, shape.parameters))
+            one = _input(path, shape.form, shape.parameters)
+            varies = shape.varies or path.endswith(".seed")
+            inputs.append(replace(one, varies=varies))
     joint = _correlated(inputs, table, faults)
     known = tuple(Fixed(one, entry_at(tables, one.path)) for one in joint if one.path in fixed)
     return without(joint, fixed), known
@@ -158,6 +160,9 @@ def _correlated(
         elif unknown[order[other]].kind == "list":
             problem = "each value of a list is as likely, whatever else is; give a distribution"
             faults.note(key, problem)
+        elif unknown[order[other]].varies != unknown[order[path]].varies:
+            problem = "one of them varies from part to part, and the other does not"
+            faults.note(key, f"{problem}; give both the same varies, or leave this out")
         else:
             earlier, later = sorted((order[path], order[other]))
             is_new = keys.setdefault((later, earlier), key) == key

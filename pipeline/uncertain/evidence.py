@@ -23,6 +23,7 @@ from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.inputs import prior
 from pipeline.uncertain.rig import (
     SLOPES,
     Columns,
@@ -245,6 +246,7 @@ FACTOR = 3.0
 FACTORS = FACTOR ** np.linspace(-2.0, 2.2, 11)
 """Factors on the scatter that is said."""
 _LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(FACTOR)) ** 2  # one for each factor
+_VARIED = 2**10  # draws that tell what varies from part to part
 _FAR = 2.0  # largest standard deviations of a test from the best draw, root mean square
 
 
@@ -293,7 +295,32 @@ class Joint:
 
     def judged(self, inputs: Array) -> JudgedTests:
         """Tests beside draws of all inputs, shape (n, n_unknown)."""
-        distances = distances_of(
+        distances = self._distances(self._fix_varying(inputs))
+        if self._varied is not None:
+            shift, variance = self._varied
+            distances = distances._replace(
+                values=distances.values + shift, variance=distances.variance + variance
+            )
+        runs = weigh_runs(self.tests, self.runs, distances, self.scatters)
+        return JudgedTests(distances, runs, runs.log_likelihoods.sum(axis=0) + _LOG_PRIOR)
+
+    def _fix_varying(self, inputs: Array) -> Array:
+        """Draws with medians in place of what varies from part to part."""
+        medians = [one.quantile(np.array([0.5]))[0] for one in self.unknown]
+        return np.where([one.varies for one in self.unknown], medians, inputs)
+
+    @functools.cached_property
+    def _varied(self) -> tuple[Array, Array] | None:
+        """Mean and variance (n_test, 1) that what varies from part to part adds to distances."""
+        if not any(one.varies for one in self.unknown):
+            return None
+        inputs = prior(self.unknown, self.ensemble.design.seed, _VARIED).inputs
+        own, fixed = map(self._distances, (inputs, self._fix_varying(inputs)))
+        apart = own.values - fixed.values
+        return apart.mean(axis=1)[:, None], apart.var(axis=1)[:, None]
+
+    def _distances(self, inputs: Array) -> Distances:
+        return distances_of(
             self.ensemble,
             self.tests,
             inputs[:, : len(self.known)],
@@ -301,8 +328,6 @@ class Joint:
             inputs[:, -2:] if self.has_discrepancy else None,
             {oil: inputs[:, column] for oil, column in self.oils.items()},
         )
-        runs = weigh_runs(self.tests, self.runs, distances, self.scatters)
-        return JudgedTests(distances, runs, runs.log_likelihoods.sum(axis=0) + _LOG_PRIOR)
 
     def require_near(self, distances: Distances) -> None:
         """Raise an `InputError` where even the best draws are far from the tests."""

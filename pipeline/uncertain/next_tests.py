@@ -367,13 +367,13 @@ class _Plan:
 
 
 def ranking_command(
-    stores: Iterable[Path | str],
+    store: Path | str,
     scatter: float | None,
     at: Mapping[str, Any],
     target: str | None = None,
 ) -> str:
     """Command that ranks tests, of samples weighed in the same way, with the same inputs fixed."""
-    words = ["irg", "infer", *map(str, stores), "--next"]
+    words = ["irg", "infer", str(store), "--next"]
     words += ["--for", target] if target else []
     words += [f"--at={path}={value}" for path, value in at.items()]
     return shlex.join(words if scatter is None else [*words, f"--scatter={scatter:g}"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,13 +14,14 @@ from scipy.special import ndtr
 
 from pipeline.sweep.about import oils_of
 from pipeline.sweep.unknown import Unknown, correlations
-from pipeline.uncertain.answers import log_boundary
+from pipeline.uncertain.answers import log_boundary, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import Test
 from pipeline.uncertain.inputs import CRITICAL, Draws
 from pipeline.uncertain.rig import Columns
 from tribo.types import Array
 
+_NODES = 9  # velocities among which a transition is sought
 _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
 
 
@@ -72,7 +74,7 @@ class Judged(NamedTuple):
         return self.is_blamed and self.probability < self.limit
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Posterior:
     """Joint distribution of the unknown inputs, given tests."""
 
@@ -144,6 +146,43 @@ class Posterior:
                 mean, sd = float(draws.mean(column)), draws.spread(column)
                 row[name] = {"mean": mean, "sd": sd, "interval": [low, high]}
             yield row
+
+    @functools.cached_property
+    def run_share(self) -> float:
+        """Share of the variance of ln(critical velocity) of the next run that is from run to run.
+
+        It is that at a middle load: of the scatter of runs, of friction between them, and of inputs
+        that vary from part to part. No test takes it away.
+        """
+        ensemble, draws = self.ensemble, self.draws
+        inputs = self.sweep_draws.inputs
+        varying = [number for number, one in enumerate(ensemble.unknown) if one.varies]
+        chance = np.random.default_rng(ensemble.design.seed)
+        others = self.prior.inputs[chance.integers(len(self.prior.inputs), size=len(inputs))]
+        redrawn = inputs.copy()
+        redrawn[:, varying] = others[:, varying]
+        load = math.sqrt(float(ensemble.loads[0] * ensemble.loads[-1]))
+        nodes = np.geomspace(*ensemble.velocities, _NODES)
+        (own, slope, _), (other, *_) = (
+            log_crossings(nodes, ensemble.excess(some, load, nodes).values)
+            for some in (inputs, redrawn)
+        )
+        by_run = float(draws.mean((own - other) ** 2)) / 2 if varying else 0.0
+        scatter = np.full(len(own), self.scatter**2)
+        if draws.scatters is not None and draws.by_scatter is not None:
+            scatter = draws.by_scatter @ draws.scatters**2
+        if self.rig is not None:
+            scatter = scatter + (draws.inputs[:, self.rig[1]] / slope) ** 2
+        scattered = float(draws.mean(scatter))
+        return (by_run + scattered) / (draws.spread(own) ** 2 + scattered)
+
+    @property
+    def run_words(self) -> str:
+        """The share of runs, in words."""
+        return (
+            f"{100 * self.run_share:.0f} % of the variance of the next run's critical velocity is "
+            "from run to run, which no test takes away"
+        )
 
     @property
     def draws_words(self) -> str:
@@ -233,6 +272,7 @@ class Posterior:
             "samples": len(self.ensemble.inputs),
             "draws": len(self.draws.weights),
             "effective_draws": self.draws.effective,
+            "run_share": self.run_share,
         }
 
 

@@ -90,11 +90,12 @@ def summarise(rows):
     }
 
 
-def is_right(result):
-    """True if intervals hold what they say, and nothing is off, as far as so many truths tell."""
+def is_right(result, errors=1.0):
+    """True if intervals hold what they say, and nothing is off, within so many standard errors."""
     low, high = HELD
-    is_held = low - result["its_error"] <= result["held"] <= high + result["its_error"]
-    return is_held and abs(result["off"]) - result["off_error"] <= OFF
+    spare = errors * result["its_error"]
+    is_held = low - spare <= result["held"] <= high + spare
+    return is_held and abs(result["off"]) - errors * result["off_error"] <= OFF
 
 
 def closed_rigs(count):

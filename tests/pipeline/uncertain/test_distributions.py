@@ -244,6 +244,22 @@ def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
     }
 
 
+# Inputs that vary from part to part
+
+
+def test_an_input_varies_from_part_to_part_if_it_says_so_and_a_seed_always(tmp_path):
+    parts = (
+        '"wear.specific_wear_rate" = { median = "1e-6 mm^3/(N m)", factor = 1.5, varies = true }\n'
+        '"friction.coefficient" = { mean = 0.1, sd = 0.005 }\n"disk.roughness.seed" = [0, 1]\n'
+    )
+    drawn = pipeline.load_scene(scene(tmp_path, f"[unknown]\n{parts}")).variants.draw
+    assert [one.varies for one in drawn.unknown] == [True, False, True]
+    assert str(drawn.unknown[0]).endswith("factor 1.5, from part to part")
+    tied = parts.replace("0.005", '0.005, correlated = { "wear.specific_wear_rate" = 0.5 }')
+    with pytest.raises(pipeline.SceneFileError, match="one of them varies from part to part"):
+        pipeline.load_scene(scene(tmp_path, f"[unknown]\n{tied}"))
+
+
 # Inputs whose value is given above their distribution
 
 

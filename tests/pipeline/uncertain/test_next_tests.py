@@ -39,12 +39,11 @@ def test_what_is_known_of_a_boundary_today_is_the_spread_of_its_draws():
     assert best.narrows == pytest.approx(1 - best.spread / best.before)
 
 
-def test_tests_are_ranked_as_they_were_weighed():
+def test_tests_are_ranked_for_a_store_as_they_were_weighed():
+    store = "my rig.zarr"
     at = {"pin.radius": "2 mm"}
-    options = parse(
-        shlex.split(ranking_command(["my rig.zarr"], 0.08, at, "temperature.critical"))[1:]
-    )
-    assert str(options.scene) == "my rig.zarr"
+    options = parse(shlex.split(ranking_command(store, 0.08, at, "temperature.critical"))[1:])
+    assert str(options.scene) == store
     assert options.at == [*at.items()]
     assert (options.next, options.target, options.scatter) == (1, "temperature.critical", 0.08)
 

@@ -10,6 +10,7 @@ from scipy.special import ndtr
 
 import pipeline
 from pipeline.sweep.unknown import Unknown, correlations, drawn
+from pipeline.uncertain import weigh
 from pipeline.uncertain.evidence import log_between
 from pipeline.uncertain.inputs import prior
 from pipeline.uncertain.weigh import _long_tailed
@@ -260,7 +261,8 @@ def test_an_interval_far_out_has_the_logarithm_of_its_probability():
     assert found[4] < -1e5
 
 
-def test_many_tests_are_weighed_in_steps_to_the_same_distribution():
+def test_many_tests_are_weighed_in_steps_to_the_same_distribution(monkeypatch):
+    monkeypatch.setattr(weigh, "_ENOUGH", 1000)
     truth = np.array([420.0, 1.2e-15, 0.1, 4.5e-6])
     measured = [dict(entry, velocity_scatter=0.004) for entry in transitions(truth, 0.002)]
     sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), tests=measured))
@@ -463,3 +465,36 @@ def test_a_friction_that_the_log_does_not_have_is_not_averaged_out_by_planned_te
     spread, of_friction = CRITICAL.parameters[1], 0.05 * (CRITICAL.parameters[0] - 298.15)
     assert promised[None] > 0.95 * math.hypot(1 / spread, 1 / of_friction) ** -1
     assert promised[0.1] < 0.7 * promised[None]
+
+
+# What varies from part to part
+
+
+def test_what_varies_from_part_to_part_is_scatter_and_is_not_learnt():
+    part = dataclasses.replace(FRICTION, varies=True)
+    tests = [
+        {"normal_load": 400.0, "velocity": velocity, "velocity_scatter": 0.05 * velocity}
+        for velocity in (2.2, 2.35, 2.5)
+    ]
+    critical, friction = pipeline.posterior(ensemble((CRITICAL, part), tests=tests)).summary()
+    kelvins = np.linspace(370.0, 470.0, 4001)
+    density = np.exp(-0.5 * ((kelvins - 418.15) / 8.0) ** 2)
+    for test in tests:
+        z = np.log(test["velocity"] / alone((kelvins - 298.15) / 0.1, 400.0))
+        density *= np.exp(-0.5 * z**2 / (0.05**2 + (0.05 / EXPONENT) ** 2))
+    mean = np.average(kelvins, weights=density)
+    spread = math.sqrt(np.average((kelvins - mean) ** 2, weights=density))
+    assert critical["posterior"]["mean"] == pytest.approx(mean, abs=0.3)
+    assert critical["posterior"]["sd"] == pytest.approx(spread, rel=0.04)
+    assert friction["posterior"]["mean"] == pytest.approx(0.1, abs=0.0003)
+    assert friction["posterior"]["sd"] == pytest.approx(0.005, rel=0.06)
+
+
+@pytest.mark.parametrize("varies", [False, True])
+def test_the_share_of_runs_is_what_no_test_takes_away(varies):
+    friction = dataclasses.replace(FRICTION, varies=varies)
+    posterior = pipeline.posterior(ensemble((CRITICAL, friction)))
+    parts, inputs = (0.05 / EXPONENT) ** 2, (8.0 / 120.0 / EXPONENT) ** 2
+    by_run = 0.05**2 + varies * parts
+    assert posterior.run_share == pytest.approx(by_run / (0.05**2 + parts + inputs), rel=0.06)
+    assert "from run to run, which no test takes away" in posterior.run_words
