@@ -267,24 +267,26 @@ class Ensemble:
         bulk: float | None = None,
         margin: float = 0.0,
         critical: float | Array | None = None,
+        was_measured: bool = False,
     ) -> Array:
         """Logarithm of the rise at friction 1 above which wear is severe, shape (n,).
 
         A friction, a bulk and a critical temperature [K] that are given replace those of the draws.
-        With a margin [K] it is the rise that stays as far below the critical temperature.
+        With a margin [K] it is the rise that stays as far below the critical temperature. A
+        friction that was measured had the temperature of its contact already.
         """
         frictions = self.values(FRICTION, draws) if friction is None else friction
-        if friction is None:  # one that is given was measured as warm as it was
-            frictions = frictions * np.exp(self.log_friction_factor(draws, margin))
         bulks = self.values(BULK, draws) if bulk is None else bulk
-        criticals = self.values(CRITICAL, draws) if critical is None else critical
-        rise = np.maximum(criticals - margin - bulks, _LEAST_RISE)
+        hottest = (self.values(CRITICAL, draws) if critical is None else critical) - margin
+        if not was_measured:
+            frictions = frictions * np.exp(self.log_friction_factor(hottest))
+        rise = np.maximum(hottest - bulks, _LEAST_RISE)
         return np.asarray(np.log(rise / np.maximum(frictions, LEAST_FRICTION)))
 
-    def log_friction_factor(self, draws: Array, margin: float = 0.0) -> Array:
-        """Logarithm of the factor of friction at a margin below the critical temperature (n,)."""
+    def log_friction_factor(self, temperatures: float | Array) -> Array:
+        """Logarithm of the factor of friction at temperatures of the contact [K]."""
         law = replace(self.conditions.friction_law, coefficient=1.0)
-        return np.asarray(np.log(law.at(temperature=self.values(CRITICAL, draws) - margin)))
+        return np.asarray(np.log(law.at(temperature=temperatures)))
 
     @functools.cached_property
     def hold_ensembles(self) -> dict[float, Ensemble]:

@@ -23,7 +23,7 @@ from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.inputs import prior
+from pipeline.uncertain.inputs import CRITICAL, prior
 from pipeline.uncertain.rig import (
     SLOPES,
     Columns,
@@ -115,6 +115,7 @@ def _hold_distances(
     values, variances, told = [], [], []
     for test in tests:
         number, friction = loads.index(test["normal_load"]), test.get("friction")
+        critical = oils.get(test.get("oil", ""))
         is_given = friction is not None or rig is not None
         rise = rises[:, number] - table if is_given else rises[:, number]
         if slopes is not None:
@@ -124,7 +125,8 @@ def _hold_distances(
         by_rig = np.zeros(1)
         by_friction: Any = (test.get("friction_scatter", 0.0) / (friction or 1.0)) ** 2
         if rig is not None:
-            factor = np.interp(log_velocity, x, table) + ensemble.log_friction_factor(inputs)
+            hot = ensemble.values(CRITICAL, inputs) if critical is None else critical
+            factor = np.interp(log_velocity, x, table) + ensemble.log_friction_factor(hot)
             acted, by_friction, by_rig = learnt(rig, test, factor)
             friction = np.exp(acted)
         place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, _NODES - 2))
@@ -136,8 +138,9 @@ def _hold_distances(
             variance = variance + (steepness * test["load_scatter"] / test["normal_load"]) ** 2
         variance = variance + by_friction
         limit = ensemble.log_limit(
-            inputs, friction, test.get("bulk_temperature"), critical=oils.get(test.get("oil", ""))
-        )
+            inputs, friction, test.get("bulk_temperature"), critical=critical,
+            was_measured=friction is not None,
+        )  # fmt: skip
         critical, *_ = log_crossings(nodes, rise - limit[:, None])
         values.append(log_velocity - critical)
         variances.append(variance / np.maximum(slope, LEAST_SLOPE) ** 2)

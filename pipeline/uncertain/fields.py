@@ -212,6 +212,8 @@ class SampleField:
             held = np.bincount(k, weight * (1 - share), _GRID)
             held += np.bincount(k + 1, weight * share, _GRID)
             (some,) = np.nonzero(held)
+            if not some.size:  # where no draw turns, or none that turns has this scatter
+                continue
             apart = grid[some] - np.log(velocities)[:, None]
             far = max(-apart.min(), apart.max(), step)
             table = np.linspace(-far, far, _GRID)

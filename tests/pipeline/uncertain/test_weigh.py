@@ -353,7 +353,7 @@ def test_friction_that_falls_with_velocity_is_a_fault_of_the_model_and_not_of_a_
 
 
 def test_an_input_that_is_pressed_against_its_end_is_a_fault_of_the_model():
-    hot = np.array([468.15, 1.2e-15, 0.1, 4.5e-6])
+    hot = np.array([440.15, 1.2e-15, 0.1, 4.5e-6])
     cool = Unknown(CRITICAL.path, "uniform", (383.15, 423.15), "K")
     posterior = pipeline.posterior(ensemble((cool, LENGTH), tests=transitions(hot, 0.02, seed=3)))
     assert not posterior.fits
@@ -428,17 +428,14 @@ def test_many_planned_tests_promise_the_spread_that_is_had():
         chance = np.random.default_rng(number)
         tests = []
         for planned in batch:
-            place = {name: planned.test[name] for name in ("normal_load", "bulk_temperature")}
-            limit = (truth[0] - place["bulk_temperature"]) / truth[2]
-            there = rise(truth[None, 1:], place["normal_load"], 1.0, (RATE, FRICTION, LENGTH))[0]
-            velocity = (limit / there) ** (1 / EXPONENT) * math.exp(0.05 * chance.normal())
+            limit = (truth[0] - planned.test["bulk_temperature"]) / truth[2]
+            load = planned.test["normal_load"]
+            there = rise(truth[None, 1:], load, 1.0, (RATE, FRICTION, LENGTH))[0]
+            critical = (limit / there) ** (1 / EXPONENT) * math.exp(0.05 * chance.normal())
             friction = truth[2] * math.exp(0.02 * chance.normal())
-            about = {
-                "velocity": max(velocity, 0.5),
-                "friction": friction,
-                "friction_scatter": 0.002,
-            }
-            tests.append(place | about | ({"outcome": "severe"} if velocity < 0.5 else {}))
+            outcome = "severe" if planned.test["velocity"] > critical else "mild"
+            about = {"friction": friction, "friction_scatter": 0.002, "outcome": outcome}
+            tests.append(planned.test | about)
         after = pipeline.posterior(dataclasses.replace(samples, tests=tuple(tests)))
         had.append(next(after.summary())["posterior"]["sd"])
     assert 0.8 < batch[-1].spread / math.sqrt(np.mean(np.square(had))) < 1.2
@@ -449,7 +446,7 @@ def test_warmer_tests_tell_more_of_a_critical_temperature_and_can_be_chosen_from
     (cold,) = pipeline.plan_tests(posterior, 1, CRITICAL.path, ["25 degC"])
     (best,) = pipeline.plan_tests(posterior, 1, CRITICAL.path, ["25 degC", "100 degC"])
     assert best.test["bulk_temperature"] == pytest.approx(373.15)
-    assert best.spread < 0.8 * cold.spread
+    assert best.spread < 0.9 * cold.spread
     with pytest.raises(InputError, match=r'target is "pin"; give one of temperature\.critical, or'):
         pipeline.candidates(posterior, "pin")
 
@@ -460,7 +457,7 @@ def test_a_friction_that_the_log_does_not_have_is_not_averaged_out_by_planned_te
     for friction in (None, 0.1):
         log = [idle | {"friction": friction}]
         posterior = pipeline.posterior(ensemble((CRITICAL, FRICTION), tests=log))
-        *_, last = pipeline.plan_tests(posterior, 6, CRITICAL.path, ["25 degC"])
+        *_, last = pipeline.plan_tests(posterior, 12, CRITICAL.path, ["25 degC"])
         promised[friction] = last.spread
     spread, of_friction = CRITICAL.parameters[1], 0.05 * (CRITICAL.parameters[0] - 298.15)
     assert promised[None] > 0.95 * math.hypot(1 / spread, 1 / of_friction) ** -1
