@@ -342,7 +342,6 @@ REFUSALS = {**FILES, **QUANTITIES, **ENTRIES, **TEXTS}
 ELSEWHERE = {
     "load_record.read_load InputError": "test_load_record.py, since it takes a million rows",
     "height_file._read_csv _too_large": "by nobody, since it takes 200 MB of text",
-    "runs._read_stages fault": "test_runs.py, with the other faults of runs",
     "headings._read_csv InputError": "by nobody: read where the extra laboratory was taken away",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
