@@ -285,7 +285,8 @@ def _wear_form(table: Any) -> int:
     law, laws = (table.get("law") if isinstance(table, dict) else None), [*tribo.LAWS]
     if law in laws:
         return 2 + laws.index(law)
-    near = [one for one in laws if isinstance(law, str) and did_you_mean(law, [one])]
+    is_name = isinstance(law, str) and ":" not in law  # else it is code, as module:name
+    near = [one for one in laws if is_name and did_you_mean(str(law), [one])]
     return 2 + laws.index(near[0]) if near else int(law is not None)
 
 
