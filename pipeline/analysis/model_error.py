@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.stats import t as students
+from scipy.special import stdtr
 
 from tribo.types import Array
 
@@ -54,7 +54,7 @@ class ModelError:
         """See `Scatter`."""
         if self.scale == 0:
             return np.where(distances > 0, 1.0, np.where(distances < 0, 0.0, 0.5))
-        return np.asarray(students.cdf(distances / self.scale, _WORTH + len(self.residuals)))
+        return np.asarray(stdtr(_WORTH + len(self.residuals), distances / self.scale))
 
     @property
     def worded(self) -> str:

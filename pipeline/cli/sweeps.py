@@ -15,6 +15,7 @@ import psutil
 
 import pipeline
 from pipeline import extras
+from pipeline.analysis.dataset import Kind, sweep_kind
 from pipeline.analysis.tables import frame_of
 from pipeline.cli import output
 from pipeline.cli.given import scene_in, selected
@@ -59,9 +60,9 @@ def run(options: argparse.Namespace) -> Result:
             tell=tell,
         )
     own = sweep.conditions.own_criterion
-    for maker in extras.modules("fields"):
-        judged = pipeline.at(out, criterion=own.reference if own else None, own_laws=bool(own))
-        maker.keep_fits(judged)
+    judged = pipeline.at(out, criterion=own.reference if own else None, own_laws=bool(own))
+    if sweep_kind(judged) is Kind.SAMPLES:
+        extras.module("uncertain", "fields").keep_fits(judged)
     document = {
         "store": str(out),
         "points": outcome.total,
@@ -83,7 +84,7 @@ def run(options: argparse.Namespace) -> Result:
         commands = (shlex.join(["irg", name, *words]) for name in sweep.variants.answers)
         text.append(f"next: {', '.join(commands)}")
     code = output.SOME_FAILED if outcome.failed else output.DONE
-    return Result(document, text, pipeline.warned(out), code=code)
+    return Result(document, text, pipeline.warned(judged), code=code)
 
 
 def check(options: argparse.Namespace) -> Result:

@@ -365,7 +365,7 @@ class Ensemble:
 def keep_fits(ds: xr.Dataset) -> None:
     """Fit the samples of a store and keep the fits in it, so that commands need not."""
     ds["status"].encoding["reader"].may_keep = True
-    for scene in scenes(ds) if sweep_kind(ds) is Kind.SAMPLES else ():
+    for scene in scenes(ds):
         with suppress(InputError):  # too few are done
             ensemble = Ensemble.of(scene)
             for held in ensemble.hold_ensembles.values():
