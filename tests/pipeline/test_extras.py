@@ -34,7 +34,8 @@ class Copy:
     """A copy of the packages without some extras, run in a folder of its own."""
 
     def __init__(self, folder, left_out):
-        ignored = shutil.ignore_patterns(*left_out, "__pycache__", "*.png")
+        # Python's compiled files come along, but for those that are just being written.
+        ignored = shutil.ignore_patterns(*left_out, "*.pyc.*", "*.png")
         for package in ("tribo", "pipeline", "workflows"):
             shutil.copytree(ROOT / package, folder / package, ignore=ignored)
         for name in left_out:  # as git leaves them

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.cli import main
-from pipeline.uncertain import next_tests, sensitivity
+from pipeline.uncertain import design, next_tests, sensitivity
 from tests.helpers.samples import fewer_draws
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
@@ -43,6 +43,7 @@ def folder(tmp_path_factory):
 def _there_with_few_draws(folder, monkeypatch):
     monkeypatch.chdir(folder)
     fewer_draws(monkeypatch)
+    monkeypatch.setattr(design, "SIMULATED", 24)
     monkeypatch.setattr(next_tests, "_TRUTHS", 32)
     monkeypatch.setattr(sensitivity, "_POINTS", 2**8)
 
