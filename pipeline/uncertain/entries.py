@@ -276,6 +276,7 @@ def _layer(one: Unknown, sweep: Sweep, make: Make, faults: Faults) -> Layer:
         is_heat_alone &= not alike & _SIMULATED
         if step_count(other.scene, highest) != step_count(sweep.scene, highest):
             faults.note(key, "it changes the number of steps, which must stay; give it")
+            return "conditions"
     if one.path == _SHARE and sweep.conditions.criterion != "share":
         changed.clear()  # which no other criterion looks at
     if not changed:

@@ -1,0 +1,294 @@
+"""All refusals of unknown inputs: what causes each, and what its message says."""
+
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+import pipeline
+from pipeline.scene.scenefile import load_scene
+from pipeline.store.create import writing
+from pipeline.sweep.own_laws import WEAR, Reference
+from pipeline.uncertain import critical_temperature, entries
+from pipeline.uncertain.answer_design import read_scene
+from tests.helpers import synthetic
+from tests.helpers.refusals import Refusals, command
+from tests.helpers.samples import ALL, LENGTH, LOADS, RATE, dataset, ensemble, field
+from tests.helpers.scenes import SCENE
+from tests.helpers.sweeps import with_fields
+from tribo import Corrections, Friction
+
+RATES = '"wear.specific_wear_rate" = { median = "1.2e-6 mm^3/(N m)", factor = 1.5 }'
+FRICTIONS = '"friction.coefficient" = { mean = 0.13, sd = 0.01 }'
+RADII = '"pin.radius" = { mean = "2 mm", sd = "0.1 mm" }'
+PLACE = "--load", "500 N", "--velocity", "1 m/s"
+RISK = *PLACE, "--over", "friction.coefficient"
+
+
+def scene(*unknown, sweep="samples = 8", text=SCENE, overrides=None):
+    """Read a scene with unknown inputs."""
+
+    def build():
+        inputs = "\n".join(["[unknown]", *unknown]) if unknown else ""
+        Path("scene.toml").write_text(text.replace("fields = true", sweep) + inputs)
+        return load_scene("scene.toml", overrides=overrides)
+
+    return build
+
+
+def inferred(*options, text=SCENE):
+    def build():
+        Path("scene.toml").write_text(text)
+        return command("infer", "scene.toml", *options)
+
+    return build
+
+
+def asked(name, *options):
+    """A command about samples, none of which is computed."""
+
+    def build():
+        with writing("samples.zarr", scene(RATES, FRICTIONS)()):
+            pass
+        return command(name, "samples.zarr", *options)
+
+    return build
+
+
+def weighed(loads=3, unknown=ALL, load=400.0, velocity=2.0, **told):
+    """Weigh the inputs by one test."""
+
+    def build():
+        test = {"normal_load": load, "velocity": velocity, "friction": 0.1} | told
+        made = ensemble(unknown, tests=[test])
+        parts = {name: getattr(made, name)[:, :loads] for name in ("rises", "widths")}
+        return pipeline.posterior(replace(made, loads=LOADS[:loads], **parts), 0.01)
+
+    return build
+
+
+def planned(target=None, count=1):
+    test = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1}
+    found = pipeline.posterior(ensemble(tests=[test]), 0.05)
+    return pipeline.plan_tests(found, count, target)
+
+
+def sought(path, **changes):
+    goal = pipeline.Goal(((400.0, 2.0),), 0.05)
+    return partial(lambda: pipeline.design(replace(ensemble(), **changes), goal, path))
+
+
+def fixed():
+    given = pipeline.at(dataset(ensemble()), **{"wear.specific_wear_rate": 1.2e-15})
+    goal = pipeline.Goal(((400.0, 2.0),), 0.05)
+    return pipeline.design(pipeline.Ensemble.of(given), goal, RATE.path)
+
+
+def failing():
+    """Transitions of a scene, one of whose points fails."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(critical_temperature, "results_of", lambda *_: ({}, {"a point"}))
+        patch.setattr(critical_temperature, "run_sweep", lambda *_, **__: None)
+        patch.setattr(critical_temperature, "opened", lambda _: None)
+        return pipeline.critical_temperatures("first_try")
+
+
+def too_few():
+    with writing("samples.zarr", scene(RATES, FRICTIONS)()):
+        pass
+    return pipeline.Ensemble.of(pipeline.open_sweep("samples.zarr"))
+
+
+DUTY = {"load [N]": [400.0], "velocity [m/s]": [2.0], "friction": [0.1]}
+
+
+def bent():
+    """Judge a row of another friction by samples whose friction falls with velocity."""
+    falling = Corrections(friction=Friction(by_velocity=((1.0, 1.2), (4.0, 0.8))))
+    conditions = replace(ensemble().conditions, corrections=falling)
+    return field(replace(ensemble(), conditions=conditions)).judged_by({"friction": 0.09})
+
+
+def weighed_rows():
+    test = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1}
+    judged = pipeline.at(dataset(ensemble(tests=[test])), given_measured=True)
+    return pipeline.margin(judged, DUTY)["note"].item()
+
+
+def many():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(entries, "MOST_INPUTS", 1)
+        return scene(RATES, FRICTIONS)()
+
+
+def oils():
+    test = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1}
+    return pipeline.posterior(ensemble((RATE, LENGTH), tests=[test, test | {"oil": "B"}]), 0.05)
+
+
+def recorded():
+    Path("load.csv").write_text("time [s],load [N]\n0,0\n1,200\n4,600\n")
+    ramp = 'rate = "150 N/s"\nreference_load = "750 N"'
+    assert ramp in SCENE
+    text = SCENE.replace(ramp, 'file = "load.csv"')
+    return inferred("--contact-width", "0.2 mm", *PLACE, "--duration", "9 s", text=text)()
+
+
+def stored_scene(**values):
+    return lambda: read_scene(with_fields(dataset(ensemble()), **values))
+
+
+TWO_BULKS = {"temperature.bulk": {"pin": "30 degC", "disk": "25 degC"}}
+SHARE = '"temperature.failing_share" = { from = 0.05, to = 0.2 }'
+OIL = """
+[oil]
+kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]
+density = "866 kg/m^3"
+pressure_viscosity_coefficient = "20 1/GPa"
+"""
+# Each of the two is sound with the scene's value of the other one.
+DISC = SCENE.replace("[disk]", '[disk]\ndiameter = "60 mm"\nwidth = "5 mm"\nbore = "10 mm"')
+RING = (
+    '"disk.diameter" = { from = "20 mm", to = "60 mm" }',
+    '"disk.bore" = { from = "10 mm", to = "50 mm" }',
+)
+UNFIT = (
+    RATES,
+    FRICTIONS.replace(" }", ', correlated = { "wear.specific_wear_rate" = 0.9 } }'),
+    RADII.replace(
+        " }",
+        ', correlated = { "wear.specific_wear_rate" = 0.9, "friction.coefficient" = -0.9 } }',
+    ),
+)
+
+
+def joint(other, *more, inner=""):
+    """The wear rate with a correlation of 0.5 with another input, and further inputs."""
+    return scene(RATES.replace(" }", f", correlated = {{ {other} = 0.5 }}{inner} }}"), *more)
+
+
+REFUSALS = {
+    # the scene
+    "all known": (scene(), "sweep.samples: 8 does not fit a scene in which all is known"),
+    "bulks": (scene(RATES, overrides=TWO_BULKS), "two temperatures do not go with [unknown]"),
+    "many": (many, "inputs are unknown; give"),
+    "surfaces": (
+        scene(RATES, sweep="samples = 8\nrealizations = 3"),
+        "sweep.samples excludes them",
+    ),
+    "velocity": (scene(RATES, overrides={"sweep.velocities": ["1 m/s"]}), "samples need friction"),
+    "unsound": (
+        scene(*RING, text=DISC),
+        "unknown: a sample is not a sound scene",
+    ),
+    "entry": (scene('"sweep.samples" = [1, 2]'), "this cannot be unknown; give an entry"),
+    "units": (scene(RADII.replace('"0.1 mm"', "0.1")), "give all with a unit, or none"),
+    "no unit": (scene(RADII.replace("2 mm", "2mm").replace("0.1 mm", "1mm")), "with a space"),
+    "scale": (
+        scene('"materials.steel.hardness" = { from = "60 HRC", to = "62 HRC" }'),
+        "uneven steps",
+    ),
+    "tried": (
+        scene('"pin.radius" = { from = "-1 mm", to = "2 mm" }'),
+        'unknown."pin.radius": reaches',
+    ),
+    "steps": (
+        scene('"loading.reference_load" = { from = "500 N", to = "750 N" }'),
+        "it changes the number of steps",
+    ),
+    "nothing": (scene(SHARE, overrides={"temperature.criterion": "mean"}), "changes nothing"),
+    "undecisive": (
+        scene('"oil.density" = { from = "800 kg/m^3", to = "900 kg/m^3" }', text=SCENE + OIL),
+        "depends on it",
+    ),
+    # correlations
+    "no other": (joint('"pin.radius"', FRICTIONS), "this is not another input of [unknown]"),
+    "a list": (
+        joint('"disk.roughness.seed"', '"disk.roughness.seed" = [0, 1]'),
+        "each value of a list",
+    ),
+    "varying": (
+        joint('"friction.coefficient"', FRICTIONS, inner=", varies = true"),
+        "the same varies",
+    ),
+    "twice": (
+        joint(
+            '"pin.radius"',
+            RADII.replace(" }", ', correlated = { "wear.specific_wear_rate" = 0.4 } }'),
+        ),
+        "elsewhere; give it once",
+    ),
+    "unfit": (scene(*UNFIT), "cannot all be; give smaller ones"),
+    # tests
+    "no test": (inferred(), "has no measured transition; give it a [[measured]]"),
+    "failing": (failing, "a point could not be computed"),
+    "far load": (weighed(load=900.0), "the test at 900 N and 2 m/s: load is 900 N"),
+    "beyond": (lambda: ensemble().require_within([400.0], [9.0]), "the samples have 0.5 to 6 m/s"),
+    "hold": (weighed(hold=60.0), "held the load for 60 s, the samples for 0 s"),
+    "one load": (
+        weighed(1, load=200.0, load_scatter=5.0),
+        "has a load_scatter, and the samples one",
+    ),
+    "no draw": (weighed(velocity=0.55, velocity_scatter=0.005), "hardly any draw agrees"),
+    "scatter": (lambda: pipeline.posterior(ensemble(), 2.0), "scatter is 2; give a share between"),
+    "no tests": (
+        lambda: pipeline.boundary(pipeline.at(dataset(ensemble()), given_measured=True)),
+        "no measured transition and no test",
+    ),
+    "oils": (oils, "the tests are of 2 oils, each with a critical temperature"),
+    # answers
+    "no samples": (lambda: pipeline.Ensemble.of(synthetic.sweep()), "the sweep has no samples"),
+    "too few": (too_few, "0 of 8 samples are done at every load"),
+    "rows": (bent, "are not judged row by row at another"),
+    "weighed rows": (weighed_rows, "weigh the conditions as they were drawn: leave out"),
+    "target": (partial(planned, "pin.radius"), 'target is "pin.radius"; give one of'),
+    "count": (partial(planned, count=0), "count is 0; it must be at least 1"),
+    "range": (sought(RATE.path), "a design needs a range: give one of"),
+    "fixed": (fixed, "leave that out to seek its value"),
+    # commands
+    "not run": (
+        inferred(text=SCENE.replace("fields = true", "samples = 8") + f"[unknown]\n{RATES}"),
+        "the samples of scene.toml are not computed; run irg run scene.toml",
+    ),
+    "stay": (asked("infer", "--preset", "draft"), "stay as they were computed; leave out --preset"),
+    "needs samples": (inferred("--next"), "--next needs samples of unknown inputs"),
+    "ignored": (inferred("--duration", "9 s"), "--duration belongs to --contact-width"),
+    "no place": (inferred("--contact-width", "0.2 mm"), "is that of a test; give its --load and"),
+    "short": (
+        inferred("--contact-width", "0.2 mm", *PLACE, "--duration", "1 s"),
+        "must be at least the",
+    ),
+    "record": (recorded, "--duration holds a ramp; a recorded load ends where the record does"),
+    "not planned": (asked("infer", "--for", "400 N"), "--for belongs to --next"),
+    "both bodies": (
+        asked("infer", "--next", "--bulk-temperature", "pin=30 degC,disk=25 degC"),
+        "--bulk-temperature of a test to plan is that of both bodies",
+    ),
+    "three": (
+        asked("design", *RISK, "--over", "pin.radius", "--over", "pin.length"),
+        "two different",
+    ),
+    "given": (
+        asked("design", *RISK, "--friction", "0.1"),
+        "friction.coefficient is given and sought",
+    ),
+    "goals": (asked("design", *RISK, "--risk", "1%", "--margin", "20 K"), "are two goals"),
+    "sought": (asked("design", *PLACE, "--over", "velocity"), "the velocity is sought by --over"),
+    "own law": (stored_scene(wear=Reference("laws:Law", WEAR, (), "0")), "it has laws of its own"),
+    "no scene": (stored_scene(), "the scene is not the scene of the store any more"),
+}
+
+
+@pytest.fixture(scope="module")
+def refusals(tmp_path_factory):
+    return Refusals("uncertain", REFUSALS, tmp_path_factory.mktemp("refusals"))
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_what_is_refused_is_named(refusals, name):
+    refusals.check(name)
+
+
+def test_the_table_has_every_refusal(refusals):
+    refusals.check_all()
