@@ -41,6 +41,7 @@ from pipeline.analysis.transition import (
 )
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
+from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import add_turns, cold_bodies, describe_cold_bodies
@@ -145,15 +146,8 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
 def _attributes(conditions: Conditions) -> dict[str, Any]:
     """Conditions as attributes, with their units."""
     attributes = attributes_by(conditions)
-    units = [f"{name}: {unit}" for name, unit in _UNITS.items() if name in attributes]
+    units = [f"{name}: {unit}" for name, unit in CONDITION_UNITS.items() if name in attributes]
     return attributes | {"units_of_attributes": ", ".join(units)}
-
-
-_UNITS = {
-    "friction": "1", "bulk_temperature": "K", "disk_temperature": "K", "critical_temperature": "K",
-    "failing_share": "1",
-}  # fmt: skip
-"""Units of the conditions that are attributes of a boundary."""
 
 
 _TURNS = 5  # turns of a line that are told; more are waves between points

@@ -14,13 +14,12 @@ from pipeline.analysis.dataset import asked, scene_sweep
 from pipeline.analysis.margin import Margin
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.accuracy import velocity_error
-from pipeline.sweep.conditions import PATHS
+from pipeline.sweep.conditions import FIELDS
 from pipeline.sweep.model import Point, Sweep
 
 _COARSE = 0.05  # error of the boundary velocity from which a table is no more than a first look
 _ACCURACIES = (0.05, 0.02, 0.01)  # that are suggested, of the boundary velocity
 _MOST = 5  # commands that are printed
-_FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
 _BULKS = {
     "bulk_temperature": "temperature.bulk.pin",
     "disk_temperature": "temperature.bulk.disk",
@@ -133,7 +132,7 @@ def _settings(
     sweep: Sweep, conditions: Mapping[str, Any], given: Collection[str] = ()
 ) -> list[str]:
     """Settings of the conditions that differ from those of a sweep, or are given anew."""
-    stored, entries = sweep.conditions.as_dict(), _FIELDS
+    stored, entries = sweep.conditions.as_dict(), FIELDS
     stored = {name: value for name, value in stored.items() if name not in given}
     if "disk_temperature" in stored:
         entries = entries | _BULKS

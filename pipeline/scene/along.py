@@ -19,26 +19,17 @@ from pipeline.scene.faults import Faults, entry_at, fault_lines, quoted
 from pipeline.scene.format import BULK, CRITICAL, FORMAT, FRICTION, LOAD, SPEED
 from pipeline.scene.headings import UNITS, as_entry, listed_faults, read_sheet, sheet_of
 from pipeline.scene.over import column_of, scene_with
+from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep, differing_inputs
 from pipeline.sweep.variants import Column, placed_rows
 from tribo import InputError
 
 _PLACE = Table({"load": Entry(LOAD), "velocity": Entry(SPEED)})
-CONDITIONS = {
-    "friction": "friction.coefficient",
-    "bulk_temperature": "temperature.bulk",
-    "critical_temperature": "temperature.critical",
-}
+_KINDS = {"friction": FRICTION, "bulk_temperature": BULK, "critical_temperature": CRITICAL}
+CONDITIONS = {name: PATHS[name] for name in _KINDS}
 """Conditions that each row may set, and their entries in a scene."""
-_ROW = Table(
-    {
-        **_PLACE.keys,
-        "friction": Optional(FRICTION),
-        "bulk_temperature": Optional(BULK),
-        "critical_temperature": Optional(CRITICAL),
-    }
-)
+_ROW = Table({**_PLACE.keys, **{name: Optional(kind) for name, kind in _KINDS.items()}})
 _BEFORE = tuple(f"{name}." for name in FORMAT.keys if name not in ("friction", "temperature"))
 """Beginnings of paths that a simulation needs."""
 _REACH = 2.0  # factor of load and velocity to which places about a row go

@@ -26,7 +26,7 @@ from pipeline.scene.parts import (
     wear_of,
     wear_rates,
 )
-from pipeline.scene.reference import meanings
+from pipeline.scene.reference import all_keys
 from pipeline.scene.runs import expand_tests, tested_holds
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.units import in_si
@@ -255,7 +255,7 @@ def _path_overrides(
             replaced[key] = value
         else:
             fields = [field for field in FIDELITY.keys if field != "preset"]
-            paths = [path for path in meanings() if path.partition(".")[0] not in _UNSET]
+            paths = [path for path, _ in all_keys() if path.partition(".")[0] not in _UNSET]
             hint = did_you_mean(key, [*fields, *paths])
             problem = f"unknown key{hint}; give one of {', '.join(fields)}"
             faults.note(key, f"{problem}; or an entry such as wear.pattern, loading.hold or title")
