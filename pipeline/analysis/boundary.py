@@ -44,8 +44,9 @@ from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.physics import add_turns, cold_bodies, describe_cold_bodies
+from pipeline.sweep.physics import cold_bodies, describe_cold_bodies, turn_parts
 from pipeline.sweep.surface import find_lubrication
+from tribo import Corrections
 from tribo.types import Array
 
 
@@ -343,13 +344,14 @@ def quantile(low: Array, high: Array, share: float) -> float:
 def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset) -> str | None:
     """Say that bodies roll as if each turn met a cold track; None where none does."""
     scene = stored_sweep(ds).scene
-    if entry_dims(ds) or not (motion := scene.motion):
+    if entry_dims(ds) or not scene.motion:
         return None
     judged = read_conditions(ds)
-    cold = cold_bodies(motion, judged.corrections)
+    cold = cold_bodies(scene.motion, judged.corrections)
     if not cold:
         return None
-    corrections, around = add_turns(judged.corrections, scene.pin, scene.disk, motion)
+    turns, around = turn_parts(scene, cold)
+    corrections = replace(judged.corrections or Corrections(), **turns)
     warm = boundary_under(ds, replace(judged, corrections=corrections))
     moved = 100 * (warm["critical_velocity"] / crossings["critical_velocity"] - 1).values
     moved = moved[np.isfinite(moved)]

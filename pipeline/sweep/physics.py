@@ -6,14 +6,15 @@ Each effect that can be sized is a scene with it, or without it where the scene 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from statistics import median_high
 from typing import Any, Literal
 
 import numpy as np
 
 from pipeline.sweep.model import Sweep
-from tribo import Bulk, Corrections, Material, Motion, Pin, Stem, Track, contact_modulus
+from tribo import Bulk, Corrections, Material, Motion, Scene, Stem, Track, contact_modulus
 from tribo.types import Array
 
 _TRACK = 0.34  # m, of the paper's disk
@@ -186,12 +187,12 @@ def _usual_turns(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     if not any(sweep.plane.velocities):
         return "nothing moves"
     if cold := cold_bodies(scene.motion, present):
-        turns, around = add_turns(present, scene.pin, scene.disk, scene.motion)
+        turns, around = turn_parts(scene, cold)
         return _Sized(
             f"tracks of {around:.3g} m around the {' and the '.join(cold)}",
             "to a tenth, if the tracks are that long: the effect goes as 1/length",
             tuple(f"{body}.track_length" for body in cold),
-            {"track": turns.track, "pin_track": turns.pin_track, "motion": turns.motion},
+            turns,
         )
     if present.track or present.pin_track:
         return None
@@ -314,17 +315,14 @@ def cold_bodies(motion: Motion | None, corrections: Corrections | None) -> tuple
     return tuple(body for body, track in tracks.items() if track is None)
 
 
-def add_turns(
-    corrections: Corrections | None, pin: Pin, disk: Material, motion: Motion | None
-) -> tuple[Corrections, float]:
-    """Corrections with earlier turns of all cold bodies, and the length of their tracks [m]."""
+def turn_parts(scene: Scene, cold: Iterable[str]) -> tuple[dict[str, Any], float]:
+    """Arguments of `Corrections` for earlier turns of cold bodies, and their tracks' length [m]."""
+    pin, motion = scene.pin, scene.motion
     around = (motion and motion.track_length) or 2 * math.pi * pin.radius
-    materials, names = {"pin": pin.material, "disk": disk}, {"pin": "pin_track", "disk": "track"}
-    tracks: Any = {
-        names[body]: Track.under(pin, materials[body], around)
-        for body in cold_bodies(motion, corrections)
-    }
-    return replace(corrections or Corrections(), motion=motion, **tracks), around
+    bodies = {"pin": ("pin_track", pin.material), "disk": ("track", scene.disk)}
+    pairs = (bodies[body] for body in cold)
+    tracks = {name: Track.under(pin, material, around) for name, material in pairs}
+    return {"motion": motion, **tracks}, around
 
 
 def note_on_turns(
@@ -337,21 +335,15 @@ def note_on_turns(
     speeds.
     """
     scene, conditions, plane = sweep.scene, sweep.conditions, sweep.plane
-    load = plane.loads[len(plane.loads) // 2] if load is None else load
-    if velocity is None:
-        velocity = plane.velocities[len(plane.velocities) // 2]
-    motion, pin = scene.motion, scene.pin
-    cold = cold_bodies(motion, conditions.corrections)
-    if not cold or motion is None or not velocity:
+    load = median_high(plane.loads) if load is None else load
+    velocity = median_high(plane.velocities) if velocity is None else velocity
+    cold = cold_bodies(scene.motion, conditions.corrections)
+    if not cold or not velocity:
         return None
-    turns, around = add_turns(conditions.corrections, pin, scene.disk, motion)
-    alone = Corrections(
-        motion=motion,
-        pin_track=turns.pin_track if "pin" in cold else None,
-        track=turns.track if "disk" in cold else None,
-    )
+    turns, around = turn_parts(scene, cold)
     columns = columns_in_closed_form(sweep, load, velocity, _HOT)
-    warming = conditions.friction_at(velocity) * float(alone.added_rise(columns)[-1])
+    rise = float(Corrections(**turns).added_rise(columns)[-1])
+    warming = conditions.friction_at(velocity) * rise
     return describe_cold_bodies(
         cold,
         around,
