@@ -91,15 +91,14 @@ def choose_accuracy(
 ) -> Sweep:
     """Give a sweep the cheapest fidelity within an accuracy, or keep that of its store."""
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
-    selection = None if store is None else stored_selection(store)
-    if selection is None:
-        if store is not None and find_sweep(store) is not None:
-            raise StoreMismatchError(
-                f"{store} was computed with the scene's own fidelity, not one picked for its "
-                "accuracy; leave out --accuracy to go on with it, or write to another store with -o"
-            )
-        if store is not None:
-            require_writable(store)  # before the probe takes its time
+    stored = _find_stored(store)
+    selection = stored and stored.about.selection
+    if stored and not selection:
+        raise StoreMismatchError(
+            f"{store} was computed with the scene's own fidelity, not one picked for its "
+            "accuracy; leave out --accuracy to go on with it, or write to another store with -o"
+        )
+    if not selection:
         selection = choose_fidelity(sweep, accuracy, points, progress)
     elif selection.error > accuracy:
         raise StoreMismatchError(
@@ -127,10 +126,8 @@ def measure_own_error(
     moves = all(point.velocity for point in points) if points else max(sweep.plane.velocities) > 0
     if preset_of(sweep.scene.fidelity) or not (is_judged and moves):
         return sweep
-    if store is not None and find_sweep(store) is not None:
-        return sweep.changed(selection=stored_selection(store))
-    if store is not None:
-        require_writable(store)  # before the probe takes its time
+    if stored := _find_stored(store):
+        return sweep.changed(selection=stored.about.selection)
     try:
         return sweep.changed(selection=choose_fidelity(sweep, None, points, progress))
     except TriboError as error:
@@ -139,10 +136,12 @@ def measure_own_error(
         return sweep
 
 
-def stored_selection(path: PathLike) -> Selection | None:
-    """Why a store has the fidelity that it has; None if it was not picked, or is not there."""
-    sweep = find_sweep(path)
-    return sweep.about.selection if sweep else None
+def _find_stored(store: PathLike | None) -> Sweep | None:
+    """The sweep of a store that a run goes on with; None of one to be made, which must be able."""
+    stored = None if store is None else find_sweep(store)
+    if store is not None and stored is None:
+        require_writable(store)  # before the probe takes its time
+    return stored
 
 
 def choose_fidelity(
