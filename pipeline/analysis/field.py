@@ -356,19 +356,15 @@ def fields(ds: xr.Dataset | PathLike) -> list[Field]:
         made: list[Field] = extras.module("uncertain", "fields").fields(ds)
         return made
     if kind is Kind.PLANE:
-        return [_field(scene) for scene in scenes(ds)]
+        return [point_field(scene) for scene in scenes(ds)]
     # At once, for a read of each row by itself takes ten times as long.
     require_all_sound(ds)
     ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
-    return [*_joined_places(_field(scene) for scene in scenes(ds))]
+    return [*_joined_places(point_field(scene) for scene in scenes(ds))]
 
 
 def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointField:
     """The field of one scene, under given conditions or its own."""
-    return _field(scene, conditions)
-
-
-def _field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointField:
     conditions = conditions or read_conditions(scene)
     placed = [name for name in PLANE if name not in scene.dims]
     place = tuple(scene[name].item() for name in PLANE) if len(placed) == len(PLANE) else None

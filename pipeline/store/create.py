@@ -113,7 +113,7 @@ def grown(
     with writes(place):
         root = _grown_root(place, root, sweep, lock)
     store = _repaired_if_need_be(place, root, lock, lambda store: store)
-    store.ask(store.asked_by(sweep))
+    store.ask(sweep)
     return store
 
 

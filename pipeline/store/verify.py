@@ -39,7 +39,7 @@ from pipeline.store.place import (
     writes,
 )
 from pipeline.store.progress import FailedPoint
-from pipeline.store.root import ELSEWHERE, LostRootError, Root, copied, is_likely, read_root
+from pipeline.store.root import ELSEWHERE, LostRootError, Root, copied, read_root, root_fault
 from pipeline.store.schema import AT_END, DONE, MADE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
@@ -239,7 +239,7 @@ def _require_right_root(store: Store, found: _Found) -> None:
     with suppress(DamagedError):
         _, facts, arrays = copied(place, store.arrays)
         root = Root(store.sweep, facts, arrays)
-        if root.axes != store.axes and is_likely(facts, arrays):
+        if root.axes != store.axes and not root_fault(facts, arrays):
             other = Store(place, root, is_damaged=True)
             if _found(other, root_may_be_wrong=False).sound(other) > found.sound(store):
                 raise LostRootError(

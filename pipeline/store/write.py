@@ -124,13 +124,6 @@ class Store:
         written = written_of(self.sweep.variants, point.variant)
         return str(point._replace(variant=tuple(written.items())))
 
-    def asked_by(self, sweep: Sweep) -> Mask:
-        """Mask of the points that a sweep asks for."""
-        mask = np.zeros(self.flags.shape, bool)
-        for point in points_of(sweep):
-            mask[self.index(point)] = True
-        return mask
-
     def chunk_keys(self, name: str, numbers: Sequence[int]) -> Iterator[str]:
         """Keys of the chunks of a variable with these numbers along the dimensions of points."""
         array = self.arrays[name]
@@ -209,11 +202,13 @@ class Store:
         """Make points pending again."""
         self.write({}, {self.index(point): PENDING for point in points})
 
-    def ask(self, wanted: Mask) -> None:
+    def ask(self, sweep: Sweep) -> None:
         """Note which points this run asks for."""
-        changed = self.asked != wanted
-        self.asked = wanted.astype(np.int8)
-        self._put_marks("asked", self.asked, changed)
+        wanted = np.zeros_like(self.asked)
+        for point in points_of(sweep):
+            wanted[self.index(point)] = 1
+        changed, self.asked = self.asked != wanted, wanted
+        self._put_marks("asked", wanted, changed)
 
     def write(
         self, values: Mapping[_Index, Mapping[str, Any]], statuses: Mapping[_Index, int]

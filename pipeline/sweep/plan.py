@@ -56,7 +56,6 @@ class PointResult:
     state: State
     shape: tuple[int, int]  #: Elements of the scene along x and y.
     warnings: tuple[PointWarning, ...]  #: Reasons for care in relying on the point.
-    at_load: tuple[State, ...]  #: States that decide, from when the load is reached on.
     wall_time: float  #: Duration of the computation, which may have begun on a trunk [s].
 
     def __repr__(self) -> str:
@@ -209,7 +208,6 @@ def run_points(
                 state=states[-1],
                 shape=variant.scene.grid.shape,
                 warnings=tuple(warnings(variant.scene, states[-1])),
-                at_load=tuple(state for state in states if state.normal_load >= load),
                 wall_time=duration,
             )
         )

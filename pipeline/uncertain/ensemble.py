@@ -36,6 +36,7 @@ from pipeline.analysis.dataset import (
 from pipeline.analysis.decisive import require_sound
 from pipeline.analysis.scenes import scenes
 from pipeline.store.place import PathLike
+from pipeline.store.read import Reader
 from pipeline.store.schema import DONE
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import PATHS, Conditions
@@ -46,7 +47,6 @@ from pipeline.sweep.variants import VARIANT
 from pipeline.uncertain.emulator import (
     Emulator,
     Groups,
-    Keeper,
     LeftOut,
     columns_until,
     decisive_rises,
@@ -125,7 +125,7 @@ class Ensemble:
     same_rig: bool = True  #: The friction of tests is that of the scene, not another machine's.
     #: Relative error of boundary velocities by the fidelity of the samples; None if not known.
     velocity_error: float | None = None
-    keeper: Keeper | None = None  #: Store in which fits are kept.
+    keeper: Reader | None = None  #: Store in which fits are kept.
 
     @classmethod
     def of(cls, ds: xr.Dataset | PathLike) -> Ensemble:

@@ -291,11 +291,6 @@ class Joint:
         """Numbers of the tests of each run."""
         return group_runs(self.tests)
 
-    @property
-    def known(self) -> tuple[Unknown, ...]:
-        """Inputs of the sweep."""
-        return self.ensemble.unknown
-
     def judged(self, inputs: Array) -> JudgedTests:
         """Tests beside draws of all inputs, shape (n, n_unknown)."""
         distances = self._distances(self._fix_varying(inputs))
@@ -326,7 +321,7 @@ class Joint:
         return distances_of(
             self.ensemble,
             self.tests,
-            inputs[:, : len(self.known)],
+            inputs[:, : len(self.ensemble.unknown)],
             inputs[:, self.rig] if self.rig else None,
             inputs[:, -2:] if self.has_discrepancy else None,
             {oil: inputs[:, column] for oil, column in self.oils.items()},

@@ -281,17 +281,13 @@ def _crossings(x: Array, lines: Array) -> tuple[Array, Array]:
     return turns, x[:-1] + np.clip(share, 0.0, 1.0) * np.diff(x)
 
 
-def single_field(ds: xr.Dataset) -> SampleField:
-    """The field of a sweep of samples of one scene; an `InputError` if it has several."""
-    return _field(ds)
-
-
 def fields(ds: xr.Dataset) -> list[SampleField]:
     """The field of each scene of a sweep of samples."""
-    return [_field(scene) for scene in scenes(ds)]
+    return [single_field(scene) for scene in scenes(ds)]
 
 
-def _field(scene: xr.Dataset) -> SampleField:
+def single_field(scene: xr.Dataset) -> SampleField:
+    """The field of a sweep of samples of one scene; an `InputError` if it has several."""
     ensemble = Ensemble.of(scene)
     weighed = posterior_at(scene, ensemble)
     coords = {str(name): label for name, label in scene.coords.items()}
