@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -36,46 +35,38 @@ def after_boundary(sweep: Sweep, store: Path | str) -> Iterator[str]:
         )
 
 
-def commands_that_decide(
-    ds: xr.Dataset, store: Path | str, undecided: Sequence[Margin], judged: Mapping[str, Any]
-) -> list[str]:
-    """Commands that decide margins within their error, each once; none if no command is known to.
+def command_that_decides(
+    ds: xr.Dataset, store: Path | str, margin: Margin, judged: Mapping[str, Any]
+) -> str | None:
+    """Command that decides a margin within its error; None if none is known to.
 
     A point that was asked for and is not done is run. Any other place that is not computed is
     computed by itself; where it is, or interpolation counts less, a better accuracy decides.
     """
     sweep = scene_sweep(ds)
+    bound = velocity_error(sweep)
     if sweep.variants.draw:
-        bound = velocity_error(sweep)
         better = [accuracy for accuracy in _ACCURACIES if bound is None or accuracy < bound]
-        return [_more_accurate(sweep, store, better[0])] if better else []
-    rows = [_row_sweep(sweep, margin.entries) for margin in undecided]
-    if None in rows:
-        places = (Point(one.load, one.velocity, tuple(one.entries.items())) for one in undecided)
-        reason = "more accurately, in Python, since no scene file has this row"
-        return [*dict.fromkeys(f"{place}, {reason}" for place in places)]
-    waits = asked(ds) & (ds["status"] != DONE)
-    commands, sharpest, bound = dict[str, None](), math.inf, velocity_error(sweep)
-    for row, margin in zip(rows, undecided, strict=True):
-        interpolation, preset = margin.error.interpolation, margin.error.preset
-        here = (ds["load"] == margin.load) & (ds["velocity"] == margin.velocity)
-        if interpolation is not None and interpolation <= (preset or 0.0):
-            sharpest = min(sharpest, _accuracy_for(bound, margin.distance, preset) or math.inf)
-        elif (waits & here).any():
-            commands[more_of_boundary(ds, store, {})] = None
-        else:
-            # A point does not know how its rise grows, and takes the bound for its own error.
-            bulks = [bulk for name in _BULKS if (bulk := judged.get(name)) is not None]
-            rise = margin.decisive_temperature - float(min(bulks))
-            alone = None if bound is None else bound * rise
-            accuracy = _accuracy_for(bound, margin.distance, alone)
-            commands[_point(row or sweep, margin, None, accuracy, judged)] = None
-    if math.isfinite(sharpest):
-        commands[_more_accurate(sweep, store, sharpest)] = None
-    return list(commands)
+        return _more_accurate(sweep, store, better[0]) if better else None
+    row = _row_sweep(sweep, margin.entries)
+    if row is None:
+        place = Point(margin.load, margin.velocity, tuple(margin.entries.items()))
+        return f"{place}, more accurately, in Python, since no scene file has this row"
+    interpolation, preset = margin.error.interpolation, margin.error.preset
+    if interpolation is not None and interpolation <= (preset or 0.0):
+        accuracy = _accuracy_for(bound, margin.distance, preset)
+        return _more_accurate(sweep, store, accuracy) if accuracy else None
+    here = (ds["load"] == margin.load) & (ds["velocity"] == margin.velocity)
+    if (asked(ds) & (ds["status"] != DONE) & here).any():
+        return more_of_boundary(ds, store, {})
+    # A point does not know how its rise grows, and takes the bound for its own error.
+    bulks = [bulk for name in _BULKS if (bulk := judged.get(name)) is not None]
+    rise = margin.decisive_temperature - float(min(bulks))
+    accuracy = _accuracy_for(bound, margin.distance, None if bound is None else bound * rise)
+    return _point(row, margin, None, accuracy, judged)
 
 
-def lines_on(commands: Sequence[str], by_model: bool = False) -> Iterator[str]:
+def lines_on(commands: Sequence[str], by_model: bool) -> Iterator[str]:
     """Lines on the commands that decide what is not decided, if not the model leaves it open."""
     if by_model:
         yield (
