@@ -40,6 +40,7 @@ _HEADS = (
     "area error [%]", "pressure error [%]", "saturated error", "seconds [s]", "speedup", "saving",
     "convolutions", "peak bytes [MB]",
 )  # fmt: skip
+_OF_PROBE = "fidelity", "seconds", "convolutions", "work", "peak_bytes"
 
 
 @dataclass(frozen=True, slots=True)
@@ -308,7 +309,6 @@ def _choice(
     return Choice(
         name=name,
         varied=varied,
-        fidelity=measured.fidelity,
         velocity_errors=errors,
         velocity_error=max(map(abs, errors)),
         rise_error=abs(largest("rise")),
@@ -317,10 +317,7 @@ def _choice(
         area_error=largest("contact_fraction"),
         pressure_error=largest("mean_pressure"),
         saturated_error=largest("saturated_fraction", relative=False),
-        seconds=measured.seconds,
-        convolutions=measured.convolutions,
-        work=measured.work,
-        peak_bytes=measured.peak_bytes,
+        **{name: getattr(measured, name) for name in _OF_PROBE},
         speedup=reference.seconds / max(measured.seconds, 1e-9),
         saving=reference.work / max(measured.work, 1.0),
     )
