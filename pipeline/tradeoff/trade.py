@@ -234,7 +234,7 @@ def trade(
         points=places,
         base=base or "",
         choices=tuple(choices),
-        wasted=_wasted(choices, base, dividing_pixels(sweep, PRESETS[base])) if base else (),
+        wasted=_wasted(choices, base),
         not_converged=tuple(failed),
     )
 
@@ -323,21 +323,18 @@ def _choice(
     )
 
 
-def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Wasted, ...]:
-    """Choices of the base that cost much and gain nothing, the costliest first."""
-    base_choice = next((choice for choice in choices if choice.name == base), None)
-    if base_choice is None:
+def _wasted(choices: Sequence[Choice], base: str | None) -> tuple[Wasted, ...]:
+    """Choices of the base that cost much and gain nothing, the costliest of each field first."""
+    start = next((choice for choice in choices if choice.name == base), None)
+    if start is None or base is None:
         return ()
-    findings = []
-    for choice in choices:
-        saving = base_choice.work / choice.work
-        pairs = zip(choice.velocity_errors, base_choice.velocity_errors, strict=True)
+    costliest: dict[str, Wasted] = {}
+    for choice in sorted(choices, key=lambda choice: choice.work):
+        saving = start.work / choice.work
+        pairs = zip(choice.velocity_errors, start.velocity_errors, strict=True)
         moves = max(abs(one - other) for one, other in pairs)
         if choice.varied and saving >= _SAVES and moves <= _MOVES:
-            value, cheaper = (getattr(one, choice.varied) for one in (start, choice.fidelity))
-            findings.append(Wasted(base, choice.varied, value, cheaper, saving, moves))
-    findings.sort(key=lambda finding: -finding.saving)
-    costliest: dict[str, Wasted] = {}
-    for finding in findings:
-        costliest.setdefault(finding.field, finding)
+            value, cheaper = (getattr(one.fidelity, choice.varied) for one in (start, choice))
+            found = Wasted(base, choice.varied, value, cheaper, saving, moves)
+            costliest.setdefault(choice.varied, found)
     return tuple(costliest.values())
