@@ -124,11 +124,6 @@ class Curve:
         return float(self._inside(np.array(place))) - limit
 
 
-def interpolated(x: Array, y: Array, places: Array, continued: bool = False) -> Array:
-    """Interpolate y, which may have columns; see `Curve`."""
-    return Curve(x, y)(places, continued)
-
-
 def certain(x: Array, y: Array, places: Array, limit: float) -> Array:
     """Interpolate y, and extrapolate it by a power law where that cannot cross a limit."""
     curve = Curve(x, y)
