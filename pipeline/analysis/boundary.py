@@ -121,11 +121,7 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
 def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.Dataset:
     """The boundary of one scene, under given conditions or its own."""
     found = point_field(ds, conditions)
-    coords = {
-        name: ds[name].variable
-        for name in ("realization", *PLANE)
-        if name in ds.coords and name in ds.dims
-    }
+    coords = {name: ds[name].variable for name in ("realization", *PLANE) if name in ds.indexes}
     result = xr.Dataset(coords=coords, attrs=_attributes(found.conditions))
     for axis, line in (("velocity", "load"), ("load", "velocity")):
         result = result.assign(_transitions(found, axis, line, ds))
