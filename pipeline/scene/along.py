@@ -161,7 +161,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
         f"sweep.{axis}": [f"{one!r} {UNITS[name]}" for one in sorted({row[name] for row in pairs})]
         for axis, name in (("loads", "load"), ("velocities", "velocity"))
     }
-    first = {path: pairs[0][path] for path in pairs[0] if _is_path(path)}
+    first = {path: pairs[0][path] for path in pairs[0] if "." in path}  # others are labels
     return document.above(places | first), partial(_extend, pairs)
 
 
@@ -178,7 +178,7 @@ def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Swee
     about = [(1.0, 1.0), *((1.0, f) for f in factors), *((f, 1.0) for f in factors)]
     if (count := len(pairs) * len(about)) > MOST_SCENES:
         raise InputError(f"sweep.along: {count} places are too many; give {MOST_SCENES} at most")
-    paths = [head for head in pairs[0] if _is_path(head)]
+    paths = [head for head in pairs[0] if "." in head]
     written = [{path: row[path] for path in paths} for row in pairs]
     scenes = [scene_with(values, sweep, reading.make, "sweep.along") for values in written]
     if CONDITIONS["friction"] in paths:  # measured at the place, and not by velocity
@@ -203,11 +203,6 @@ def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Swee
     )
     plane = {"loads": tuple(sorted({*loads})), "velocities": tuple(sorted({*velocities}))}
     return sweep.changed(variants=table * sweep.variants, **plane)
-
-
-def _is_path(head: str) -> bool:
-    """True of the path of an entry, others are labels or the place."""
-    return "." in head
 
 
 def _label(head: str, cells: Sequence[Any]) -> Column:

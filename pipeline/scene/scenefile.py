@@ -159,10 +159,7 @@ class _Reader:
         asked, name = tables["sweep"], self.document.file.stem
         sweep = Sweep(
             scene=made,
-            plane=Plane(
-                tuple(sorted(set(asked["loads"]))),
-                tuple(sorted(set(asked["velocities"]))),
-            ),
+            plane=Plane(*(tuple(sorted(set(asked[name]))) for name in ("loads", "velocities"))),
             conditions=_conditions_of(tables, made, own_criterion),
             variants=surfaces(realizations),
             record=Record(asked["fields"], asked["steps"]),

@@ -257,15 +257,7 @@ def copied_attributes(root: Root) -> dict[str, str]:
     }
 
 
-class Copies(NamedTuple):
-    """What the arrays of a store have of its root."""
-
-    stations: Stations
-    facts: Facts
-    arrays: dict[str, Any]
-
-
-def copied(place: StorePlace, names: Iterable[str]) -> Copies:
+def copied(place: StorePlace, names: Iterable[str]) -> tuple[Stations, Facts, dict[str, Any]]:
     """What arrays of these names have of a root.
 
     Raise a `DamagedError` if they do not belong together.
@@ -289,7 +281,7 @@ def copied(place: StorePlace, names: Iterable[str]) -> Copies:
         copies = arrays["step"]["attributes"]
         stations = json.loads(copies["stations"])
         facts = {"generation": 0, "axes": axes, "points_per_chunk": dict(block)}
-        return Copies(
+        return (
             build(Stations, stations | {"holds": tuple(stations["holds"])}),
             build(Facts, facts | json.loads(copies["versions"])),
             arrays,
