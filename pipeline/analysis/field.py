@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
@@ -277,21 +277,14 @@ class PointField:
         return np.array([self.probability(load, velocities, scatter) for load in loads])
 
     @functools.cached_property
-    def _kept(self) -> dict[tuple[str, float, float], list[Line]]:
-        return {}
-
-    def lines(self, axis: str, load: float, velocity: float) -> list[Line]:
-        """Line of each member along an axis, through the rise at a place.
+    def lines(self) -> Callable[[str, float, float], list[Line]]:
+        """Line of each member along an axis, through the rise at a load and a velocity.
 
         Between loads or velocities of the sweep, rises go on where wear is certainly mild or
         severe.
         """
-        key = axis, load, velocity
-        if key not in self._kept:
-            if len(self._kept) > 1:  # those of one place are asked for several times
-                self._kept.clear()
-            self._kept[key] = [self._line(k, *key) for k in range(len(self.planes))]
-        return self._kept[key]
+        kept = functools.lru_cache(maxsize=2)  # those of one place are asked for several times
+        return kept(lambda *place: [self._line(k, *place) for k in range(len(self.planes))])
 
     def _line(self, number: int, axis: str, load: float, velocity: float) -> Line:
         plane, factor, limit = self.planes[number], self.conditions.friction_factor, self.limit
