@@ -37,10 +37,8 @@ CONDITIONS = (CRITICAL, BULK, FRICTION)
 """Entries that act after the simulation, and need no range."""
 SIMULATED = 90
 """Draws near the limit that are simulated directly."""
-_UNITS = {
-    LOAD: ("N", None), VELOCITY: ("m/s", None), FRICTION: ("1", None),
-    CRITICAL: ("K", Unit("°C", 1.0, 273.15)), BULK: ("K", Unit("°C", 1.0, 273.15)),
-}  # fmt: skip
+_CELSIUS = Unit("°C", 1.0, 273.15)
+_UNITS = {FRICTION: ("1", None), CRITICAL: ("K", _CELSIUS), BULK: ("K", _CELSIUS)}
 _VALUES = 17  # values of the entry among which a limit is sought
 _DRAWS = 2**13  # draws of the inputs
 _LEAST = 1e-9  # probability

@@ -23,7 +23,7 @@ from scipy.special import ndtri
 from pipeline.scene.units import UnitError, in_si, to_si
 from pipeline.sweep.unknown import OF_90
 from pipeline.uncertain.answers import log_boundary
-from pipeline.uncertain.evidence import distances_of
+from pipeline.uncertain.evidence import Truths, distances_of
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION
 from pipeline.uncertain.learning import Features, Knowledge, Observable
 from pipeline.uncertain.posterior import Posterior
@@ -326,8 +326,8 @@ class _Plan:
         place = math.log(test["velocity"])
 
         def critical(inputs: Array) -> Array:
-            sweep_draws = self._sweep_inputs(inputs)
-            distances = distances_of(self._ensemble, [test], sweep_draws)
+            truths = Truths(self._sweep_inputs(inputs))
+            distances = distances_of(self._ensemble, [test], truths)
             return np.stack([place - distances.values[0], distances.variance[0]])
 
         (log_velocity, variance), (slopes, _) = self._features.slopes(critical)
