@@ -149,11 +149,7 @@ def percent(probability: float) -> str:
 
 
 def answer(
-    field: Field,
-    load: float,
-    velocity: float,
-    scatter: Scatter,
-    tested: Sequence[str] = (),
+    field: Field, load: float, velocity: float, scatter: Scatter, tested: Sequence[str] = ()
 ) -> Margin:
     """The margin of a field at a load [N] and a velocity [m/s].
 

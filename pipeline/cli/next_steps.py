@@ -100,12 +100,7 @@ def more_of_boundary(ds: xr.Dataset, store: Path | str, conditions: Mapping[str,
 
 
 def point_that_decides(
-    sweep: Sweep,
-    place: Point,
-    seed: int | None,
-    distance: float,
-    rise: float,
-    given: Iterable[str],
+    sweep: Sweep, place: Point, seed: int | None, distance: float, rise: float, given: Iterable[str]
 ) -> list[str]:
     """Command that computes a point of a scene more accurately to decide it; none if nothing does.
 

@@ -175,11 +175,7 @@ _LEAST_ROOM = 0.5  # share of a label's size, around its middle
 
 
 def name_regions(
-    axes: Axes,
-    plane: xr.DataArray,
-    limit: float,
-    loads: Array,
-    measured: Sequence[Measurement],
+    axes: Axes, plane: xr.DataArray, limit: float, loads: Array, measured: Sequence[Measurement]
 ) -> None:
     """Name mild and severe wear where each has most room between two rows of points."""
     scale = np.log if axes.get_xscale() == "log" else np.asarray

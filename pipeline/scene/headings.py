@@ -341,7 +341,7 @@ def sheet_of(columns: Any, wanted: Collection[str], needed: Collection[str]) -> 
         counts = ", ".join(f"{head} {count}" for head, count in lengths.items())
         raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
     rows = [Row(k, [*cells]) for k, cells in enumerate(zip(*listed.values(), strict=True), 1)]
-    sheet = _placed_columns(Sheet([*map(heading_of, listed)], rows, {}, []), wanted, needed)
+    sheet = _placed_columns(Sheet([*map(heading_of, listed)], rows, {}, []), wanted, needed, None)
     for name, place in sheet.places.items():
         unit = "" if sheet.headings[place].unit else f" {UNITS.get(name, '')}"
         for row in rows:
@@ -352,10 +352,7 @@ def sheet_of(columns: Any, wanted: Collection[str], needed: Collection[str]) -> 
 
 
 def _placed_columns(
-    sheet: Sheet,
-    wanted: Collection[str],
-    needed: Collection[str],
-    named: Mapping[str, str] | None = None,
+    sheet: Sheet, wanted: Collection[str], needed: Collection[str], named: Mapping[str, str] | None
 ) -> Sheet:
     """The sheet that has columns for the wanted quantities; some of them are needed."""
     places, faults = columns_for(sheet.headings, wanted, named)

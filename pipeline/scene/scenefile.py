@@ -36,6 +36,7 @@ from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Plane, Record, Sweep
 from pipeline.sweep.own_laws import Laws, Own
+from pipeline.sweep.stages import Count
 from pipeline.sweep.variants import surfaces
 from tribo.simulation.pins import sizes_of
 
@@ -318,7 +319,7 @@ def run_point(
     velocity: float | str,
     realization: int | None = None,
     sample: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Count | None = None,
     own_laws: bool = False,
 ) -> plan.PointResult:
     """Simulate one point.

@@ -68,6 +68,7 @@ from pipeline.store.write import Store
 from pipeline.sweep.codec import Arrays, sweep_text
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.stages import Tell
 from pipeline.sweep.stored import join, misfits
 
 _T = TypeVar("_T")
@@ -245,7 +246,7 @@ def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
                 (beside.path / key).hardlink_to(file)
 
 
-def restore_root(path: PathLike, sweep: Sweep, tell: Callable[[str], None] | None = None) -> bool:
+def restore_root(path: PathLike, sweep: Sweep, tell: Tell | None = None) -> bool:
     """Make a lost root again from the scene and the files of the arrays; True if it was lost.
 
     A root that does not belong to its arrays counts as lost, except in a bucket, which is not

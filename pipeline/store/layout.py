@@ -120,9 +120,7 @@ def made_coordinates(sweep: Sweep, axes: Mapping[str, Sequence[Any]]) -> dict[st
 
 
 def documents(
-    wanted: Mapping[str, Variable],
-    axes: Mapping[str, Any],
-    block: Mapping[str, int],
+    wanted: Mapping[str, Variable], axes: Mapping[str, Any], block: Mapping[str, int]
 ) -> tuple[dict[str, bytes], dict[str, Any]]:
     """Documents and coordinates of a store by key, as Zarr writes them, and metadata by array.
 

@@ -11,7 +11,7 @@ import functools
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -21,6 +21,7 @@ from pipeline.sweep.about import as_lines, point_rows
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import verdict
+from pipeline.sweep.stages import Count
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Variant
 from tribo import (
@@ -154,11 +155,7 @@ def step_count(scene: Scene, load: float) -> int:
 
 
 def run_point(
-    sweep: Sweep,
-    load: float,
-    velocity: float,
-    variant: Variant = (),
-    progress: Callable[[int, int], None] | None = None,
+    sweep: Sweep, load: float, velocity: float, variant: Variant = (), progress: Count | None = None
 ) -> PointResult:
     """Simulate one point; see `pipeline.run_point`, which takes text, too."""
     return run_points(sweep, (Point(load, velocity, variant),), progress=progress)[0]
@@ -168,7 +165,7 @@ def run_points(
     sweep: Sweep,
     points: Sequence[Point],
     trunks: Trunks | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Count | None = None,
 ) -> tuple[PointResult, ...]:
     """Simulate points of one contact: one point, or variants that share it, at one load.
 

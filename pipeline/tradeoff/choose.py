@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,6 +19,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Selection, Trial, preset_of
 from pipeline.sweep.severity import rise_limit
+from pipeline.sweep.stages import Tell
 from pipeline.tradeoff.probe import (
     YARDSTICK,
     OwnError,
@@ -87,7 +88,7 @@ def choose_accuracy(
     accuracy: float | str,
     points: Sequence[Point] | None = None,
     store: PathLike | None = None,
-    progress: Callable[[str], None] | None = None,
+    progress: Tell | None = None,
 ) -> Sweep:
     """Give a sweep the cheapest fidelity within an accuracy, or keep that of its store."""
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
@@ -114,7 +115,7 @@ def measure_own_error(
     sweep: Sweep,
     points: Sequence[Point] | None = None,
     store: PathLike | None = None,
-    progress: Callable[[str], None] | None = None,
+    progress: Tell | None = None,
 ) -> Sweep:
     """Give a sweep with its own fidelity the error that a probe measures, or that its store has.
 
@@ -148,7 +149,7 @@ def choose_fidelity(
     sweep: SceneLike,
     accuracy: float | str | None,
     points: Sequence[Point] | None = None,
-    progress: Callable[[str], None] | None = None,
+    progress: Tell | None = None,
     own_laws: bool = False,
 ) -> Selection:
     """Find the cheapest numerical choice whose measured error is within a bound.
@@ -225,7 +226,7 @@ def _first_within(
     exact: Yardstick,
     yardstick_error: OwnError,
     everywhere: bool,
-    tell: Callable[[str], None],
+    tell: Tell,
 ) -> Selection:
     """Take the cheapest choice whose error against the yardstick is within the accuracy.
 

@@ -7,7 +7,7 @@ exponent with which the rise grows with velocity.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -18,7 +18,7 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import in_si
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import rise_limit
-from pipeline.sweep.stages import staged
+from pipeline.sweep.stages import Tell, staged
 from pipeline.sweep.variants import Variants
 from pipeline.tradeoff.probe import (
     Probe,
@@ -168,7 +168,7 @@ def trade(
     presets: Sequence[str] = _USUAL,
     base: str | None = "fine",
     loads: Sequence[float | str] | None = None,
-    progress: Callable[[str], None] | None = None,
+    progress: Tell | None = None,
     own_laws: bool = False,
 ) -> Trade:
     """Measure speed against accuracy on a scene.
@@ -290,11 +290,7 @@ def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ..
 
 
 def _choice(
-    name: str,
-    varied: str | None,
-    measured: Probe,
-    reference: Probe,
-    exponents: Sequence[float],
+    name: str, varied: str | None, measured: Probe, reference: Probe, exponents: Sequence[float]
 ) -> Choice:
     """A choice against the reference."""
     errors = velocity_errors(measured.readings, reference.readings, exponents)

@@ -110,11 +110,7 @@ class LeftOut(NamedTuple):
 
 
 def fitted(
-    features: Array,
-    dimensions: Groups,
-    contacts: Groups,
-    outputs: Array,
-    keeper: Reader | None = None,
+    features: Array, dimensions: Groups, contacts: Groups, outputs: Array, keeper: Reader | None
 ) -> Emulator:
     """Fit a Gaussian process to outputs (n, n_output) of rows, with constants kept in a store."""
     mean = outputs.mean(axis=0)

@@ -183,12 +183,7 @@ def _correlated(
     )
 
 
-def _design(
-    inputs: Sequence[Unknown],
-    layers: list[Layer],
-    seed: int,
-    sweep: Sweep,
-) -> Design:
+def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sweep) -> Design:
     """Rule by which samples are drawn."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
     if len(moving) < 2 or not sweep.scene.friction_heat:

@@ -97,9 +97,7 @@ def load_of_target(posterior: Posterior, target: str) -> float:
 
 
 def candidates(
-    posterior: Posterior,
-    target: str | None = None,
-    bulk_temperatures: Sequence[float | str] = (),
+    posterior: Posterior, target: str | None = None, bulk_temperatures: Sequence[float | str] = ()
 ) -> tuple[Candidate, ...]:
     """Rank measurements by what each of their runs tells of a target, the best first.
 
@@ -367,10 +365,7 @@ class _Plan:
 
 
 def ranking_command(
-    store: Path | str,
-    scatter: float | None,
-    at: Mapping[str, Any],
-    target: str | None = None,
+    store: Path | str, scatter: float | None, at: Mapping[str, Any], target: str | None = None
 ) -> str:
     """Command that ranks tests, of samples weighed in the same way, with the same inputs fixed."""
     words = ["irg", "infer", str(store), "--next"]
