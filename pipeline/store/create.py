@@ -72,13 +72,12 @@ from pipeline.sweep.stages import Tell
 from pipeline.sweep.stored import join, misfits
 
 _T = TypeVar("_T")
+Repair = Callable[[Store], None]
 _ROOM = 2  # reference loads up to which a bucket has room for the steps of a course
 
 
 @contextmanager
-def writing(
-    path: PathLike, sweep: Sweep, repair: Callable[[Store], None] | None = None
-) -> Iterator[Store]:
+def writing(path: PathLike, sweep: Sweep, repair: Repair | None = None) -> Iterator[Store]:
     """Create the store of a sweep, or open it and make room for what the sweep adds.
 
     A repair is called before anything else is changed. Raise a `StoreMismatchError` if it belongs
@@ -97,10 +96,7 @@ def writing(
 
 
 def grown(
-    place: StorePlace,
-    sweep: Sweep,
-    lock: Lock | None,
-    repair: Callable[[Store], None] | None = None,
+    place: StorePlace, sweep: Sweep, lock: Lock | None, repair: Repair | None = None
 ) -> Store:
     """Open a store whose lock is held, with room for what a sweep adds; raise as `writing` does."""
     root = find_root(place)

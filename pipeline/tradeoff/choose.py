@@ -112,10 +112,7 @@ def choose_accuracy(
 
 
 def measure_own_error(
-    sweep: Sweep,
-    points: Sequence[Point] | None = None,
-    store: PathLike | None = None,
-    progress: Tell | None = None,
+    sweep: Sweep, points: Sequence[Point] | None, store: PathLike | None, tell: Tell
 ) -> Sweep:
     """Give a sweep with its own fidelity the error that a probe measures, or that its store has.
 
@@ -130,10 +127,9 @@ def measure_own_error(
     if stored := _find_stored(store):
         return sweep.changed(selection=stored.about.selection)
     try:
-        return sweep.changed(selection=choose_fidelity(sweep, None, points, progress))
+        return sweep.changed(selection=choose_fidelity(sweep, None, points, tell))
     except TriboError as error:
-        if progress:
-            progress(f"the error of [fidelity] is not known: {error}")
+        tell(f"the error of [fidelity] is not known: {error}")
         return sweep
 
 
