@@ -22,12 +22,7 @@ from pipeline.analysis.scenes import map_scenes
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import (
-    columns_needed,
-    failed_fraction,
-    rise_limit,
-    worst_rises,
-)
+from pipeline.sweep.severity import columns_needed, failed_fraction, rise_limit, worst_rises
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
 

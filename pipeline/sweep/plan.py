@@ -24,15 +24,7 @@ from pipeline.sweep.severity import verdict
 from pipeline.sweep.stages import Count
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Variant
-from tribo import (
-    QUANTILES,
-    Scene,
-    State,
-    TriboError,
-    Verdict,
-    measures,
-    warnings,
-)
+from tribo import QUANTILES, Scene, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import Note, PointWarning, Trunks, contacts, heat
 from tribo.thermal import BULK_RATIOS
 from tribo.types import Array

@@ -55,14 +55,7 @@ from pipeline.uncertain.emulator import (
     load_weights,
     outer,
 )
-from pipeline.uncertain.inputs import (
-    BULK,
-    CRITICAL,
-    FRICTION,
-    LEAST_FRICTION,
-    SHARE,
-    condition,
-)
+from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION, SHARE, condition
 from tribo import InputError
 from tribo.types import Array
 

@@ -31,14 +31,7 @@ from pipeline.sweep.samples import (
     Layer,
     samples_per_contact,
 )
-from pipeline.sweep.unknown import (
-    Fixed,
-    Form,
-    Unit,
-    Unknown,
-    first_unfit,
-    without,
-)
+from pipeline.sweep.unknown import Fixed, Form, Unit, Unknown, first_unfit, without
 from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
 from tribo import InputError, Material, Scene, Wear
 from tribo.simulation import inseparable

@@ -24,14 +24,7 @@ from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, prior
-from pipeline.uncertain.rig import (
-    SLOPES,
-    Columns,
-    join_oils,
-    join_rig,
-    learnt,
-    log_discrepancy,
-)
+from pipeline.uncertain.rig import SLOPES, Columns, join_oils, join_rig, learnt, log_discrepancy
 from tribo import InputError
 from tribo.types import Array
 

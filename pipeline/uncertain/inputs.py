@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +18,6 @@ QUANTILES = (0.05, 0.5, 0.95)
 """Probabilities of which values are given, and lines drawn."""
 COUNT = 2**12
 """Number of draws of the scene's own distributions."""
-_AT_A_TIME = 256
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,12 +48,6 @@ class Draws:
     def effective(self) -> float:
         """Effective sample size: number of draws of equal weight that tell as much."""
         return float(1 / np.sum(self.weights**2))
-
-    def parts(self) -> Iterator[Draws]:
-        """The draws in parts, of which many values at a time take little memory."""
-        for begin in range(0, len(self.weights), _AT_A_TIME):
-            part = slice(begin, begin + _AT_A_TIME)
-            yield Draws(self.inputs[part], self.weights[part])
 
     def mean(self, values: Array) -> Any:
         """Weighted mean over the draws, the first axis."""

@@ -20,14 +20,7 @@ from pipeline.sweep.unknown import OF_90
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import FACTOR, Joint, JudgedTests
 from pipeline.uncertain.inputs import Draws, prior
-from pipeline.uncertain.posterior import (
-    Judged,
-    Posterior,
-    cut_off,
-    explains,
-    faults,
-    shown_test,
-)
+from pipeline.uncertain.posterior import Judged, Posterior, cut_off, explains, faults, shown_test
 from pipeline.uncertain.sampler import effective_share, sample
 from tribo import InputError
 from tribo.types import Array
