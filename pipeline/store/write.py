@@ -18,6 +18,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from pipeline.store.checksum import packed
@@ -151,12 +152,11 @@ class Store:
     def read_steps(self) -> dict[str, Any]:
         """All variables at steps, with time, load and distance, in one shape each."""
         columns = {name: self.read(name, ...) for name in STEPPED if name in self.arrays}
-        shape = columns["max_rise"].shape
         dims = self.arrays["max_rise"].metadata.dimension_names
+        sizes = dict(zip(dims, columns["max_rise"].shape, strict=True))
         for name, values in made_coordinates(self.sweep, self.axes).items():
-            present = self.arrays[name].metadata.dimension_names
-            sizes = [n if dim in present else 1 for dim, n in zip(dims, shape, strict=True)]
-            columns[name] = np.broadcast_to(values.reshape(sizes), shape)
+            made = xr.Variable(self.arrays[name].metadata.dimension_names, values)
+            columns[name] = made.set_dims(sizes).values
         return columns
 
     def pending(self) -> list[Point]:

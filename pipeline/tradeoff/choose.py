@@ -295,11 +295,9 @@ def _finest(
         finer = replace(PRESETS["reference"], increments=PRESETS["reference"].increments * times)
         name = "reference" if times == 1 else f"reference, {times} times the steps"
         name += ", with all heat so far" if past else ""
-        fidelity, steps = (
-            _chosen_fidelity(sweep, finer, past),
-            finer.increments / YARDSTICK.increments,
-        )
-        trials.append(Trial(name, fidelity, yardstick_error.of(fidelity), work * steps))
+        fidelity = _chosen_fidelity(sweep, finer, past)
+        more = finer.increments / YARDSTICK.increments
+        trials.append(Trial(name, fidelity, yardstick_error.of(fidelity), work * more))
         if trials[-1].error <= accuracy or not yardstick_error.steps or yardstick_error.scatters:
             break
     return trials

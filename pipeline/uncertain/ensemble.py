@@ -39,7 +39,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.read import Reader
 from pipeline.store.schema import DONE
 from pipeline.sweep.accuracy import velocity_error
-from pipeline.sweep.conditions import PATHS, Conditions
+from pipeline.sweep.conditions import FIELDS, PATHS, Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.samples import Design
 from pipeline.sweep.unknown import Fixed, Unknown, without
@@ -55,12 +55,13 @@ from pipeline.uncertain.emulator import (
     load_weights,
     outer,
 )
-from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION, SHARE, condition
+from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION, SHARE
 from tribo import InputError
 from tribo.types import Array
 
 Axis = Sequence[float] | Array
 """Loads [N] or velocities [m/s]."""
+_FIELD_OF = {path: name for name, path in FIELDS.items()}
 _LEAST_RISE = 1.0  # [K], of the few draws of a wide distribution that cross what is possible
 _NODES = 9  # velocities between which the logarithm of the rise is a cubic
 _FEWEST = 12  # samples of which an emulator is made
@@ -246,7 +247,7 @@ class Ensemble:
             value = values[path]
         elif path == CRITICAL:
             value = self.conditions.known_critical_temperature()
-        elif (known := condition(self.conditions, path)) is not None:
+        elif (known := getattr(self.conditions, _FIELD_OF.get(path, ""), None)) is not None:
             value = known
         else:
             (entry,) = (one for one in self.design.inputs if one.path == path)

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from pipeline.analysis.field import quantile
-from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.unknown import Unknown, drawn
 from tribo.types import Array
 
@@ -78,9 +77,3 @@ FRICTION, BULK, CRITICAL, SHARE = (
 )  # fmt: skip
 LEAST_FRICTION = 1e-3
 """Friction of the few draws of a wide distribution that are lower, or negative."""
-
-
-def condition(conditions: Conditions, path: str) -> float | None:
-    """Value of a condition by the path of its entry [SI]; None if not known, or no condition."""
-    names = [name for name, entry in FIELDS.items() if entry == path]
-    return getattr(conditions, names[0]) if names else None
