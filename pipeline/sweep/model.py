@@ -47,10 +47,8 @@ def leads_of(
     leads = {}
     for number, (name, scene) in enumerate(scenes):
         place = places[number] if places is not None else None
-        key = (
-            mechanics(scene),
-            None if place is None else drop_last_digits(wear_number(scene, place)),
-        )
+        number_there = None if place is None else drop_last_digits(wear_number(scene, place))
+        key = mechanics(scene), number_there
         leader, leading, its_place = first.setdefault(key, (name, scene, place))
         slides: list[Sequence[float]]
         if place is not None and its_place is not None:
@@ -246,9 +244,8 @@ class Sweep:
         for name, value in values.items():
             parts.setdefault(PART_OF[name], {})[name] = value
         whole = parts.pop("", {})
-        return replace(
-            self, **{k: replace(getattr(self, k), **new) for k, new in parts.items()}, **whole
-        )
+        whole |= {name: replace(getattr(self, name), **new) for name, new in parts.items()}
+        return replace(self, **whole)
 
     def get(self, name: str) -> Any:
         """Value of a field of one of the parts."""

@@ -368,10 +368,7 @@ def keep_fits(ds: xr.Dataset) -> None:
 
 
 def _row_conditions(
-    conditions: Conditions,
-    sweep: Sweep,
-    rows: Sequence[int],
-    shares: Sequence[float] | None,
+    conditions: Conditions, sweep: Sweep, rows: Sequence[int], shares: Sequence[float] | None
 ) -> list[Conditions]:
     """Conditions of samples by their rows, with corrections and shares that each has drawn."""
     own = (dict(sweep.variants.part(((VARIANT, row),))).get("conditions") for row in rows)
