@@ -48,32 +48,6 @@ class Effect:
         return f"{'without ' if self.state == 'counted' else ''}{self.name}", self.size
 
 
-_EFFECTS: dict[str, tuple[dict[str, str], dict[str, Any]]] = {
-    **{
-        f"friction by {name}": (
-            {f"friction.by_{name}": f"friction by {name}"}, {"friction": {f"by_{name}": ()}}
-        )
-        for name in ("velocity", "temperature")
-    },
-    "earlier turns": (
-        {
-            "pin.track_length": "earlier turns of the pin",
-            "disk.track_length": "earlier turns of the disk",
-            "pin.diameter": "disc of the pin",
-            "disk.diameter": "disc of the disk",
-        },
-        {"track": None, "pin_track": None},
-    ),
-    "bulk that follows": (
-        {"pin.capacity": "bulk of the pin", "disk.capacity": "bulk of the disk"},
-        {"pin_bulk": None, "disk_bulk": None},
-    ),
-    "stem and holder of the pin": ({"pin.stem": "stem of the pin"}, {"stem": None}),
-    "oxide or tribofilm": ({"disk.film": "film on the disk"}, {"film_resistance": 0.0}),
-}  # fmt: skip
-"""Effects by corrections: entries as `Corrections.worded` calls them, and what none of it is."""
-
-
 @dataclass(frozen=True, slots=True)
 class _Sized:
     """An effect that a scene could include: its size and certainty, its entries, and parts."""
@@ -84,6 +58,9 @@ class _Sized:
     parts: dict[str, Any]  # arguments of `Corrections`
 
 
+_Find = Callable[[Sweep, Corrections], _Sized | str | None]
+
+
 def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
     """All effects beside the half-spaces, of any scene.
 
@@ -91,7 +68,7 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
     """
     present = sweep.conditions.corrections or Corrections()
     effects, parts, more = [*_counted(sweep, present)], dict[str, Any](), 0
-    for name, find in _FOUND.items():
+    for name, (entries, _, find) in _EFFECTS.items():
         found = find(sweep, present)
         if isinstance(found, _Sized):
             entry, scene = " and ".join(found.entries), _changed(sweep, present, found.parts)
@@ -99,8 +76,7 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
             effects.append(Effect(name, "could be counted", *said, entry, scene))
             parts, more = parts | found.parts, more + 1
         elif found:
-            entry = " and ".join(_EFFECTS[name][0])
-            effects.append(Effect(name, "cannot be sized", found, "", entry))
+            effects.append(Effect(name, "cannot be sized", found, "", " and ".join(entries)))
     if more > 1:
         together = "all above that could be counted, at once", "as the least sure of them"
         scene = _changed(sweep, present, parts)
@@ -137,7 +113,7 @@ def _counted(sweep: Sweep, present: Corrections) -> Iterator[Effect]:
     if sweep.conditions.corrections is None:
         return
     said = dict(part.split(", ", 1) for part in present.worded.split("; "))
-    for name, (entries, without) in _EFFECTS.items():
+    for name, (entries, without, _) in _EFFECTS.items():
         if counted := {entry: words for entry, words in entries.items() if words in said}:
             size = ", ".join(f"{words}: {said[words]}" for words in counted.values())
             certainty, entry = "as the scene's own numbers", " and ".join(counted)
@@ -270,14 +246,37 @@ def _usual_film(sweep: Sweep, present: Corrections) -> _Sized | None:
     )
 
 
-_FOUND: dict[str, Callable[[Sweep, Corrections], _Sized | str | None]] = dict(
-    zip(
-        _EFFECTS,
-        (_usual_friction, _warm_friction, _usual_turns, _usual_bulk, _usual_stem, _usual_film),
-        strict=True,
-    )
-)
-"""Size of each effect, the reason why it has none, or None if the scene includes it."""
+_EFFECTS: dict[str, tuple[dict[str, str], dict[str, Any], _Find]] = {
+    "friction by velocity": (
+        {"friction.by_velocity": "friction by velocity"}, {"friction": {"by_velocity": ()}},
+        _usual_friction,
+    ),
+    "friction by temperature": (
+        {"friction.by_temperature": "friction by temperature"},
+        {"friction": {"by_temperature": ()}}, _warm_friction,
+    ),
+    "earlier turns": (
+        {
+            "pin.track_length": "earlier turns of the pin",
+            "disk.track_length": "earlier turns of the disk",
+            "pin.diameter": "disc of the pin",
+            "disk.diameter": "disc of the disk",
+        },
+        {"track": None, "pin_track": None}, _usual_turns,
+    ),
+    "bulk that follows": (
+        {"pin.capacity": "bulk of the pin", "disk.capacity": "bulk of the disk"},
+        {"pin_bulk": None, "disk_bulk": None}, _usual_bulk,
+    ),
+    "stem and holder of the pin": ({"pin.stem": "stem of the pin"}, {"stem": None}, _usual_stem),
+    "oxide or tribofilm": (
+        {"disk.film": "film on the disk"}, {"film_resistance": 0.0}, _usual_film
+    ),
+}  # fmt: skip
+"""Effects by corrections: entries as `Corrections.worded` calls them, and what none of it is.
+
+Last what finds the size of each, the reason why it has none, or None if the scene includes it.
+"""
 
 
 def _warm_steel(sweep: Sweep) -> Effect:
