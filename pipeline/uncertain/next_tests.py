@@ -12,6 +12,7 @@ import itertools
 import math
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -83,17 +84,14 @@ class Candidate:
 def load_of_target(posterior: Posterior, target: str) -> float:
     """Load of the boundary that is a target [N]; raises if it is no load of the sweep."""
     loads = posterior.ensemble.loads
-    try:
-        load = to_si(target, "400 N")
-    except UnitError:
-        load = math.nan
-    if not loads[0] <= load <= loads[-1]:
-        paths = ", ".join(one.path for one in posterior.unknown if one.kind != "list")
-        raise InputError(
-            f'target is "{target}"; give one of {paths}, or a load from {loads[0]:g} to '
-            f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
-        )
-    return load
+    with suppress(UnitError):
+        if loads[0] <= (load := to_si(target, "400 N")) <= loads[-1]:
+            return load
+    paths = ", ".join(one.path for one in posterior.unknown if one.kind != "list")
+    raise InputError(
+        f'target is "{target}"; give one of {paths}, or a load from {loads[0]:g} to '
+        f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
+    )
 
 
 def candidates(
