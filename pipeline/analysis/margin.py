@@ -216,7 +216,7 @@ def probabilities(
     field: Field, load: float, velocities: Array, scatter: Scatter, error: RiseError
 ) -> tuple[Array, Array, Array]:
     """Probability of a severe next run by velocity, with colder, the same and hotter rises."""
-    return _within(functools.partial(field.probability, load, velocities, scatter), error)
+    return _bounded(functools.partial(field.probability, load, velocities, scatter), error)
 
 
 def probabilities_alone(
@@ -230,11 +230,11 @@ def probabilities_alone(
         critical = limit / rise * math.exp(-shift)  # over the velocity
         return severe_share([(critical, math.inf)], np.array(1.0), scatter)
 
-    low, middle, high = map(float, _within(share, error))
+    low, middle, high = map(float, _bounded(share, error))
     return low, middle, high
 
 
-def _within(at: Callable[[float], Array], error: RiseError) -> tuple[Array, Array, Array]:
+def _bounded(at: Callable[[float], Array], error: RiseError) -> tuple[Array, Array, Array]:
     """What is so at colder, the same and hotter rises, by the shift of their logarithm."""
     middle = at(0.0)
     if error.total is None:

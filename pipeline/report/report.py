@@ -269,10 +269,7 @@ def _inputs(ds: xr.Dataset, sweep: Sweep) -> Iterator[Part]:
     library = sweep.about.sources
     origin = "other values" if library else "all values"
     if library:
-        yield frame_of(
-            ("from the library", "value", "source"),
-            library,
-        )
+        yield frame_of(("from the library", "value", "source"), library)
     yield f"Source: {origin} from the scene {sweep.about.name}.toml."
 
 
