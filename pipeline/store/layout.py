@@ -113,7 +113,7 @@ def made_coordinates(sweep: Sweep, axes: Mapping[str, Sequence[Any]]) -> dict[st
     time, normal_load = np.moveaxis(np.array(known), -1, 0).reshape(
         2, *(len(axes[dim]) for dim in dims)
     )
-    speeds = xr.Variable(wanted["velocity"].dims, np.abs(np.array(axes["velocity"])))
+    speeds: Any = xr.Variable(wanted["velocity"].dims, np.abs(axes["velocity"]))
     whole = {dim: len(axes[dim]) for dim in wanted["sliding_distance"].dims}
     distance = (speeds * xr.Variable(dims, time)).set_dims(whole).values
     return {"time": time, "normal_load": normal_load, "sliding_distance": distance}

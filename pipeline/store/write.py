@@ -155,7 +155,7 @@ class Store:
         dims = self.arrays["max_rise"].metadata.dimension_names
         sizes = dict(zip(dims, columns["max_rise"].shape, strict=True))
         for name, values in made_coordinates(self.sweep, self.axes).items():
-            made = xr.Variable(self.arrays[name].metadata.dimension_names, values)
+            made: Any = xr.Variable(self.arrays[name].metadata.dimension_names, values)
             columns[name] = made.set_dims(sizes).values
         return columns
 
