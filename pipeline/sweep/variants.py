@@ -216,7 +216,7 @@ class Variants:
             ).taken(rows)
             for own, column in pairs
         )
-        parts = self.parts + other.parts
+        parts = (*self.parts, *other.parts)
         chosen = combinations({one.name: axes[one.name] for one in other.chosen})
         given = {**self.given, **other.given}
         return Variants(
