@@ -35,7 +35,7 @@ from pipeline.scene.format import OIL_WORKS
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.sweep.conditions import PATHS, Bulk, changes_of
+from pipeline.sweep.conditions import FIELDS, PATHS, UNITS, Bulk, changes_of
 from pipeline.sweep.judged import open_inputs
 from pipeline.sweep.samples import REACH
 from pipeline.sweep.unknown import Unknown
@@ -45,6 +45,7 @@ from tribo.types import Array
 COLDEST_OIL, HOTTEST_OIL = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
 """Bulk temperatures between which an oil may work [K]."""
 _NAMES = {path: name for name, path in PATHS.items()}
+_UNITS = {path: UNITS[name] for name, path in FIELDS.items() if name in UNITS}
 _ROUNDED = 1e-9  # share of a range beyond which a value is outside
 
 
@@ -136,7 +137,7 @@ def at(
     several = {path: values for path, values in wanted.items() if isinstance(values, list)}
     ds = _changed(ds, {k: v for k, v in wanted.items() if k not in several}, own_laws)
     for path, values in reversed(several.items()):
-        if path not in _NAMES or path == PATHS["criterion"]:
+        if path not in _UNITS:
             raise InputError(f"{path} takes one value at a time here; give one")
         axis = (path, values, {"units": _UNITS[path], "long_name": path})
         # The status alone tells of which scenes a sweep is; all else would be read to be repeated.
@@ -167,12 +168,6 @@ def _weighed(
         )
     values = judged_values(ds) | {GIVEN_MEASURED: scatter or 0.0}
     return ds.assign_attrs(at=json.dumps(values))
-
-
-_UNITS = {
-    PATHS["friction"]: "1", PATHS["bulk_temperature"]: "K", PATHS["critical_temperature"]: "K",
-    PATHS["share"]: "1",
-}  # fmt: skip
 
 
 def _si_value(path: str, value: Any) -> Any:

@@ -41,10 +41,12 @@ from pipeline.analysis.transition import (
 )
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
+from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.physics import add_turns, cold_bodies, describe_cold_bodies
+from pipeline.sweep.physics import cold_bodies, describe_cold_bodies, turn_parts
 from pipeline.sweep.surface import find_lubrication
+from tribo import Corrections
 from tribo.types import Array
 
 
@@ -119,11 +121,7 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
 def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.Dataset:
     """The boundary of one scene, under given conditions or its own."""
     found = point_field(ds, conditions)
-    coords = {
-        name: ds[name].variable
-        for name in ("realization", *PLANE)
-        if name in ds.coords and name in ds.dims
-    }
+    coords = {name: ds[name].variable for name in ("realization", *PLANE) if name in ds.indexes}
     result = xr.Dataset(coords=coords, attrs=_attributes(found.conditions))
     for axis, line in (("velocity", "load"), ("load", "velocity")):
         result = result.assign(_transitions(found, axis, line, ds))
@@ -145,15 +143,8 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
 def _attributes(conditions: Conditions) -> dict[str, Any]:
     """Conditions as attributes, with their units."""
     attributes = attributes_by(conditions)
-    units = [f"{name}: {unit}" for name, unit in _UNITS.items() if name in attributes]
+    units = [f"{name}: {unit}" for name, unit in CONDITION_UNITS.items() if name in attributes]
     return attributes | {"units_of_attributes": ", ".join(units)}
-
-
-_UNITS = {
-    "friction": "1", "bulk_temperature": "K", "disk_temperature": "K", "critical_temperature": "K",
-    "failing_share": "1",
-}  # fmt: skip
-"""Units of the conditions that are attributes of a boundary."""
 
 
 _TURNS = 5  # turns of a line that are told; more are waves between points
@@ -349,13 +340,14 @@ def quantile(low: Array, high: Array, share: float) -> float:
 def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset) -> str | None:
     """Say that bodies roll as if each turn met a cold track; None where none does."""
     scene = stored_sweep(ds).scene
-    if entry_dims(ds) or not (motion := scene.motion):
+    if entry_dims(ds) or not scene.motion:
         return None
     judged = read_conditions(ds)
-    cold = cold_bodies(motion, judged.corrections)
+    cold = cold_bodies(scene.motion, judged.corrections)
     if not cold:
         return None
-    corrections, around = add_turns(judged.corrections, scene.pin, scene.disk, motion)
+    turns, around = turn_parts(scene, cold)
+    corrections = replace(judged.corrections or Corrections(), **turns)
     warm = boundary_under(ds, replace(judged, corrections=corrections))
     moved = 100 * (warm["critical_velocity"] / crossings["critical_velocity"] - 1).values
     moved = moved[np.isfinite(moved)]

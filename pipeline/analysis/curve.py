@@ -116,17 +116,11 @@ class Curve:
             return float(below)
         if (self._inside(np.array(above)) > limit) != (y[1] > limit):
             return float(above)
-        options = {"xtol": 1e-15, "maxiter": 1000}
-        off = functools.partial(self._off, limit)
-        return float(scipy.optimize.brentq(off, below, above, **options))
 
-    def _off(self, limit: float, place: float) -> float:
-        return float(self._inside(np.array(place))) - limit
+        def off(place: float) -> float:
+            return float(self._inside(np.array(place))) - limit
 
-
-def interpolated(x: Array, y: Array, places: Array, continued: bool = False) -> Array:
-    """Interpolate y, which may have columns; see `Curve`."""
-    return Curve(x, y)(places, continued)
+        return float(scipy.optimize.brentq(off, below, above, xtol=1e-15, maxiter=1000))
 
 
 def certain(x: Array, y: Array, places: Array, limit: float) -> Array:

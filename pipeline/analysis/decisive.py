@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.curve import certain, interpolated
+from pipeline.analysis.curve import Curve, certain
 from pipeline.analysis.dataset import (
     dataset_of,
     keep_steps,
@@ -22,12 +22,7 @@ from pipeline.analysis.scenes import map_scenes
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import (
-    columns_needed,
-    failed_fraction,
-    rise_limit,
-    worst_rises,
-)
+from pipeline.sweep.severity import columns_needed, failed_fraction, rise_limit, worst_rises
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
 
@@ -130,13 +125,13 @@ def refined(
 
     def row_along(name: str, row: Array) -> Array:
         if name == "load" or limit is None:
-            return interpolated(x[name], row, axes[name])
+            return Curve(x[name], row)(axes[name])
         return certain(x[name], row, axes[name], limit)
 
     def along(name: str, axis: int, values: Array) -> Array:
         if (x[name] > 0).all() and (values > 0).all():  # all at once, if all are known
             columns = np.moveaxis(values, axis, 0)
-            return np.moveaxis(interpolated(x[name], columns, axes[name]), 0, axis)
+            return np.moveaxis(Curve(x[name], columns)(axes[name]), 0, axis)
         return np.apply_along_axis(partial(row_along, name), axis, values)
 
     friction = conditions.friction_factor(axes["velocity"])

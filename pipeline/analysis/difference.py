@@ -145,24 +145,19 @@ def _unlike(a: Mapping[str, Any], b: Mapping[str, Any]) -> str | None:
 def _critical_velocities(ds: xr.Dataset) -> pd.DataFrame:
     """Critical velocity and outcome at each load; over several surfaces or samples the median."""
     boundaries, meanings = boundary(ds), outcomes("velocity")
-    if "critical_velocity" not in boundaries:
-        velocity = boundaries["critical_velocity_quantile"].sel(quantile=0.5).values
-        beyond = np.where(velocity == 0, meanings[SEVERE], meanings[CROSSES])
-        outcome = np.where(np.isinf(velocity), meanings[MILD], beyond)
-        known = np.where(np.isfinite(velocity) & (velocity > 0), velocity, np.nan)
-        columns = {"load": boundaries["load"].values, "velocity": known, "outcome": outcome}
-        return pd.DataFrame(columns)
-    codes = boundaries["outcome_at_load"].transpose("load", ...).values
-    velocities = boundaries["critical_velocity"]
     if "critical_velocity_quantile" in boundaries:
-        velocities = boundaries["critical_velocity_quantile"].sel(quantile=0.5)
-    return pd.DataFrame(
-        {
-            "load": boundaries["load"].values,
-            "velocity": velocities.values,
-            "outcome": [", ".join(meanings[code] for code in np.unique(here)) for here in codes],
-        }
-    )
+        velocity = boundaries["critical_velocity_quantile"].sel(quantile=0.5).values
+    else:
+        velocity = boundaries["critical_velocity"].values
+    if "critical_velocity" in boundaries:
+        codes = boundaries["outcome_at_load"].transpose("load", ...).values
+        outcome = [", ".join(meanings[code] for code in np.unique(here)) for here in codes]
+    else:
+        beyond = np.where(velocity == 0, meanings[SEVERE], meanings[CROSSES])
+        outcome = np.where(np.isinf(velocity), meanings[MILD], beyond).tolist()
+        velocity = np.where(np.isfinite(velocity) & (velocity > 0), velocity, np.nan)
+    loads = boundaries["load"].values
+    return pd.DataFrame({"load": loads, "velocity": velocity, "outcome": outcome})
 
 
 def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[pd.DataFrame, int]:

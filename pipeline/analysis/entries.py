@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.scene.reference import quantity_in, sections
-from pipeline.scene.units import display
-from pipeline.sweep.conditions import PATHS
+from pipeline.scene.reference import all_keys, quantity_in
+from pipeline.scene.units import display, typeset
+from pipeline.sweep.conditions import FIELDS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import Own, Reference, own_laws, refer
 from tribo import Scene
@@ -23,10 +23,7 @@ _PATHS = {
     "pixels.periodic": "window.periodic",
     "roughness": "disk.roughness",
     "disk": "disk.material",
-    **{
-        f"conditions.{'failing_share' if name == 'share' else name}": path
-        for name, path in PATHS.items()
-    },
+    **{f"conditions.{name}": path for name, path in FIELDS.items()},
     "conditions.disk_temperature": "temperature.bulk.disk",
     "conditions.corrections.friction": "friction",
     "conditions.corrections.stem": "pin.stem",
@@ -151,13 +148,9 @@ def shown(path: str, value: Any) -> str:
 @functools.cache
 def _units() -> Mapping[str, str]:
     """Unit of each key of the format, by that of its example."""
-    signs = str.maketrans({"^": ""})
-    names = {"um": "µm", "degC": "°C"}
     units: dict[str, str] = {}
-    for section in sections():
-        for key, (entry, _) in section.keys().items():
-            if quantity := quantity_in(entry.kind):
-                unit = quantity.example.partition(" ")[2]
-                unit = unit.replace("^2", "²").replace("^3", "³").translate(signs)
-                units.setdefault(key, names.get(unit, unit))
+    for path, entry in all_keys():
+        if quantity := quantity_in(entry.kind):
+            unit = typeset(quantity.example.partition(" ")[2])
+            units.setdefault(path.rpartition(".")[2], unit)
     return units

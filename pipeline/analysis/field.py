@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
@@ -277,21 +277,14 @@ class PointField:
         return np.array([self.probability(load, velocities, scatter) for load in loads])
 
     @functools.cached_property
-    def _kept(self) -> dict[tuple[str, float, float], list[Line]]:
-        return {}
-
-    def lines(self, axis: str, load: float, velocity: float) -> list[Line]:
-        """Line of each member along an axis, through the rise at a place.
+    def lines(self) -> Callable[[str, float, float], list[Line]]:
+        """Line of each member along an axis, through the rise at a load and a velocity.
 
         Between loads or velocities of the sweep, rises go on where wear is certainly mild or
         severe.
         """
-        key = axis, load, velocity
-        if key not in self._kept:
-            if len(self._kept) > 1:  # those of one place are asked for several times
-                self._kept.clear()
-            self._kept[key] = [self._line(k, *key) for k in range(len(self.planes))]
-        return self._kept[key]
+        kept = functools.lru_cache(maxsize=2)  # those of one place are asked for several times
+        return kept(lambda *place: [self._line(k, *place) for k in range(len(self.planes))])
 
     def _line(self, number: int, axis: str, load: float, velocity: float) -> Line:
         plane, factor, limit = self.planes[number], self.conditions.friction_factor, self.limit
@@ -356,19 +349,15 @@ def fields(ds: xr.Dataset | PathLike) -> list[Field]:
         made: list[Field] = extras.module("uncertain", "fields").fields(ds)
         return made
     if kind is Kind.PLANE:
-        return [_field(scene) for scene in scenes(ds)]
+        return [point_field(scene) for scene in scenes(ds)]
     # At once, for a read of each row by itself takes ten times as long.
     require_all_sound(ds)
     ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
-    return [*_joined_places(_field(scene) for scene in scenes(ds))]
+    return [*_joined_places(point_field(scene) for scene in scenes(ds))]
 
 
 def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointField:
     """The field of one scene, under given conditions or its own."""
-    return _field(scene, conditions)
-
-
-def _field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointField:
     conditions = conditions or read_conditions(scene)
     placed = [name for name in PLANE if name not in scene.dims]
     place = tuple(scene[name].item() for name in PLANE) if len(placed) == len(PLANE) else None

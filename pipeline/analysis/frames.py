@@ -12,7 +12,7 @@ from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.scenes import attribute_values, heads_of, parts_of
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.transition import CROSSES, UNITS, in_words, outcomes
-from pipeline.sweep.conditions import PATHS
+from pipeline.sweep.conditions import FIELDS
 from tribo.material import BOUNDARY, FULL_FILM
 
 BOUNDARIES = (("critical_velocity", "load"), ("critical_load", "velocity"))
@@ -97,7 +97,7 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
     dims = [*entry_dims(rows), axis]
     crossings = xr.Dataset({head: held.drop_attrs() for head, held in values.items()})
     frame = crossings.to_dataframe(dims).reset_index()
-    several = {field for field, path in _FIELDS.items() if path in dims}
+    several = {field for field, path in FIELDS.items() if path in dims}
     judged = [one for one in ("friction", *JUDGED) if one not in several]
     for one in judged:
         if one not in frame:
@@ -107,10 +107,6 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
     names = [*dict.fromkeys([*dims[:-1], *first, axis, *values, *judged])]
     found = frame[names].itertuples(index=False, name=None)
     return frame_of([heads.get(column, column) for column in names], found)
-
-
-_FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
-"""Entries of conditions by their fields."""
 
 
 def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -149,11 +149,7 @@ def percent(probability: float) -> str:
 
 
 def answer(
-    field: Field,
-    load: float,
-    velocity: float,
-    scatter: Scatter,
-    tested: Sequence[str] = (),
+    field: Field, load: float, velocity: float, scatter: Scatter, tested: Sequence[str] = ()
 ) -> Margin:
     """The margin of a field at a load [N] and a velocity [m/s].
 
@@ -220,12 +216,7 @@ def probabilities(
     field: Field, load: float, velocities: Array, scatter: Scatter, error: RiseError
 ) -> tuple[Array, Array, Array]:
     """Probability of a severe next run by velocity, with colder, the same and hotter rises."""
-    at = functools.partial(field.probability, load, velocities, scatter)
-    middle = at(0.0)
-    if error.total is None:
-        return np.zeros_like(middle), middle, np.ones_like(middle)
-    shift = math.log1p(error.total)
-    return (at(-shift), middle, at(shift)) if shift else (middle, middle, middle)
+    return _bounded(functools.partial(field.probability, load, velocities, scatter), error)
 
 
 def probabilities_alone(
@@ -233,16 +224,23 @@ def probabilities_alone(
 ) -> tuple[float, float, float]:
     """The same of a point by itself, whose rise [K] grows with exponent 1 at most."""
 
-    def share(shift: float) -> float:
+    def share(shift: float) -> Array:
         if not (rise > 0 and math.isfinite(limit)):
-            return 0.0
+            return np.array(0.0)
         critical = limit / rise * math.exp(-shift)  # over the velocity
-        return float(severe_share([(critical, math.inf)], np.array(1.0), scatter))
+        return severe_share([(critical, math.inf)], np.array(1.0), scatter)
 
+    low, middle, high = map(float, _bounded(share, error))
+    return low, middle, high
+
+
+def _bounded(at: Callable[[float], Array], error: RiseError) -> tuple[Array, Array, Array]:
+    """What is so at colder, the same and hotter rises, by the shift of their logarithm."""
+    middle = at(0.0)
     if error.total is None:
-        return 0.0, share(0.0), 1.0
+        return np.zeros_like(middle), middle, np.ones_like(middle)
     shift = math.log1p(error.total)
-    return share(-shift), share(0.0), share(shift)
+    return (at(-shift), middle, at(shift)) if shift else (middle, middle, middle)
 
 
 def error_band(

@@ -16,7 +16,6 @@ from pipeline.analysis.dataset import stored_sweep
 from tribo import Criterion
 from tribo.types import Array
 
-_NONE = np.empty(0)
 CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL = range(7)
 """Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
 
@@ -53,12 +52,7 @@ class Transition:
 
     @classmethod
     def along(
-        cls,
-        curve: Curve,
-        limit: float,
-        ends: tuple[float, float],
-        done: Array,
-        missing: Array = _NONE,
+        cls, curve: Curve, limit: float, ends: tuple[float, float], done: Array, missing: Array
     ) -> Transition:
         """Find where a curve of rises [K] passes a limit, along velocities [m/s] or loads [N].
 

@@ -100,7 +100,7 @@ def warned(ds: xr.Dataset | PathLike) -> Warned:
     ds = dataset_of(ds)
     judged = judged_dims(ds)
     alone = ds.isel(dict.fromkeys(judged, 0))
-    flags = warnings_of(alone) | _molten(ds).any(judged) * int(WarningKind.MOLTEN)
+    flags = warnings_of(alone) | _marked(ds, _is_molten).any(judged) * int(WarningKind.MOLTEN)
     there = flags != 0
     if not there.any():
         return NO_WARNING
@@ -118,20 +118,16 @@ def warned(ds: xr.Dataset | PathLike) -> Warned:
 def warnings_of(ds: xr.Dataset) -> xr.DataArray:
     """Sum of the `WarningKind` of each done point: its own, and what its neighbours tell."""
     flags = ds["warning_flags"].where(ds["status"] == DONE, 0).astype(int)
-    flags = flags | slow_rise(ds) * int(WarningKind.SLOW_RISE)
+    flags = flags | _marked(ds, _rises_slowly) * int(WarningKind.SLOW_RISE)
     all_flags: xr.DataArray = flags.transpose(..., "load", "velocity", missing_dims="ignore")
     return all_flags
 
 
-def _molten(ds: xr.Dataset) -> xr.DataArray:
+def _is_molten(scene: xr.Dataset) -> xr.DataArray:
     """Points at which steel would have melted."""
-
-    def mark_scene(scene: xr.Dataset) -> xr.DataArray:
-        # Of a criterion that is code nothing runs here; the share serves as well.
-        judged = read_conditions(scene, with_criterion=False)
-        return decisive_rise(scene, judged) > judged.limit(MELTS)
-
-    return _marked(ds, mark_scene)
+    # Of a criterion that is code nothing runs here; the share serves as well.
+    judged = read_conditions(scene, with_criterion=False)
+    return decisive_rise(scene, judged) > judged.limit(MELTS)
 
 
 def _marked(ds: xr.Dataset, mark: Callable[[xr.Dataset], xr.DataArray]) -> xr.DataArray:
@@ -175,19 +171,15 @@ def _first(ds: xr.Dataset, chosen: xr.DataArray, flags: xr.DataArray) -> str:
 _APART = 1.1  # least ratio of velocities over which an exponent is taken
 
 
-def slow_rise(ds: xr.Dataset) -> xr.DataArray:
+def _rises_slowly(scene: xr.Dataset) -> xr.DataArray:
     """Points at which the rise by friction, between equal bulks, grows slowly with velocity."""
-
-    def mark_scene(scene: xr.Dataset) -> xr.DataArray:
-        stored = stored_sweep(scene).conditions
-        kind = stored.criterion if stored.criterion in CRITERIA else "share"
-        plain = Conditions(1.0, 300.0, None, stored.failing_share, criterion=kind)
-        rise = decisive_rise(scene, plain)
-        x = rise["velocity"].values
-        slow = np.apply_along_axis(lambda row: exponents(x, row) < SLOWEST, -1, rise.values)
-        return rise.copy(data=slow)
-
-    return _marked(ds, mark_scene)
+    stored = stored_sweep(scene).conditions
+    kind = stored.criterion if stored.criterion in CRITERIA else "share"
+    plain = Conditions(1.0, 300.0, None, stored.failing_share, criterion=kind)
+    rise = decisive_rise(scene, plain)
+    x = rise["velocity"].values
+    slow = np.apply_along_axis(lambda row: exponents(x, row) < SLOWEST, -1, rise.values)
+    return rise.copy(data=slow)
 
 
 def exponents(x: Array, y: Array) -> Array:

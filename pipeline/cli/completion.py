@@ -28,12 +28,8 @@ def _pages() -> Iterable[str]:
 def _entries() -> Iterable[str]:
     from pipeline.scene.reference import sections
 
-    return [
-        f"{section.path}.{key}=".lstrip(".")
-        for section in sections()
-        if not section.is_list
-        for key, _ in section.keys().items()
-    ]
+    listed = (section for section in sections() if not section.is_list)
+    return [f"{section.path_of(key)}=" for section in listed for key in [*section.keys()]]
 
 
 _OFFERED = {"scene": _scenes, "preset": _presets, "topic": _pages, "set": _entries, "at": _entries}

@@ -125,24 +125,23 @@ def scene_in(
             friction_heat=sweep.scene.friction_heat or changed.friction > 0,
             unequal_bulks=changed.disk_temperature is not None,
         )
-    asked = getattr(options, "accuracy", None)
-    if asked is None:
-        if points is None and store is None:
-            return sweep
-        sweep = measure_own_error(sweep, points, store, lambda line: tell(f"probing: {line}"))
-        if sweep.about.selection:
-            tell(str(sweep.about.selection))
-        return sweep
+
+    def tell_probe(line: str) -> None:
+        tell(f"probing: {line}")
+
+    accuracy = getattr(options, "accuracy", None)
     named = ["--preset"] if options.preset else []
     named += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
-    if named:
+    if accuracy is not None and named:
         raise InputError(
             f"--accuracy picks the numerical choices itself; leave out {', '.join(named)}"
         )
-    sweep = choose_accuracy(
-        sweep, options.accuracy, points, store, lambda line: tell(f"probing: {line}")
-    )
-    tell(str(sweep.about.selection))
+    if accuracy is not None:
+        sweep = choose_accuracy(sweep, accuracy, points, store, tell_probe)
+    elif points is not None or store is not None:
+        sweep = measure_own_error(sweep, points, store, tell_probe)
+    if sweep.about.selection:
+        tell(str(sweep.about.selection))
     return sweep
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -14,13 +13,12 @@ from pipeline.analysis.dataset import asked, scene_sweep
 from pipeline.analysis.margin import Margin
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.accuracy import velocity_error
-from pipeline.sweep.conditions import PATHS
+from pipeline.sweep.conditions import FIELDS
 from pipeline.sweep.model import Point, Sweep
 
 _COARSE = 0.05  # error of the boundary velocity from which a table is no more than a first look
 _ACCURACIES = (0.05, 0.02, 0.01)  # that are suggested, of the boundary velocity
 _MOST = 5  # commands that are printed
-_FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
 _BULKS = {
     "bulk_temperature": "temperature.bulk.pin",
     "disk_temperature": "temperature.bulk.disk",
@@ -37,46 +35,38 @@ def after_boundary(sweep: Sweep, store: Path | str) -> Iterator[str]:
         )
 
 
-def commands_that_decide(
-    ds: xr.Dataset, store: Path | str, undecided: Sequence[Margin], judged: Mapping[str, Any]
-) -> list[str]:
-    """Commands that decide margins within their error, each once; none if no command is known to.
+def command_that_decides(
+    ds: xr.Dataset, store: Path | str, margin: Margin, judged: Mapping[str, Any]
+) -> str | None:
+    """Command that decides a margin within its error; None if none is known to.
 
     A point that was asked for and is not done is run. Any other place that is not computed is
     computed by itself; where it is, or interpolation counts less, a better accuracy decides.
     """
     sweep = scene_sweep(ds)
+    bound = velocity_error(sweep)
     if sweep.variants.draw:
-        bound = velocity_error(sweep)
         better = [accuracy for accuracy in _ACCURACIES if bound is None or accuracy < bound]
-        return [_more_accurate(sweep, store, better[0])] if better else []
-    rows = [_row_sweep(sweep, margin.entries) for margin in undecided]
-    if None in rows:
-        places = (Point(one.load, one.velocity, tuple(one.entries.items())) for one in undecided)
-        reason = "more accurately, in Python, since no scene file has this row"
-        return [*dict.fromkeys(f"{place}, {reason}" for place in places)]
-    waits = asked(ds) & (ds["status"] != DONE)
-    commands, sharpest, bound = dict[str, None](), math.inf, velocity_error(sweep)
-    for row, margin in zip(rows, undecided, strict=True):
-        interpolation, preset = margin.error.interpolation, margin.error.preset
-        here = (ds["load"] == margin.load) & (ds["velocity"] == margin.velocity)
-        if interpolation is not None and interpolation <= (preset or 0.0):
-            sharpest = min(sharpest, _accuracy_for(bound, margin.distance, preset) or math.inf)
-        elif (waits & here).any():
-            commands[more_of_boundary(ds, store, {})] = None
-        else:
-            # A point does not know how its rise grows, and takes the bound for its own error.
-            bulks = [bulk for name in _BULKS if (bulk := judged.get(name)) is not None]
-            rise = margin.decisive_temperature - float(min(bulks))
-            alone = None if bound is None else bound * rise
-            accuracy = _accuracy_for(bound, margin.distance, alone)
-            commands[_point(row or sweep, margin, None, accuracy, judged)] = None
-    if math.isfinite(sharpest):
-        commands[_more_accurate(sweep, store, sharpest)] = None
-    return list(commands)
+        return _more_accurate(sweep, store, better[0]) if better else None
+    row = _row_sweep(sweep, margin.entries)
+    if row is None:
+        place = Point(margin.load, margin.velocity, tuple(margin.entries.items()))
+        return f"{place}, more accurately, in Python, since no scene file has this row"
+    interpolation, preset = margin.error.interpolation, margin.error.preset
+    if interpolation is not None and interpolation <= (preset or 0.0):
+        accuracy = _accuracy_for(bound, margin.distance, preset)
+        return _more_accurate(sweep, store, accuracy) if accuracy else None
+    here = (ds["load"] == margin.load) & (ds["velocity"] == margin.velocity)
+    if (asked(ds) & (ds["status"] != DONE) & here).any():
+        return more_of_boundary(ds, store, {})
+    # A point does not know how its rise grows, and takes the bound for its own error.
+    bulks = [bulk for name in _BULKS if (bulk := judged.get(name)) is not None]
+    rise = margin.decisive_temperature - float(min(bulks))
+    accuracy = _accuracy_for(bound, margin.distance, None if bound is None else bound * rise)
+    return _point(row, margin, None, accuracy, judged)
 
 
-def lines_on(commands: Sequence[str], by_model: bool = False) -> Iterator[str]:
+def lines_on(commands: Sequence[str], by_model: bool) -> Iterator[str]:
     """Lines on the commands that decide what is not decided, if not the model leaves it open."""
     if by_model:
         yield (
@@ -110,12 +100,7 @@ def more_of_boundary(ds: xr.Dataset, store: Path | str, conditions: Mapping[str,
 
 
 def point_that_decides(
-    sweep: Sweep,
-    place: Point,
-    seed: int | None,
-    distance: float,
-    rise: float,
-    given: Iterable[str],
+    sweep: Sweep, place: Point, seed: int | None, distance: float, rise: float, given: Iterable[str]
 ) -> list[str]:
     """Command that computes a point of a scene more accurately to decide it; none if nothing does.
 
@@ -133,7 +118,7 @@ def _settings(
     sweep: Sweep, conditions: Mapping[str, Any], given: Collection[str] = ()
 ) -> list[str]:
     """Settings of the conditions that differ from those of a sweep, or are given anew."""
-    stored, entries = sweep.conditions.as_dict(), _FIELDS
+    stored, entries = sweep.conditions.as_dict(), FIELDS
     stored = {name: value for name, value in stored.items() if name not in given}
     if "disk_temperature" in stored:
         entries = entries | _BULKS

@@ -18,7 +18,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.sweep.stages import duration
+from pipeline.sweep.stages import Count, duration
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -188,7 +188,7 @@ def run_line() -> Iterator[Callable[[Progress], None]]:
 
 
 @contextmanager
-def working(task: str) -> Iterator[Callable[[int, int], None]]:
+def working(task: str) -> Iterator[Count]:
     """Say after two seconds that a task goes on; yield a function that takes done and total."""
     latest, began, is_over = [0, 0], time.monotonic(), threading.Event()
 

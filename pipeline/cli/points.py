@@ -4,15 +4,10 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pipeline
-from pipeline.analysis.margin import (
-    NOT_DECIDED,
-    percent,
-    probabilities_alone,
-    verdict_between,
-)
+from pipeline.analysis.margin import NOT_DECIDED, percent, probabilities_alone, verdict_between
 from pipeline.analysis.model_error import USUAL, ModelError
 from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
 from pipeline.analysis.tables import frame_of, upright
@@ -28,9 +23,6 @@ from pipeline.sweep.plan import PointResult
 from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
 from pipeline.sweep.wear_rates import note_on_wear
 from tribo import measures
-
-if TYPE_CHECKING:
-    pass  # with Dask
 
 
 def point(options: argparse.Namespace) -> Result:

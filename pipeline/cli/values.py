@@ -7,6 +7,7 @@ import re
 import tomllib
 from argparse import ArgumentTypeError as Refused
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -83,13 +84,10 @@ def table(text: str, or_figure: bool = False) -> Path:
 
 def count(text: str, least: int = 1) -> int:
     """Read a whole number."""
-    try:
-        number = int(text)
-    except ValueError:
-        number = least - 1
-    if number < least:
-        raise Refused(f'"{text}": give a whole number of at least {least}')
-    return number
+    with suppress(ValueError):
+        if (number := int(text)) >= least:
+            return number
+    raise Refused(f'"{text}": give a whole number of at least {least}')
 
 
 def friction(text: str) -> float:
@@ -102,13 +100,10 @@ def friction(text: str) -> float:
 
 def share(text: str) -> float:
     """Read a share such as 2% or 0.02."""
-    try:
-        value = failing_share(text)
-    except Refused:
-        value = 0.0
-    if not 0 < value < 1:
-        raise Refused(f'"{text}": give a share between 0 and 1, such as 2%')
-    return value
+    with suppress(Refused):
+        if 0 < (value := failing_share(text)) < 1:
+            return value
+    raise Refused(f'"{text}": give a share between 0 and 1, such as 2%')
 
 
 def failing_share(text: str) -> float:

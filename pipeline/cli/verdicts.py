@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +30,7 @@ from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import as_dict, notes_of, short, upright
 from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_words, outcomes
 from pipeline.cli.given import dataset_in, operating_points_in, table_in, values_in
-from pipeline.cli.next_steps import after_boundary, commands_that_decide, lines_on, more_of_boundary
+from pipeline.cli.next_steps import after_boundary, command_that_decides, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted, working
 from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
@@ -59,10 +59,10 @@ def margin(options: argparse.Namespace) -> Result:
     document |= _tell_basis([one.field for one in found], text)
     known = [one for one in found if one.margin]
     text += [] if is_one else _error_lines(known)
-    commands, open_ = _next(ds, options, known)
-    document["next"] = commands
+    open_ = [one for one in known if one.known().verdict == NOT_DECIDED]
+    document["next"] = commands = _next(ds, options.store, open_)
     if open_:
-        text += lines_on(commands, by_model=all(one.is_open_by_model for one in open_))
+        text += lines_on(commands, by_model=all(one.known().is_open_by_model for one in open_))
     if is_one:
         if any(one.known().decisive_temperature > MELTS for one in known):
             text.append(f"warning: {MOLTEN}")
@@ -74,20 +74,14 @@ def margin(options: argparse.Namespace) -> Result:
     return Result(document, text, pipeline.warned(ds), [table])
 
 
-def _next(
-    ds: xr.Dataset, options: argparse.Namespace, known: list[Judged]
-) -> tuple[list[str], list[Margin]]:
-    """Commands that decide what is not decided, each once, and the margins that are not."""
-    open_, commands = list[Margin](), dict[str, None]()
-    for one in known:
-        if (here := one.known()).verdict == NOT_DECIDED:
-            open_.append(here)
-            if here.is_open_by_model:
-                continue
-            conditions = one.field.conditions.as_dict()
-            more = commands_that_decide(ds, options.store, [here], conditions)
-            commands |= dict.fromkeys(more)
-    return [*commands], open_
+def _next(ds: xr.Dataset, store: Path | str, undecided: Iterable[Judged]) -> list[str]:
+    """Commands that decide what is not decided, each once."""
+    decided = (
+        command_that_decides(ds, store, one.known(), one.field.conditions.as_dict())
+        for one in undecided
+        if not one.known().is_open_by_model
+    )
+    return [*filter(None, dict.fromkeys(decided))]
 
 
 def _place_lines(

@@ -62,10 +62,7 @@ _COLOURS = colormaps["viridis"]
 
 @style.house_style
 def diagram(
-    ds: xr.Dataset,
-    realization: int | None = None,
-    log: bool = False,
-    ax: Axes | None = None,
+    ds: xr.Dataset, realization: int | None = None, log: bool = False, ax: Axes | None = None
 ) -> Figure:
     """Draw the transition diagram; of samples, the probability of severe wear; of rows, margins.
 

@@ -22,6 +22,10 @@ from pipeline.sweep.severity import rise_limit
 from tribo import InputError
 from tribo.types import Array, Mask
 
+Wanted = float | str | Iterable[float | str] | None
+"""Loads or velocities asked for, [SI] or text with a unit; None for those near the transition."""
+Spot = tuple[int, int]
+"""Indices of a point along load and velocity."""
 _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 
 
@@ -30,12 +34,8 @@ class PendingError(InputError):
 
 
 def chosen_points(
-    ds: xr.Dataset,
-    load: float | str | Iterable[float | str] | None,
-    velocity: float | str | Iterable[float | str] | None,
-    conditions: Conditions,
-    nearest: bool = False,
-) -> list[tuple[int, int]]:
+    ds: xr.Dataset, load: Wanted, velocity: Wanted, conditions: Conditions, nearest: bool = False
+) -> list[Spot]:
     """Find the indices of the points asked for, or of the one nearest to the transition.
 
     A load or velocity that the sweep does not hold is refused, or stands for the nearest.
@@ -46,7 +46,7 @@ def chosen_points(
         indices_of(ds, axis, values, nearest)
         for axis, values in (("load", load), ("velocity", velocity))
     )
-    points, reached = list[tuple[int, int]](), np.flatnonzero(is_finite.any(axis=1))
+    points, reached = list[Spot](), np.flatnonzero(is_finite.any(axis=1))
     for i in loads or reached[-1:].tolist() or [0]:
         require_done_at(ds["load"].values[i], is_finite[i])
         judged = conditions.critical_temperature is not None
@@ -74,12 +74,7 @@ def require_done_at(load: float, is_done: Mask) -> None:
         )
 
 
-def indices_of(
-    ds: xr.Dataset,
-    axis: str,
-    values: float | str | Iterable[float | str] | None,
-    nearest: bool = False,
-) -> list[int]:
+def indices_of(ds: xr.Dataset, axis: str, values: Wanted, nearest: bool = False) -> list[int]:
     """Find the indices of one load or velocity or several; none if none is given."""
     available, found = ds[axis].values, []
     for value in _places(axis, values):
@@ -92,13 +87,13 @@ def indices_of(
     return found
 
 
-def _places(axis: str, values: float | str | Iterable[float | str] | None) -> list[float]:
+def _places(axis: str, values: Wanted) -> list[float]:
     """Loads or velocities that were asked for [SI]."""
     several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
     return [in_si(axis, value, _LIKE[axis]) for value in several]
 
 
-def nearest_to(ds: xr.Dataset, **asked: float | str | Iterable[float | str] | None) -> str:
+def nearest_to(ds: xr.Dataset, **asked: Wanted) -> str:
     """Say which loads and velocities of those asked for the sweep does not hold; empty if none."""
     missing = [
         f"{value:g} {UNITS[axis]}"
@@ -109,7 +104,7 @@ def nearest_to(ds: xr.Dataset, **asked: float | str | Iterable[float | str] | No
     return f", nearest to {' and '.join(missing)}" if missing else ""
 
 
-def point_name(ds: xr.Dataset, point: tuple[int, int]) -> str:
+def point_name(ds: xr.Dataset, point: Spot) -> str:
     """Name a point by its load, its velocity and its surface, from its indices."""
     return str(Point(ds["load"].values[point[0]], ds["velocity"].values[point[1]], drawn_row(ds)))
 
@@ -137,7 +132,7 @@ def fields(
     return _contact(ds, point, conditions, stacked)
 
 
-def _shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tuple[Array, ...]:
+def _shown(ds: xr.Dataset, point: Spot, conditions: Conditions) -> tuple[Array, ...]:
     """Pressure [GPa], temperature [°C] and wear depth [µm] at the end of a point, by x and y."""
     here = ds.isel(load=point[0], velocity=point[1]).transpose("x", "y", ...)
     rise = here["rise"].values
@@ -154,9 +149,7 @@ def _shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tu
 
 
 @style.house_style
-def _contact(
-    ds: xr.Dataset, point: tuple[int, int], conditions: Conditions, stacked: bool
-) -> Figure:
+def _contact(ds: xr.Dataset, point: Spot, conditions: Conditions, stacked: bool) -> Figure:
     """Draw the contact at the end of a point."""
     pressure, temperature, depth = _shown(ds, point, conditions)
     critical = conditions.critical_temperature

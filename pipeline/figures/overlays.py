@@ -31,6 +31,7 @@ _NEAR = 0.02  # relative difference of the limit that is not worth a mark of its
 _REACH = 1.5  # times the ends of the sweep, beyond which a test would shrink the figure
 _SAME_BULK, _FAINT = 1.0, 0.35  # [K] between bulk temperatures, and opacity of tests at others
 _RESOLUTION = 60
+Place = tuple[float, float]
 _LEVELS = (
     (BOUNDARY, "mixed", (0, (1, 2))),
     (FULL_FILM, "full film", (0, (6, 2, 1, 2))),
@@ -175,11 +176,7 @@ _LEAST_ROOM = 0.5  # share of a label's size, around its middle
 
 
 def name_regions(
-    axes: Axes,
-    plane: xr.DataArray,
-    limit: float,
-    loads: Array,
-    measured: Sequence[Measurement],
+    axes: Axes, plane: xr.DataArray, limit: float, loads: Array, measured: Sequence[Measurement]
 ) -> None:
     """Name mild and severe wear where each has most room between two rows of points."""
     scale = np.log if axes.get_xscale() == "log" else np.asarray
@@ -218,13 +215,8 @@ def name_regions(
 
 
 def _roomiest(
-    inside: Mask,
-    x: Array,
-    y: Array,
-    rows: Array,
-    taken: Sequence[tuple[float, float]],
-    size: tuple[float, float],
-) -> tuple[float, float] | None:
+    inside: Mask, x: Array, y: Array, rows: Array, taken: Sequence[Place], size: Place
+) -> Place | None:
     """Roomiest place of a label in a row, counted in sizes of labels; None if none fits."""
     inside = inside.copy()
     for point in taken:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -17,6 +16,8 @@ from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.field import along_friction, point_field
 from pipeline.figures import style
 from pipeline.figures.fields import (
+    Spot,
+    Wanted,
     chosen_points,
     indices_of,
     nearest_to,
@@ -35,8 +36,8 @@ _DECIDING: dict[str, Any] = {"ls": "-", "marker": "o"}
 @style.house_style
 def ramp(
     ds: xr.Dataset,
-    load: float | str | Iterable[float | str] | None = None,
-    velocity: float | str | Iterable[float | str] | None = None,
+    load: Wanted = None,
+    velocity: Wanted = None,
     realization: int | None = None,
     show: str | None = None,
 ) -> Figure:
@@ -81,9 +82,7 @@ def ramp(
     return figure
 
 
-def _temperatures(
-    axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]], conditions: Conditions
-) -> None:
+def _temperatures(axes: Axes, ds: xr.Dataset, points: list[Spot], conditions: Conditions) -> None:
     decisive, rises = conditions.decisive, [ds["max_rise"].values]
     looks = [{"label": "highest", **_HIGHEST}]
     if decisive.temperature != Criterion("highest").temperature:
@@ -109,19 +108,19 @@ def _temperatures(
         axes.text(start, bottom, " load held", va="bottom", color=GREY)
 
 
-def _held_from(ds: xr.Dataset, point: tuple[int, int]) -> float | None:
+def _held_from(ds: xr.Dataset, point: Spot) -> float | None:
     """Time at which a point's load was reached, if the point goes on after that [s]."""
     time, load = ds["time"].values[point], ds["normal_load"].values[point]
     reached = time[load >= ds["load"].values[point[0]]]
     return float(reached[0]) if len(reached) > 1 else None
 
 
-def _order(point: tuple[int, int]) -> float:
+def _order(point: Spot) -> float:
     """Lay lower loads over higher ones, which they would vanish under."""
     return 2 + 1 / (1 + point[0])
 
 
-def _draw(axes: Axes, ds: xr.Dataset, values: Array, point: tuple[int, int], **look: Any) -> None:
+def _draw(axes: Axes, ds: xr.Dataset, values: Array, point: Spot, **look: Any) -> None:
     """Draw values (load, velocity, step) at the steps of a point, its end as a mark."""
     time, own, marker = ds["time"].values[point], ds["own_grid"].values[point], look.pop("marker")
     known = np.isfinite(values[point])
@@ -133,7 +132,7 @@ def _draw(axes: Axes, ds: xr.Dataset, values: Array, point: tuple[int, int], **l
 def _pair(
     left: Axes,
     ds: xr.Dataset,
-    points: list[tuple[int, int]],
+    points: list[Spot],
     solid: tuple[str, Array],
     dashed: tuple[str, Array],
 ) -> None:
@@ -153,7 +152,7 @@ def _pair(
     left.legend(handles=key, loc="upper left", ncols=2)
 
 
-def _shown(axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]], name: str) -> None:
+def _shown(axes: Axes, ds: xr.Dataset, points: list[Spot], name: str) -> None:
     """Draw a stored variable at each step against time, in its unit."""
     usual = ("load", "velocity", "step")
     names = sorted(str(one) for one in ds.data_vars if ds[one].dims == usual)
@@ -165,7 +164,7 @@ def _shown(axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]], name: str)
     axes.set_ylabel(f"{name} [{ds[name].attrs.get('units', '1')}]")
 
 
-def _load_axis(axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]]) -> None:
+def _load_axis(axes: Axes, ds: xr.Dataset, points: list[Spot]) -> None:
     """Put the load that belongs to each time above `axes`, if no two times share one."""
     longest = max(points)
     time, load = ds["time"].values[longest], ds["normal_load"].values[longest]

@@ -16,6 +16,7 @@ from matplotlib.ticker import MaxNLocator, NullFormatter
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.run.vary import Variation, Variations
+from pipeline.scene.units import typeset
 from pipeline.tradeoff.trade import Choice, Trade
 from tribo import PRESETS
 
@@ -25,7 +26,6 @@ _LEAST = 0.01  # change on either side for which there is room where nothing mov
 _TICKS = 6
 _POWER = re.compile(r"(?<=\d)[eE]([+-]?\d+)")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
 
 
 @style.house_style
@@ -94,8 +94,7 @@ def _named(key: str, variations: list[Variation]) -> str:
 
 def printed(value: str) -> str:
     """A value as in print, with raised powers."""
-    for typed, sign in _SIGNS.items():
-        value = value.replace(typed, sign)
+    value = typeset(value)
     power = _POWER.search(value)
     if power:
         exponent = str(int(power[1])).translate(_RAISED)

@@ -206,7 +206,8 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     ends = [name for name in _ENDS if name in found]
     ways = {name: _way(form, name, found, ends) for name in _TARGETS}
     inputs = [one for ins, _ in ways.values() for one in ins]
-    turning = [one for one in inputs if one in found and _turns(sheet.headings[found[one]])]
+    known = (one for one in inputs if one in found)
+    turning = [one for one in known if sheet.headings[found[one]].unit in TURNS]
     inputs += ["diameter"] if {*turning} & {"first", "second"} else []
     inputs += ["seized"] if ends == ["passed"] and form.after is None else []
     if missing := [one for one in inputs if one not in found]:
@@ -264,10 +265,6 @@ def _fits(heading: Heading, title: str, quantity: Quantity) -> bool:
             if unit == like or (like and like != "%" and to_si(f"1 {unit}", f"1 {like}")):
                 return True
     return False
-
-
-def _turns(heading: Heading) -> bool:
-    return heading.unit in TURNS
 
 
 def _value(name: str, cell: str, heading: Heading) -> float:

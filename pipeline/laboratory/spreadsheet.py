@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.scene.headings import Row, Rows
+from pipeline.scene.headings import Row, Sheet, sheet_below
 from pipeline.sweep.limits import MOST_BYTES_OF_BOOK, MOST_CELLS_OF_SHEET
 from tribo import InputError
 from tribo.errors import reason_of, require_file
@@ -30,7 +30,7 @@ def read_rows(
     is_heading: Callable[[list[str]], bool],
     decimal: str | None = None,
     sheet: str | None = None,
-) -> Rows:
+) -> Sheet:
     """Read the rows of a file below the first line that is a heading.
 
     Cells stand between semicolons, tabs or commas; lines that begin with ``#`` are comments.
@@ -61,11 +61,6 @@ def read_rows(
         for row in filled
         if row.number > heading.number and not row.cells[0].startswith("#")
     ]
-    faults = [
-        f"row {number}: {len(cells)} cells below {len(heads)} headings"
-        for number, cells in below
-        if len(cells) != len(heads)
-    ]
     is_sure = decimal is not None
     if decimal is None:
         cells = (cell for row in below for cell in row.cells)
@@ -73,11 +68,9 @@ def read_rows(
         mark = _SURE_COMMA if separator == "," else _COMMA
         decimal = "," if any(map(mark.fullmatch, cells)) else "."
     rows = [
-        Row(row.number, [_plain(cell, decimal, is_sure) for cell in row.cells])
-        for row in below
-        if len(row.cells) == len(heads)
+        Row(row.number, [_plain(cell, decimal, is_sure) for cell in row.cells]) for row in below
     ]
-    return Rows(heads, rows, decimal, [*form, _MARKS[decimal]], faults)
+    return sheet_below(heads, rows, decimal, [*form, _MARKS[decimal]])
 
 
 def decoded(content: bytes) -> tuple[str, bool]:

@@ -13,9 +13,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from pipeline.laboratory.plain_scan import read_heights
 from pipeline.laboratory.text_scan import TEXT, read_text
 from pipeline.scene.faults import Faults
-from pipeline.scene.height_file import read_heights
 from pipeline.scene.units import display
 from tribo import InputError
 from tribo.errors import reason_of, require_file
@@ -67,7 +67,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     if height_unit is None:
         raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
     try:
-        return MeasuredSurface(read_heights(path, height_unit, allow_missing=True))
+        return MeasuredSurface(read_heights(path, height_unit))
     except InputError:
         raise
     except Exception as error:  # a damaged file makes NumPy raise errors of any kind

@@ -37,7 +37,7 @@ from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import fit_to_width, svg_of
 from pipeline.scene.along import OperatingPoints
-from pipeline.scene.reference import meanings
+from pipeline.scene.reference import all_keys
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.versions import package_versions
@@ -269,10 +269,7 @@ def _inputs(ds: xr.Dataset, sweep: Sweep) -> Iterator[Part]:
     library = sweep.about.sources
     origin = "other values" if library else "all values"
     if library:
-        yield frame_of(
-            ("from the library", "value", "source"),
-            library,
-        )
+        yield frame_of(("from the library", "value", "source"), library)
     yield f"Source: {origin} from the scene {sweep.about.name}.toml."
 
 
@@ -298,7 +295,8 @@ def _meaning(path: str) -> str:
     """First sentence on an entry, of the reference of the scene."""
     for body in ("pin", "disk"):
         path = path.replace(f"{body}.material.", "materials.NAME.")
-    return meanings().get(path, "").split(";")[0].split(". ")[0].rstrip(".").replace("`", "")
+    meanings = {key: entry.meaning for key, entry in all_keys()}
+    return meanings.get(path, "").split(";")[0].split(". ")[0].rstrip(".").replace("`", "")
 
 
 def _fidelity(sweep: Sweep) -> Iterator[Part]:

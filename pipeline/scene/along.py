@@ -19,26 +19,17 @@ from pipeline.scene.faults import Faults, entry_at, fault_lines, quoted
 from pipeline.scene.format import BULK, CRITICAL, FORMAT, FRICTION, LOAD, SPEED
 from pipeline.scene.headings import UNITS, as_entry, listed_faults, read_sheet, sheet_of
 from pipeline.scene.over import column_of, scene_with
+from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep, differing_inputs
 from pipeline.sweep.variants import Column, placed_rows
 from tribo import InputError
 
 _PLACE = Table({"load": Entry(LOAD), "velocity": Entry(SPEED)})
-CONDITIONS = {
-    "friction": "friction.coefficient",
-    "bulk_temperature": "temperature.bulk",
-    "critical_temperature": "temperature.critical",
-}
+_KINDS = {"friction": FRICTION, "bulk_temperature": BULK, "critical_temperature": CRITICAL}
+CONDITIONS = {name: PATHS[name] for name in _KINDS}
 """Conditions that each row may set, and their entries in a scene."""
-_ROW = Table(
-    {
-        **_PLACE.keys,
-        "friction": Optional(FRICTION),
-        "bulk_temperature": Optional(BULK),
-        "critical_temperature": Optional(CRITICAL),
-    }
-)
+_ROW = Table({**_PLACE.keys, **{name: Optional(kind) for name, kind in _KINDS.items()}})
 _BEFORE = tuple(f"{name}." for name in FORMAT.keys if name not in ("friction", "temperature"))
 """Beginnings of paths that a simulation needs."""
 _REACH = 2.0  # factor of load and velocity to which places about a row go
@@ -170,7 +161,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
         f"sweep.{axis}": [f"{one!r} {UNITS[name]}" for one in sorted({row[name] for row in pairs})]
         for axis, name in (("loads", "load"), ("velocities", "velocity"))
     }
-    first = {path: pairs[0][path] for path in pairs[0] if _is_path(path)}
+    first = {path: pairs[0][path] for path in pairs[0] if "." in path}  # others are labels
     return document.above(places | first), partial(_extend, pairs)
 
 
@@ -187,7 +178,7 @@ def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Swee
     about = [(1.0, 1.0), *((1.0, f) for f in factors), *((f, 1.0) for f in factors)]
     if (count := len(pairs) * len(about)) > MOST_SCENES:
         raise InputError(f"sweep.along: {count} places are too many; give {MOST_SCENES} at most")
-    paths = [head for head in pairs[0] if _is_path(head)]
+    paths = [head for head in pairs[0] if "." in head]
     written = [{path: row[path] for path in paths} for row in pairs]
     scenes = [scene_with(values, sweep, reading.make, "sweep.along") for values in written]
     if CONDITIONS["friction"] in paths:  # measured at the place, and not by velocity
@@ -212,11 +203,6 @@ def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Swee
     )
     plane = {"loads": tuple(sorted({*loads})), "velocities": tuple(sorted({*velocities}))}
     return sweep.changed(variants=table * sweep.variants, **plane)
-
-
-def _is_path(head: str) -> bool:
-    """True of the path of an entry, others are labels or the place."""
-    return "." in head
 
 
 def _label(head: str, cells: Sequence[Any]) -> Column:

@@ -26,10 +26,7 @@ Misfits = Iterator[tuple[str, ...]]
 
 
 def check_tables(
-    tables: dict[str, Any],
-    fidelity: tribo.Fidelity,
-    roughness: Roughness | None,
-    faults: Faults,
+    tables: dict[str, Any], fidelity: tribo.Fidelity, roughness: Roughness | None, faults: Faults
 ) -> None:
     """Note every conflict between the tables of a scene, as the format reads them."""
     _check_materials(tables, faults)

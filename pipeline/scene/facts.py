@@ -76,27 +76,24 @@ def facts_of(sweep: Sweep) -> Facts:
     velocities = sweep.plane.velocities
     pin, disk = np.transpose([scene.velocities_at(velocity) for velocity in velocities])
     expected = expect_contacts(scene, sweep.plane.loads, velocities, surface.rq if surface else 0.0)
+    turns = np.outer(expected.durations, np.abs(pin)) / scene.track_length
+    peclet = np.outer(expected.half_widths, np.abs(disk)) / (2 * scene.disk.thermal_diffusivity)
     return Facts(
         contact_modulus=contact_modulus(scene.pin.material, scene.disk),
         hertz_pressure=Span.of(expected.peak_pressures),
         hertz_half_width=Span.of(expected.half_widths),
         contact_width=Span.of(expected.widths),
         contact_widths=tuple(tuple(row) for row in expected.widths.tolist()),
-        window=sweep.scene.grid.size,
+        window=scene.grid.size,
         duration=Span.of(expected.durations),
         sliding_distance=Span.of(expected.distances),
         wear_depth=Span.of(expected.depths) if scene.wear else None,
-        peclet_number=Span.of(
-            np.outer(expected.half_widths, np.abs(disk))
-            / (2 * sweep.scene.disk.thermal_diffusivity)
-        ),
-        greatest_load=sweep.scene.greatest_load,
+        peclet_number=Span.of(peclet),
+        greatest_load=scene.greatest_load,
         surface=surface,
-        pin_velocity=Span.of(pin) if sweep.scene.motion else None,
-        disk_velocity=Span.of(disk) if sweep.scene.motion else None,
-        pin_turns=Span.of(np.outer(expected.durations, np.abs(pin)) / sweep.scene.track_length)
-        if sweep.scene.motion
-        else None,
+        pin_velocity=Span.of(pin) if scene.motion else None,
+        disk_velocity=Span.of(disk) if scene.motion else None,
+        pin_turns=Span.of(turns) if scene.motion else None,
     )
 
 

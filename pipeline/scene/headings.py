@@ -69,16 +69,6 @@ class Row(NamedTuple):
     cells: list[str]
 
 
-class Rows(NamedTuple):
-    """Headings of a file, the rows below them that are not empty, and how it was read."""
-
-    heads: list[str]
-    rows: list[Row]  # with decimal points; without those of another length than the headings
-    decimal: str  # mark of decimals in the file
-    form: list[str]  # words on separators, decimals and encoding
-    faults: list[str]  # rows whose length is wrong
-
-
 @cache
 def _laboratory() -> Any:
     """Module that reads what laboratories write; None where that extra is not there."""
@@ -179,12 +169,12 @@ class Sheet:
     """Rows of a file or of columns, and the columns for wanted quantities."""
 
     headings: list[Heading]
-    rows: list[Row]
+    rows: list[Row]  # that are not empty, with decimal points
     places: dict[str, int]  # column of each quantity that was found
     faults: list[str]  # those of columns
     of_rows: list[str] = field(default_factory=list)  # faults of rows
-    decimal: str = "."
-    form: list[str] = field(default_factory=list)  # words on how the file was read
+    decimal: str = "."  # mark of decimals in the file
+    form: list[str] = field(default_factory=list)  # words on separators, decimals and encoding
     made_of: set[int] = field(default_factory=set)  # columns of which others were made
 
     @property
@@ -296,17 +286,14 @@ def read_sheet(
     needs_more = decimal or sheet_name or given is not None or path.suffix.lower() != ".csv"
     laboratory = extras.module("laboratory", "headings") if needs_more else _laboratory()
     if laboratory:
-        read = laboratory.read_rows(path, is_heading, decimal, sheet_name)
-    else:
-        read = _read_csv(path)
-    headings = [*map(heading_of, read.heads)]
-    sheet = Sheet(headings, [*read.rows], {}, [], [*read.faults], read.decimal, read.form)
-    if laboratory:
+        sheet = laboratory.read_rows(path, is_heading, decimal, sheet_name)
         laboratory.tidy(sheet, path.stem, given)
+    else:
+        sheet = _read_csv(path)
     return _placed_columns(sheet, wanted, needed, named)
 
 
-def _read_csv(path: Path) -> Rows:
+def _read_csv(path: Path) -> Sheet:
     """Read the rows of plain CSV; lines that begin with ``#`` are comments."""
     require_file(path)
     try:
@@ -318,14 +305,17 @@ def _read_csv(path: Path) -> Rows:
         for number, cells in enumerate(lines, 1)
         if any(cells) and not cells[0].startswith("#")
     ]
-    heads = filled[0].cells if filled else []
-    faults = [
-        f"row {number}: {len(cells)} cells below {len(heads)} headings"
-        for number, cells in filled[1:]
-        if len(cells) != len(heads)
-    ]
-    rows = [row for row in filled[1:] if len(row.cells) == len(heads)]
-    return Rows(heads, rows, ".", [], faults)
+    return sheet_below(filled[0].cells if filled else [], filled[1:])
+
+
+def sheet_below(
+    heads: Sequence[str], rows: Sequence[Row], decimal: str = ".", form: Sequence[str] = ()
+) -> Sheet:
+    """Sheet of headings and the rows below them; those of another length are left out as faults."""
+    unlike = [row for row in rows if len(row.cells) != len(heads)]
+    faults = [f"row {n}: {len(cells)} cells below {len(heads)} headings" for n, cells in unlike]
+    whole = [row for row in rows if len(row.cells) == len(heads)]
+    return Sheet([*map(heading_of, heads)], whole, {}, [], faults, decimal, [*form])
 
 
 def sheet_of(columns: Any, wanted: Collection[str], needed: Collection[str]) -> Sheet:
@@ -341,7 +331,7 @@ def sheet_of(columns: Any, wanted: Collection[str], needed: Collection[str]) -> 
         counts = ", ".join(f"{head} {count}" for head, count in lengths.items())
         raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
     rows = [Row(k, [*cells]) for k, cells in enumerate(zip(*listed.values(), strict=True), 1)]
-    sheet = _placed_columns(Sheet([*map(heading_of, listed)], rows, {}, []), wanted, needed)
+    sheet = _placed_columns(sheet_below([*listed], rows), wanted, needed, None)
     for name, place in sheet.places.items():
         unit = "" if sheet.headings[place].unit else f" {UNITS.get(name, '')}"
         for row in rows:
@@ -352,10 +342,7 @@ def sheet_of(columns: Any, wanted: Collection[str], needed: Collection[str]) -> 
 
 
 def _placed_columns(
-    sheet: Sheet,
-    wanted: Collection[str],
-    needed: Collection[str],
-    named: Mapping[str, str] | None = None,
+    sheet: Sheet, wanted: Collection[str], needed: Collection[str], named: Mapping[str, str] | None
 ) -> Sheet:
     """The sheet that has columns for the wanted quantities; some of them are needed."""
     places, faults = columns_for(sheet.headings, wanted, named)

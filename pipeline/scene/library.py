@@ -17,6 +17,7 @@ from pipeline.sweep.about import FromLibrary
 _WHOLE = {
     "elastic_modulus", "poisson_ratio", "thermal_conductivity", "density", "specific_heat",
 }  # fmt: skip
+Entries = dict[str, Any]
 _VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
 
 
@@ -30,9 +31,7 @@ def library() -> dict[str, Any]:
     return tables
 
 
-def resolve_library(
-    entries: dict[str, Any], faults: Faults
-) -> tuple[dict[str, Any], tuple[FromLibrary, ...]]:
+def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[FromLibrary, ...]]:
     """The entries of a scene with those that it takes from the library, and the latter alone."""
     taken: list[FromLibrary] = []
     entries = dict(entries)
@@ -65,13 +64,8 @@ def _material(name: str, table: Any, taken: list[FromLibrary], faults: Faults) -
 
 
 def _filled(
-    table: dict[str, Any],
-    like: Any,
-    kind: str,
-    place: str,
-    taken: list[FromLibrary],
-    faults: Faults,
-) -> dict[str, Any]:
+    table: Entries, like: Any, kind: str, place: str, taken: list[FromLibrary], faults: Faults
+) -> Entries:
     """The entries of a table, and those that it lacks from an entry of the library."""
     if not isinstance(like, str) or not like:
         return table

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,8 @@ from tribo.loading.record import fault
 
 _MOST_ROWS = 1_000_000  # in a file
 _UNITS = {"time": {"s": 1.0, "ms": 1e-3, "min": 60.0}, "load": {"N": 1.0, "kN": 1e3, "mN": 1e-3}}
+Columns = dict[str, tuple[int, float]]
+"""Place of the column of time and of that of load, and their factors to SI."""
 
 
 def read_load(path: str | Path, reference_load: float | None = None) -> MeasuredLoad:
@@ -41,40 +44,28 @@ def read_load(path: str | Path, reference_load: float | None = None) -> Measured
     """
     path = Path(path)
     require_file(path)
-    lines: list[int] = []
-    rows: list[tuple[float, float]] = []
-    factors: tuple[float, float] | None = None
-    load_first = False
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            for cells in reader:
-                if not "".join(cells).strip() or cells[0].lstrip().startswith("#"):
-                    continue
-                where = f"{path}, line {reader.line_num}"
-                if len(cells) != 2:
-                    hint = hint_of_row(cells)
-                    raise InputError(
-                        f"{where}: {len(cells)} columns; give two, time and load{hint}"
-                    )
-                if factors is None:
-                    factors, load_first = _header(cells, where)
-                    continue
-                if len(rows) == _MOST_ROWS:
-                    raise InputError(f"{where}: more than {_MOST_ROWS} rows; thin the record out")
-                lines.append(reader.line_num)
-                rows.append(_numbers(cells, where))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: not comma-separated text in UTF-8: {error}") from error
-    if factors is None or len(rows) < 2:
+    lines, rows = list[int](), list[tuple[float, float]]()
+    columns: Columns | None = None
+    for line, cells in _filled_lines(path):
+        where = f"{path}, line {line}"
+        if len(cells) != 2:
+            hint = hint_of_row(cells)
+            raise InputError(f"{where}: {len(cells)} columns; give two, time and load{hint}")
+        if columns is None:
+            columns = _header(cells, where)
+            continue
+        if len(rows) == _MOST_ROWS:
+            raise InputError(f"{where}: more than {_MOST_ROWS} rows; thin the record out")
+        lines.append(line)
+        rows.append(_numbers(cells, where))
+    if columns is None or len(rows) < 2:
         raise InputError(
             f"{path}: {len(rows)} rows; needed are a header such as 'time [s], load [N]' and at "
             "least two rows"
         )
-    columns = np.array(rows).T * np.array(factors)[:, None]
-    times, loads = columns[::-1] if load_first else columns
+    times, loads = (
+        factor * np.array(rows)[:, place] for place, factor in (columns[name] for name in _UNITS)
+    )
     if reason := fault(times, loads):
         row, why = reason
         raise InputError(f"{path}, line {lines[row]}: {why}")
@@ -84,23 +75,34 @@ def read_load(path: str | Path, reference_load: float | None = None) -> Measured
         raise InputError(f"{path}: {error}") from error
 
 
-def _header(cells: list[str], where: str) -> tuple[tuple[float, float], bool]:
-    """Factors of both columns to SI, and whether the load stands first."""
-    columns = []
-    for cell in cells:
+def _filled_lines(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Number and cells of each line that is neither empty nor a comment."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            reader = csv.reader(file)
+            for cells in reader:
+                if "".join(cells).strip() and not cells[0].lstrip().startswith("#"):
+                    yield reader.line_num, cells
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: not comma-separated text in UTF-8: {error}") from error
+
+
+def _header(cells: list[str], where: str) -> Columns:
+    """Columns of time and load below a header."""
+    columns: Columns = {}
+    for place, cell in enumerate(cells):
         match = re.search(r"[\[(]\s*(\S*)\s*[\])]\s*$", cell)
-        unit = match[1] if match else None
-        for kind, units in _UNITS.items():
-            if unit in units:
-                columns.append((kind, units[unit]))
-    if sorted(kind for kind, _ in columns) != ["load", "time"]:
+        unit = match[1] if match else ""
+        columns |= {kind: (place, units[unit]) for kind, units in _UNITS.items() if unit in units}
+    if columns.keys() != _UNITS.keys():
         allowed = " or ".join(", ".join(units) for units in _UNITS.values())
         raise InputError(
             f"{where}: the header is {','.join(cells)!r}; it must give a unit of time and one of "
             f"load in brackets, {allowed}, as 'time [s], load [N]' does"
         )
-    (first, factor), (_, other) = columns
-    return (factor, other), first == "load"
+    return columns
 
 
 def _numbers(cells: list[str], where: str) -> tuple[float, float]:

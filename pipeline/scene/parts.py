@@ -21,10 +21,7 @@ _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
 def loading_of(
-    table: Mapping[str, Any] | None,
-    document: Document,
-    faults: Faults,
-    stops: tuple[float, ...] = (),
+    table: Mapping[str, Any] | None, document: Document, faults: Faults, stops: tuple[float, ...]
 ) -> Loading | None:
     """The ramp or the recorded load; a note says by which line a record was fitted.
 

@@ -86,13 +86,11 @@ def forms_of(kind: Kind) -> tuple[Table, ...]:
     return ()
 
 
-def meanings() -> dict[str, str]:
-    """Sentence on each key, by its path; NAME stands for a name of the user's choice."""
-    return {
-        section.path_of(key): entry.meaning
-        for section in sections()
-        for key, (entry, _) in section.keys().items()
-    }
+def all_keys() -> Iterator[tuple[str, Entry]]:
+    """Each key by its path; NAME stands for a name of the user's choice."""
+    for section in sections():
+        for key, (entry, _) in section.keys().items():
+            yield section.path_of(key), entry
 
 
 def unit_example(path: str) -> str | None:
@@ -100,11 +98,9 @@ def unit_example(path: str) -> str | None:
     parts = path.split(".")
     if parts[0] == "materials" and len(parts) > 2:
         parts[1] = "NAME"
-    for section in sections():
-        for key, (entry, _) in section.keys().items():
-            if section.path_of(key) == ".".join(parts) and (quantity := quantity_in(entry.kind)):
-                return quantity.example
-    return None
+    entry = dict(all_keys()).get(".".join(parts))
+    quantity = entry and quantity_in(entry.kind)
+    return quantity.example if quantity else None
 
 
 def quantity_in(kind: Kind) -> Quantity | None:

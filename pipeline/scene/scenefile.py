@@ -26,7 +26,7 @@ from pipeline.scene.parts import (
     wear_of,
     wear_rates,
 )
-from pipeline.scene.reference import meanings
+from pipeline.scene.reference import all_keys
 from pipeline.scene.runs import expand_tests, tested_holds
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.units import in_si
@@ -36,6 +36,7 @@ from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Plane, Record, Sweep
 from pipeline.sweep.own_laws import Laws, Own
+from pipeline.sweep.stages import Count
 from pipeline.sweep.variants import surfaces
 from tribo.simulation.pins import sizes_of
 
@@ -159,10 +160,7 @@ class _Reader:
         asked, name = tables["sweep"], self.document.file.stem
         sweep = Sweep(
             scene=made,
-            plane=Plane(
-                tuple(sorted(set(asked["loads"]))),
-                tuple(sorted(set(asked["velocities"]))),
-            ),
+            plane=Plane(*(tuple(sorted(set(asked[name]))) for name in ("loads", "velocities"))),
             conditions=_conditions_of(tables, made, own_criterion),
             variants=surfaces(realizations),
             record=Record(asked["fields"], asked["steps"]),
@@ -255,7 +253,7 @@ def _path_overrides(
             replaced[key] = value
         else:
             fields = [field for field in FIDELITY.keys if field != "preset"]
-            paths = [path for path in meanings() if path.partition(".")[0] not in _UNSET]
+            paths = [path for path, _ in all_keys() if path.partition(".")[0] not in _UNSET]
             hint = did_you_mean(key, [*fields, *paths])
             problem = f"unknown key{hint}; give one of {', '.join(fields)}"
             faults.note(key, f"{problem}; or an entry such as wear.pattern, loading.hold or title")
@@ -321,7 +319,7 @@ def run_point(
     velocity: float | str,
     realization: int | None = None,
     sample: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Count | None = None,
     own_laws: bool = False,
 ) -> plan.PointResult:
     """Simulate one point.

@@ -309,6 +309,16 @@ def is_shown_unit(unit: str) -> bool:
     return unit == "°C" or unit in _FACTORS or unit in of_si
 
 
+_SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
+
+
+def typeset(text: str) -> str:
+    """A unit, or a quantity, with the signs of print."""
+    for typed, sign in _SIGNS.items():
+        text = text.replace(typed, sign)
+    return text
+
+
 def display(value: float, unit: str, digits: int = 6) -> str:
     """Write an SI value as text in a unit such as °C, N, m/s, µm or GPa."""
     return f"{shown_in(value, unit):.{digits}g} {unit}"

@@ -68,16 +68,16 @@ from pipeline.store.write import Store
 from pipeline.sweep.codec import Arrays, sweep_text
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.stages import Tell
 from pipeline.sweep.stored import join, misfits
 
 _T = TypeVar("_T")
+Repair = Callable[[Store], None]
 _ROOM = 2  # reference loads up to which a bucket has room for the steps of a course
 
 
 @contextmanager
-def writing(
-    path: PathLike, sweep: Sweep, repair: Callable[[Store], None] | None = None
-) -> Iterator[Store]:
+def writing(path: PathLike, sweep: Sweep, repair: Repair | None = None) -> Iterator[Store]:
     """Create the store of a sweep, or open it and make room for what the sweep adds.
 
     A repair is called before anything else is changed. Raise a `StoreMismatchError` if it belongs
@@ -96,10 +96,7 @@ def writing(
 
 
 def grown(
-    place: StorePlace,
-    sweep: Sweep,
-    lock: Lock | None,
-    repair: Callable[[Store], None] | None = None,
+    place: StorePlace, sweep: Sweep, lock: Lock | None, repair: Repair | None = None
 ) -> Store:
     """Open a store whose lock is held, with room for what a sweep adds; raise as `writing` does."""
     root = find_root(place)
@@ -113,7 +110,7 @@ def grown(
     with writes(place):
         root = _grown_root(place, root, sweep, lock)
     store = _repaired_if_need_be(place, root, lock, lambda store: store)
-    store.ask(store.asked_by(sweep))
+    store.ask(sweep)
     return store
 
 
@@ -245,7 +242,7 @@ def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
                 (beside.path / key).hardlink_to(file)
 
 
-def restore_root(path: PathLike, sweep: Sweep, tell: Callable[[str], None] | None = None) -> bool:
+def restore_root(path: PathLike, sweep: Sweep, tell: Tell | None = None) -> bool:
     """Make a lost root again from the scene and the files of the arrays; True if it was lost.
 
     A root that does not belong to its arrays counts as lost, except in a bucket, which is not

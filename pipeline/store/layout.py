@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import xarray as xr
 import zarr
 from zarr.codecs import ZstdCodec
 from zarr.storage import MemoryStore, StorePath
@@ -112,22 +113,14 @@ def made_coordinates(sweep: Sweep, axes: Mapping[str, Sequence[Any]]) -> dict[st
     time, normal_load = np.moveaxis(np.array(known), -1, 0).reshape(
         2, *(len(axes[dim]) for dim in dims)
     )
-
-    def spread(values: Array, present: Sequence[str]) -> Array:
-        shape = (len(axes[dim]) if dim in present else 1 for dim in wanted["sliding_distance"].dims)
-        return values.reshape(*shape)
-
-    speeds = np.abs(np.array(axes["velocity"]))
-    distance = spread(speeds, wanted["velocity"].dims) * spread(time, dims)
-    whole = tuple(len(axes[dim]) for dim in wanted["sliding_distance"].dims)
-    distance = np.broadcast_to(distance, whole)
+    speeds: Any = xr.Variable(wanted["velocity"].dims, np.abs(axes["velocity"]))
+    whole = {dim: len(axes[dim]) for dim in wanted["sliding_distance"].dims}
+    distance = (speeds * xr.Variable(dims, time)).set_dims(whole).values
     return {"time": time, "normal_load": normal_load, "sliding_distance": distance}
 
 
 def documents(
-    wanted: Mapping[str, Variable],
-    axes: Mapping[str, Any],
-    block: Mapping[str, int],
+    wanted: Mapping[str, Variable], axes: Mapping[str, Any], block: Mapping[str, int]
 ) -> tuple[dict[str, bytes], dict[str, Any]]:
     """Documents and coordinates of a store by key, as Zarr writes them, and metadata by array.
 

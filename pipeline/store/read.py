@@ -148,10 +148,6 @@ class Reader:
     def __deepcopy__(self, _: Any) -> Reader:
         return self
 
-    def positions(self, name: str) -> range:
-        """All places along a dimension of the store."""
-        return range(len(self._store.axes[name]))
-
     def kept(self, name: str) -> bytes | None:
         """Content that a command has cached in the store under a name; None if there is none."""
         with suppress(OSError):

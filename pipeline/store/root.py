@@ -201,7 +201,7 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
     try:
         built: Facts = build(Facts, facts)
         _require_known(place, built, arrays)
-        fault = _fault(built, arrays)
+        fault = root_fault(built, arrays)
     except CodecError as error:
         fault = f"is damaged: {error}"
     if fault:
@@ -237,7 +237,7 @@ def _require_small_file(folder: Path) -> None:
 
 def require_likely(place: StorePlace, root: Root) -> None:
     """Refuse a root of more points, other arrays or axes than the store of its sweep has."""
-    fault = _fault(root.facts, root.arrays)
+    fault = root_fault(root.facts, root.arrays)
     if not (fault or are_rows(root)):
         fault = "is damaged: its axes are not those of its sweep"
     if fault:
@@ -257,15 +257,7 @@ def copied_attributes(root: Root) -> dict[str, str]:
     }
 
 
-class Copies(NamedTuple):
-    """What the arrays of a store have of its root."""
-
-    stations: Stations
-    facts: Facts
-    arrays: dict[str, Any]
-
-
-def copied(place: StorePlace, names: Iterable[str]) -> Copies:
+def copied(place: StorePlace, names: Iterable[str]) -> tuple[Stations, Facts, dict[str, Any]]:
     """What arrays of these names have of a root.
 
     Raise a `DamagedError` if they do not belong together.
@@ -289,7 +281,7 @@ def copied(place: StorePlace, names: Iterable[str]) -> Copies:
         copies = arrays["step"]["attributes"]
         stations = json.loads(copies["stations"])
         facts = {"generation": 0, "axes": axes, "points_per_chunk": dict(block)}
-        return Copies(
+        return (
             build(Stations, stations | {"holds": tuple(stations["holds"])}),
             build(Facts, facts | json.loads(copies["versions"])),
             arrays,
@@ -310,12 +302,7 @@ def _require_known(place: StorePlace, facts: Facts, arrays: Mapping[str, Any]) -
 _NO_AXES = {INPUTS, *MADE}  # coordinates without values in the root
 
 
-def is_likely(facts: Facts, arrays: Mapping[str, Any]) -> bool:
-    """True for what may be that of a store, but for values of entries that its sweep lacks."""
-    return not _fault(facts, arrays)
-
-
-def _fault(facts: Facts, arrays: Mapping[str, Any]) -> str:
+def root_fault(facts: Facts, arrays: Mapping[str, Any]) -> str:
     """Fault of a root; empty if it may be that of a store.
 
     The arrays are made as large as it says, before a chunk of them is read. Codecs of Zarr 2 may

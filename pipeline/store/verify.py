@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import os
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -39,10 +39,11 @@ from pipeline.store.place import (
     writes,
 )
 from pipeline.store.progress import FailedPoint
-from pipeline.store.root import ELSEWHERE, LostRootError, Root, copied, is_likely, read_root
+from pipeline.store.root import ELSEWHERE, LostRootError, Root, copied, read_root, root_fault
 from pipeline.store.schema import AT_END, DONE, MADE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
+from pipeline.sweep.stages import Count
 from tribo import InputError
 from tribo.types import Mask
 
@@ -73,7 +74,7 @@ class Verification:
 
 
 def verify_store(
-    path: PathLike, repair: bool = False, progress: Callable[[int, int], None] | None = None
+    path: PathLike, repair: bool = False, progress: Count | None = None
 ) -> Verification:
     """Read everything in a store and name what is damaged.
 
@@ -152,7 +153,7 @@ class _Found:
 
 def _found(
     store: Store,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Count | None = None,
     chunks: Container[_Index] | None = None,
     root_may_be_wrong: bool = True,
 ) -> _Found:
@@ -239,7 +240,7 @@ def _require_right_root(store: Store, found: _Found) -> None:
     with suppress(DamagedError):
         _, facts, arrays = copied(place, store.arrays)
         root = Root(store.sweep, facts, arrays)
-        if root.axes != store.axes and is_likely(facts, arrays):
+        if root.axes != store.axes and not root_fault(facts, arrays):
             other = Store(place, root, is_damaged=True)
             if _found(other, root_may_be_wrong=False).sound(other) > found.sound(store):
                 raise LostRootError(

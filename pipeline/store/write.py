@@ -18,6 +18,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from pipeline.store.checksum import packed
@@ -124,13 +125,6 @@ class Store:
         written = written_of(self.sweep.variants, point.variant)
         return str(point._replace(variant=tuple(written.items())))
 
-    def asked_by(self, sweep: Sweep) -> Mask:
-        """Mask of the points that a sweep asks for."""
-        mask = np.zeros(self.flags.shape, bool)
-        for point in points_of(sweep):
-            mask[self.index(point)] = True
-        return mask
-
     def chunk_keys(self, name: str, numbers: Sequence[int]) -> Iterator[str]:
         """Keys of the chunks of a variable with these numbers along the dimensions of points."""
         array = self.arrays[name]
@@ -158,12 +152,11 @@ class Store:
     def read_steps(self) -> dict[str, Any]:
         """All variables at steps, with time, load and distance, in one shape each."""
         columns = {name: self.read(name, ...) for name in STEPPED if name in self.arrays}
-        shape = columns["max_rise"].shape
         dims = self.arrays["max_rise"].metadata.dimension_names
+        sizes = dict(zip(dims, columns["max_rise"].shape, strict=True))
         for name, values in made_coordinates(self.sweep, self.axes).items():
-            present = self.arrays[name].metadata.dimension_names
-            sizes = [n if dim in present else 1 for dim, n in zip(dims, shape, strict=True)]
-            columns[name] = np.broadcast_to(values.reshape(sizes), shape)
+            made: Any = xr.Variable(self.arrays[name].metadata.dimension_names, values)
+            columns[name] = made.set_dims(sizes).values
         return columns
 
     def pending(self) -> list[Point]:
@@ -209,11 +202,13 @@ class Store:
         """Make points pending again."""
         self.write({}, {self.index(point): PENDING for point in points})
 
-    def ask(self, wanted: Mask) -> None:
+    def ask(self, sweep: Sweep) -> None:
         """Note which points this run asks for."""
-        changed = self.asked != wanted
-        self.asked = wanted.astype(np.int8)
-        self._put_marks("asked", self.asked, changed)
+        wanted = np.zeros_like(self.asked)
+        for point in points_of(sweep):
+            wanted[self.index(point)] = 1
+        changed, self.asked = self.asked != wanted, wanted
+        self._put_marks("asked", wanted, changed)
 
     def write(
         self, values: Mapping[_Index, Mapping[str, Any]], statuses: Mapping[_Index, int]

@@ -153,13 +153,9 @@ def point_rows(columns: Mapping[str, Array], warnings: Iterable[PointWarning]) -
     """Describe the end of a point, a row for each subject."""
     end = {name: column[-1] for name, column in columns.items()}
     yield "after", f"{end['time']:.4g} s and {end['sliding_distance']:.4g} m"
-    yield (
-        "contact",
-        (
-            f"{1e6 * end['contact_width']:.4g} µm wide, {1e-9 * end['mean_pressure']:.3g} GPa on "
-            f"average, {1e-9 * end['max_pressure']:.3g} GPa at most"
-        ),
-    )
+    width, mean, most = 1e6 * end["contact_width"], end["mean_pressure"], end["max_pressure"]
+    pressures = f"{1e-9 * mean:.3g} GPa on average, {1e-9 * most:.3g} GPa at most"
+    yield "contact", f"{width:.4g} µm wide, {pressures}"
     yield "wear", f"{1e6 * end['wear_depth_max']:.3g} µm deep, {1e9 * end['wear_volume']:.3g} mm³"
     yield "rise", f"{end['max_rise']:.4g} K at most, at friction 1"
     for warning in warnings:

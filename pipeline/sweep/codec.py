@@ -30,6 +30,7 @@ Arrays = dict[str, Array]
 _OF_PROTOCOL: dict[Any, dict[str, Any]] = {Pin: PINS, WearLaw: LAWS, Surface: {}}
 _CODE: dict[Any, tuple[Any, ...]] = {Pin: (), WearLaw: (Reference,), Surface: (Reference,)}
 """Classes that ship of each protocol, and what stands for a user's own."""
+_SEVERAL: dict[Any, Any] = {tuple: tuple, list: list, Collection: tuple | frozenset}
 _GREATEST = {float: sys.float_info.max, int: 2**63 - 1}
 
 
@@ -172,11 +173,8 @@ def fits(value: Any, hint: Any) -> bool:
         return value in inner
     if origin is tuple and ... not in inner:
         return _is_row(value, inner)
-    if origin is tuple or origin is Collection:
-        is_several = isinstance(value, tuple if origin is tuple else tuple | frozenset)
-        return is_several and all(fits(one, inner[0]) for one in value)
-    if origin is list:
-        return isinstance(value, list) and all(fits(one, inner[0]) for one in value)
+    if origin in _SEVERAL:
+        return isinstance(value, _SEVERAL[origin]) and all(fits(one, inner[0]) for one in value)
     if origin is Mapping or origin is dict:
         return isinstance(value, dict) and all(_is_row(pair, inner) for pair in value.items())
     if hint in _GREATEST:

@@ -24,8 +24,14 @@ PATHS = {
     "criterion": "temperature.criterion",
 }
 """Entries of the scene file that act after the simulation, by the names of `changes_of`."""
+FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
+"""The same by the fields of `Conditions`."""
+UNITS = {
+    "friction": "1", "bulk_temperature": "K", "disk_temperature": "K", "critical_temperature": "K",
+    "failing_share": "1",
+}  # fmt: skip
+"""Units of the fields that are numbers."""
 _BULKS = ("bulk_temperature", "disk_temperature")
-_NUMBERS = ("friction", "critical_temperature", "failing_share", *_BULKS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +77,7 @@ class Conditions(Judging):
                 f'criterion is "{self.criterion}", which is code, and nothing runs by its name '
                 "alone; give --criterion and --own-laws (in Python criterion and own_laws=True)"
             )
-        for name in _NUMBERS:
+        for name in UNITS:
             value = getattr(self, name)
             if isinstance(value, Iterable):
                 raise InputError(f"{name} is {value!r}; it must be one number here")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple, Self
@@ -46,10 +47,8 @@ def leads_of(
     leads = {}
     for number, (name, scene) in enumerate(scenes):
         place = places[number] if places is not None else None
-        key = (
-            mechanics(scene),
-            None if place is None else drop_last_digits(wear_number(scene, place)),
-        )
+        number_there = None if place is None else drop_last_digits(wear_number(scene, place))
+        key = mechanics(scene), number_there
         leader, leading, its_place = first.setdefault(key, (name, scene, place))
         slides: list[Sequence[float]]
         if place is not None and its_place is not None:
@@ -106,7 +105,7 @@ class Record:
     stations: Stations | None = None  # that a store has
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Sweep:
     """A scene, where to simulate it and in which variants, and how to judge the results.
 
@@ -146,10 +145,8 @@ class Sweep:
     variants: Variants = field(default_factory=Variants)
     record: Record = field(default_factory=Record)
     about: About = field(default_factory=lambda: About(name="scene", title="A scene"))
-    _leads: Mapping[Variant, Lead] | None = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_leads", None)  # which are found when they are asked for
         object.__setattr__(self, "conditions", self.conditions.under(self.scene.loading))
         if self.variants.columns:
             self.variant(self.variants.names[0])  # refuses what the scene does not have
@@ -198,15 +195,12 @@ class Sweep:
         """The sweep at labels that are not drawn, on the rows that are drawn for them."""
         return self.variant(name).changed(variants=self.variants.below(name)) if name else self
 
-    @property
+    @functools.cached_property
     def leads(self) -> Mapping[Variant, Lead]:
         """For each row of the table, the first with the same contacts; see `Lead`."""
-        if self._leads is None:
-            table = self.variants
-            scenes = ((name, self.variant(name).scene) for name in table.names)
-            found = leads_of(scenes, table.velocities, self.plane.velocities)
-            object.__setattr__(self, "_leads", found)
-        return self._leads or {}
+        table = self.variants
+        scenes = ((name, self.variant(name).scene) for name in table.names)
+        return leads_of(scenes, table.velocities, self.plane.velocities)
 
     def contact_of(self, point: Point) -> tuple[float, Variant]:
         """Velocity and variant whose ramp of contacts leads through a point."""
@@ -250,9 +244,8 @@ class Sweep:
         for name, value in values.items():
             parts.setdefault(PART_OF[name], {})[name] = value
         whole = parts.pop("", {})
-        return replace(
-            self, **{k: replace(getattr(self, k), **new) for k, new in parts.items()}, **whole
-        )
+        whole |= {name: replace(getattr(self, name), **new) for name, new in parts.items()}
+        return replace(self, **whole)
 
     def get(self, name: str) -> Any:
         """Value of a field of one of the parts."""

@@ -6,14 +6,15 @@ Each effect that can be sized is a scene with it, or without it where the scene 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from statistics import median_high
 from typing import Any, Literal
 
 import numpy as np
 
 from pipeline.sweep.model import Sweep
-from tribo import Bulk, Corrections, Material, Motion, Pin, Stem, Track, contact_modulus
+from tribo import Bulk, Corrections, Material, Motion, Scene, Stem, Track, contact_modulus
 from tribo.types import Array
 
 _TRACK = 0.34  # m, of the paper's disk
@@ -47,32 +48,6 @@ class Effect:
         return f"{'without ' if self.state == 'counted' else ''}{self.name}", self.size
 
 
-_EFFECTS: dict[str, tuple[dict[str, str], dict[str, Any]]] = {
-    **{
-        f"friction by {name}": (
-            {f"friction.by_{name}": f"friction by {name}"}, {"friction": {f"by_{name}": ()}}
-        )
-        for name in ("velocity", "temperature")
-    },
-    "earlier turns": (
-        {
-            "pin.track_length": "earlier turns of the pin",
-            "disk.track_length": "earlier turns of the disk",
-            "pin.diameter": "disc of the pin",
-            "disk.diameter": "disc of the disk",
-        },
-        {"track": None, "pin_track": None},
-    ),
-    "bulk that follows": (
-        {"pin.capacity": "bulk of the pin", "disk.capacity": "bulk of the disk"},
-        {"pin_bulk": None, "disk_bulk": None},
-    ),
-    "stem and holder of the pin": ({"pin.stem": "stem of the pin"}, {"stem": None}),
-    "oxide or tribofilm": ({"disk.film": "film on the disk"}, {"film_resistance": 0.0}),
-}  # fmt: skip
-"""Effects by corrections: entries as `Corrections.worded` calls them, and what none of it is."""
-
-
 @dataclass(frozen=True, slots=True)
 class _Sized:
     """An effect that a scene could include: its size and certainty, its entries, and parts."""
@@ -83,6 +58,9 @@ class _Sized:
     parts: dict[str, Any]  # arguments of `Corrections`
 
 
+_Find = Callable[[Sweep, Corrections], _Sized | str | None]
+
+
 def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
     """All effects beside the half-spaces, of any scene.
 
@@ -90,7 +68,7 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
     """
     present = sweep.conditions.corrections or Corrections()
     effects, parts, more = [*_counted(sweep, present)], dict[str, Any](), 0
-    for name, find in _FOUND.items():
+    for name, (entries, _, find) in _EFFECTS.items():
         found = find(sweep, present)
         if isinstance(found, _Sized):
             entry, scene = " and ".join(found.entries), _changed(sweep, present, found.parts)
@@ -98,8 +76,7 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
             effects.append(Effect(name, "could be counted", *said, entry, scene))
             parts, more = parts | found.parts, more + 1
         elif found:
-            entry = " and ".join(_EFFECTS[name][0])
-            effects.append(Effect(name, "cannot be sized", found, "", entry))
+            effects.append(Effect(name, "cannot be sized", found, "", " and ".join(entries)))
     if more > 1:
         together = "all above that could be counted, at once", "as the least sure of them"
         scene = _changed(sweep, present, parts)
@@ -136,7 +113,7 @@ def _counted(sweep: Sweep, present: Corrections) -> Iterator[Effect]:
     if sweep.conditions.corrections is None:
         return
     said = dict(part.split(", ", 1) for part in present.worded.split("; "))
-    for name, (entries, without) in _EFFECTS.items():
+    for name, (entries, without, _) in _EFFECTS.items():
         if counted := {entry: words for entry, words in entries.items() if words in said}:
             size = ", ".join(f"{words}: {said[words]}" for words in counted.values())
             certainty, entry = "as the scene's own numbers", " and ".join(counted)
@@ -186,12 +163,12 @@ def _usual_turns(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     if not any(sweep.plane.velocities):
         return "nothing moves"
     if cold := cold_bodies(scene.motion, present):
-        turns, around = add_turns(present, scene.pin, scene.disk, scene.motion)
+        turns, around = turn_parts(scene, cold)
         return _Sized(
             f"tracks of {around:.3g} m around the {' and the '.join(cold)}",
             "to a tenth, if the tracks are that long: the effect goes as 1/length",
             tuple(f"{body}.track_length" for body in cold),
-            {"track": turns.track, "pin_track": turns.pin_track, "motion": turns.motion},
+            turns,
         )
     if present.track or present.pin_track:
         return None
@@ -269,14 +246,37 @@ def _usual_film(sweep: Sweep, present: Corrections) -> _Sized | None:
     )
 
 
-_FOUND: dict[str, Callable[[Sweep, Corrections], _Sized | str | None]] = dict(
-    zip(
-        _EFFECTS,
-        (_usual_friction, _warm_friction, _usual_turns, _usual_bulk, _usual_stem, _usual_film),
-        strict=True,
-    )
-)
-"""Size of each effect, the reason why it has none, or None if the scene includes it."""
+_EFFECTS: dict[str, tuple[dict[str, str], dict[str, Any], _Find]] = {
+    "friction by velocity": (
+        {"friction.by_velocity": "friction by velocity"}, {"friction": {"by_velocity": ()}},
+        _usual_friction,
+    ),
+    "friction by temperature": (
+        {"friction.by_temperature": "friction by temperature"},
+        {"friction": {"by_temperature": ()}}, _warm_friction,
+    ),
+    "earlier turns": (
+        {
+            "pin.track_length": "earlier turns of the pin",
+            "disk.track_length": "earlier turns of the disk",
+            "pin.diameter": "disc of the pin",
+            "disk.diameter": "disc of the disk",
+        },
+        {"track": None, "pin_track": None}, _usual_turns,
+    ),
+    "bulk that follows": (
+        {"pin.capacity": "bulk of the pin", "disk.capacity": "bulk of the disk"},
+        {"pin_bulk": None, "disk_bulk": None}, _usual_bulk,
+    ),
+    "stem and holder of the pin": ({"pin.stem": "stem of the pin"}, {"stem": None}, _usual_stem),
+    "oxide or tribofilm": (
+        {"disk.film": "film on the disk"}, {"film_resistance": 0.0}, _usual_film
+    ),
+}  # fmt: skip
+"""Effects by corrections: entries as `Corrections.worded` calls them, and what none of it is.
+
+Last what finds the size of each, the reason why it has none, or None if the scene includes it.
+"""
 
 
 def _warm_steel(sweep: Sweep) -> Effect:
@@ -314,17 +314,14 @@ def cold_bodies(motion: Motion | None, corrections: Corrections | None) -> tuple
     return tuple(body for body, track in tracks.items() if track is None)
 
 
-def add_turns(
-    corrections: Corrections | None, pin: Pin, disk: Material, motion: Motion | None
-) -> tuple[Corrections, float]:
-    """Corrections with earlier turns of all cold bodies, and the length of their tracks [m]."""
+def turn_parts(scene: Scene, cold: Iterable[str]) -> tuple[dict[str, Any], float]:
+    """Arguments of `Corrections` for earlier turns of cold bodies, and their tracks' length [m]."""
+    pin, motion = scene.pin, scene.motion
     around = (motion and motion.track_length) or 2 * math.pi * pin.radius
-    materials, names = {"pin": pin.material, "disk": disk}, {"pin": "pin_track", "disk": "track"}
-    tracks: Any = {
-        names[body]: Track.under(pin, materials[body], around)
-        for body in cold_bodies(motion, corrections)
-    }
-    return replace(corrections or Corrections(), motion=motion, **tracks), around
+    bodies = {"pin": ("pin_track", pin.material), "disk": ("track", scene.disk)}
+    pairs = (bodies[body] for body in cold)
+    tracks = {name: Track.under(pin, material, around) for name, material in pairs}
+    return {"motion": motion, **tracks}, around
 
 
 def note_on_turns(
@@ -337,21 +334,15 @@ def note_on_turns(
     speeds.
     """
     scene, conditions, plane = sweep.scene, sweep.conditions, sweep.plane
-    load = plane.loads[len(plane.loads) // 2] if load is None else load
-    if velocity is None:
-        velocity = plane.velocities[len(plane.velocities) // 2]
-    motion, pin = scene.motion, scene.pin
-    cold = cold_bodies(motion, conditions.corrections)
-    if not cold or motion is None or not velocity:
+    load = median_high(plane.loads) if load is None else load
+    velocity = median_high(plane.velocities) if velocity is None else velocity
+    cold = cold_bodies(scene.motion, conditions.corrections)
+    if not cold or not velocity:
         return None
-    turns, around = add_turns(conditions.corrections, pin, scene.disk, motion)
-    alone = Corrections(
-        motion=motion,
-        pin_track=turns.pin_track if "pin" in cold else None,
-        track=turns.track if "disk" in cold else None,
-    )
+    turns, around = turn_parts(scene, cold)
     columns = columns_in_closed_form(sweep, load, velocity, _HOT)
-    warming = conditions.friction_at(velocity) * float(alone.added_rise(columns)[-1])
+    rise = float(Corrections(**turns).added_rise(columns)[-1])
+    warming = conditions.friction_at(velocity) * rise
     return describe_cold_bodies(
         cold,
         around,

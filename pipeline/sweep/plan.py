@@ -11,7 +11,7 @@ import functools
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -21,17 +21,10 @@ from pipeline.sweep.about import as_lines, point_rows
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import verdict
+from pipeline.sweep.stages import Count
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Variant
-from tribo import (
-    QUANTILES,
-    Scene,
-    State,
-    TriboError,
-    Verdict,
-    measures,
-    warnings,
-)
+from tribo import QUANTILES, Scene, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import Note, PointWarning, Trunks, contacts, heat
 from tribo.thermal import BULK_RATIOS
 from tribo.types import Array
@@ -56,7 +49,6 @@ class PointResult:
     state: State
     shape: tuple[int, int]  #: Elements of the scene along x and y.
     warnings: tuple[PointWarning, ...]  #: Reasons for care in relying on the point.
-    at_load: tuple[State, ...]  #: States that decide, from when the load is reached on.
     wall_time: float  #: Duration of the computation, which may have begun on a trunk [s].
 
     def __repr__(self) -> str:
@@ -155,11 +147,7 @@ def step_count(scene: Scene, load: float) -> int:
 
 
 def run_point(
-    sweep: Sweep,
-    load: float,
-    velocity: float,
-    variant: Variant = (),
-    progress: Callable[[int, int], None] | None = None,
+    sweep: Sweep, load: float, velocity: float, variant: Variant = (), progress: Count | None = None
 ) -> PointResult:
     """Simulate one point; see `pipeline.run_point`, which takes text, too."""
     return run_points(sweep, (Point(load, velocity, variant),), progress=progress)[0]
@@ -169,7 +157,7 @@ def run_points(
     sweep: Sweep,
     points: Sequence[Point],
     trunks: Trunks | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Count | None = None,
 ) -> tuple[PointResult, ...]:
     """Simulate points of one contact: one point, or variants that share it, at one load.
 
@@ -209,7 +197,6 @@ def run_points(
                 state=states[-1],
                 shape=variant.scene.grid.shape,
                 warnings=tuple(warnings(variant.scene, states[-1])),
-                at_load=tuple(state for state in states if state.normal_load >= load),
                 wall_time=duration,
             )
         )

@@ -7,6 +7,10 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 
 T = TypeVar("T")
+Tell = Callable[[str], None]
+"""Takes a line on what goes on."""
+Count = Callable[[int, int], None]
+"""Takes how many of a task's parts are done, and how many there are."""
 
 _YEAR = 365.25 * 24 * 3600  # [s]
 _SOON = 2.0  # [s] before which no time is predicted
@@ -14,7 +18,7 @@ _SOON = 2.0  # [s] before which no time is predicted
 
 def staged(
     items: Iterable[T],
-    tell: Callable[[str], None] | None,
+    tell: Tell | None,
     name: Callable[[T], str] = str,
     weight: Callable[[T], float] = lambda item: 1.0,
     clock: Callable[[], float] = time.monotonic,

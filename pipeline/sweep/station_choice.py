@@ -13,9 +13,8 @@ def choose_stations(sweep: Sweep) -> Stations:
         return sweep.record.stations
     tests = (*sweep.about.measured, *sweep.about.tested)
     holds = {test.hold for test in tests if test.hold is not None}
-    return Stations(
-        sweep.record.steps or _usual(sweep), _warms_in_hold(sweep), tuple(sorted(holds))
-    )
+    steps = sweep.record.steps or _usual(sweep)
+    return Stations(steps, _warms_in_hold(sweep), tuple(sorted(holds)))
 
 
 def _usual(sweep: Sweep) -> Steps:

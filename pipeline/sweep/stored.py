@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -90,14 +91,11 @@ class Simulated:
 
     def __init__(self, sweep: Sweep) -> None:
         self._sweep = sweep
-        self._hashes: dict[Variant, str] = {}
+        self._hash = functools.cache(lambda name: content_hash(sweep.variant(name).scene))
 
     def at(self, point: Point) -> str:
         """Hash of what is simulated at a point."""
-        name = point.variant
-        if name not in self._hashes:
-            self._hashes[name] = content_hash(self._sweep.variant(name).scene)
-        return self._hashes[name]
+        return self._hash(point.variant)
 
     def group(self, point: Point) -> Variant:
         """Labels of a point that are not drawn."""

@@ -198,44 +198,33 @@ class Variants:
             If neither has some combination of labels.
         """
         axes = {name: _joined(self.axes[name], values) for name, values in other.axes.items()}
-        names, parts = combinations(axes), {**self._named_columns, **other._named_columns}
-        if gap := next((dict(name) for name in names if name not in parts), None):
+        names = combinations(axes)
+        numbers = {name: number for number, name in enumerate([*self._rows, *other._rows])}
+        if gap := next((dict(name) for name in names if name not in numbers), None):
             words = ", ".join(f"{label} {value}" for label, value in gap.items())
             raise InputError(
                 f"neither has all combinations of values, such as {words} (in SI); give each entry "
                 "of sweep.over all of its values, those of the store included"
             )
-        mine, columns = {column.name: column for column in self.columns}, list[Column]()
-        for column in other.columns:
-            along, both = column.along or column.name, (mine[column.name], column)
-            keys = [table._values(along) for table in (self, other)]
-            texts, values = dict[Label, Any](), dict[Label, Label]()
-            for labels, one in zip(keys, both, strict=True):
-                values |= zip(labels, one.values, strict=True)
-                texts |= zip(labels, one.texts or one.values, strict=True)
-            rows = [dict(name)[along] for name in names]
-            columns.append(
-                replace(
-                    column,
-                    values=tuple(values[label] for label in rows),
-                    texts=tuple(texts[label] for label in rows) if column.texts else (),
-                )
-            )
+        mine, rows = {column.name: column for column in self.columns}, [numbers[n] for n in names]
+        pairs = [(mine[column.name], column) for column in other.columns]
+        columns = (
+            replace(
+                column,
+                values=own.values + column.values,
+                texts=(own.texts or own.values) + (column.texts or column.values),
+            ).taken(rows)
+            for own, column in pairs
+        )
+        parts = (*self.parts, *other.parts)
         chosen = combinations({one.name: axes[one.name] for one in other.chosen})
         given = {**self.given, **other.given}
         return Variants(
             tuple(columns),
-            tuple(parts[name] for name in names),
+            tuple(parts[row] for row in rows),
             {name: given[name] for name in chosen if name in given},
             other.draw,
         )
-
-    @property
-    def _named_columns(self) -> dict[Variant, Part]:
-        return dict(zip(self._rows, self.parts, strict=True))
-
-    def _values(self, name: str) -> tuple[Label, ...]:
-        return next(column.values for column in self.columns if column.name == name)
 
     def plane_of(
         self, name: Variant, loads: tuple[float, ...], velocities: tuple[float, ...]

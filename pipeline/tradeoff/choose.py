@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,6 +19,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Selection, Trial, preset_of
 from pipeline.sweep.severity import rise_limit
+from pipeline.sweep.stages import Tell
 from pipeline.tradeoff.probe import (
     YARDSTICK,
     OwnError,
@@ -87,19 +88,18 @@ def choose_accuracy(
     accuracy: float | str,
     points: Sequence[Point] | None = None,
     store: PathLike | None = None,
-    progress: Callable[[str], None] | None = None,
+    progress: Tell | None = None,
 ) -> Sweep:
     """Give a sweep the cheapest fidelity within an accuracy, or keep that of its store."""
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
-    selection = None if store is None else stored_selection(store)
-    if selection is None:
-        if store is not None and find_sweep(store) is not None:
-            raise StoreMismatchError(
-                f"{store} was computed with the scene's own fidelity, not one picked for its "
-                "accuracy; leave out --accuracy to go on with it, or write to another store with -o"
-            )
-        if store is not None:
-            require_writable(store)  # before the probe takes its time
+    stored = _find_stored(store)
+    selection = stored and stored.about.selection
+    if stored and not selection:
+        raise StoreMismatchError(
+            f"{store} was computed with the scene's own fidelity, not one picked for its "
+            "accuracy; leave out --accuracy to go on with it, or write to another store with -o"
+        )
+    if not selection:
         selection = choose_fidelity(sweep, accuracy, points, progress)
     elif selection.error > accuracy:
         raise StoreMismatchError(
@@ -112,10 +112,7 @@ def choose_accuracy(
 
 
 def measure_own_error(
-    sweep: Sweep,
-    points: Sequence[Point] | None = None,
-    store: PathLike | None = None,
-    progress: Callable[[str], None] | None = None,
+    sweep: Sweep, points: Sequence[Point] | None, store: PathLike | None, tell: Tell
 ) -> Sweep:
     """Give a sweep with its own fidelity the error that a probe measures, or that its store has.
 
@@ -127,29 +124,28 @@ def measure_own_error(
     moves = all(point.velocity for point in points) if points else max(sweep.plane.velocities) > 0
     if preset_of(sweep.scene.fidelity) or not (is_judged and moves):
         return sweep
-    if store is not None and find_sweep(store) is not None:
-        return sweep.changed(selection=stored_selection(store))
-    if store is not None:
-        require_writable(store)  # before the probe takes its time
+    if stored := _find_stored(store):
+        return sweep.changed(selection=stored.about.selection)
     try:
-        return sweep.changed(selection=choose_fidelity(sweep, None, points, progress))
+        return sweep.changed(selection=choose_fidelity(sweep, None, points, tell))
     except TriboError as error:
-        if progress:
-            progress(f"the error of [fidelity] is not known: {error}")
+        tell(f"the error of [fidelity] is not known: {error}")
         return sweep
 
 
-def stored_selection(path: PathLike) -> Selection | None:
-    """Why a store has the fidelity that it has; None if it was not picked, or is not there."""
-    sweep = find_sweep(path)
-    return sweep.about.selection if sweep else None
+def _find_stored(store: PathLike | None) -> Sweep | None:
+    """The sweep of a store that a run goes on with; None of one to be made, which must be able."""
+    stored = None if store is None else find_sweep(store)
+    if store is not None and stored is None:
+        require_writable(store)  # before the probe takes its time
+    return stored
 
 
 def choose_fidelity(
     sweep: SceneLike,
     accuracy: float | str | None,
     points: Sequence[Point] | None = None,
-    progress: Callable[[str], None] | None = None,
+    progress: Tell | None = None,
     own_laws: bool = False,
 ) -> Selection:
     """Find the cheapest numerical choice whose measured error is within a bound.
@@ -226,7 +222,7 @@ def _first_within(
     exact: Yardstick,
     yardstick_error: OwnError,
     everywhere: bool,
-    tell: Callable[[str], None],
+    tell: Tell,
 ) -> Selection:
     """Take the cheapest choice whose error against the yardstick is within the accuracy.
 
@@ -299,11 +295,9 @@ def _finest(
         finer = replace(PRESETS["reference"], increments=PRESETS["reference"].increments * times)
         name = "reference" if times == 1 else f"reference, {times} times the steps"
         name += ", with all heat so far" if past else ""
-        fidelity, steps = (
-            _chosen_fidelity(sweep, finer, past),
-            finer.increments / YARDSTICK.increments,
-        )
-        trials.append(Trial(name, fidelity, yardstick_error.of(fidelity), work * steps))
+        fidelity = _chosen_fidelity(sweep, finer, past)
+        more = finer.increments / YARDSTICK.increments
+        trials.append(Trial(name, fidelity, yardstick_error.of(fidelity), work * more))
         if trials[-1].error <= accuracy or not yardstick_error.steps or yardstick_error.scatters:
             break
     return trials

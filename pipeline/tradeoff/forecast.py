@@ -144,8 +144,9 @@ class _Work:
         new = max(0, increments - has.get(task.ramp, 0))
         has[task.ramp] = max(increments, has.get(task.ramp, 0))
         warms = bool(scene.friction_heat and velocity)
+        is_course = choose_stations(self.sweep).steps == "course"
         steps = new + own
-        heats_on_way = new * warms * (scene.remembers_heat or self._is_course)
+        heats_on_way = new * warms * (scene.remembers_heat or is_course)
         heats = (own if scene.remembers_heat else shown) * warms * len(task.points)
         if not scene.remembers_steps:  # workers keep the contacts of the first velocity
             steps = 0 if (task.ramp[0], load) in has else own
@@ -156,10 +157,6 @@ class _Work:
         of_heat = (heats_on_way * share + heats) * self.heat_time
         commits = len(task.points) * _SECONDS_TO_COMMIT
         return float(steps * self.contact_time + of_heat + commits)
-
-    @property
-    def _is_course(self) -> bool:
-        return choose_stations(self.sweep).steps == "course"
 
 
 def worker_bytes(sweep: Sweep, tasks: int = 1) -> float:

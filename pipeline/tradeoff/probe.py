@@ -21,7 +21,7 @@ from pipeline.sweep.severity import (
     momentary_rises,
     rise_limit,
 )
-from pipeline.sweep.stages import staged
+from pipeline.sweep.stages import Tell, staged
 from pipeline.sweep.variants import Variant
 from tribo import PRESETS, Fidelity, InputError, Scene, State, measures, simulate
 from tribo.simulation import Trunks, forget_contacts, forget_kernels
@@ -278,10 +278,7 @@ class Yardstick:
 
 
 def measured(
-    sweep: Sweep,
-    points: Sequence[Point],
-    exponents: Sequence[float],
-    tell: Callable[[str], None] | None = None,
+    sweep: Sweep, points: Sequence[Point], exponents: Sequence[float], tell: Tell | None = None
 ) -> Yardstick:
     """Take readings of the yardstick at some points, and tell a line before each of them."""
     exact, coarse = dividing_pixels(sweep, YARDSTICK), dividing_pixels(sweep, _COARSER)
@@ -300,10 +297,7 @@ def measured(
 
 
 def own_error(
-    sweep: Sweep,
-    points: Sequence[Point],
-    exponents: Sequence[float],
-    readings: Sequence[Reading],
+    sweep: Sweep, points: Sequence[Point], exponents: Sequence[float], readings: Sequence[Reading]
 ) -> OwnError:
     """Measure by how much the yardstick errs itself: by its steps and by the heat model.
 

@@ -7,7 +7,7 @@ exponent with which the rise grows with velocity.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -18,7 +18,7 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import in_si
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import rise_limit
-from pipeline.sweep.stages import staged
+from pipeline.sweep.stages import Tell, staged
 from pipeline.sweep.variants import Variants
 from pipeline.tradeoff.probe import (
     Probe,
@@ -40,6 +40,7 @@ _HEADS = (
     "area error [%]", "pressure error [%]", "saturated error", "seconds [s]", "speedup", "saving",
     "convolutions", "peak bytes [MB]",
 )  # fmt: skip
+_OF_PROBE = "fidelity", "seconds", "convolutions", "work", "peak_bytes"
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +168,7 @@ def trade(
     presets: Sequence[str] = _USUAL,
     base: str | None = "fine",
     loads: Sequence[float | str] | None = None,
-    progress: Callable[[str], None] | None = None,
+    progress: Tell | None = None,
     own_laws: bool = False,
 ) -> Trade:
     """Measure speed against accuracy on a scene.
@@ -233,7 +234,7 @@ def trade(
         points=places,
         base=base or "",
         choices=tuple(choices),
-        wasted=_wasted(choices, base, dividing_pixels(sweep, PRESETS[base])) if base else (),
+        wasted=_wasted(choices, base),
         not_converged=tuple(failed),
     )
 
@@ -289,11 +290,7 @@ def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ..
 
 
 def _choice(
-    name: str,
-    varied: str | None,
-    measured: Probe,
-    reference: Probe,
-    exponents: Sequence[float],
+    name: str, varied: str | None, measured: Probe, reference: Probe, exponents: Sequence[float]
 ) -> Choice:
     """A choice against the reference."""
     errors = velocity_errors(measured.readings, reference.readings, exponents)
@@ -308,7 +305,6 @@ def _choice(
     return Choice(
         name=name,
         varied=varied,
-        fidelity=measured.fidelity,
         velocity_errors=errors,
         velocity_error=max(map(abs, errors)),
         rise_error=abs(largest("rise")),
@@ -317,30 +313,24 @@ def _choice(
         area_error=largest("contact_fraction"),
         pressure_error=largest("mean_pressure"),
         saturated_error=largest("saturated_fraction", relative=False),
-        seconds=measured.seconds,
-        convolutions=measured.convolutions,
-        work=measured.work,
-        peak_bytes=measured.peak_bytes,
+        **{name: getattr(measured, name) for name in _OF_PROBE},
         speedup=reference.seconds / max(measured.seconds, 1e-9),
         saving=reference.work / max(measured.work, 1.0),
     )
 
 
-def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Wasted, ...]:
-    """Choices of the base that cost much and gain nothing, the costliest first."""
-    base_choice = next((choice for choice in choices if choice.name == base), None)
-    if base_choice is None:
+def _wasted(choices: Sequence[Choice], base: str | None) -> tuple[Wasted, ...]:
+    """Choices of the base that cost much and gain nothing, the costliest of each field first."""
+    start = next((choice for choice in choices if choice.name == base), None)
+    if start is None or base is None:
         return ()
-    findings = []
-    for choice in choices:
-        saving = base_choice.work / choice.work
-        pairs = zip(choice.velocity_errors, base_choice.velocity_errors, strict=True)
+    costliest: dict[str, Wasted] = {}
+    for choice in sorted(choices, key=lambda choice: choice.work):
+        saving = start.work / choice.work
+        pairs = zip(choice.velocity_errors, start.velocity_errors, strict=True)
         moves = max(abs(one - other) for one, other in pairs)
         if choice.varied and saving >= _SAVES and moves <= _MOVES:
-            value, cheaper = (getattr(one, choice.varied) for one in (start, choice.fidelity))
-            findings.append(Wasted(base, choice.varied, value, cheaper, saving, moves))
-    findings.sort(key=lambda finding: -finding.saving)
-    costliest: dict[str, Wasted] = {}
-    for finding in findings:
-        costliest.setdefault(finding.field, finding)
+            value, cheaper = (getattr(one.fidelity, choice.varied) for one in (start, choice))
+            found = Wasted(base, choice.varied, value, cheaper, saving, moves)
+            costliest.setdefault(choice.varied, found)
     return tuple(costliest.values())

@@ -187,7 +187,7 @@ def measurements_to_make(
         ranked = ranked[:_SHOWN]
         head = "measurements to make next, the best first"
     before = _spread(ranked[0].before, unknown)
-    sentence = f"{head}; {_target(options)} is known to {before} today"
+    sentence = f"{head}; {options.target or 'the boundary, in velocity'} is known to {before} today"
     frame = _measurements(ranked, unknown)
     lines = [sentence, frame, *filter(None, [ranked[-1].comparison])]
     return _plan(options, ranked, tests), lines, frame
@@ -206,10 +206,6 @@ def _measurements(ranked: Sequence[Candidate], unknown: Unknown | None) -> pd.Da
         left: rows, "narrows by [%]": narrows,
     }  # fmt: skip
     return pd.DataFrame(columns)
-
-
-def _target(options: argparse.Namespace) -> str:
-    return options.target or "the boundary, in velocity"
 
 
 def _spread(spread: float, unknown: Unknown | None) -> str:

@@ -18,6 +18,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.write import opened, stored
 from pipeline.sweep.about import own_tests
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.stages import Tell
 from pipeline.sweep.variants import Label, Variants, rows, surfaces
 from tribo import Criterion, InputError
 from tribo.errors import require_positive
@@ -75,7 +76,7 @@ class CriticalTemperatures:
 
 def critical_temperatures(
     sweep: SceneLike,
-    tell: Callable[[str], None] | None = None,
+    tell: Tell | None = None,
     own_laws: bool = False,
     out: PathLike | None = None,
     workers: int | None = None,

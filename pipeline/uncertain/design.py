@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,6 +20,7 @@ from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.analysis.model_error import ModelError, Scatter
 from pipeline.analysis.rise_error import error_of_point
 from pipeline.scene.along import Place
+from pipeline.sweep.stages import Count
 from pipeline.sweep.unknown import OF_90, Fixed, Unit, Unknown
 from pipeline.uncertain.answers import draws_of, probability_of, run_probability
 from pipeline.uncertain.direct import SceneWith, log_rise, scene_values
@@ -37,10 +38,8 @@ CONDITIONS = (CRITICAL, BULK, FRICTION)
 """Entries that act after the simulation, and need no range."""
 SIMULATED = 90
 """Draws near the limit that are simulated directly."""
-_UNITS = {
-    LOAD: ("N", None), VELOCITY: ("m/s", None), FRICTION: ("1", None),
-    CRITICAL: ("K", Unit("°C", 1.0, 273.15)), BULK: ("K", Unit("°C", 1.0, 273.15)),
-}  # fmt: skip
+_CELSIUS = Unit("°C", 1.0, 273.15)
+_UNITS = {FRICTION: ("1", None), CRITICAL: ("K", _CELSIUS), BULK: ("K", _CELSIUS)}
 _VALUES = 17  # values of the entry among which a limit is sought
 _DRAWS = 2**13  # draws of the inputs
 _LEAST = 1e-9  # probability
@@ -305,11 +304,7 @@ class Chances:
         return kept
 
     def simulated(
-        self,
-        limit: Limit,
-        scene_with: SceneWith,
-        seed: int = 0,
-        progress: Callable[[int, int], None] | None = None,
+        self, limit: Limit, scene_with: SceneWith, seed: int = 0, progress: Count | None = None
     ) -> Direct:
         """Find the probability at a limit by simulations of draws near it.
 

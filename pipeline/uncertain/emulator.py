@@ -20,7 +20,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize
 from scipy.special import ndtr
 
+from pipeline.store.read import Reader
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import JUDGED, SPECIFIC_WEAR_RATE, Design
 from pipeline.sweep.severity import worst_rises
@@ -109,11 +110,7 @@ class LeftOut(NamedTuple):
 
 
 def fitted(
-    features: Array,
-    dimensions: Groups,
-    contacts: Groups,
-    outputs: Array,
-    keeper: Keeper | None = None,
+    features: Array, dimensions: Groups, contacts: Groups, outputs: Array, keeper: Reader | None
 ) -> Emulator:
     """Fit a Gaussian process to outputs (n, n_output) of rows, with constants kept in a store."""
     mean = outputs.mean(axis=0)
@@ -339,48 +336,28 @@ def _spline(x: Array, place: float, degree: int) -> Array:
 _RULE = b"2"  # by which the numbers are found; another one finds others
 
 
-class Keeper(Protocol):
-    """A store, as `pipeline.store.read.Reader`."""
-
-    def kept(self, name: str) -> bytes | None:
-        """Content that was kept under a name; None if there is none."""
-
-    def keep(self, name: str, content: bytes) -> None:
-        """Keep content under a name that is not taken, if a run reads the store."""
-
-
 def kept_or_found(
-    keeper: Keeper | None, data: Sequence[Array | Any], find: Callable[[], Array]
+    keeper: Reader | None, data: Sequence[Array | Any], find: Callable[[], Array]
 ) -> Array:
     """Numbers found from data, or those kept when they were found from the same data."""
     if keeper is None:
         return find()
-    name = kept_name("fit", *data)
+    name = f"fit-{_hash(_RULE, *(np.ascontiguousarray(one).tobytes() for one in data))[:16]}"
     numbers = recalled(keeper, name)
     if numbers is None:
         numbers = find().tolist()
-        remember(keeper, name, numbers)
+        document = {"numbers": numbers, "hash": _hash(json.dumps(numbers).encode())}
+        keeper.keep(name, json.dumps(document).encode())
     return np.array(numbers, float)
 
 
-def kept_name(kind: str, *data: Array | Any) -> str:
-    """Name under which numbers found from data are kept."""
-    return f"{kind}-{_hash(_RULE, *(np.ascontiguousarray(one).tobytes() for one in data))[:16]}"
-
-
-def recalled(keeper: Keeper, name: str) -> Any:
+def recalled(keeper: Reader, name: str) -> Any:
     """Numbers that are kept; None if there are none, or if they were cut short or damaged."""
     with suppress(ValueError, KeyError, TypeError, RecursionError):
         document = json.loads(keeper.kept(name) or b"")
         if document["hash"] == _hash(json.dumps(document["numbers"]).encode()):
             return document["numbers"]
     return None
-
-
-def remember(keeper: Keeper, name: str, numbers: Any) -> None:
-    """Keep numbers, with their hash."""
-    document = {"numbers": numbers, "hash": _hash(json.dumps(numbers).encode())}
-    keeper.keep(name, json.dumps(document).encode())
 
 
 def _hash(*parts: bytes) -> str:

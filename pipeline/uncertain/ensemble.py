@@ -36,9 +36,10 @@ from pipeline.analysis.dataset import (
 from pipeline.analysis.decisive import require_sound
 from pipeline.analysis.scenes import scenes
 from pipeline.store.place import PathLike
+from pipeline.store.read import Reader
 from pipeline.store.schema import DONE
 from pipeline.sweep.accuracy import velocity_error
-from pipeline.sweep.conditions import PATHS, Conditions
+from pipeline.sweep.conditions import FIELDS, PATHS, Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.samples import Design
 from pipeline.sweep.unknown import Fixed, Unknown, without
@@ -46,7 +47,6 @@ from pipeline.sweep.variants import VARIANT
 from pipeline.uncertain.emulator import (
     Emulator,
     Groups,
-    Keeper,
     LeftOut,
     columns_until,
     decisive_rises,
@@ -55,19 +55,13 @@ from pipeline.uncertain.emulator import (
     load_weights,
     outer,
 )
-from pipeline.uncertain.inputs import (
-    BULK,
-    CRITICAL,
-    FRICTION,
-    LEAST_FRICTION,
-    SHARE,
-    condition,
-)
+from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION, SHARE
 from tribo import InputError
 from tribo.types import Array
 
 Axis = Sequence[float] | Array
 """Loads [N] or velocities [m/s]."""
+_FIELD_OF = {path: name for name, path in FIELDS.items()}
 _LEAST_RISE = 1.0  # [K], of the few draws of a wide distribution that cross what is possible
 _NODES = 9  # velocities between which the logarithm of the rise is a cubic
 _FEWEST = 12  # samples of which an emulator is made
@@ -125,7 +119,7 @@ class Ensemble:
     same_rig: bool = True  #: The friction of tests is that of the scene, not another machine's.
     #: Relative error of boundary velocities by the fidelity of the samples; None if not known.
     velocity_error: float | None = None
-    keeper: Keeper | None = None  #: Store in which fits are kept.
+    keeper: Reader | None = None  #: Store in which fits are kept.
 
     @classmethod
     def of(cls, ds: xr.Dataset | PathLike) -> Ensemble:
@@ -253,7 +247,7 @@ class Ensemble:
             value = values[path]
         elif path == CRITICAL:
             value = self.conditions.known_critical_temperature()
-        elif (known := condition(self.conditions, path)) is not None:
+        elif (known := getattr(self.conditions, _FIELD_OF.get(path, ""), None)) is not None:
             value = known
         else:
             (entry,) = (one for one in self.design.inputs if one.path == path)
@@ -374,10 +368,7 @@ def keep_fits(ds: xr.Dataset) -> None:
 
 
 def _row_conditions(
-    conditions: Conditions,
-    sweep: Sweep,
-    rows: Sequence[int],
-    shares: Sequence[float] | None,
+    conditions: Conditions, sweep: Sweep, rows: Sequence[int], shares: Sequence[float] | None
 ) -> list[Conditions]:
     """Conditions of samples by their rows, with corrections and shares that each has drawn."""
     own = (dict(sweep.variants.part(((VARIANT, row),))).get("conditions") for row in rows)

@@ -31,14 +31,7 @@ from pipeline.sweep.samples import (
     Layer,
     samples_per_contact,
 )
-from pipeline.sweep.unknown import (
-    Fixed,
-    Form,
-    Unit,
-    Unknown,
-    first_unfit,
-    without,
-)
+from pipeline.sweep.unknown import Fixed, Form, Unit, Unknown, first_unfit, without
 from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
 from tribo import InputError, Material, Scene, Wear
 from tribo.simulation import inseparable
@@ -183,12 +176,7 @@ def _correlated(
     )
 
 
-def _design(
-    inputs: Sequence[Unknown],
-    layers: list[Layer],
-    seed: int,
-    sweep: Sweep,
-) -> Design:
+def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sweep) -> Design:
     """Rule by which samples are drawn."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
     if len(moving) < 2 or not sweep.scene.friction_heat:

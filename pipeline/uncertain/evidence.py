@@ -24,14 +24,7 @@ from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, prior
-from pipeline.uncertain.rig import (
-    SLOPES,
-    Columns,
-    join_oils,
-    join_rig,
-    learnt,
-    log_discrepancy,
-)
+from pipeline.uncertain.rig import SLOPES, Columns, join_oils, join_rig, learnt, log_discrepancy
 from tribo import InputError
 from tribo.types import Array
 
@@ -49,7 +42,7 @@ class Distances(NamedTuple):
 
     values: Array  # logarithm of a test's velocity over the critical one
     variance: Array  # theirs without the scatter of the velocity
-    told: Array | float = 0.0  # log likelihood of a measured friction, where it tells of the rig's
+    told: Array  # log likelihood of a measured friction, where it tells of the rig's
 
 
 def require_possible(ensemble: Ensemble) -> None:
@@ -73,36 +66,29 @@ def require_possible(ensemble: Ensemble) -> None:
             )
 
 
-def distances_of(
-    ensemble: Ensemble,
-    tests: Sequence[Test],
-    inputs: Array,
-    rig: Array | None = None,
-    slopes: Array | None = None,
-    oils: Mapping[str, Array] | None = None,
-) -> Distances:
-    """Distances from tests of draws (n, n_unknown), with a rig and a discrepancy if given.
+class Truths(NamedTuple):
+    """Draws of a sweep's inputs (n, n_unknown), and of what its tests add."""
 
-    Oils have critical temperatures of their own by draw, (n,); other tests have that of the draws.
-    """
-    values, variance, told = np.empty((3, len(tests), len(inputs)))
+    inputs: Array
+    rig: Array | None = None  # friction of the rig, and its scatter, (n, 2)
+    slopes: Array | None = None  # those of a discrepancy, (n, 2)
+    oils: Mapping[str, Array] = {}  # critical temperatures of oils that have their own, (n,)
+
+
+def distances_of(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
+    """Distances of draws from tests."""
+    values, variance, told = np.empty((3, len(tests), len(truths.inputs)))
     for hold, held in ensemble.hold_ensembles.items():
         numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
         if part := [tests[number] for number in numbers]:
-            part_of = _hold_distances(held, part, inputs, rig, slopes, oils or {})
+            part_of = _hold_distances(held, part, truths)
             values[numbers], variance[numbers], told[numbers] = part_of
     return Distances(values, variance, told)
 
 
-def _hold_distances(
-    ensemble: Ensemble,
-    tests: Sequence[Test],
-    inputs: Array,
-    rig: Array | None,
-    slopes: Array | None,
-    oils: Mapping[str, Array],
-) -> Distances:
+def _hold_distances(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
     """Distances of draws from tests that held the load as the ensemble does."""
+    inputs, rig, slopes, oils = truths
     nodes = np.geomspace(*ensemble.velocities, _NODES)
     ends = ensemble.loads[[0, -1]]
     loads = sorted({load for test in tests for load in (test["normal_load"], *_around(test, ends))})
@@ -189,46 +175,6 @@ def decisive_tests(tests: Sequence[Test]) -> list[Test]:
     return list(kept.values())
 
 
-def group_runs(tests: Sequence[Test]) -> list[list[int]]:
-    """Numbers of the tests of each run; a test without one is a run of its own."""
-    runs = dict[Any, list[int]]()
-    for number, test in enumerate(tests):
-        runs.setdefault(test.get("run", number), []).append(number)
-    return list(runs.values())
-
-
-def weigh_runs(
-    tests: Sequence[Test],
-    runs: Sequence[Sequence[int]],
-    distances: Distances,
-    scatters: Sequence[float] | Array,
-) -> Runs:
-    """Scores and log likelihoods of runs, given the distances of their tests."""
-    shape = len(runs), distances.values.shape[1], len(scatters)
-    low, high, likelihoods = np.full(shape, -np.inf), np.full(shape, np.inf), np.zeros(shape)
-    told = np.broadcast_to(np.asarray(distances.told, float), distances.values.shape)
-    for run, rows in enumerate(runs):
-        for row in rows:
-            test, by_run = tests[row], np.asarray(scatters, float)
-            if "velocity_scatter" in test:
-                by_run = np.full(len(by_run), test["velocity_scatter"] / test["velocity"])
-            deviation = np.sqrt(distances.variance[row, :, None] + by_run**2)
-            z = distances.values[row, :, None] / deviation
-            if test.get("outcome") != "severe":
-                low[run] = np.maximum(low[run], z)
-            if test.get("outcome") != "mild":
-                high[run] = np.minimum(high[run], z)
-            if "outcome" not in test:
-                likelihoods[run] -= 0.5 * z**2 + np.log(deviation)
-        if any("outcome" in tests[row] for row in rows):
-            likelihoods[run] += log_between(low[run], high[run])
-        # The friction of a specimen is one, however often it was measured.
-        measured = [row for row in rows if tests[row].get("friction") is not None]
-        if measured:
-            likelihoods[run] += told[measured].mean(axis=0)[:, None]
-    return Runs(low, high, likelihoods)
-
-
 def log_between(low: Array, high: Array) -> Array:
     """Logarithm of Φ(high) − Φ(low), also far out; very low where none lies between."""
     is_above = low > 0  # Φ(−low) − Φ(−high) has no rounding there
@@ -288,13 +234,11 @@ class Joint:
 
     @functools.cached_property
     def runs(self) -> list[list[int]]:
-        """Numbers of the tests of each run."""
-        return group_runs(self.tests)
-
-    @property
-    def known(self) -> tuple[Unknown, ...]:
-        """Inputs of the sweep."""
-        return self.ensemble.unknown
+        """Numbers of the tests of each run; a test without one is a run of its own."""
+        runs = dict[Any, list[int]]()
+        for number, test in enumerate(self.tests):
+            runs.setdefault(test.get("run", number), []).append(number)
+        return list(runs.values())
 
     def judged(self, inputs: Array) -> JudgedTests:
         """Tests beside draws of all inputs, shape (n, n_unknown)."""
@@ -304,8 +248,33 @@ class Joint:
             distances = distances._replace(
                 values=distances.values + shift, variance=distances.variance + variance
             )
-        runs = weigh_runs(self.tests, self.runs, distances, self.scatters)
+        runs = self._weigh_runs(distances)
         return JudgedTests(distances, runs, runs.log_likelihoods.sum(axis=0) + _LOG_PRIOR)
+
+    def _weigh_runs(self, distances: Distances) -> Runs:
+        """Scores and log likelihoods of runs, given the distances of their tests."""
+        shape = len(self.runs), distances.values.shape[1], len(self.scatters)
+        low, high, likelihoods = np.full(shape, -np.inf), np.full(shape, np.inf), np.zeros(shape)
+        for run, rows in enumerate(self.runs):
+            for row in rows:
+                test, by_run = self.tests[row], self.scatters
+                if "velocity_scatter" in test:
+                    by_run = np.full(len(by_run), test["velocity_scatter"] / test["velocity"])
+                deviation = np.sqrt(distances.variance[row, :, None] + by_run**2)
+                z = distances.values[row, :, None] / deviation
+                if test.get("outcome") != "severe":
+                    low[run] = np.maximum(low[run], z)
+                if test.get("outcome") != "mild":
+                    high[run] = np.minimum(high[run], z)
+                if "outcome" not in test:
+                    likelihoods[run] -= 0.5 * z**2 + np.log(deviation)
+            if any("outcome" in self.tests[row] for row in rows):
+                likelihoods[run] += log_between(low[run], high[run])
+            # The friction of a specimen is one, however often it was measured.
+            measured = [row for row in rows if self.tests[row].get("friction") is not None]
+            if measured:
+                likelihoods[run] += distances.told[measured].mean(axis=0)[:, None]
+        return Runs(low, high, likelihoods)
 
     def _fix_varying(self, inputs: Array) -> Array:
         """Draws with medians in place of what varies from part to part."""
@@ -323,14 +292,13 @@ class Joint:
         return apart.mean(axis=1)[:, None], apart.var(axis=1)[:, None]
 
     def _distances(self, inputs: Array) -> Distances:
-        return distances_of(
-            self.ensemble,
-            self.tests,
-            inputs[:, : len(self.known)],
+        truths = Truths(
+            inputs[:, : len(self.ensemble.unknown)],
             inputs[:, self.rig] if self.rig else None,
             inputs[:, -2:] if self.has_discrepancy else None,
             {oil: inputs[:, column] for oil, column in self.oils.items()},
         )
+        return distances_of(self.ensemble, self.tests, truths)
 
     def require_near(self, distances: Distances) -> None:
         """Raise an `InputError` where even the best draws are far from the tests."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -191,10 +191,8 @@ class SampleField:
     ) -> Array:
         """See `Field`: of each draw by the places at which its wear turns."""
         x, lines = self._lines(load)
-        slopes = [
-            (lines[:, 1] - lines[:, 0]) / (x[1] - x[0]),
-            (lines[:, -1] - lines[:, -2]) / (x[-1] - x[-2]),
-        ]
+        ends = slice(2), slice(-2, None)
+        slopes = (np.diff(lines[:, end])[:, 0] / np.diff(x[end]) for end in ends)
         low, high = (np.maximum(slope, LEAST_SLOPE) * _FAR for slope in slopes)
         far = np.column_stack([lines[:, 0] - low, lines, lines[:, -1] + high]) + shift
         turns, places = _crossings(np.array([x[0] - _FAR, *x, x[-1] + _FAR]), far)
@@ -202,7 +200,7 @@ class SampleField:
         begins = float(self.weights @ (far[:, 0] > 0))
         signs, at = turns[rows, columns], places[rows, columns]
         result = np.full(len(velocities), begins)
-        for part, weights in self._parts(scatter):
+        for below, weights in self._parts(scatter):
             weight = weights[rows] * signs
             # On a grid, since draws are many.
             grid = np.linspace(x[0] - _FAR, x[-1] + _FAR, _GRID)
@@ -217,7 +215,7 @@ class SampleField:
             apart = grid[some] - np.log(velocities)[:, None]
             far = max(-apart.min(), apart.max(), step)
             table = np.linspace(-far, far, _GRID)
-            result += (1 - np.interp(apart, table, part.below(table))) @ held[some]
+            result += (1 - np.interp(apart, table, below(table))) @ held[some]
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
@@ -225,12 +223,13 @@ class SampleField:
         self._keep(loads)  # at once, in place of one by one
         return np.array([self.probability(load, velocities, scatter) for load in loads])
 
-    def _parts(self, scatter: Scatter) -> list[tuple[Any, Array]]:
+    def _parts(self, scatter: Scatter) -> Iterator[tuple[Callable[[Array], Array], Array]]:
         """Distributions of the next run, each with the weights of the draws that have it."""
         if not isinstance(scatter, InferredScatter):
-            return [(scatter, self.weights)]
-        pairs = zip(scatter.scatters.tolist(), scatter.by_draw.T, strict=True)
-        return [(_Normal(sd), self.weights * odds) for sd, odds in pairs]
+            yield scatter.below, self.weights
+            return
+        for sd, odds in zip(scatter.scatters.tolist(), scatter.by_draw.T, strict=True):
+            yield functools.partial(_normal_below, sd), self.weights * odds
 
     @functools.cached_property
     def _kept(self) -> dict[float, tuple[Array, Array]]:
@@ -264,12 +263,9 @@ _GRID = 4001
 _MOST_KEPT = 64  # loads, of 1.3 MB each
 
 
-@dataclass(frozen=True, slots=True)
-class _Normal:
-    sd: float
-
-    def below(self, distances: Array) -> Array:
-        return np.asarray(ndtr(distances / self.sd))
+def _normal_below(sd: float, distances: Array) -> Array:
+    """Probability that a normal number of a standard deviation is below distances."""
+    return np.asarray(ndtr(distances / sd))
 
 
 def _crossings(x: Array, lines: Array) -> tuple[Array, Array]:
@@ -281,17 +277,13 @@ def _crossings(x: Array, lines: Array) -> tuple[Array, Array]:
     return turns, x[:-1] + np.clip(share, 0.0, 1.0) * np.diff(x)
 
 
-def single_field(ds: xr.Dataset) -> SampleField:
-    """The field of a sweep of samples of one scene; an `InputError` if it has several."""
-    return _field(ds)
-
-
 def fields(ds: xr.Dataset) -> list[SampleField]:
     """The field of each scene of a sweep of samples."""
-    return [_field(scene) for scene in scenes(ds)]
+    return [single_field(scene) for scene in scenes(ds)]
 
 
-def _field(scene: xr.Dataset) -> SampleField:
+def single_field(scene: xr.Dataset) -> SampleField:
+    """The field of a sweep of samples of one scene; an `InputError` if it has several."""
     ensemble = Ensemble.of(scene)
     weighed = posterior_at(scene, ensemble)
     coords = {str(name): label for name, label in scene.coords.items()}

@@ -13,6 +13,7 @@ from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.figures import style
 from pipeline.figures.overlays import mark_tests
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from pipeline.scene.units import typeset
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.design import Limit
 from pipeline.uncertain.fields import single_field
@@ -167,7 +168,7 @@ def draw_posterior(posterior: Posterior) -> Figure:
                 weights=draws.weights, density=True, histtype="stepfilled", color=colour,
                 alpha=0.45, ec=colour, label=label,
             )  # fmt: skip
-        unit = style.as_text(quantity.shown.suffix).replace("^2", "²").replace("^3", "³")
+        unit = typeset(style.as_text(quantity.shown.suffix))
         label = style.entry_label(quantity.path) + (unit and f"\n[{unit.strip()}]")
         panel.set_xlabel(label, fontsize=9)
         panel.ticklabel_format(axis="x", scilimits=(-3, 3), useMathText=True)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from pipeline.analysis.field import quantile
-from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.unknown import Unknown, drawn
 from tribo.types import Array
 
@@ -18,7 +17,6 @@ QUANTILES = (0.05, 0.5, 0.95)
 """Probabilities of which values are given, and lines drawn."""
 COUNT = 2**12
 """Number of draws of the scene's own distributions."""
-_AT_A_TIME = 256
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,12 +48,6 @@ class Draws:
         """Effective sample size: number of draws of equal weight that tell as much."""
         return float(1 / np.sum(self.weights**2))
 
-    def parts(self) -> Iterator[Draws]:
-        """The draws in parts, of which many values at a time take little memory."""
-        for begin in range(0, len(self.weights), _AT_A_TIME):
-            part = slice(begin, begin + _AT_A_TIME)
-            yield Draws(self.inputs[part], self.weights[part])
-
     def mean(self, values: Array) -> Any:
         """Weighted mean over the draws, the first axis."""
         return np.tensordot(self.weights, values, axes=1)
@@ -85,12 +77,3 @@ FRICTION, BULK, CRITICAL, SHARE = (
 )  # fmt: skip
 LEAST_FRICTION = 1e-3
 """Friction of the few draws of a wide distribution that are lower, or negative."""
-
-
-_FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
-
-
-def condition(conditions: Conditions, path: str) -> float | None:
-    """Value of a condition by the path of its entry [SI]; None if not known, or no condition."""
-    names = [name for name, entry in _FIELDS.items() if entry == path]
-    return getattr(conditions, names[0]) if names else None

@@ -88,9 +88,8 @@ class Features:
             column = self.truths[:, number]
             if one.kind == "list":
                 for value, width in zip(one.parameters, spread, strict=True):
-                    shifted.append(
-                        _replaced_column(self.truths, number, np.full_like(column, value))
-                    )
+                    of_value = np.full_like(column, value)
+                    shifted.append(_replaced_column(self.truths, number, of_value))
                     widths.append(np.full_like(column, 1 / width))
                 continue
             place = self.numbers(number).start

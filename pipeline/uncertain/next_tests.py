@@ -12,6 +12,7 @@ import itertools
 import math
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -23,7 +24,7 @@ from scipy.special import ndtri
 from pipeline.scene.units import UnitError, in_si, to_si
 from pipeline.sweep.unknown import OF_90
 from pipeline.uncertain.answers import log_boundary
-from pipeline.uncertain.evidence import distances_of
+from pipeline.uncertain.evidence import Truths, distances_of
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION
 from pipeline.uncertain.learning import Features, Knowledge, Observable
 from pipeline.uncertain.posterior import Posterior
@@ -83,23 +84,18 @@ class Candidate:
 def load_of_target(posterior: Posterior, target: str) -> float:
     """Load of the boundary that is a target [N]; raises if it is no load of the sweep."""
     loads = posterior.ensemble.loads
-    try:
-        load = to_si(target, "400 N")
-    except UnitError:
-        load = math.nan
-    if not loads[0] <= load <= loads[-1]:
-        paths = ", ".join(one.path for one in posterior.unknown if one.kind != "list")
-        raise InputError(
-            f'target is "{target}"; give one of {paths}, or a load from {loads[0]:g} to '
-            f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
-        )
-    return load
+    with suppress(UnitError):
+        if loads[0] <= (load := to_si(target, "400 N")) <= loads[-1]:
+            return load
+    paths = ", ".join(one.path for one in posterior.unknown if one.kind != "list")
+    raise InputError(
+        f'target is "{target}"; give one of {paths}, or a load from {loads[0]:g} to '
+        f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
+    )
 
 
 def candidates(
-    posterior: Posterior,
-    target: str | None = None,
-    bulk_temperatures: Sequence[float | str] = (),
+    posterior: Posterior, target: str | None = None, bulk_temperatures: Sequence[float | str] = ()
 ) -> tuple[Candidate, ...]:
     """Rank measurements by what each of their runs tells of a target, the best first.
 
@@ -326,8 +322,8 @@ class _Plan:
         place = math.log(test["velocity"])
 
         def critical(inputs: Array) -> Array:
-            sweep_draws = self._sweep_inputs(inputs)
-            distances = distances_of(self._ensemble, [test], sweep_draws)
+            truths = Truths(self._sweep_inputs(inputs))
+            distances = distances_of(self._ensemble, [test], truths)
             return np.stack([place - distances.values[0], distances.variance[0]])
 
         (log_velocity, variance), (slopes, _) = self._features.slopes(critical)
@@ -367,10 +363,7 @@ class _Plan:
 
 
 def ranking_command(
-    store: Path | str,
-    scatter: float | None,
-    at: Mapping[str, Any],
-    target: str | None = None,
+    store: Path | str, scatter: float | None, at: Mapping[str, Any], target: str | None = None
 ) -> str:
     """Command that ranks tests, of samples weighed in the same way, with the same inputs fixed."""
     words = ["irg", "infer", str(store), "--next"]

@@ -345,7 +345,8 @@ class Contrast(NamedTuple):
 
 def contrasts(posterior: Posterior) -> Iterator[Contrast]:
     """Differences of critical temperature, and of velocity at a middle load, between oils."""
-    ensemble, inputs = posterior.ensemble, posterior.sweep_draws.inputs
+    ensemble, draws = posterior.ensemble, posterior.draws
+    inputs = posterior.sweep_draws.inputs
     own = oils_of(ensemble.tests)[:1]
     if not posterior.oils:
         return
@@ -354,19 +355,12 @@ def contrasts(posterior: Posterior) -> Iterator[Contrast]:
     by_oil = dict[str, tuple[Array, Array]]()
     for oil, place in {own[0] or "the scene's oil": column, **posterior.oils}.items():
         of_oil = inputs.copy()
-        of_oil[:, column] = posterior.draws.inputs[:, place]
+        of_oil[:, column] = draws.inputs[:, place]
         by_oil[oil] = of_oil[:, column], log_boundary(ensemble, of_oil, [load])[0][:, 0]
     for first, second in itertools.combinations(by_oil, 2):
         parts = (("critical temperature", "K"), (f"critical velocity at {load:.3g} N", "1"))
         for k, (what, unit) in enumerate(parts):
             values = by_oil[second][k] - by_oil[first][k]
-            yield _difference(posterior, (first, second), what, unit, values)
-
-
-def _difference(
-    posterior: Posterior, oils: tuple[str, str], what: str, unit: str, values: Array
-) -> Contrast:
-    draws = posterior.draws
-    more = float(draws.mean(np.where(values > 0, 1.0, 0.0)))
-    moments = float(draws.mean(values)), draws.spread(values)
-    return Contrast(oils, what, unit, *moments, draws.interval(values), more)
+            more = float(draws.mean(np.where(values > 0, 1.0, 0.0)))
+            moments = float(draws.mean(values)), draws.spread(values)
+            yield Contrast((first, second), what, unit, *moments, draws.interval(values), more)

@@ -38,10 +38,7 @@ class Weighed(NamedTuple):
 
 
 def sample(
-    unknown: Sequence[Unknown],
-    log_likelihood: Callable[[Array], Array],
-    seed: int,
-    count: int,
+    unknown: Sequence[Unknown], log_likelihood: Callable[[Array], Array], seed: int, count: int
 ) -> Weighed:
     """Draw so many inputs from prior times likelihood, given the likelihood's logarithm (n,)."""
     n, power = len(unknown), 0.0

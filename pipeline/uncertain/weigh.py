@@ -20,14 +20,7 @@ from pipeline.sweep.unknown import OF_90
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import FACTOR, Joint, JudgedTests
 from pipeline.uncertain.inputs import Draws, prior
-from pipeline.uncertain.posterior import (
-    Judged,
-    Posterior,
-    cut_off,
-    explains,
-    faults,
-    shown_test,
-)
+from pipeline.uncertain.posterior import Judged, Posterior, cut_off, explains, faults, shown_test
 from pipeline.uncertain.sampler import effective_share, sample
 from tribo import InputError
 from tribo.types import Array
@@ -83,7 +76,7 @@ def posterior(ensemble: Ensemble, scatter: float = SCATTER, discrepancy: bool = 
         return told
     draws, judgement, evidence = _weighed(model, before)
     inferred = _inferred(model.scatters, softmax(judgement.joint))
-    wrong = faults(model.known, draws, scatter, inferred)
+    wrong = faults(ensemble.unknown, draws, scatter, inferred)
     by_others = tuple(_left_out_judgements(model, draws, judgement, scatter, not wrong))
     wrong = () if any(one.contradicts for one in by_others) else wrong
     gain = None
@@ -126,7 +119,7 @@ def _left_out_judgements(
     model: Joint, draws: Draws, judgement: JudgedTests, scatter: float, fits: bool
 ) -> Iterator[Judged]:
     """Each test, beside what all others say."""
-    distances, runs, joint = judgement
+    unknown, (distances, runs, joint) = model.ensemble.unknown, judgement
     limit = -math.expm1(math.log1p(-FALSE_ALARMS) / len(model.runs))
     for rows, low, high, likelihood in zip(model.runs, *runs, strict=True):
         weights = softmax(joint - likelihood)  # without the run
@@ -139,7 +132,7 @@ def _left_out_judgements(
             draws.interval(velocities),
             _probability(low, high, weights),
             limit,
-            fits or explains(model.known, others, scatter, _inferred(model.scatters, weights)),
+            fits or explains(unknown, others, scatter, _inferred(model.scatters, weights)),
         )
 
 

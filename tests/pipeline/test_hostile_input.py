@@ -16,7 +16,6 @@ import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.laboratory.surfaces import read_surface
-from pipeline.scene.height_file import read_heights
 from pipeline.scene.load_record import read_load
 from pipeline.store.place import StoreError
 from pipeline.store.progress import summary
@@ -40,7 +39,7 @@ def fifo(tmp_path):
 
 def test_a_fifo_is_no_surface_load_record_or_scene(fifo, capsys):
     for read in (
-        lambda: read_heights(fifo("a.npy"), 1.0),
+        lambda: read_surface(fifo("a.npy"), 1.0),
         lambda: read_load(fifo("a.csv")),
         lambda: read_surface(fifo("a.x3p")),
     ):

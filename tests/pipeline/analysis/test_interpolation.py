@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.analysis.curve import Curve, certain, interpolated
+from pipeline.analysis.curve import Curve, certain
 
 
 @settings(max_examples=40)
@@ -68,19 +68,19 @@ def test_a_point_on_the_limit_is_the_boundary():
 )
 def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, part):
     x, y = np.cumsum([start, *steps], axis=0).T
-    np.testing.assert_allclose(interpolated(x, y, x), y, rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(Curve(x, y)(x), y, rtol=1e-12, atol=1e-9)
     limit = y[0] + part * (y[-1] - y[0])
     if y[0] < limit <= y[-1]:
         roots, fine = np.array(Curve(x, y).crossings(limit)), np.linspace(x[0], x[-1], 200)
         assert len(roots) == 1
-        np.testing.assert_allclose(interpolated(x, y, roots), limit, rtol=1e-9, atol=1e-9)
-        assert (np.diff(interpolated(x, y, fine)) >= -1e-9).all()  # as the points do
+        np.testing.assert_allclose(Curve(x, y)(roots), limit, rtol=1e-9, atol=1e-9)
+        assert (np.diff(Curve(x, y)(fine)) >= -1e-9).all()  # as the points do
 
 
 def test_from_rest_values_rise_by_the_power_law_with_which_the_first_points_begin():
     x, y = np.array([0.0, 0.5, 1.0, 2.0]), np.array([0.0, 10.0, 18.0, 26.0])
     slope = PchipInterpolator(np.log(x[1:]), np.log(y[1:]))(np.log(0.5), nu=1)
-    assert interpolated(x, y, np.array([0.25])) == pytest.approx([10.0 * 0.5**slope], rel=1e-12)
+    assert Curve(x, y)(np.array([0.25])) == pytest.approx([10.0 * 0.5**slope], rel=1e-12)
     assert Curve(x, y).crossings(10.0 * 0.5**slope) == pytest.approx((0.25,), rel=1e-12)
 
 

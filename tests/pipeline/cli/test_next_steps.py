@@ -9,7 +9,7 @@ from pipeline.analysis.dataset import read_conditions, stored_sweep
 from pipeline.analysis.margin_frame import margin
 from pipeline.cli.next_steps import (
     after_boundary,
-    commands_that_decide,
+    command_that_decides,
     lines_on,
     more_of_boundary,
 )
@@ -48,8 +48,8 @@ def deciding(ds, load, velocity, **conditions):
     near = margin(ds, load, velocity)
     assert (near.verdict, near.is_open_by_model) == ("not decided", False)
     judged = read_conditions(ds).as_dict()
-    decided = commands_that_decide(ds, "look.zarr", [near], judged)
-    return [shlex.split(line)[1:] for line in decided]
+    decided = command_that_decides(ds, "look.zarr", near, judged)
+    return [shlex.split(decided)[1:]] if decided else []
 
 
 @pytest.mark.parametrize(("velocity", "accuracy"), [(1.25, 0.01), (1.165, 0.05)])

@@ -1,5 +1,7 @@
 """All refusals of a laboratory's files: what causes each, and what its message says."""
 
+import io
+import math
 import sys
 import zipfile
 from pathlib import Path
@@ -120,6 +122,33 @@ def no_library():
         return read_surface("a.x3p")
 
 
+def plain(content):
+    def build():
+        Path("a.npy").write_bytes(content)
+        return read_surface("a.npy", 1.0)
+
+    return build
+
+
+def header(shape, descr="<f8"):
+    text = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}"
+    return b"\x93NUMPY\x01\x00" + (118).to_bytes(2, "little") + text.ljust(117).encode() + b"\n"
+
+
+def saved(save, **array):
+    buffer = io.BytesIO()
+    save(buffer, **array)
+    return buffer.getvalue()
+
+
+def vast(descr="<f8", shape=(10**5, 10**5)):
+    """A file of so many heights, most of them holes."""
+    with Path("a.npy").open("wb") as file:
+        start = file.write(header(shape, descr))
+        file.truncate(start + math.prod(shape) * np.dtype(descr).itemsize)
+    return read_surface("a.npy", 1.0)
+
+
 def array(heights, sides=("1 um", "1 um"), unit="um"):
     def build():
         np.save("plane.npy", heights)
@@ -188,6 +217,16 @@ REFUSALS = {
     "no unit": (scan("1,2\n3,4\n", None), "the text says no unit of its heights"),
     "no text": (lambda: read_surface("no.csv", 1.0), "no.csv"),
     "endless": (endless, "more than 1 GiB; crop or average"),
+    # plain arrays
+    "no file": (lambda: read_surface("a.npy", 1.0), "a.npy: cannot be read"),
+    "npz": (plain(saved(np.savez, heights=np.ones((2, 2)))), "begin as NumPy"),
+    "npy text": (plain(saved(np.save, arr=np.array([["a"]]))), "real numbers"),
+    "npy vast": (plain(header("(10000000, 10000000)")), "more than there is memory"),
+    "npy large": (vast, "74.5 GiB"),
+    "npy heights": (lambda: vast("|i1", (10_001, 10_000)), "100010000 heights"),
+    "npy short": (plain(header("(3, 3)") + b"12345678"), "not a plain array"),
+    "npy none": (plain(header("(0, 5)")), "shape (0, 5)"),
+    "npy inf": (array(np.diag([np.inf] * 3)), "3 of 9 heights are not finite, the first at row 0"),
     # files of instruments
     "plain": (array(np.eye(20), unit=None), "a plain array has no unit of its own"),
     "damaged": (patched(surfaces, "read_heights", damaged, array(np.eye(20))),

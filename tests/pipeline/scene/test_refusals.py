@@ -1,6 +1,5 @@
 """All refusals of scenes, and of the files that they name: what causes each, and what it says."""
 
-import io
 import math
 from pathlib import Path
 
@@ -9,7 +8,6 @@ import pytest
 
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.facts import require_bearable_load
-from pipeline.scene.height_file import read_heights
 from pipeline.scene.load_record import read_load
 from pipeline.scene.reference import new_scene
 from pipeline.scene.scenefile import load_scene
@@ -60,10 +58,6 @@ def file(read, name, content):
     return build
 
 
-def heights(name, content):
-    return file(read_heights, name, content)
-
-
 def load(content, **arguments):
     return file(lambda path: read_load(path, **arguments), "load.csv", content)
 
@@ -78,25 +72,6 @@ def along(rows, **others):
         return scene(**{"sweep.along": "rows.csv"}, **others)
 
     return build
-
-
-def header(shape, descr="<f8"):
-    text = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}"
-    return b"\x93NUMPY\x01\x00" + (118).to_bytes(2, "little") + text.ljust(117).encode() + b"\n"
-
-
-def saved(save, **array):
-    buffer = io.BytesIO()
-    save(buffer, **array)
-    return buffer.getvalue()
-
-
-def vast(descr="<f8", shape=(10**5, 10**5)):
-    """A file of so many heights, most of them holes."""
-    with Path("a.npy").open("wb") as file:
-        start = file.write(header(shape, descr))
-        file.truncate(start + math.prod(shape) * np.dtype(descr).itemsize)
-    return read_heights(Path("a.npy"))
 
 
 def measured(shape, **others):
@@ -131,28 +106,6 @@ def over(path, values, **others):
 
 
 FILES = {
-    "csv": (heights("a.csv", b"1,2\n3,x\n"), "line 2"),
-    "csv unequal": (heights("a.csv", b"1,2\n3\n"), "line 2: 1 numbers, but 2"),
-    "csv nan": (heights("a.csv", b"1,2\n3,nan\n"), "row 1, column 1"),
-    "semicolons": (heights("a.csv", b"1;2;3" * 999),
-                   "; put commas between numbers, in place of semicolons"),
-    "decimal commas": (heights("a.csv", b"1,5;2,5\n3,5;4,5\n"),
-                       "of semicolons, and write decimals with a point"),
-    "tabs": (heights("a.csv", b"1\t2\n3\t4\n"), "in place of tabs"),
-    "csv header": (heights("a.csv", b"x,y\n1,2\n"), "leave a header out"),
-    "csv empty": (heights("a.csv", b""), "two-dimensional"),
-    "csv long": (heights("a.csv", b"1," + b"9" * 200_000), "field larger than"),
-    "csv null": (heights("a.csv", b"1,2\n3,\x00\n"), "line 2"),
-    "csv utf-16": (heights("a.csv", "1,2\n3,4\n".encode("utf-16")), "utf-8"),
-    "no file": (lambda: read_heights(Path("a.npy")), "a.npy: cannot be read"),
-    "npz": (heights("a.npy", saved(np.savez, heights=np.ones((2, 2)))), "begin as NumPy"),
-    "npy text": (heights("a.npy", saved(np.save, arr=np.array([["a"]]))), "real numbers"),
-    "npy vast": (heights("a.npy", header("(10000000, 10000000)")), "more than there is memory"),
-    "npy large": (vast, "74.5 GiB"),
-    "npy heights": (lambda: vast("|i1", (10_001, 10_000)), "100010000 heights"),
-    "npy short": (heights("a.npy", header("(3, 3)") + b"12345678"), "not a plain array"),
-    "npy none": (heights("a.npy", header("(0, 5)")), "shape (0, 5)"),
-    "format": (heights("a.txt", b"1"), "use .npy or .csv"),
     "load short": (load(b"time [s],load [N]\n0,0\n"), "1 rows"),
     "load header": (load(b"0,0\n1,5\n"), "line 1: the header is '0,0'"),
     "load columns": (load(b"time [s],load [N]\n0,0\n1,5,6\n"), "line 3: 3 columns"),
@@ -341,7 +294,6 @@ REFUSALS = {**FILES, **QUANTITIES, **ENTRIES, **TEXTS}
 
 ELSEWHERE = {
     "load_record.read_load InputError": "test_load_record.py, since it takes a million rows",
-    "height_file._read_csv _too_large": "by nobody, since it takes 200 MB of text",
     "headings._read_csv InputError": "by nobody: read where the extra laboratory was taken away",
 }
 """Refusals that are not in the table: where they are tested, or why not."""

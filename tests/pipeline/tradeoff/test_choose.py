@@ -8,14 +8,11 @@ import pytest
 
 import pipeline
 from pipeline.analysis.dataset import stored_sweep
+from pipeline.store.root import read_sweep
 from pipeline.sweep.model import Point
 from pipeline.sweep.variants import surfaces
 from pipeline.tradeoff import choose as accuracy_module
-from pipeline.tradeoff.choose import (
-    choose_accuracy,
-    choose_fidelity,
-    stored_selection,
-)
+from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity
 from pipeline.tradeoff.probe import some_places
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import SCENES
@@ -105,7 +102,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(
     small = tiny.sweep().changed(loads=(250.0, 600.0), velocities=(1.0, 1.5))
     begun = choose_accuracy(small, 0.1, store=out)  # not there yet
     pipeline.run_sweep(begun, out, workers=1)
-    assert stored_selection(out) == begun.about.selection
+    assert read_sweep(out).about.selection == begun.about.selection
     assert stored_sweep(pipeline.open_sweep(out)).about.selection == begun.about.selection
 
     def refused(*_):
@@ -123,7 +120,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(
     assert (outcome.computed, outcome.done) == (2, 6)
     # Without --accuracy, but with the same fidelity, the reasons stay.
     pipeline.run_sweep(again.changed(selection=None), out, workers=1)
-    assert stored_selection(out) == begun.about.selection
+    assert read_sweep(out).about.selection == begun.about.selection
     stricter = begun.about.selection.error / 2
     with pytest.raises(pipeline.StoreMismatchError, match=r"errs by .* another store"):
         choose_accuracy(grown, stricter, store=out)

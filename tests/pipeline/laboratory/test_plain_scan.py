@@ -1,9 +1,9 @@
-"""Surfaces from files (pipeline/scene/height_file.py)."""
+"""Surfaces from plain files (pipeline/laboratory/plain_scan.py, text_scan.py)."""
 
 import numpy as np
 import pytest
 
-from pipeline.scene.height_file import read_heights
+from pipeline.laboratory.surfaces import read_surface
 
 
 @pytest.mark.parametrize("suffix", [".npy", ".csv"])
@@ -14,4 +14,4 @@ def test_measured_heights_are_read_in_their_unit_with_x_from_column_to_column(tm
         np.save(path, heights)
     else:
         path.write_bytes(b"\xef\xbb\xbf1,2,3\n4,5,6.5\n")  # with a byte order mark
-    assert read_heights(path, unit=1e-6) == pytest.approx(heights.T * 1e-6)
+    assert read_surface(path, 1e-6).heights == pytest.approx(heights.T * 1e-6)

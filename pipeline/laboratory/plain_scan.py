@@ -1,8 +1,7 @@
-"""Heights of surfaces, read from plain files."""
+"""Heights of surfaces in plain arrays, as NumPy writes them."""
 
 from __future__ import annotations
 
-import csv
 import tokenize
 from pathlib import Path
 from typing import Any
@@ -11,23 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tribo import InputError
-from tribo.errors import hint_of_row, reason_of, require_file, require_positive, shortened
+from tribo.errors import reason_of, require_file, require_positive
 from tribo.types import Array
 
 _MOST_HEIGHTS = 10**8  # heights of a surface; 0.8 GB
 
 
-def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = False) -> Array:
-    """Heights [m] of a measured surface from ``.npy`` or comma-separated ``.csv``.
+def read_heights(path: Path, unit: float) -> Array:
+    """Heights [m] of a measured surface from ``.npy``, NaN where they are missing.
 
     Parameters
     ----------
-    path : str or Path
+    path : Path
         A two-dimensional array: a row for each y, in which x goes from column to column.
     unit : float
         Length of one unit of the file [m].
-    allow_missing : bool
-        True to allow missing heights: NaN in either format, or nothing between two commas.
 
     Returns
     -------
@@ -37,35 +34,27 @@ def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = F
     Raises
     ------
     InputError
-        If the file cannot be read, is not a two-dimensional array of numbers, or holds inf, or
-        NaN where none is allowed; the message says where.
+        If the file cannot be read, is not a two-dimensional array of numbers, or holds inf; the
+        message says where.
 
     Examples
     --------
     >>> import tempfile
-    >>> from pathlib import Path
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder, "heights.csv")
-    ...     _ = file.write_text("1,2,3")
+    ...     file = Path(folder, "heights.npy")
+    ...     np.save(file, [[1.0, 2.0, 3.0]])
     ...     read_heights(file, unit=1e-6)
     array([[1.e-06],
            [2.e-06],
            [3.e-06]])
     """
-    path = Path(path)
     require_positive(unit=unit)
     require_file(path)
     try:
-        match path.suffix.lower():
-            case ".npy":
-                heights = _read_npy(path)
-            case ".csv":
-                heights = _read_csv(path, allow_missing)
-            case suffix:
-                raise InputError(f"{path}: format {suffix!r} is not known; use .npy or .csv")
+        heights = _read_array(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
-    except (ValueError, EOFError, csv.Error, tokenize.TokenError) as error:
+    except (ValueError, EOFError, tokenize.TokenError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{path}: not a plain array of numbers: {error}") from error
@@ -76,7 +65,7 @@ def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = F
         )
     with np.errstate(over="ignore"):
         scaled: Array = heights.astype(np.float64) * unit
-    bad = np.argwhere(np.isinf(scaled) if allow_missing else ~np.isfinite(scaled))
+    bad = np.argwhere(np.isinf(scaled))
     if bad.size:
         row, column = bad[0].tolist()
         raise InputError(
@@ -86,7 +75,7 @@ def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = F
     return np.ascontiguousarray(scaled.T)
 
 
-def _read_npy(path: Path) -> NDArray[Any]:
+def _read_array(path: Path) -> NDArray[Any]:
     """The array of the file, unless it is a packed archive, or too large to be a surface."""
     with path.open("rb") as file:
         magic = file.read(len(np.lib.format.MAGIC_PREFIX))
@@ -101,33 +90,6 @@ def _read_npy(path: Path) -> NDArray[Any]:
     if array.size > _MOST_HEIGHTS:
         raise _too_large(path, f"{array.size} heights")
     return array
-
-
-def _read_csv(path: Path, allow_missing: bool) -> Array:
-    """Rows of numbers; the error names the line."""
-    rows: list[Array] = []
-    count = 0
-    missing = "nan" if allow_missing else ""
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        reader = csv.reader(file)
-        for cells in reader:
-            if not cells:
-                continue
-            where = f"{path}, line {reader.line_num}"
-            try:
-                rows.append(np.array([float(cell.strip() or missing) for cell in cells]))
-            except ValueError as error:
-                hint = hint_of_row(cells) or ("" if rows else "; leave a header out")
-                raise InputError(f"{where}: {shortened(str(error))}{hint}") from error
-            if len(rows[-1]) != len(rows[0]):
-                raise InputError(
-                    f"{where}: {len(rows[-1])} numbers, but {len(rows[0])} in the "
-                    "first row; all rows must be of equal length"
-                )
-            count += len(cells)
-            if count > _MOST_HEIGHTS:
-                raise _too_large(path, f"more than {_MOST_HEIGHTS} heights up to {where}")
-    return np.array(rows)
 
 
 def _too_large(path: Path, size: str) -> InputError:
