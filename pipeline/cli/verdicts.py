@@ -63,6 +63,8 @@ def margin(options: argparse.Namespace) -> Result:
     document["next"] = commands = _next(ds, options.store, open_)
     if open_:
         text += lines_on(commands, by_model=all(one.known().is_open_by_model for one in open_))
+    document["not_counted"] = note = _note_on_rows(ds, found)
+    text += [f"warning: {note}"] if note else []
     if is_one:
         if any(one.known().decisive_temperature > MELTS for one in known):
             text.append(f"warning: {MOLTEN}")
@@ -72,6 +74,15 @@ def margin(options: argparse.Namespace) -> Result:
             document["command"] = more_of_boundary(ds, options.store, own)
             text.append(f"compute more of the boundary with: {document['command']}")
     return Result(document, text, pipeline.warned(ds), [table])
+
+
+def _note_on_rows(ds: xr.Dataset, found: Sequence[Judged]) -> str | None:
+    """Say that a row is judged at a bulk temperature at which the pin wears otherwise."""
+    if not scene_sweep(ds).about.wear_by_temperature:
+        return None
+    bulks = dict.fromkeys(one.own.get("bulk_temperature") for one in found)
+    rows = (ds if bulk is None else pipeline.at(ds, bulk_temperature=bulk) for bulk in bulks)
+    return next(filter(None, (note_on_wear(stored_sweep(row)) for row in rows)), None)
 
 
 def _next(ds: xr.Dataset, store: Path | str, undecided: Iterable[Judged]) -> list[str]:

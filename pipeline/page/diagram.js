@@ -27,16 +27,14 @@ function drawDiagram() {
   const { root, inside, frame } = planeAxes(velocities, loads, measured);
   const label = "Points of the sweep by velocity and load; arrow keys move, Enter keeps one";
   const about = { tabindex: 0, role: "application", "aria-label": label, "aria-describedby": "tip" };
-  for (const [name, value] of Object.entries(about)) root.setAttribute(name, String(value));
   const { left, top, right, bottom } = frame;
   const size = { x: left, y: top, width: right - left, height: bottom - top };
   const viewBox = Object.values(size).join(" ");
-  const layers = [drawnBoundary, drawnMarks, drawnMeasured];
-  const drawn = layers.flatMap((layer) => layer(frame));
+  const drawn = [drawnBoundary, drawnMarks, drawnMeasured].flatMap((layer) => layer(frame));
   if (isInside(chosen, content)) drawn.push(cross(frame, chosen));
   inside.append(svg("svg", { ...size, viewBox, class: "view" }, ...drawn)); // cut off at its frame
   const [pointer, choice] = ["pointer", "choice"].map((look) => svg("circle", { class: look, r: 8 }));
-  root.append(pointer, choice);
+  filled(root, about, [pointer, choice]);
   element("diagram").replaceChildren(root, tip);
   diagram = { frame, root, pointer, choice };
   pointTo(null);
@@ -74,8 +72,8 @@ function drawnPlace(frame) {
     ...velocity.map(({ middle }, i) => [frame.x(middle), frame.y(content.loads[i])]),
     ...load.map(({ middle }, j) => [frame.x(content.velocities[j]), frame.y(middle)]),
   ];
-  const [place] = places.filter((one) => one.every(Number.isFinite));
-  return place ? [svg("circle", { cx: place[0], cy: place[1], r: 4 })] : [];
+  const known = places.filter((place) => place.every(Number.isFinite));
+  return known.slice(0, 1).map(([cx, cy]) => svg("circle", { cx, cy, r: 4 }));
 }
 
 /** ln(rise/limit) at the nodes that a share of the surfaces stays below; NaN where not known. @param {number}
@@ -104,8 +102,9 @@ function drawnMarks(frame) {
     const kind = kindOf(point);
     if (!kind) return [];
     const [x, y] = [frame.x(content.velocities[point.j]), frame.y(content.loads[point.i])];
-    const rings = hasWarning(point) ? [svg("circle", { class: "ring", cx: x, cy: y, r: r + 3 })] : [];
-    return [...rings, mark(kind, x, y, r)];
+    const isWarned = risesAt(point).length && messagesOf(point).length;
+    const signs = [mark(kind, x, y, r)];
+    return isWarned ? [svg("circle", { class: "ring", cx: x, cy: y, r: r + 3 }), ...signs] : signs;
   });
 }
 

@@ -12,15 +12,14 @@ function judgedTests() {
     const hot = surfaces().filter((surface) => planeOf(own)[indexOf(surface, k, j)] > limit);
     const isRight = test.outcome && (test.outcome === "severe") === hot.length > surfaces().length / 2;
     const isKnown = test.isInside && limit > Math.abs(heatOf(own).ratio) && critical > 0;
-    const distance = isKnown ? Math.log(test.velocity / critical) : null;
+    const distance = isKnown ? Math.log(test.velocity / critical) : NaN;
     return { expected, distance, isWrong: !isRight, outcome: test.outcome, run: test.run };
   });
 }
 
 /** Residuals of runs: in the middle of two outcomes, else of the worst test that is wrong. */
 function residuals() {
-  const known = judgedTests().flatMap((one) =>
-    one.distance === null ? [] : [{ ...one, distance: one.distance }]);
+  const known = judgedTests().filter(({ distance }) => !Number.isNaN(distance));
   return [...new Set(known.map((one) => one.run ?? one))].flatMap((key) => {
     const run = known.filter((one) => (one.run ?? one) === key);
     const [mild, severe] = ["mild", "severe"].map((outcome) =>

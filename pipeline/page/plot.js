@@ -65,31 +65,25 @@ function axes(width, height, x, y) {
     velocity: scale({ low: left, high: right }, x.low, x.high),
     load: scale({ low: bottom, high: top }, y.low, y.high),
   };
-  const grid = svg("g", { class: "grid", "aria-hidden": "true" });
-  const outline = svg("g", { class: "axis", "aria-hidden": "true" });
-  const add = (/** @type {string} */ line, /** @type {string} */ dash, /** @type {SVGElement} */ text) => {
-    grid.append(svg("path", { d: line }));
-    outline.append(svg("path", { d: dash }), text);
-  };
-  for (const value of ticks(x.low, x.high, (right - left) / 70)) {
-    const place = frame.x(value);
-    const text = svg("text", { x: place, y: bottom + 17, "text-anchor": "middle" }, shown(value));
-    add(`M${place},${top}V${bottom}`, `M${place},${bottom}v4`, text);
-  }
-  for (const value of ticks(y.low, y.high, (bottom - top) / 40)) {
-    const place = frame.y(value);
-    const text = svg("text", { x: left - 7, y: place + 4, "text-anchor": "end" }, shown(value));
-    add(`M${left},${place}H${right}`, `M${left},${place}h-4`, text);
-  }
-  const middle = (top + bottom) / 2;
-  outline.append(
-    svg("path", { d: `M${left},${top}V${bottom}H${right}` }),
-    svg("text", { x: (left + right) / 2, y: height - 6, "text-anchor": "middle" }, x.label),
-    svg("text", { "text-anchor": "middle", transform: `translate(13 ${middle}) rotate(-90)` }, y.label),
-  );
+  const across = ticks(x.low, x.high, (right - left) / 70);
+  const down = ticks(y.low, y.high, (bottom - top) / 40);
+  const lines = [...across.map((value) => `M${frame.x(value)},${top}V${bottom}`),
+    ...down.map((value) => `M${left},${frame.y(value)}H${right}`)];
+  const dashes = [...across.map((value) => `M${frame.x(value)},${bottom}v4`),
+    ...down.map((value) => `M${left},${frame.y(value)}h-4`)];
+  const write = (/** @type {string} */ text, /** @type {string} */ anchor, /** @type {Attributes} */ place) =>
+    svg("text", { ...place, "text-anchor": anchor }, text);
+  const outline = [
+    svg("path", { d: `M${left},${top}V${bottom}H${right}${dashes.join("")}` }),
+    ...across.map((value) => write(shown(value), "middle", { x: frame.x(value), y: bottom + 17 })),
+    ...down.map((value) => write(shown(value), "end", { x: left - 7, y: frame.y(value) + 4 })),
+    write(x.label, "middle", { x: (left + right) / 2, y: height - 6 }),
+    write(y.label, "middle", { transform: `translate(13 ${(top + bottom) / 2}) rotate(-90)` }),
+  ];
   const inside = svg("g");
-  const root = svg("svg", { viewBox: `0 0 ${width} ${height}`, height });
-  root.append(grid, inside, outline);
+  const root = svg("svg", { viewBox: `0 0 ${width} ${height}`, height },
+    svg("g", { class: "grid", "aria-hidden": "true" }, svg("path", { d: lines.join("") })),
+    inside, svg("g", { class: "axis", "aria-hidden": "true" }, ...outline));
   return { root, inside, frame };
 }
 
@@ -112,14 +106,9 @@ function floats(text) {
 
 /** Path through points; a gap where one is not finite. @param {number[]} x @param {number[]} y in pixels */
 function path(x, y) {
-  let pen = "M";
-  const parts = x.map((across, k) => {
-    const isThere = Number.isFinite(across) && Number.isFinite(y[k]);
-    const part = isThere ? `${pen}${across.toFixed(2)},${y[k].toFixed(2)}` : "";
-    pen = isThere ? "L" : "M";
-    return part;
-  });
-  return parts.join("");
+  const isThere = x.map((across, k) => Number.isFinite(across) && Number.isFinite(y[k]));
+  return x.map((across, k) => isThere[k]
+    ? `${isThere[k - 1] ? "L" : "M"}${across.toFixed(2)},${y[k].toFixed(2)}` : "").join("");
 }
 
 /** The mark of a kind of point. @param {string} kind @param {number} x @param {number} y @param {number} r */
@@ -143,8 +132,7 @@ function diamond(x, y, r, look) {
  * {number} y @param {"mild" | "severe" | undefined} outcome */
 function testMark(x, y, outcome) {
   if (!outcome) return diamond(x, y, 6.5, "measured");
-  const d = `M${x - 7},${y + 5}L${x},${y - 7}L${x + 7},${y + 5}Z`;
-  return svg("path", { class: `tested tested-${outcome}`, d });
+  return svg("path", { class: `tested tested-${outcome}`, d: `M${x - 7},${y + 5}l7,-12l7,12Z` });
 }
 
 /** The mark of an operating point. @param {Frame} frame @param {{load: number, velocity: number}} place */

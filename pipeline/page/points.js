@@ -21,20 +21,14 @@ function onScreen({ i, j }) {
   return [diagram.frame.x(content.velocities[j]), diagram.frame.y(content.loads[i])];
 }
 
-/** Point of the sweep under a pointer. @param {MouseEvent} event */
+/** Point of the sweep under a pointer that has anything to tell. @param {MouseEvent} event */
 function pointAt(event) {
   const { left, top } = diagram.root.getBoundingClientRect();
-  const near = everyPoint().map((point) => {
-    const [x, y] = onScreen(point);
-    return { ...point, away: Math.hypot(x + left - event.clientX, y + top - event.clientY) };
-  }).reduce((one, other) => (other.away < one.away ? other : one));
-  return near.away < REACH && isShown(near) ? near : null;
-}
-
-/** A point has anything to tell, and lies within the frame. @param {Point} point */
-function isShown(point) {
-  const [across] = onScreen(point);
-  return kindOf(point) !== "" && across >= diagram.frame.left && across <= diagram.frame.right;
+  const [across, down] = [event.clientX - left, event.clientY - top];
+  const i = nearest(content.loads.map(diagram.frame.y), down);
+  const j = nearest(content.velocities.map(diagram.frame.x), across);
+  const [x, y] = onScreen({ i, j });
+  return Math.hypot(x - across, y - down) < REACH && kindOf({ i, j }) ? { i, j } : null;
 }
 
 /** Point with which to begin. */
@@ -59,7 +53,7 @@ function pressed(event) {
 function next(here, [up, right]) {
   const isThere = (/** @type {Point} */ { i, j }) => i in content.loads && j in content.velocities;
   let point = { i: here.i + up, j: here.j + right };
-  while (isThere(point) && !isShown(point)) point = { i: point.i + up, j: point.j + right };
+  while (isThere(point) && !kindOf(point)) point = { i: point.i + up, j: point.j + right };
   return isThere(point) ? point : here;
 }
 
@@ -69,13 +63,14 @@ function pointTo(point) {
   tip.hidden = !point;
   ring(diagram.pointer, point);
   if (!point) return;
-  const rows = description(point, false).map(([name, text]) => html("div", {}, `${name}: ${text}`));
-  tip.replaceChildren(html("b", {}, nameOf(point)), ...rows);
-  placeTip(diagram.frame, ...onScreen(point));
+  const texts = description(point, false).map(([name, text]) => `${name}: ${text}`);
+  placeTip(diagram.frame, onScreen(point), nameOf(point), texts);
 }
 
-/** Put the tip beside a place. @param {Frame} frame @param {number} x [px] @param {number} y */
-function placeTip(frame, x, y) {
+/** Show texts beside a place [px]. @param {Frame} frame @param {[number, number]} place @param {string} title
+ * @param {string[]} texts */
+function placeTip(frame, [x, y], title, texts) {
+  tip.replaceChildren(html("b", {}, title), ...texts.map((text) => html("div", {}, text)));
   tip.style.left = `${Math.max(Math.min(x + 14, frame.right - tip.offsetWidth), 0)}px`;
   const isUnder = y + 14 + tip.offsetHeight < frame.bottom;
   tip.style.top = `${isUnder ? y + 14 : Math.max(y - 14 - tip.offsetHeight, 0)}px`;
@@ -83,9 +78,8 @@ function placeTip(frame, x, y) {
 
 /** Put a ring about a point. @param {SVGElement} circle @param {Point | null} point */
 function ring(circle, point) {
-  circle.setAttribute("display", point && isShown(point) ? "inline" : "none");
   const [cx, cy] = point ? onScreen(point) : [0, 0];
-  filled(circle, { cx, cy }, []);
+  filled(circle, { cx, cy, display: point && kindOf(point) ? "inline" : "none" }, []);
 }
 
 /** @param {Point | null} point */
@@ -143,11 +137,6 @@ function quantilesAt(place) {
 /** Messages of a point on the surfaces that count, each once. @param {Point} point */
 function messagesOf(point) {
   return [...new Set(placesOf(point).map((place) => content.messages[place]).filter(Boolean))];
-}
-
-/** @param {Point} point */
-function hasWarning(point) {
-  return risesAt(point).length > 0 && messagesOf(point).length > 0;
 }
 
 /** Description of a point, as pairs of a name and a text. @param {Point} point @param {boolean} isFull

@@ -53,9 +53,8 @@ function showTip(frame, load, velocity) {
   tip.hidden = !isInside({ load, velocity }, samples);
   if (tip.hidden) return;
   const text = `severe with a probability of ${percent(probabilityAt(load, velocity))}`;
-  const place = html("b", {}, `${shown(load, 3)} N, ${shown(velocity, 3)} m/s`);
-  tip.replaceChildren(place, html("div", {}, text));
-  placeTip(frame, frame.x(velocity), frame.y(load));
+  const title = `${shown(load, 3)} N, ${shown(velocity, 3)} m/s`;
+  placeTip(frame, [frame.x(velocity), frame.y(load)], title, [text]);
 }
 
 /** Take an operating point, and show its probability. @param {number} load @param {number} velocity */

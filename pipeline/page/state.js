@@ -13,18 +13,16 @@ const tables = {
 /** Planes by conditions. @type {Map<string, Float64Array>} */
 const planes = new Map();
 const hasShare = content.shares.length > 1;
-const surfaceCount = content.surfaces?.length ?? 1;
 /** Choices of the reader. @type {{conditions: Conditions, surface: number | null, point: Point | null,
  * load: number, velocity: number}} */
 const chosen = {
-  conditions: { ...content.conditions }, surface: surfaceCount > 1 ? null : 0,
+  conditions: { ...content.conditions }, surface: content.missing.length > 1 ? null : 0,
   point: null, load: NaN, velocity: NaN,
 };
 
 /** Surfaces that count: the one that was picked, or all. */
 function surfaces() {
-  if (chosen.surface !== null) return [chosen.surface];
-  return Array.from({ length: surfaceCount }, (_, k) => k);
+  return chosen.surface === null ? content.missing.map((_, surface) => surface) : [chosen.surface];
 }
 
 /** A plane that is made but once. @param {string} key @param {() => Float64Array} make */

@@ -81,10 +81,8 @@ function showTables() {
 /** @param {Summary[]} rows by load */
 function crossingText(rows) {
   if (!isJudged()) return "Give a critical temperature to see where wear turns severe.";
-  const places = rows
-    .map(({ middle }, i) => ({ middle, load: content.loads[i] }))
-    .filter(({ middle }) => Number.isFinite(middle))
-    .map(({ middle, load }) => `${shown(middle)} m/s at ${shown(load, 6)} N`);
+  const places = rows.flatMap(({ middle }, i) =>
+    (Number.isFinite(middle) ? [`${shown(middle)} m/s at ${shown(content.loads[i], 6)} N`] : []));
   if (!places.length) {
     const codes = new Set(rows.flatMap(({ transitions }) => transitions.map(({ outcome }) => outcome)));
     const words = [...codes].map((code) => content.outcomes.velocity[code]);

@@ -146,6 +146,34 @@ def test_an_answer_at_another_bulk_temperature_says_that_its_wear_is_of_the_firs
     store = tmp_path / "worn.zarr"
     draft = {"fidelity.preset": "draft", "sweep.loads": ["400 N"]}
     commit_all(store, pipeline.load_scene("first_try", overrides=BY_TEMPERATURE | draft))
-    said = "the wear rate at the bulk temperature, 100 °C"
+    said, warm = "the wear rate at the bulk temperature, 100 °C", "bulk_temperature=100 degC"
     assert said not in irg("boundary", store)
-    assert said in irg("boundary", store, "--at", "bulk_temperature=100 degC")
+    assert said in irg("boundary", store, "--at", warm)
+    here = "--load", "400 N", "--velocity", "2 m/s"
+    assert said not in irg("margin", store, *here)
+    assert said in irg("margin", store, *here, "--at", warm)
+    assert irg("margin", store, *here, "--json")["not_counted"] is None
+    table = tmp_path / "points.csv"
+    table.write_text("load [N],velocity [m/s],bulk temperature [°C]\n400,2,25\n400,2,100\n")
+    assert f"warning: {said}" in irg("margin", store, "--points", table)
+
+
+def test_samples_at_a_bulk_temperature_of_another_wear_rate_say_so(tmp_path, irg):
+    store = tmp_path / "drawn.zarr"
+    unknown = {
+        "temperature.bulk": {"from": "25 degC", "to": "62.5 degC"},
+        "friction.coefficient": {"mean": 0.1, "sd": 0.005},
+    }
+    drawn = {"fidelity.preset": "draft", "sweep.loads": ["400 N", "600 N"], "sweep.samples": 16}
+    scene = pipeline.load_scene(
+        "first_try", overrides=BY_TEMPERATURE | drawn | {"unknown": unknown}
+    )
+    commit_all(store, scene)
+    said = "warning: temperature.bulk is unknown, and the wear rate at the bulk temperature, 60.6"
+    assert said in irg("boundary", store)
+    assert irg("boundary", store, "--json")["not_counted"].startswith("temperature.bulk is unknown")
+    cold = "--at", "bulk_temperature=25 degC"
+    assert "the wear rate" not in irg("boundary", store, *cold)
+    here = "margin", store, "--load", "400 N", "--velocity", "2 m/s"
+    assert said in irg(*here)
+    assert "the wear rate" not in irg(*here, *cold)

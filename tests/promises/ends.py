@@ -1,0 +1,112 @@
+"""How much hotter a worn cylinder is near its sharp ends than in its middle.
+
+The cylinder is smooth, and computed whole: its patch is as long as it is, and does not repeat.
+"""
+
+import math
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+
+import tribo
+from tests.helpers.campaigns import conclude, table
+from tests.helpers.scenes import STEEL
+
+_STRIP = 1e-4  # at an end [m]
+_ACROSS, _LONG = 64, 20e-6  # elements across the window, and the length of each [m]
+_APART = 0.03  # of the logarithm of the velocity, over which its exponent is taken
+PAPER, STATED = "2 × 3.4 mm", (0.04, 0.11)
+"""The paper's pin, and how much hotter its ends are said to be (`pipeline.sweep.physics`)."""
+MODULUS = tribo.contact_modulus(STEEL, STEEL)
+HEADS = (
+    "pin", "N", "m/s", "wear widens it by", "hotter at its ends", "exponent", "severe there at",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Run:
+    """A cylinder, and a ramp that wears it."""
+
+    radius: float  # [m]
+    length: float  # [m]
+    load: float  # [N]
+    velocity: float  # [m/s]
+    wear_rate: float  # [m²/N]
+    seconds: float
+
+    @property
+    def widths(self):
+        """Widths of the unworn and of the worn contact [m]."""
+        pin = tribo.Cylinder(self.radius, self.length, STEEL)
+        half_width = pin.hertz(self.load, MODULUS).half_width
+        volume = self.wear_rate * self.load * self.velocity * self.seconds / 2
+        return 2 * half_width, pin.worn(half_width, volume).width
+
+    def rises(self, ratio=1.0):
+        """Rise that a tenth of the contact exceeds at the ends and in the middle [K].
+
+        The velocity is so many times as high.
+        """
+        along = 2 * round(self.length / _LONG / 2)
+        sides = 1.35 * self.widths[1] / _ACROSS, self.length / along
+        scene = tribo.Scene(
+            pin=tribo.Cylinder(self.radius, self.length, STEEL),
+            disk=STEEL,
+            pixels=tribo.Grid((_ACROSS, along), sides, (False, False)),
+            loading=tribo.Ramp(self.load / self.seconds, self.load),
+            wear=tribo.Wear(self.wear_rate, "local"),
+            fidelity=tribo.Fidelity(
+                pixels_per_element=1, increments=20, wear_scheme="sdirk2", heat_tolerance=1e-4
+            ),
+        )
+        *_, state = tribo.simulate(scene, self.load, self.velocity * ratio)
+        y = np.abs(scene.grid.coordinates(1))
+        places = y > self.length / 2 - _STRIP, y < self.length / 20
+        heats = ((state.heat.rise[:, at], state.pressure[:, at] > 0) for at in places)
+        return [float(np.quantile(rise[touch], 0.9)) for rise, touch in heats]
+
+    def row(self, name):
+        """How much hotter its ends are, and what is told of it."""
+        end, middle = self.rises()
+        exponent = math.log(self.rises(math.exp(_APART))[1] / middle) / _APART
+        unworn, worn = self.widths
+        critical = (end / middle) ** (-1 / exponent) - 1
+        shown = f"{self.load:.3g}", f"{self.velocity:.3g}", f"{worn / unworn:.2f} ×"
+        told = f"{end / middle - 1:+.1%}", f"{exponent:.2f}", f"{critical:+.0%}"
+        return end / middle - 1, (name, *shown, *told)
+
+
+def paper():
+    """The four transitions of the paper, at the wear rate there and at a tenth of it."""
+    for load, velocity in ((750.0, 1.24), (600.0, 1.56), (400.0, 2.3), (200.0, 3.7)):
+        for rate in (1.2e-15, 1.2e-16):
+            name = PAPER if rate > 1e-15 else f"{PAPER}, a tenth of the wear rate"
+            yield name, Run(2e-3, 3.4e-3, load, velocity, rate, load / 150)
+
+
+def random_runs(count):
+    """Cylinders of 1 to 10 mm and 2 to 6 mm long at 0.4 to 1.2 GPa."""
+    for seed in range(count):
+        rng = np.random.default_rng([seed, 67])
+        low = np.array([1e-3, 2e-3, 0.4e9, 0.1, 2e-17, 2.0])
+        high = np.array([10e-3, 6e-3, 1.2e9, 4.0, 5e-15, 8.0])
+        radius, length, pressure, *test = np.exp(rng.uniform(np.log(low), np.log(high))).tolist()
+        load = math.pi * length * radius * pressure**2 / MODULUS
+        yield f"{1e3 * radius:.2g} × {1e3 * length:.2g} mm", Run(radius, length, load, *test)
+
+
+def main():
+    """Compute the paper's cylinder and random ones, so many of them."""
+    rows, is_right = [], True
+    for name, run in [*paper(), *random_runs(int(sys.argv[1]) if sys.argv[1:] else 10)]:
+        excess, row = run.row(name)
+        rows.append(row)
+        print(*row, file=sys.stderr, flush=True)
+        if name == PAPER:
+            is_right &= STATED[0] <= round(excess, 2) <= STATED[1]
+    return conclude("ends", table(HEADS, rows), is_right)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
