@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference docs test lowest javascript slow promises samples mutants crash cluster many measured scaling bench bench-peers release clean
+.PHONY: help diagram gallery reference notebooks docs test lowest javascript slow promises samples mutants crash cluster many measured scaling bench bench-peers release clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -31,7 +31,10 @@ reference: .venv/run  ## write the references of the scene file and of the datas
 	sed -i '/^## Coordinates/,$$d' workflows/DATASET.md
 	$(BIN)/python -m pipeline.store.schema >> workflows/DATASET.md
 
-docs: .venv/test      ## build the site of all pages into results/docs, its notebook and figures executed
+notebooks: .venv/test ## run the three notebooks, and store what their cells show, in 2 minutes
+	OMP_NUM_THREADS=1 $(BIN)/python -m workflows.notebooks
+
+docs: .venv/test      ## build the site of all pages into results/docs, figures of its gallery drawn anew
 	rm -rf results/gallery.zarr  # of the last build, perhaps by other code
 	$(BIN)/sphinx-build -W --keep-going -q -c workflows workflows results/docs
 	@echo "results/docs/index.html"

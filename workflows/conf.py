@@ -7,7 +7,7 @@ author = "The irg-transition developers"
 version = release = installed_version(project)
 
 extensions = [
-    "myst_nb",  # pages in Markdown, and the notebook
+    "myst_nb",  # pages in Markdown, and notebooks
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
@@ -20,6 +20,7 @@ smartquotes = False  # the dashes of options are two
 
 myst_heading_anchors = 4
 myst_enable_extensions = ["amsmath", "dollarmath"]
+nb_execution_excludepatterns = ["*.ipynb"]  # shown as `make notebooks` stored them
 nb_execution_timeout = 600  # [s]
 nb_execution_raise_on_error = True
 

@@ -28,12 +28,14 @@ from pipeline.analysis.transition import CROSSES, MILD, SEVERE, outcomes
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE
 from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.shown import shown
 from pipeline.sweep.variants import PLACE, VARIANT
 from tribo import InputError
 
 _STATES = {DONE: "done", FAILED: "failed"}
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class Difference:
     """Differences between two stores, A and B."""

@@ -20,6 +20,7 @@ from pipeline.analysis.field import Field, quantile
 from pipeline.analysis.model_error import Scatter, severe_share
 from pipeline.analysis.rise_error import RiseError
 from pipeline.analysis.transition import CROSSES, Turns, outcomes
+from pipeline.sweep.shown import shown
 from tribo.types import Array
 
 NOT_DECIDED = "not decided"
@@ -29,6 +30,7 @@ DECIDED = (0.05, 0.5, 0.95)
 _LEAST = 1e-4  # probability that is told as a number; nearer to 0 or 1 nothing is known of tails
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class Margin:
     """The verdict on an operating point, and its distance from severe wear.

@@ -32,11 +32,13 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
+from pipeline.sweep.shown import shown
 from tribo import CRITERIA, WarningKind
 from tribo.simulation.point_warnings import SLOW, SLOWEST
 from tribo.types import Array
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class Warned:
     """Points of a sweep that carry a warning, by kind."""

@@ -109,6 +109,7 @@ def point_name(ds: xr.Dataset, point: Spot) -> str:
     return str(Point(ds["load"].values[point[0]], ds["velocity"].values[point[1]], drawn_row(ds)))
 
 
+_COLOURS = "viridis_r", "inferno_r", "cividis_r"  # of which each is darker where there is more
 _BAR = 0.12  # [inch] of a bar of colours, and of the gap below it
 _HIGHEST_STACKED = 2.6  # [inch] of each of three panels, which fit a page at a column's width
 
@@ -171,9 +172,7 @@ def _contact(ds: xr.Dataset, point: Spot, conditions: Conditions, stacked: bool)
     row = figure.subplots(*((3, 1) if stacked else (1, 3)), sharex=True, sharey=True)
     shown = np.ma.masked_equal(pressure, 0.0), temperature, np.ma.masked_equal(depth, 0.0)
     lowest = 0.0, temperature.min(), 0.0
-    for axes, label, field, colours, low in zip(
-        row, labels, shown, ("viridis_r", "inferno", "cividis_r"), lowest, strict=True
-    ):
+    for axes, label, field, colours, low in zip(row, labels, shown, _COLOURS, lowest, strict=True):
         image = axes.pcolormesh(x, y, field.T, cmap=colours, vmin=low, rasterized=True)
         axes.set_aspect("equal" if is_equal else "auto")
         axes.grid(visible=False)
@@ -190,7 +189,7 @@ def _contact(ds: xr.Dataset, point: Spot, conditions: Conditions, stacked: bool)
         else:
             axes.set_yticks([])
     if outlined:
-        row[1].contour(*centres, temperature.T, [limit], colors="white", linewidths=0.8)
+        row[1].contour(*centres, temperature.T, [limit], colors=style.SKY, linewidths=0.8)
     title = f"{style.title_of(ds)}\n{point_name(ds, point)}, {style.heating(conditions)}"
     figure.suptitle(title, wrap=True)
     return figure

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from pipeline.figures import style
@@ -188,14 +187,13 @@ def draw_trade(trade: Trade) -> Figure:
             )  # fmt: skip
     for choice in (*presets, *others):
         axes.annotate(
-            choice.name, (choice.saving, _error(choice)), (-8, -4), textcoords="offset points",
+            choice.name, (_work(choice), _error(choice)), (-8, -4), textcoords="offset points",
             ha="right", va="top", fontweight="bold", zorder=3,
-            path_effects=[withStroke(linewidth=2.5, foreground="white")],
+            path_effects=style.HALO,
         )  # fmt: skip
     _draw_varied(axes, varied)
     axes.margins(0.12)
-    axes.invert_xaxis()
-    axes.set_xlabel("times less work than the reference  (faster to the left)")
+    axes.set_xlabel("work, in % of that of the reference")
     axes.set_ylabel("largest error of the boundary velocity")
     axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
     axes.yaxis.set_minor_formatter(NullFormatter())
@@ -222,8 +220,13 @@ def _draw_varied(axes: Axes, varied: Sequence[Choice]) -> None:
 
 
 def _places(choices: Sequence[Choice]) -> tuple[list[float], list[float]]:
-    """Savings and errors of some choices."""
-    return [choice.saving for choice in choices], [_error(choice) for choice in choices]
+    """Works and errors of some choices."""
+    return [_work(choice) for choice in choices], [_error(choice) for choice in choices]
+
+
+def _work(choice: Choice) -> float:
+    """Work over that of the reference [%]."""
+    return 100 / choice.saving
 
 
 def _error(choice: Choice) -> float:

@@ -10,17 +10,19 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
+import numpy as np
 import xarray as xr
-from cycler import cycler
-from matplotlib import rc_context, rcParams, rcParamsDefault
+from matplotlib import rc_context, rc_params_from_file, rcParams, rcParamsDefault
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import Collection
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
 from matplotlib.ticker import LogLocator, NullLocator
+from scipy.optimize import isotonic_regression
 
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.tables import FIGURES, writable_path, writing_to
@@ -36,32 +38,12 @@ BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = (
 TINTS = {"mild": "#EAF2F8", "severe": "#FCEEE4", "band": "#BBBBBB"}
 RISK_COLOURS = "RdYlBu_r"
 PALE = -0.15, 1.15  # ends of the colours of risks, so that words on them can be read
+HALO = [withStroke(linewidth=2.5, foreground="white")]
+"""Effect of words over lines and marks, which a box would hide."""
 
-_HOUSE_STYLE: Any = {
-    "axes.axisbelow": True,
-    "axes.edgecolor": "#444444",
-    "axes.grid": True,
-    "axes.labelcolor": BLACK,
-    "axes.linewidth": 0.8,
-    "axes.prop_cycle": cycler(color=[BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY]),
-    "axes.titlesize": 11,
-    "figure.constrained_layout.use": True,
-    "figure.dpi": 150,
-    "figure.titlesize": 12,
-    "font.family": "DejaVu Sans",
-    "font.size": 10,
-    "grid.color": "#E4E4E4",
-    "grid.linewidth": 0.6,
-    "legend.fontsize": 9,
-    "legend.frameon": False,
-    "lines.linewidth": 1.6,
-    "lines.markersize": 4.5,
-    "pdf.fonttype": 42,
-    "savefig.dpi": 150,
-    "svg.fonttype": "none",  # words stay words
-    "xtick.color": "#444444",
-    "ytick.color": "#444444",
-}
+_HOUSE_STYLE = rc_params_from_file(
+    Path(__file__).with_name("house.mplstyle"), use_default_template=False
+)
 
 REGION = "region"
 """Mark (gid) of the names of regions."""
@@ -102,10 +84,39 @@ def canvas(ax: Axes | None, size: tuple[float, float]) -> tuple[Figure, Axes]:
     return present, ax
 
 
+_APART = 1.25  # heights of a letter between two names
+
+
+def label_ends(axes: Axes, fontsize: float = 9.0) -> None:
+    """Write the names of the curves at their right ends, beside the axes, in place of a legend."""
+    found: Any = zip(*axes.get_legend_handles_labels(), strict=True)
+    curves = [(getattr(handle, "lines", [handle])[0], name) for handle, name in found]
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    figure.draw_without_rendering()  # places the axes
+    ends = [np.asarray(curve.get_ydata(), float) for curve, _ in curves]
+    heights = np.array([end[np.isfinite(end)][-1] for end in ends])
+    points = axes.transData.transform(np.column_stack([0 * heights, heights]))[:, 1]
+    points *= 72 / figure.dpi
+    order = np.argsort(points, kind="stable")
+    # Names in their order, apart by `_APART`, each as near to its end as the others let it.
+    steps = _APART * fontsize * np.arange(len(order))
+    told = isotonic_regression(points[order] - steps).x + steps
+    for (curve, name), height, shift in zip(
+        [curves[k] for k in order], heights[order], told - points[order], strict=True
+    ):
+        axes.annotate(
+            name, (1.0, height), (6, shift), xycoords=("axes fraction", "data"),
+            textcoords="offset points", va="center", fontsize=fontsize, color=curve.get_color(),
+            annotation_clip=False,
+        )  # fmt: skip
+
+
 def legend_below(figure: Figure, ax: Axes | None = None, **options: Any) -> None:
     """Write the legend below the figure, or below the caller's axes if the figure has others."""
     if ax is None:
-        figure.legend(loc="outside lower center", **options)
+        legend = figure.legend(loc="outside lower center", **options)
+        legend.get_title().set_multialignment("center")
     else:
         title = textwrap.fill(options.pop("title"), _NARROW)
         narrow = {"ncols": 1, "fontsize": 8, "title_fontsize": 8, "title": title}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import (
@@ -15,6 +14,7 @@ from pipeline.figures.style import (
     as_text,
     celsius,
     house_style,
+    label_ends,
 )
 from pipeline.gears.contact import Mesh
 
@@ -38,30 +38,27 @@ def draw_mesh(mesh: Mesh) -> Figure:
     speeds.plot(at, [place.sliding for place in places], color=VERMILION, label="sliding")
     speeds.set_ylabel("velocity [m/s]")
     speeds.axhline(0.0, color=GREY, linewidth=0.8)
-    loads.plot(at, [1e-9 * place.pressure for place in places], color=BLUE, label="pressure")
-    loads.set_ylabel("highest pressure [GPa]")
+    loads.plot(at, [1e-9 * place.pressure for place in places], color=BLUE)
+    loads.set_ylabel("highest pressure [GPa]", color=BLUE)
     loads.set_ylim(bottom=0)
     heat.plot(
         at, [celsius(place.temperature) for place in places], color=VERMILION,
-        label="bulk and flash, smooth flanks",
+        label="bulk and flash,\nsmooth flanks",
     )  # fmt: skip
     heat.axhline(celsius(mesh.duty.bulk), color=GREY, linestyle="--", label="bulk")
     if mesh.pair.critical is not None:
         heat.axhline(celsius(mesh.pair.critical), color=PURPLE, linestyle="-.", label="critical")
     heat.set_ylabel("temperature [°C]")
     heat.set_xlabel("place on the path of contact, from the pitch point [mm]")
-    drawn = [speeds, loads, heat]
     parameters = [place.film_parameter for place in places]
     if None not in parameters:
         film = loads.twinx()
-        film.plot(at, parameters, color=GREEN, linestyle=":", label="film parameter Λ")
-        film.set_ylabel("Λ")
-        film.set_ylim(bottom=0)
-        film.grid(False)
-        _legend(loads, film)
-        drawn = [speeds, heat]
-    for axes in drawn:
-        _legend(axes)
+        film.plot(at, parameters, color=GREEN, linestyle=":")
+        film.set_ylabel("film parameter Λ, dotted", color=GREEN)
+        film.set_ylim(0, 1.6 * max(film.get_ylim()))  # apart from the pressure
+        film.grid(visible=False)
+    for axes in (speeds, heat):
+        label_ends(axes)
     for axes in (speeds, loads, heat):
         for place in places:
             if place.letter:
@@ -71,13 +68,3 @@ def draw_mesh(mesh: Mesh) -> Figure:
             where = speeds.get_xaxis_transform()
             speeds.text(1e3 * place.position, 1.02, place.letter, transform=where, ha="center")
     return figure
-
-
-def _legend(*axes: Axes) -> None:
-    """One legend of several axes, beside them."""
-    handles, labels = [], []
-    for one in axes:
-        found = one.get_legend_handles_labels()
-        handles += found[0]
-        labels += found[1]
-    axes[-1].legend(handles, labels, loc="best")

@@ -22,6 +22,7 @@ from pipeline.laboratory.surfaces import (
     tilts,
 )
 from pipeline.scene.units import in_si
+from pipeline.sweep.shown import shown
 from tribo import InputError
 from tribo.surface import (
     AutocorrelationLengths,
@@ -44,6 +45,7 @@ _ROUNDING = 1e-9  # share of the heights below which what is left above their pl
 _DEGREES = 10.0  # angle of a lay to an axis beyond which the fit along the axes is another surface
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class SurfaceStatistics:
     """Roughness of a scan, above its least-squares plane."""

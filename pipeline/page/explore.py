@@ -20,6 +20,7 @@ from pipeline.analysis.scenes import entries_in_words, scenes
 from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
 from pipeline.page.content import MOST_FIELDS, content, content_of_samples
 from pipeline.page.controls import Control, scene_choice, surface_choice
+from pipeline.sweep.shown import shown
 from tribo import InputError
 
 _SUFFIXES = (".html", ".htm")
@@ -29,6 +30,7 @@ _SCRIPTS = (
 )  # fmt: skip
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class Page:
     """A page that was written."""

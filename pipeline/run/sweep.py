@@ -32,6 +32,7 @@ from pipeline.store.write import Store, Writer
 from pipeline.sweep.codec import differences
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, tasks
+from pipeline.sweep.shown import shown
 from tribo import InputError
 
 _SHARE = 10  # velocities, of which the coarse pass takes one
@@ -40,6 +41,7 @@ _FEWEST = 3  # velocities of the coarse pass
 _MOST = 200
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """Result of a run."""

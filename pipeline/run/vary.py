@@ -23,6 +23,7 @@ from pipeline.store.schema import DONE
 from pipeline.store.write import opened, stored
 from pipeline.sweep.model import PART_OF, Sweep, differing_inputs
 from pipeline.sweep.physics import Effect, physics_of
+from pipeline.sweep.shown import shown
 from pipeline.sweep.variants import Label, rows
 from tribo import InputError
 from tribo.types import Array
@@ -47,6 +48,7 @@ class Variation:
     outcomes: tuple[str, ...]
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class Variations:
     """The boundary of a scene, unchanged and with single entries changed."""

@@ -12,6 +12,7 @@ from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
+from pipeline.sweep.shown import shown
 from pipeline.sweep.variants import Variant
 
 
@@ -29,6 +30,7 @@ class FailedPoint:
         return f"{self.place or Point(self.load, self.velocity, self.variant)}: {self.message}"
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class Summary:
     """Progress of a sweep."""

@@ -43,6 +43,7 @@ from pipeline.store.root import ELSEWHERE, LostRootError, Root, copied, read_roo
 from pipeline.store.schema import AT_END, DONE, MADE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
+from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Count
 from tribo import InputError
 from tribo.types import Mask
@@ -56,6 +57,7 @@ _SEEN = "status/seen"
 _Index = tuple[int, ...]
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class Verification:
     """Result of reading a whole store."""

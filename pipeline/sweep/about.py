@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.selection import Selection
+from pipeline.sweep.shown import Line
 from tribo import MeasuredRoughness, Oil, Ramp, Scene, SelfAffineRoughness, Wear
 from tribo.simulation import PointWarning
 from tribo.types import Array
@@ -82,15 +83,6 @@ class About:
     notes: tuple[str, ...] = ()  # assumptions made on reading the scene
     # Arguments by which the command reads the scene; none if it was not read from a file.
     arguments: tuple[str, ...] = field(default=(), compare=False)
-
-
-Line = tuple[str, str]
-
-
-def as_lines(title: str, rows: Sequence[Line]) -> str:
-    """Write rows below a title."""
-    width = max(len(name) for name, _ in rows)
-    return "\n".join([title, *(f"  {name:{width}}  {text}" for name, text in rows)])
 
 
 def scene_rows(scene: Scene) -> Iterator[Line]:

@@ -7,8 +7,9 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple, Self
 
-from pipeline.sweep.about import About, as_lines, condition_rows, plane_rows, scene_rows
+from pipeline.sweep.about import About, condition_rows, plane_rows, scene_rows
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.shown import shown
 from pipeline.sweep.stations import Stations, Steps
 from pipeline.sweep.variants import Part, Variant, Variants
 from tribo import InputError, Ramp, Scene, SelfAffineRoughness
@@ -105,6 +106,7 @@ class Record:
     stations: Stations | None = None  # that a store has
 
 
+@shown
 @dataclass(frozen=True, kw_only=True)
 class Sweep:
     """A scene, where to simulate it and in which variants, and how to judge the results.
@@ -151,13 +153,10 @@ class Sweep:
         if self.variants.columns:
             self.variant(self.variants.names[0])  # refuses what the scene does not have
 
-    def __repr__(self) -> str:
-        return as_lines(f"{self.about.name}: {self.about.title}", self._rows())
-
-    def _rows(self) -> list[tuple[str, str]]:
-        """Description of the scene, a row for each subject."""
+    def description(self) -> tuple[str, list[tuple[str, str]]]:
+        """Title, and a row for each subject of the scene."""
         several = [(f"{name}s", str(len(values))) for name, values in self.variants.axes.items()]
-        return [
+        return f"{self.about.name}: {self.about.title}", [
             *scene_rows(self.scene),
             plane_rows(self.plane.loads, self.plane.velocities),
             *several,

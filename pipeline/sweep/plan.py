@@ -17,10 +17,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.sweep.about import as_lines, point_rows
+from pipeline.sweep.about import point_rows
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import verdict
+from pipeline.sweep.shown import Line, shown
 from pipeline.sweep.stages import Count
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Variant
@@ -36,6 +37,7 @@ _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 _NO_BULK_QUANTILES = np.full((len(BULK_RATIOS), len(QUANTILES)), np.nan)
 
 
+@shown
 @dataclass(frozen=True, slots=True, eq=False)
 class PointResult:
     """The result of computing one point."""
@@ -51,8 +53,9 @@ class PointResult:
     warnings: tuple[PointWarning, ...]  #: Reasons for care in relying on the point.
     wall_time: float  #: Duration of the computation, which may have begun on a trunk [s].
 
-    def __repr__(self) -> str:
-        return as_lines(str(self.point), list(point_rows(self.columns, self.warnings)))
+    def description(self) -> tuple[str, list[Line]]:
+        """Its point, and a row for each subject."""
+        return str(self.point), list(point_rows(self.columns, self.warnings))
 
     @property
     def fields(self) -> dict[str, Array]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from pipeline.sweep.shown import shown
 from tribo import PRESETS, Fidelity
 
 KEPT_FIELDS = ("heat_model", "heat_kernel")
@@ -36,6 +37,7 @@ class Trial:
     work: float  # elements times convolutions
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class Selection:
     """The fidelity that was picked, and why; or the scene's own, and its error."""

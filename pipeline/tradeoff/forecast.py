@@ -17,6 +17,7 @@ from pipeline.sweep.hand_out import makespan
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, record_at, step_count, tasks
 from pipeline.sweep.plan import points as points_of
+from pipeline.sweep.shown import shown
 from pipeline.sweep.station_choice import choose_stations
 from tribo import State
 from tribo.simulation import Trunks, contacts, heat
@@ -34,6 +35,7 @@ _MANY = 20_000  # tasks, from which they are divided evenly
 _PATIENCE = 3.0  # [s] of processor time, after which no further step is timed
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class Estimate:
     """Cost of a sweep."""

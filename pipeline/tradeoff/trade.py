@@ -18,6 +18,7 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import in_si
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import rise_limit
+from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Tell, staged
 from pipeline.sweep.variants import Variants
 from pipeline.tradeoff.probe import (
@@ -88,6 +89,7 @@ class Wasted:
         )
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class Trade:
     """Speed and accuracy of numerical choices on a scene."""

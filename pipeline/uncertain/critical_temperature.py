@@ -18,6 +18,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.write import opened, stored
 from pipeline.sweep.about import own_tests
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Tell
 from pipeline.sweep.variants import Label, Variants, rows, surfaces
 from tribo import Criterion, InputError
@@ -27,6 +28,7 @@ from tribo.inverse import Transition
 _PLACE = ("normal_load", "velocity")
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class CriticalTemperatures:
     """Critical temperatures from measured transitions, each on each random surface."""

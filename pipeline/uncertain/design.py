@@ -20,6 +20,7 @@ from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.analysis.model_error import ModelError, Scatter
 from pipeline.analysis.rise_error import error_of_point
 from pipeline.scene.along import Place
+from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Count
 from pipeline.sweep.unknown import OF_90, Fixed, Unit, Unknown
 from pipeline.uncertain.answers import draws_of, probability_of, run_probability
@@ -70,6 +71,7 @@ class Goal:
     margin: float = 0.0  #: Distance below the critical temperature [K].
 
 
+@shown
 @dataclass(frozen=True, slots=True, eq=False)
 class Limit:
     """Values of an entry with which a goal is reached, at the worst numerical error."""

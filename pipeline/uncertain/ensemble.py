@@ -42,6 +42,7 @@ from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import FIELDS, PATHS, Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.samples import Design
+from pipeline.sweep.shown import shown
 from pipeline.sweep.unknown import Fixed, Unknown, without
 from pipeline.sweep.variants import VARIANT
 from pipeline.uncertain.emulator import (
@@ -88,6 +89,7 @@ class Excess(NamedTuple):
         return np.asarray(ndtr(self.values / self.error))
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Ensemble:
     """Samples of a sweep.

@@ -14,8 +14,10 @@ from pipeline.figures import style
 from pipeline.figures.overlays import mark_tests
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.scene.units import typeset
+from pipeline.sweep.about import condition_rows
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.design import Limit
+from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.fields import single_field
 from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.posterior import Judged, Posterior
@@ -73,9 +75,17 @@ def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
             basis += ", which the model does not fit"
     basis = "; ".join([basis, *map(str, ensemble.fixed)])
     axes.set_title(f"{style.as_text(ensemble.title)}\n{basis}", wrap=True)
-    title = f"the model's own error: {scatter.worded}"
+    title = f"{_conditions(ensemble)}\nthe model's own error: {scatter.worded}"
     style.legend_below(figure, None, ncols=2, title=title, title_fontsize=9.5)
     return figure
+
+
+def _conditions(ensemble: Ensemble) -> str:
+    """When wear is severe, as far as that is known, and which inputs the samples vary."""
+    known = dict(condition_rows(ensemble.conditions))
+    severe = f"severe wear: {known['severe']}; " if "severe" in known else ""
+    varied = ", ".join(one.path.replace(".", " ").replace("_", " ") for one in ensemble.unknown)
+    return f"{severe}friction {known['friction']}; samples vary {varied}"
 
 
 @style.house_style
@@ -206,7 +216,7 @@ def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
     axes.set_ylabel("computed, 90 % interval [m/s]", fontsize=9)
 
 
-_LEAST_RISK = 1e-5  # probability that is drawn
+_LEAST_RISK = 1e-5  # below which a probability is not drawn
 
 
 @style.house_style
@@ -233,7 +243,8 @@ def draw_design(limits: Sequence[Limit], title: str) -> Figure:
     goal, shown = limit.goal, limit.entry.shown
     if not limit.at:
         values = shown.of(np.array(limit.values))
-        percent = 100 * np.maximum(limit.probabilities, _LEAST_RISK)
+        chances = np.array(limit.probabilities)
+        percent = 100 * np.where(chances > _LEAST_RISK, chances, np.nan)
         axes.semilogy(values, percent, "o-", ms=4, color=BLUE, label="emulated")
         axes.axhline(100 * goal.risk, color=GREY, lw=1.0, label=f"goal, {100 * goal.risk:g} %")
         if limit.value is not None and limit.interval is not None:

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from pipeline.sweep.about import oils_of
+from pipeline.sweep.shown import shown
 from pipeline.sweep.unknown import Unknown, correlations
 from pipeline.uncertain.answers import log_boundary, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
@@ -74,6 +75,7 @@ class Judged(NamedTuple):
         return self.is_blamed and self.probability < self.limit
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Posterior:
     """Joint distribution of the unknown inputs, given tests."""

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.sweep.shown import shown
 from pipeline.sweep.unknown import OF_90, Unknown, score_values
 from pipeline.uncertain.answers import draws_of, log_boundary
 from pipeline.uncertain.ensemble import Ensemble
@@ -25,6 +26,7 @@ _SCRAMBLES = 4  # scrambles of the points, whose scatter tells their error
 _BINS = 24
 
 
+@shown
 @dataclass(frozen=True, slots=True, eq=False)
 class Sensitivity:
     """Sobol' indices of the critical velocity."""

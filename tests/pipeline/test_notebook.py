@@ -2,16 +2,23 @@
 
 import io
 import re
+from importlib import import_module
+from pathlib import Path
 from types import SimpleNamespace
+from xml.etree import ElementTree
 
 import numpy as np
+import pytest
 from matplotlib import image
 
 import pipeline
-from pipeline.run.sweep import Progress
+from pipeline.run.sweep import Outcome, Progress
 from pipeline.run.tally import reported
-from tests.helpers import synthetic, tiny
+from pipeline.store.progress import FailedPoint
+from tests.helpers import samples, synthetic, tiny
 from tribo import MeasuredRoughness
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_a_scene_shows_itself_in_a_few_lines():
@@ -22,6 +29,46 @@ def test_a_scene_shows_itself_in_a_few_lines():
         assert len(lines) < 14
         assert max(map(len, lines)) < 90
         assert "  sweep     3 loads from 150 to 600 N, 3 velocities from 0.5 to 1.5 m/s" in lines
+
+
+def answers():
+    """An answer of each kind that is cheap to have."""
+    ds = synthetic.sweep()
+    ensemble = samples.ensemble()
+    at_risk = samples.dataset(ensemble, model_scatter=0.0)
+    failed = tuple(FailedPoint(100.0 + k, 1.0, "no contact <here>") for k in range(500))
+    return (
+        pipeline.margin(ds, "400 N", "2 m/s"),
+        pipeline.margin(at_risk, "400 N", "2 m/s"),
+        pipeline.diff(ds, pipeline.at(ds, friction=0.12)),
+        pipeline.warned(ds),
+        ensemble,
+        pipeline.sensitivity(ensemble),
+        Outcome(600, 100, 0, failed, 3.0),
+        tiny.sweep(),
+    )
+
+
+@pytest.mark.parametrize("answer", answers(), ids=lambda answer: type(answer).__name__)
+def test_an_answer_shows_itself_on_one_screen_and_as_a_table(answer):
+    title, *lines = repr(answer).splitlines()
+    assert len(lines) <= 40
+    assert max(map(len, lines)) <= 110
+    table, *_ = ElementTree.fromstring(f"<div>{answer._repr_html_()}</div>")
+    assert table.find("caption").text == title
+    rows = [" ".join(cell.text for cell in row) for row in table.findall("tr")]
+    assert rows == [" ".join(line.split()) for line in lines]
+
+
+def test_every_answer_that_the_page_of_functions_lists_has_a_table():
+    page = (ROOT / "workflows" / "API.md").read_text(encoding="utf-8")
+    listed = re.findall(r"autoclass:: (pipeline\.\S+)", page)
+    assert len(listed) > 15
+    for path in listed:
+        module, _, name = path.rpartition(".")
+        # These come by the dozen, as a line each.
+        if name not in ("Candidate", "Progress"):
+            assert hasattr(getattr(import_module(module), name), "_repr_html_"), path
 
 
 def test_a_figure_shows_itself_as_a_picture():

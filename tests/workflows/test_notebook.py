@@ -1,18 +1,22 @@
-"""The notebooks, cell by cell on smaller scenes, and UNCERTAIN.md's commands on what one stores.
+"""The notebooks: what they store, and their cells and UNCERTAIN.md's commands on smaller scenes.
 
-`make docs` runs them whole, in kernels.
+`make notebooks` runs them whole, in kernels, and stores what the cells show.
 """
 
 import ast
+import base64
 import contextlib
+import getpass
 import io
 import json
 import re
 import shlex
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from matplotlib.figure import Figure
+from PIL import Image
 
 import pipeline
 from pipeline.cli import main
@@ -31,6 +35,11 @@ SMALLER = {
         '{"sweep.samples": 24, "sweep.loads": ["200 N", "400 N", "750 N"]}',
     ),
 }
+_OF_A_RUN = (
+    r"/(home|root|tmp|usr|var|work|Users|opt)/|[A-Z]:\\",  # paths of a machine
+    r"localhost|\b\d+\.\d+\.\d+\.\d+\b|:\d{4,5}\b",  # addresses and ports
+    r"\x1b|0x[0-9a-f]{6,}",  # colours of a terminal, and places in memory
+)
 
 
 @pytest.fixture(scope="module")
@@ -46,44 +55,132 @@ def _there_with_few_draws(folder, monkeypatch):
     monkeypatch.setattr(design, "SIMULATED", 24)
     monkeypatch.setattr(next_tests, "_TRUTHS", 32)
     monkeypatch.setattr(sensitivity, "_POINTS", 2**8)
+    with pd.option_context("display.max_columns", 20, "display.width", 80):  # those of a kernel
+        yield
+
+
+def code_cells(name):
+    """Cells of a notebook with code."""
+    text = (WORKFLOWS / f"{name}.ipynb").read_text(encoding="utf-8")
+    return [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+
+
+def source_of(cell):
+    return "".join(cell["source"])
+
+
+def stored_texts(output, with_html=False):
+    """Text of an output: printed lines, or the last expression of a cell."""
+    data = output.get("data", {})
+    kinds = ("text/plain", "text/html") if with_html else ("text/plain",)
+    return "".join([*output.get("text", ""), *("".join(data.get(kind, "")) for kind in kinds)])
+
+
+def stored_text(cell):
+    return "\n".join(stored_texts(output).strip() for output in cell["outputs"])
+
+
+def stored_pictures(name):
+    """Figures that a notebook stores, as bytes of PNG."""
+    return [
+        base64.b64decode("".join(output["data"]["image/png"]))
+        for cell in code_cells(name)
+        for output in cell["outputs"]
+        if "image/png" in output.get("data", {})
+    ]
 
 
 def run_cells(name):
-    """What the cells of a notebook print, and the figures that they show."""
-    text = (WORKFLOWS / f"{name}.ipynb").read_text(encoding="utf-8")
-    cells = [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+    """What each cell of a notebook shows as text, and the figures that they show."""
+    cells = code_cells(name)
     assert len(cells) > 4
-    assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in cells)
-    sources = ["".join(cell["source"]) for cell in cells]
+    sources = [source_of(cell) for cell in cells]
     if SMALLER[name]:
         assert SMALLER[name][0] in sources[0]
         sources[0] = sources[0].replace(*SMALLER[name])
     assert sum(source.count("assert ") for source in sources) >= 2
-    names, figures, printed = {}, [], io.StringIO()
-    with contextlib.redirect_stdout(printed):
-        for source in sources:
+    names, figures, texts = {}, [], []
+    for source in sources:
+        printed, shown = io.StringIO(), None
+        with contextlib.redirect_stdout(printed):
             *lines, last = ast.parse(source).body
             exec(compile(ast.Module(lines, []), name, "exec"), names)
             if isinstance(last, ast.Expr):
                 shown = eval(compile(ast.Expression(last.value), name, "eval"), names)
-                if isinstance(shown, Figure):
-                    figures.append(shown._repr_png_())
             else:
                 exec(compile(ast.Module([last], []), name, "exec"), names)
-    return printed.getvalue(), figures
+        if isinstance(shown, Figure):
+            figures.append(shown._repr_png_())
+            shown = None
+        parts = [printed.getvalue(), *([] if shown is None else [repr(shown)])]
+        texts.append("\n".join(filter(None, map(str.strip, parts))))
+    return texts, figures
 
 
-def test_the_short_notebooks_keep_their_assertions():
-    _, figures = run_cells("first_diagram")
-    assert len(figures) == 1
-    printed, figures = run_cells("stations")
-    assert len(figures) == 1
-    assert "/status" in printed  # the link of the dashboard
+def numbers_apart(text):
+    """Words of a text without its numbers and line breaks, and its numbers."""
+    number = r"\d+(?:\.\d+)?(?:e[+-]?\d+)?"
+    return re.sub(r"[\s#]+", " ", re.sub(number, "#", text)).strip(), [
+        float(found) for found in re.findall(number, text)
+    ]
+
+
+def assert_stored(name, texts, but=()):
+    """Compare what cells show with what the notebook stores, but for some of the cells."""
+    compared = 0
+    for number, (cell, text) in enumerate(zip(code_cells(name), texts, strict=True)):
+        if number in but:
+            continue
+        stored = stored_text(cell)
+        (words, numbers), (old_words, old) = numbers_apart(text), numbers_apart(stored)
+        assert words == old_words, f"cell {number}: run make notebooks"
+        assert numbers == pytest.approx(old, rel=1e-3), f"cell {number}: run make notebooks"
+        compared += bool(stored)
+    return compared
+
+
+@pytest.mark.parametrize("name", SMALLER)
+def test_a_notebook_stores_what_its_cells_show_and_nothing_of_a_machine(name):
+    path = WORKFLOWS / f"{name}.ipynb"
+    assert path.stat().st_size < 200_000
+    cells = code_cells(name)
+    assert [cell["execution_count"] for cell in cells] == list(range(1, len(cells) + 1))
+    for cell in cells:
+        *_, last = ast.parse(source_of(cell)).body
+        shows = isinstance(last, ast.Expr) or "print(" in source_of(cell)
+        assert bool(cell["outputs"]) == shows, source_of(cell)
+        for output in cell["outputs"]:
+            assert output["output_type"] in ("stream", "execute_result")
+            assert output.get("name", "stdout") == "stdout"
+            words = stored_texts(output, with_html=True)
+            for pattern in (*_OF_A_RUN, rf"\b{re.escape(getpass.getuser())}\b"):
+                assert not re.search(pattern, words), (pattern, words)
+    pictures = stored_pictures(name)
+    assert pictures
+    for picture in pictures:
+        with Image.open(io.BytesIO(picture)) as image:
+            assert (image.format, image.mode) == ("PNG", "P")
+            assert 400 < image.width <= 800
+            assert len(image.getcolors()) > 10
+
+
+def test_the_short_notebooks_show_what_they_store():
+    texts, figures = run_cells("first_diagram")
+    assert len(figures) == len(stored_pictures("first_diagram")) == 1
+    assert assert_stored("first_diagram", texts) >= 4
+    texts, figures = run_cells("stations")
+    assert len(figures) == len(stored_pictures("stations")) == 1
+    # The first two cells count the points and sizes of the whole scene.
+    assert assert_stored("stations", texts, but=(0, 1)) >= 2
+    sizes = [numbers_apart(text) for text in (texts[1], stored_text(code_cells("stations")[1]))]
+    assert sizes[0][0] == sizes[1][0]
+    assert sizes[0][1] < sizes[1][1]
 
 
 def test_the_notebook_leads_from_transitions_to_a_map_and_the_next_test():
-    printed, figures = run_cells("uncertain")
-    assert len(figures) == 4
+    texts, figures = run_cells("uncertain")
+    assert len(figures) == len(stored_pictures("uncertain")) == 4
+    printed = "\n".join(texts)
     before, *ends, after, again = map(
         float, re.findall(r"(\d\.\d\d)\b", printed.split("samples")[-1])[:5]
     )
@@ -92,10 +189,19 @@ def test_the_notebook_leads_from_transitions_to_a_map_and_the_next_test():
     assert [before, *ends] == expected
     assert after < before == again
     assert printed.count("% instead of ±") == 6
+    # Inputs and tests are those of the whole scene; other numbers are those of fewer samples.
+    stored = [stored_text(cell) for cell in code_cells("uncertain")]
+    assert numbers_apart(texts[1]) == numbers_apart(stored[1])
+    for number in (2, 3):
+        assert numbers_apart(texts[number])[0] == numbers_apart(stored[number])[0]
+    assert "128 samples" in stored[2]
+    assert stored[-1].count("% instead of ±") == 6
+    probabilities = [float(re.findall(r"0\.\d\d", stored[number])[0]) for number in (3, 6)]
+    assert probabilities[1] < probabilities[0]
 
 
 def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(capsys):
-    page = (WORKFLOWS / "UNCERTAIN.md").read_text(encoding="utf-8")
+    page = (WORKFLOWS / "UNCERTAIN.md").read_text(encoding="utf-8").replace("\\\n", "")
     commands = re.findall(r"^irg .*$", page, flags=re.MULTILINE)
     assert len(commands) == 13
     printed = []

@@ -24,12 +24,12 @@ def page(reports: Sequence[Report]) -> str:
 
 
 def _lines(reports: Sequence[Report]) -> Iterator[str]:
-    yield "| result | verdicts | takes about |"
+    yield "| result | statements that agree | takes about |"
     yield "|---|---|---|"
     for report in reports:
         agree = sum(finding.agrees for finding in report.findings)
         yield (
-            f"| [{report.name}](#{report.name}) | {agree} of {len(report.findings)} agree | "
+            f"| [{report.name}](#{report.name}) | {agree} of {len(report.findings)} | "
             f"{_about(report.seconds)} |"
         )
     for report in reports:
@@ -37,12 +37,13 @@ def _lines(reports: Sequence[Report]) -> Iterator[str]:
         yield f"\n## {name}\n"
         yield f"{title[0].upper()}{title[1:]}.\n"
         yield f"![{name}]({name}.png)\n"
+        yield f"*{WORDS[name]['see']}*\n"
         if not WORDS[name].get("drawn"):
             yield from markdown_of(report.table)
             yield ""
         for finding in report.findings:
             verdict = "agrees" if finding.agrees else "differs"
-            yield f"- **{verdict}** — *{finding.printed}*: {finding.computed}.{finding.reason}"
+            yield f"- **{verdict}** *{finding.printed}*: {finding.computed}.{finding.reason}"
         yield f"\n{' '.join(report.notes)}"
 
 

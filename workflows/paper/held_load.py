@@ -7,7 +7,15 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, heating, house_style
+from pipeline.figures.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    VERMILION,
+    heating,
+    house_style,
+    label_ends,
+)
 from tribo import InputError, Ramp
 from tribo.types import Array
 from workflows.paper.report import Report, line, texts
@@ -64,7 +72,7 @@ def fig5(study: Study) -> Report:
         data={
             name: {"time": time, "max_celsius": celsius} for name, (time, celsius) in curves.items()
         },
-        figure=_draw(curves, full, f"{load:g} N, {velocity:g} m/s\n{heating(sweep.conditions)}"),
+        figure=_draw(curves, full, f"{load:g} N, {velocity:g} m/s, {heating(sweep.conditions)}"),
     )
 
 
@@ -80,6 +88,8 @@ def _draw(curves: _Curves, full: float, title: str) -> Figure:
     axes.set_ylim(bottom, top + 0.06 * (top - bottom))
     for side, text in (("right", "ramp "), ("left", " load held")):
         axes.text(full, bottom + 2, text, ha=side, va="bottom", color=GREY)
-    axes.set(xlim=(0, None), xlabel="time [s]", ylabel="highest contact temperature [°C]")
-    axes.legend(loc="lower right", title=title)
+    end = max(time[-1] for time, _ in curves.values())
+    axes.set(xlim=(0, end), xlabel="time [s]", ylabel="highest contact temperature [°C]")
+    axes.set_title(title, loc="left")
+    label_ends(axes)
     return figure

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLUE, GREY, VERMILION, celsius, house_style
+from pipeline.figures.style import BLUE, GREY, VERMILION, celsius, house_style, label_ends
 from tribo import InputError, Ramp, Wear
 from tribo.inverse import specific_wear_rate
 from tribo.types import Array
@@ -214,28 +214,31 @@ def _draw(critical: dict[str, Array], printed: float, rates: dict[float, list[fl
         places = np.arange(start, start + len(values))
         left.errorbar(
             places, mean(values), spread(values),
-            color=colour, marker="o", ls="none", capsize=3, label=name,
+            color=colour, marker="o", ls="none", capsize=3,
         )  # fmt: skip
-        left.hlines(
-            values.mean(), places[0] - 0.3, places[-1] + 0.3, color=colour, lw=0.9,
-            label=f"{name}, mean",
+        left.hlines(values.mean(), places[0] - 0.3, places[-1] + 0.3, color=colour, lw=0.9)
+        left.annotate(
+            f"{name}, mean {values.mean():.0f} °C", (places.mean(), values.max()), (0, 9),
+            textcoords="offset points", ha="center", color=colour,
         )  # fmt: skip
         start += len(values)
-    label = f"white oil on the rig, {printed:g} °C"
-    left.axhline(printed, color=GREY, ls=":", lw=1.4, label=label)
+    left.axhline(printed, color=GREY, ls=":", lw=1.4)
+    left.annotate(
+        f"white oil on the rig: {printed:g} °C", (start - 0.5, printed), (0, 3),
+        textcoords="offset points", ha="right", va="bottom", color=GREY,
+    )  # fmt: skip
     ticks = [f"{row.normal_load:g} N\n{ROOM_CELSIUS:g} °C" for row in TABLE_4]
     ticks += [f"{row.normal_load:g} N\n{row.bulk_celsius:g} °C" for row in TABLE_6]
     left.set_xticks(range(start), ticks[:start], fontsize=8)
     bottom, top = left.get_ylim()
-    left.set(ylim=(bottom, top + 0.4 * (top - bottom)), ylabel="critical temperature [°C]")
+    left.set(ylim=(bottom, top + 0.1 * (top - bottom)), ylabel="critical temperature [°C]")
     left.set_title("from each measured transition", loc="left")
-    left.legend(loc="upper left")
     for (load, row), marker in zip(rates.items(), "os^D", strict=True):
         rate = _UNIT * np.array(row)
         right.plot(_DURATIONS, rate, marker=marker, color=BLUE, label=f"{load:g} N")
     right.axhline(_UNIT * SPECIFIC_WEAR_RATE, color=GREY, ls=":", lw=1.4, label="printed")
-    right.set(xlabel="duration of the test [s]", ylim=(0, None))
+    right.set(xlabel="duration of the test [s]", ylim=(0, None), xlim=(None, _DURATIONS[-1]))
     right.set_ylabel("specific wear rate [10$^{-6}$ mm³/(N m)]")
     right.set_title("white oil, from each measured contact width", loc="left")
-    right.legend(loc="lower left", ncols=2)
+    label_ends(right)
     return figure

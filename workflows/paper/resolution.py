@@ -12,7 +12,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, house_style
+from pipeline.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    VERMILION,
+    celsius,
+    house_style,
+    label_ends,
+)
 from tribo import ConvergenceError, Fidelity, simulate, warnings
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
@@ -214,16 +223,16 @@ def _draw(
     fields: Mapping[str, Array],
     shown: int,
 ) -> Figure:
-    figure = Figure(figsize=(9.6, 8.2))
+    figure = Figure(figsize=(10.4, 8.2))
     halves: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1))
     upper, lower = halves
     left, right = upper.subplots(1, 2, sharey=True)
     if fields:
         _patches(lower, sweep, fields, shown)
     for name, label, colour, style in (
-        ("one step", "unworn, highest", BLACK, "--"),
-        ("maximum", "swept wear, highest", BLUE, "-"),
-        ("10 %", "swept wear, exceeded on 10 %", GREEN, "-"),
+        ("one step", "unworn,\nhighest", BLACK, "--"),
+        ("maximum", "swept wear,\nhighest", BLUE, "-"),
+        ("10 %", "swept wear,\nexceeded\non 10 %", GREEN, "-"),
     ):
         _curve(left, by_elements[name], label, colour, style)
     left.set_xlabel("elements along each side")
@@ -234,12 +243,16 @@ def _draw(
         if row:
             _curve(right, row, name, *look)
     right.set_xlabel("increments of the ramp")
-    right.axvline(_PUBLISHED, color=GREY, lw=0.9, label="as in c and d" if fields else None)
-    bottom, top = left.get_ylim()
-    left.set_ylim(bottom, top + 0.4 * (top - bottom))
+    right.axvline(_PUBLISHED, color=GREY, lw=0.9)
+    if fields:
+        right.annotate(
+            " as in c and d", (_PUBLISHED, 1.0), (0, -3), xycoords=("data", "axes fraction"),
+            textcoords="offset points", va="top", color=GREY, fontsize=9,
+        )  # fmt: skip
     for words, axes in (("a  with smaller elements", left), ("b  with shorter steps", right)):
         axes.set_title(words, loc="left")
-        axes.legend(loc="upper right")
+        axes.set_xlim(right=1.02 * axes.lines[0].get_xdata()[-1])
+        label_ends(axes)
     return figure
 
 

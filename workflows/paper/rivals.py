@@ -13,7 +13,16 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
-from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, house_style
+from pipeline.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    VERMILION,
+    celsius,
+    house_style,
+    label_ends,
+)
 from tribo import Cylinder, lubrication_regime
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
@@ -194,7 +203,7 @@ def _table(criteria: Mapping[str, _Criterion], film: Array, conditions: Conditio
 
 
 _IN_FULL = {
-    "ours": "temperature exceeded on 10 % of the rough, worn contact (this model)",
+    "ours": "this model: Θ₁₀ of the rough, worn contact",
     "power": "friction power",
     "blok_unworn": "Blok's flash temperature, smooth contact, unworn",
     "power_per_area_unworn": "friction power per area, unworn contact",
@@ -208,7 +217,7 @@ _IN_FULL = {
 
 @house_style
 def _draw(criteria: Mapping[str, _Criterion]) -> Figure:
-    figure = Figure(figsize=(8.8, 5.6))
+    figure = Figure(figsize=(10.4, 5.2))
     axes = figure.subplots()
     places = np.arange(len(TABLE_4))
     for number, (key, criterion) in enumerate(criteria.items()):
@@ -225,12 +234,12 @@ def _draw(criteria: Mapping[str, _Criterion]) -> Figure:
         )
     axes.axhline(1, color=BLACK, lw=0.8)
     axes.set_xticks(places, list(map(label_of, TABLE_4)))
-    axes.set_xlim(-0.3, len(TABLE_4) - 0.7)
+    axes.set_xlim(-0.3, len(TABLE_4) - 0.9)
     axes.set_ylabel("criterion / its mean over the four tests")
     axes.set_title(
         "Which quantity is the same at every measured transition to severe wear?\n"
         "One that decides is 1.0 at all four; temperatures count above the bulk",
         fontsize=11,
     )
-    figure.legend(loc="outside lower center", ncols=2)
+    label_ends(axes)
     return figure

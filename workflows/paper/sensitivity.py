@@ -12,7 +12,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, house_style
+from pipeline.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    VERMILION,
+    celsius,
+    house_style,
+    label_ends,
+)
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
@@ -197,21 +206,25 @@ def _draw(sweep: Sweep, outcomes: _Outcomes) -> Figure:
         _line(upper, exceeded, GREEN, "exceeded on 10 %", joined)
         upper.axhline(printed, color=BLACK, ls="--", lw=1.2, label="printed, highest")
         upper.axhline(critical, color=GREY, ls=":", lw=1.2, label=f"critical, {critical:g} °C")
-        upper.set_title({"lay": "lay, along × across sliding"}.get(kind, kind))
+        upper.set_title({"lay": "lay, along × across sliding"}.get(kind, kind), loc="left")
         _line(lower, 100 * off, VERMILION, "critical velocity", joined)
         lower.axhline(0, color=BLACK, lw=1.0)
-        good = f"within {100 * _GOOD:g} %"
-        lower.axhspan(-100 * _GOOD, 100 * _GOOD, color="#E4E4E4", zorder=0, label=good)
+        lower.axhspan(-100 * _GOOD, 100 * _GOOD, color="#EEEEEE", zorder=0)
         lower.tick_params(axis="x", labelsize=9)
         names = [name.replace(", length ", ",\nlength ") for name in variants]
         lower.set_xticks(range(len(variants)), names)
         lower.set_xlim(-0.4, len(variants) - 0.6)
     rows[0][0].set_ylabel("at the measured\ntransitions [°C]")
     rows[1][0].set_ylabel("critical velocity against\nthe measured one [%]")
-    parts = zip(*(axes.get_legend_handles_labels() for axes in rows[:, 0]), strict=True)
-    title = "mean over transitions and surfaces; bars from the lowest transition to the highest"
-    handles, labels = (first + second for first, second in parts)
-    figure.legend(handles, labels, loc="outside lower center", ncols=6, title=title)
+    rows[1][0].annotate(
+        f" within {100 * _GOOD:g} %", (0.0, -100 * _GOOD), (0, 3), color=GREY, fontsize=9,
+        xycoords=("axes fraction", "data"), textcoords="offset points", va="bottom",
+    )  # fmt: skip
+    label_ends(rows[0][-1])
+    figure.supxlabel(
+        "mean over transitions and surfaces; bars from the lowest transition to the highest",
+        fontsize=10,
+    )
     return figure
 
 

@@ -12,9 +12,18 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Sweep, vary
-from pipeline.figures.style import BLUE, GREEN, GREY, VERMILION, celsius, house_style
+from pipeline.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    VERMILION,
+    celsius,
+    house_style,
+    label_ends,
+)
 from tribo.simulation import contacts, heated
 from tribo.types import Array
+from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from workflows.paper.report import Report, agree, line, texts
 from workflows.paper.study import Study
 from workflows.paper.transitions import celsius_of, end_at, oil_a, white_oil
@@ -138,14 +147,17 @@ def _table(
 
 @house_style
 def _draw(by_oil: Mapping[str, Array], printed: float) -> Figure:
-    figure = Figure(figsize=(7.0, 3.8))
+    figure = Figure(figsize=(8.4, 4.4))
     axes = figure.subplots()
     for oil, colour in (("white oil", BLUE), ("oil A", VERMILION)):
         for number, curve in enumerate(by_oil[oil].mean(axis=1)):
-            hot = oil == "oil A" and number > 1
-            label = {0: oil, 2: "oil A, bulk 100 °C" if hot else None}.get(number)
-            axes.plot(_CONDUCTIVITIES, curve, color=colour, ls="--" if hot else "-", label=label)
-    axes.axhline(printed, color=GREEN, lw=1.2, label=f"white oil on the rig, {printed:g} °C")
+            test = (TABLE_4 if oil == "white oil" else TABLE_6)[number]
+            bulk = getattr(test, "bulk_celsius", ROOM_CELSIUS)
+            axes.plot(
+                _CONDUCTIVITIES, curve, color=colour, ls="-" if bulk == ROOM_CELSIUS else "--",
+                label=f"{oil}, {test.normal_load:g} N, bulk {bulk:g} °C",
+            )  # fmt: skip
+    axes.axhline(printed, color=GREEN, lw=1.2, label=f"white oil on the rig: {printed:g} °C")
     for K, text in ((_SOFT, "taken, as annealed"), (_HARD, "measured, hardened")):
         axes.axvline(K, color=GREY, ls=":", lw=1.2)
         axes.annotate(
@@ -155,6 +167,7 @@ def _draw(by_oil: Mapping[str, Array], printed: float) -> Figure:
     axes.set(xlabel="conductivity of the steel [W/(m K)]", ylabel="critical temperature [°C]")
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom, top + 0.12 * (top - bottom))  # room for the words at the lines
+    axes.set_xlim(_CONDUCTIVITIES[0], _CONDUCTIVITIES[-1])
     axes.set_title("from each measured transition", loc="left")
-    axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.93), fontsize=7.5)  # below the words
+    label_ends(axes)
     return figure

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from pipeline import at, boundary
 from pipeline.figures.diagram import diagram
-from pipeline.figures.style import GREEN
+from pipeline.figures.style import GREEN, HALO
 from workflows.paper.report import Report, texts
 from workflows.paper.study import Study
 from workflows.paper.transitions import worn
@@ -84,8 +84,7 @@ def _with_local_wear(figure: Figure, crossings: xr.Dataset) -> Figure:
     axes.annotate(
         f"local wear, Eq. (26):\n{beyond}",
         (velocities[known].max(), loads[known].min()) if known.any() else (0.98, 0.9),
-        xytext=(0, -9), textcoords="offset points", ha="right", va="top", fontsize=9.5, color=GREEN,
-        xycoords="data" if known.any() else "axes fraction",
-        bbox={"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5},
+        xytext=(0, -5), textcoords="offset points", ha="right", va="top", fontsize=9, color=GREEN,
+        xycoords="data" if known.any() else "axes fraction", linespacing=1.0, path_effects=HALO,
     )  # fmt: skip
     return figure

@@ -191,4 +191,5 @@ def draw_beside(
             color=colour, marker=marker, ls="none", capsize=3, label=f"computed, {name}",
         )  # fmt: skip
     axes.set_xticks(places, ticks)
-    axes.set(xlim=(-0.5, len(ticks) - 0.5), title=title)
+    axes.set(xlim=(-0.5, len(ticks) - 0.5), title="")
+    axes.set_title(title, loc="left")

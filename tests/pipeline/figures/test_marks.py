@@ -237,7 +237,7 @@ def choice(name, saving, error, varied=None):
     )  # fmt: skip
 
 
-def test_choices_stand_at_their_saving_and_error_and_the_front_joins_the_best():
+def test_choices_stand_at_their_work_and_error_and_the_front_joins_the_best():
     choices = (
         choice("draft", 20.0, 0.05),
         choice("fine", 4.0, 0.005),
@@ -248,11 +248,11 @@ def test_choices_stand_at_their_saving_and_error_and_the_front_joins_the_best():
     )
     axes = pipeline.draw_trade(Trade("A scene", (Point(200.0, 1.0),), "draft", choices, ())).axes[0]
     places = lines(axes)
-    assert places["presets"].tolist() == [[20.0, 0.05], [4.0, 0.005]]
-    assert places["the scene's own"].tolist() == [[8.0, 0.03]]
-    assert places["increments"].tolist() == [[10.0, 0.06], [5.0, 0.02]]
-    assert places["front"].tolist() == [[20.0, 0.05], [8.0, 0.03], [5.0, 0.02], [4.0, 0.005]]
-    assert axes.get_xlim()[0] > axes.get_xlim()[1]  # faster to the left
+    assert places["presets"].tolist() == [[5.0, 0.05], [25.0, 0.005]]
+    assert places["the scene's own"].tolist() == [[12.5, 0.03]]
+    assert places["increments"].tolist() == [[10.0, 0.06], [20.0, 0.02]]
+    assert places["front"].tolist() == [[5.0, 0.05], [12.5, 0.03], [20.0, 0.02], [25.0, 0.005]]
+    assert axes.get_xlim()[0] < axes.get_xlim()[1]  # more work to the right
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     assert axes.yaxis.get_major_formatter()(0.05, 0) == "5 %"
     assert "increments 10, 40" in labels(axes.figure.legends[0])
@@ -272,8 +272,7 @@ def test_a_design_is_drawn_with_its_goal_its_limit_and_its_interval():
     axes = pipeline.draw_design([limit], ensemble.title).axes[0]
     drawn = {line.get_label(): np.column_stack(line.get_data()) for line in axes.lines}
     np.testing.assert_allclose(drawn["emulated"][:, 0], np.array(limit.values) - 273.15)
-    percent = np.maximum(100 * np.array(limit.probabilities), 1e-3)
-    np.testing.assert_allclose(drawn["emulated"][:, 1], percent)
+    np.testing.assert_allclose(drawn["emulated"][:, 1], [90.0, 10.0, 1.0, np.nan])  # none at 0
     assert drawn["goal, 5 %"][:, 1] == pytest.approx([5.0, 5.0])
     assert drawn["limit"][:, 0] == pytest.approx(2 * [limit.value - 273.15])
     (span,) = axes.patches
@@ -318,6 +317,8 @@ def test_the_probability_over_the_plane_has_its_tests_and_its_lines():
     for velocity, load in middle.vertices[::20]:
         assert pipeline.margin(ds, load, velocity).probability == pytest.approx(0.5, abs=0.03)
     assert axes.get_title().endswith("inputs as assumed, before any measurement")
+    conditions = figure.legends[0].get_title().get_text().replace("\N{NO-BREAK SPACE}", " ")
+    assert conditions.startswith("severe wear: more than 10 % of the contact above")
     assert bar.get_ylabel() == "probability that the next run is severe"
 
 

@@ -77,7 +77,7 @@ def test_a_table_and_a_figure_are_written(irg, tmp_path):
     velocities, pressures, temperatures, film = gears.draw_mesh(
         gears.mesh(gears.read_pair("fzg_a"))
     ).axes
-    assert film.get_ylabel() == "Λ"
+    assert film.get_ylabel() == "film parameter Λ, dotted"
     assert temperatures.get_xlabel().endswith("from the pitch point [mm]")
     (sliding,) = (line for line in velocities.lines if line.get_label() == "sliding")
     assert sliding.get_ydata()[-1] == pytest.approx(5.59, abs=5e-3)

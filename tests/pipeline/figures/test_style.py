@@ -1,0 +1,69 @@
+"""One style sheet for all figures, which those of a user can take, too."""
+
+import ast
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+
+from pipeline.figures import style
+
+ROOT = Path(__file__).parents[3]
+DRAWING = sorted(
+    path
+    for folder in ("pipeline", "workflows/paper")
+    for path in (ROOT / folder).rglob("*.py")
+    if "figsize=" in (text := path.read_text(encoding="utf-8")) or "style.canvas(" in text
+)
+
+
+@pytest.mark.parametrize("path", DRAWING, ids=lambda path: path.stem)
+def test_every_function_that_makes_a_figure_draws_in_the_house_style(path):
+    if path.stem == "style":
+        return
+    makers = 0
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if not isinstance(node, ast.FunctionDef):
+            continue
+        names = {getattr(c.func, "id", getattr(c.func, "attr", "")) for c in calls(node)}
+        if names & {"Figure", "Picture", "canvas"}:
+            makers += 1
+            decorators = {getattr(d, "id", getattr(d, "attr", "")) for d in node.decorator_list}
+            within_diagram = node.name.startswith("_scenes_diagram")  # called by `diagram` alone
+            assert "house_style" in decorators or within_diagram, node.name
+    assert makers
+
+
+def calls(node):
+    return (inner for inner in ast.walk(node) if isinstance(inner, ast.Call))
+
+
+def test_a_user_can_take_the_style_by_its_name():
+    with plt.style.context("pipeline.figures.house"):
+        assert plt.rcParams["axes.prop_cycle"].by_key()["color"][0] == style.BLUE
+        assert plt.rcParams["legend.frameon"] is False
+
+
+def test_names_at_the_ends_of_curves_stand_in_order_and_apart():
+    figure = Figure(figsize=(5, 4))
+    axes = figure.subplots()
+    x = np.linspace(0, 1, 5)
+    ends = {"a": 1.0, "b": 1.01, "c": 1.02, "far": 9.0, "level": 5.0}
+    for name, end in ends.items():
+        if name == "level":
+            axes.axhline(end, label=name)
+        elif name == "c":
+            axes.errorbar(x, end * x, 0.01, label=name)
+        else:
+            axes.plot(x, np.where(x < 1, end * x, end), label=name)
+    style.label_ends(axes, fontsize=9.0)
+    figure.draw_without_rendering()
+    boxes = {text.get_text(): text.get_window_extent() for text in axes.texts}
+    assert sorted(boxes, key=lambda name: boxes[name].y0) == ["a", "b", "c", "level", "far"]
+    assert all(box.x0 > axes.bbox.x1 for box in boxes.values())
+    heights = np.sort([(box.y0 + box.y1) / 2 for box in boxes.values()])
+    assert np.diff(heights).min() > 1.0 * 9.0 * figure.dpi / 72
+    expected = axes.transData.transform((0.0, 9.0))[1]
+    assert (boxes["far"].y0 + boxes["far"].y1) / 2 == pytest.approx(expected, abs=2.0)
