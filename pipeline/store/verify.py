@@ -50,6 +50,7 @@ from tribo.types import Mask
 
 _MARKS = ("status", "asked")
 _BESIDE = ("checksum", "steps", "warning_flags")
+_TIMED = {"time", "sliding_distance"}
 _OTHER = "the data are not those that were computed"
 _SEEN = "status/seen"
 """Key of the list of the files of a store as the last run left them."""
@@ -389,6 +390,9 @@ def _shared(store: Store, keys: set[str]) -> _Shared:
                 faults[name] = f"the coordinate {name} is damaged"
                 is_there = values is not None and not keys.isdisjoint(store.chunk_keys(name, ()))
                 foreign += [name] if is_there else []
+    # Another scene makes both otherwise, since the distance is the velocity times the time.
+    if len(alone := _TIMED & set(foreign)) == 1:
+        foreign.remove(*alone)
     return _Shared(faults, foreign, is_resized)
 
 

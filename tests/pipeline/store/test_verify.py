@@ -188,6 +188,18 @@ def test_lost_coordinates_are_not_read_and_are_restored(copy, alone, name, harm)
     assert_is_as_computed(copy, ALL)
 
 
+@pytest.mark.parametrize("name", ["time", "sliding_distance"])
+def test_data_in_the_place_of_times_or_distances_are_computed_again(copy, name):
+    """No other scene has one of these and not the other, so that the root is right all the same."""
+    values(copy, name)[...] = 3.0
+    for file in chunks(copy, "max_rise"):
+        flip_in_the_middle(file)
+    verification = verify_store(copy)
+    assert verification.shared == (f"the coordinate {name} is damaged",)
+    assert {*reasons(verification.damaged)} == ALL
+    assert_repaired(copy, ALL)
+
+
 @pytest.mark.parametrize(
     ("name", "harm", "with_data"),
     [("status", HARMS[0], True), ("status", HARMS[0], False), ("asked", HARMS[2], True)],
