@@ -27,7 +27,6 @@ from pipeline.store.schema import COLUMNS
 from tests.cluster import objects
 from tests.cluster.daemons import SLURM, missing, slurm
 from tests.cluster.gateway import CEPH, gateway
-from tests.crash.sweeps import keep_one_thread
 from tests.helpers.campaigns import conclude
 from tests.pipeline.run.test_sweep import content
 from tribo import TriboError
@@ -200,7 +199,6 @@ def main():
     names = ", ".join((*TRIALS, *objects.TRIALS))
     parser.add_argument("trials", nargs="*", metavar="TRIAL", help=names)
     options = parser.parse_args()
-    keep_one_thread()
     document, expected = {}, {}
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)

@@ -24,7 +24,6 @@ from distributed import Client
 import pipeline
 from pipeline.run import schedule
 from pipeline.run.cluster import CONFIGURATION, processes
-from tests.crash.sweeps import keep_one_thread
 
 _LOADS, _WORKERS = 10, 2
 
@@ -99,7 +98,6 @@ def main():
     parser.add_argument("--points", type=int, default=10_000)
     parser.add_argument("--for", dest="duration", type=float, default=3600.0, help="seconds")
     options = parser.parse_args()
-    keep_one_thread()
     with (
         tempfile.TemporaryDirectory() as folder,
         dask.config.set(CONFIGURATION),

@@ -29,7 +29,6 @@ from pipeline.run.cluster import client_of
 from pipeline.store.write import Store
 from tests.cluster.cheap import EnoughError
 from tests.crash.many import sweep_of
-from tests.crash.sweeps import keep_one_thread
 
 ROOT = Path(__file__).parents[2]
 
@@ -119,7 +118,6 @@ def main():
         work.run_points, work._one_at_a_time = Waiting(options.seconds), nullcontext()
         asyncio.run(host(options.host, options.workers))
         return
-    keep_one_thread()
     with (
         tempfile.TemporaryDirectory() as folder,
         LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as cluster,

@@ -19,7 +19,6 @@ import numpy as np
 
 from tests.crash import damage, deadly, drivers, kills, objects, power, readers
 from tests.crash.loop import Report, Run
-from tests.crash.sweeps import keep_one_thread
 from tests.helpers.campaigns import conclude
 
 CAMPAIGNS = {
@@ -40,7 +39,6 @@ def main():
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--mistake", action="store_true", help="break the rule that is tested")
     options = parser.parse_args()
-    keep_one_thread()
     np.seterr(all="raise", under="ignore")
     document = {}
     for name in options.campaigns or CAMPAIGNS:

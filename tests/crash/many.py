@@ -25,7 +25,7 @@ from pipeline.cli import main as irg
 from pipeline.run.sweep import run_sweep
 from pipeline.store.place import ROOT
 from tests.crash.loop import code_of, differing, places, values_of_points
-from tests.crash.sweeps import Expected, keep_one_thread
+from tests.crash.sweeps import Expected
 from tests.helpers import tiny
 from tests.helpers.campaigns import conclude
 
@@ -188,7 +188,6 @@ def main():
     for name, kind in (("--drive", Path), ("--points", int), ("--increments", int)):
         parser.add_argument(name, type=kind, help=argparse.SUPPRESS)
     options = parser.parse_args()
-    keep_one_thread()
     if options.drive:
         drive(options.drive, options.points, options.increments)
         return 0

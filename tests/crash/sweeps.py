@@ -1,7 +1,5 @@
 """Sweeps of milliseconds a point that grow from stage to stage, and what is computed of them."""
 
-import os
-
 import numpy as np
 
 from pipeline.sweep.model import Point
@@ -54,8 +52,3 @@ def record_of(records, sweep, point):
     if point == FAILING and sweep.plane.loads == STAGES[0].plane.loads:
         return PointRecord(point, None, REASON)
     return records[point]
-
-
-def keep_one_thread():
-    """Have numerical libraries take one thread in all processes that are started from now on."""
-    os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
