@@ -247,7 +247,7 @@ def _draw(
     if fields:
         right.annotate(
             " as in c and d", (_PUBLISHED, 1.0), (0, -3), xycoords=("data", "axes fraction"),
-            textcoords="offset points", va="top", color=GREY, fontsize=9,
+            textcoords="offset points", va="top", color=GREY, fontsize=9, annotation_clip=True,
         )  # fmt: skip
     for words, axes in (("a  with smaller elements", left), ("b  with shorter steps", right)):
         axes.set_title(words, loc="left")
