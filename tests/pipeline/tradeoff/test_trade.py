@@ -179,7 +179,7 @@ def test_the_figure_shows_presets_variations_and_front_with_the_values_of_each(m
         choices.sort(key=lambda choice: choice.work)
         values = [choice.name.partition(" = ")[2] for choice in choices]
         assert f"{field.replace('_', ' ')} {', '.join(values)}" in names
-        assert list(drawn[field].get_xdata()) == [choice.saving for choice in choices]
+        assert list(drawn[field].get_xdata()) == [100 / choice.saving for choice in choices]
 
 
 def test_only_choices_that_go_with_unequal_bulk_temperatures_are_tried():
