@@ -84,7 +84,7 @@ def _conditions(ensemble: Ensemble) -> str:
     """When wear is severe, as far as that is known, and which inputs the samples vary."""
     known = dict(condition_rows(ensemble.conditions))
     severe = f"severe wear: {known['severe']}; " if "severe" in known else ""
-    varied = ", ".join(one.path.replace(".", " ").replace("_", " ") for one in ensemble.unknown)
+    varied = ", ".join(one.path for one in ensemble.unknown)
     return f"{severe}friction {known['friction']}; samples vary {varied}"
 
 
