@@ -68,6 +68,8 @@ promises: .venv/test  ## judge --accuracy, presets and stated errors on random s
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30 --family wide
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.curved
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.ends
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.holds
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.worn
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 
 samples: .venv/test   ## judge samples by 2000 simulations, irg infer, next runs and next tests by truths, in 4 hours
