@@ -391,8 +391,8 @@ def _shared(store: Store, keys: set[str]) -> _Shared:
                 is_there = values is not None and not keys.isdisjoint(store.chunk_keys(name, ()))
                 foreign += [name] if is_there else []
     # Another scene makes both otherwise, since the distance is the velocity times the time.
-    if len(alone := _TIMED & set(foreign)) == 1:
-        foreign.remove(*alone)
+    if len(_TIMED & faults.keys()) == 1 and any(store.axes["velocity"]):
+        foreign = [name for name in foreign if name not in _TIMED]
     return _Shared(faults, foreign, is_resized)
 
 
