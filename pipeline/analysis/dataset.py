@@ -290,7 +290,7 @@ class Kind(Enum):
 def sweep_kind(ds: xr.Dataset) -> Kind:
     """What the rows of a sweep are."""
     draw = stored_sweep(ds).variants.draw
-    if draw and draw.unknown:
+    if draw and (draw.unknown or draw.fixed):
         return Kind.SAMPLES
     return Kind.PLANE if all(set(ds[name].dims) <= {name} for name in PLANE) else Kind.PLACES
 

@@ -62,7 +62,7 @@ def scene_entries(sweep: Sweep) -> dict[str, str]:
     for path, value in _values(sweep):
         if not path.startswith(_NOT_SHOWN):
             entries[_scene_path(path)] = value if path.endswith("periodic") else shown(path, value)
-    for unknown in sweep.variants.draw.unknown if sweep.variants.draw else ():
+    for unknown in sweep.variants.unknown:
         path, _, distribution = str(unknown).partition(": ")
         entries[f'unknown."{path}"'] = distribution
     return entries

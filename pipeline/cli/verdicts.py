@@ -186,7 +186,8 @@ def boundary(options: argparse.Namespace) -> Result:
         crossings = pipeline.boundary(ds)
     command, tests = None, None
     document = document_of(crossings)
-    text: list[str | pd.DataFrame] = [judged_by(map(read_conditions, scenes(ds)))]
+    drawn = [one.path for one in stored_sweep(ds).variants.unknown]
+    text: list[str | pd.DataFrame] = [judged_by(map(read_conditions, scenes(ds)), drawn)]
     for part in frames.boundary_parts(crossings):
         text += ["", part] if isinstance(part, pd.DataFrame) else [part]
     left_out = [note_on_wear(stored_sweep(ds)), note_on_ends(stored_sweep(ds))]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import Line
 from tribo import MeasuredRoughness, Oil, Ramp, Scene, SelfAffineRoughness, Wear
@@ -117,28 +117,36 @@ def plane_rows(loads: Sequence[float], velocities: Sequence[float]) -> Line:
     return "sweep", f"{spanned(loads, 'loads', 'N')}, {spanned(velocities, 'velocities', 'm/s')}"
 
 
-def condition_rows(conditions: Conditions) -> Iterator[Line]:
-    """Say when wear is severe, a row for each subject."""
+def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Iterator[Line]:
+    """Say when wear is severe, a row for each subject; of paths that are drawn, that they are."""
     bulk = f"bulk {conditions.bulk_temperature - 273.15:g} °C"
     if conditions.disk_temperature is not None:
         bulk += f" (pin) and {conditions.disk_temperature - 273.15:g} °C (disk)"
-    yield "friction", f"{conditions.friction:g}, {bulk}"
+    if any(path.startswith(PATHS["bulk_temperature"]) for path in drawn):
+        bulk = "bulk of each sample"
+    friction = f"{conditions.friction:g}"
+    yield "friction", f"{'of each sample' if PATHS['friction'] in drawn else friction}, {bulk}"
     if conditions.corrections:
         yield "corrections", conditions.corrections.worded
     if conditions.critical_temperature is not None:
-        yield "severe", _severe(conditions)
+        yield "severe", _severe(conditions, drawn)
 
 
-def judged_by(several: Iterable[Conditions]) -> str:
+def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
     """Say in a line when wear is severe under some conditions, each part of them once."""
-    each = [(_severe(one), " ".join(next(condition_rows(one)))) for one in several]
+    each = [(_severe(one, drawn), " ".join(next(condition_rows(one, drawn)))) for one in several]
     severe, heat = (" or ".join(dict.fromkeys(part)) for part in zip(*each, strict=True))
     return f"severe wear: {severe}; {heat}"
 
 
-def _severe(conditions: Conditions) -> str:
-    critical = conditions.known_critical_temperature() - 273.15
-    return f"{conditions.decisive.severe} {critical:g} °C"
+def _severe(conditions: Conditions, drawn: Collection[str]) -> str:
+    severe = conditions.decisive.severe
+    if PATHS["share"] in drawn:
+        severe = "more than the share of each sample of its contact above"
+    critical = f"{conditions.known_critical_temperature() - 273.15:g} °C"
+    if PATHS["critical_temperature"] in drawn:
+        critical = "the critical temperature of each sample"
+    return f"{severe} {critical}"
 
 
 def point_rows(columns: Mapping[str, Array], warnings: Iterable[PointWarning]) -> Iterator[Line]:

@@ -161,7 +161,7 @@ class Sweep:
             plane_rows(self.plane.loads, self.plane.velocities),
             *several,
             ("fidelity", self.about.preset or "of its own"),
-            *condition_rows(self.conditions),
+            *condition_rows(self.conditions, [one.path for one in self.variants.unknown]),
         ]
 
     @property

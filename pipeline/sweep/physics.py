@@ -351,14 +351,14 @@ def note_on_turns(
 
 
 def note_on_ends(sweep: Sweep) -> str | None:
-    """Say how much hotter the ends of a worn pin are where they are sharp; None of other pins."""
-    if sweep.scene.pin.length is None or not sweep.scene.wears or _pin_turns(sweep):
+    """Say how much hotter the ends of a pin are where they are sharp; None of other pins."""
+    if sweep.scene.pin.length is None or _pin_turns(sweep):
         return None
     return (
         "the pin is computed in its middle: if its ends are sharp, the rise within 0.1 mm of them "
         "is 4 to 11 % higher where wear has doubled the contact's width (a smooth cylinder of 2 mm "
         "at 750 to 200 N), and severe wear begins there at velocities 9 to 23 % lower; it is up to "
-        "64 % higher where the pin has hardly worn, and no higher from three times the width on"
+        "64 % higher where it has hardly worn, and no higher from three times the width on"
     )
 
 

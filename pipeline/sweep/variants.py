@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pipeline.sweep.samples import Draw
+from pipeline.sweep.unknown import Unknown
 from tribo import InputError
 
 VARIANT = "variant"
@@ -128,6 +129,11 @@ class Variants:
     def chosen(self) -> tuple[Column, ...]:
         """Dimensions that are not drawn."""
         return tuple(one for one in self.columns if not (one.along or one.is_drawn))
+
+    @property
+    def unknown(self) -> tuple[Unknown, ...]:
+        """Unknown inputs of samples that have no single value."""
+        return self.draw.unknown if self.draw else ()
 
     @property
     def drawn_fields(self) -> tuple[str, ...]:

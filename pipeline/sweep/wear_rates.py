@@ -49,7 +49,7 @@ def _unknown_ends(sweep: Sweep, path: str) -> tuple[float, ...]:
     for one in draw.fixed if draw else ():
         if one.unknown.path == path:
             return (one.value,)
-    for unknown in draw.unknown if draw else ():
+    for unknown in sweep.variants.unknown:
         if unknown.path == path:
             return tuple(unknown.quantile(np.array([0.05, 0.95])).tolist())
     return ()

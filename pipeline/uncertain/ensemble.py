@@ -241,6 +241,12 @@ class Ensemble:
         """Logarithm of the contact's width [m] in place of the excess, likewise."""
         return self._emulated(self._width, draws, load, velocity)
 
+    def require_unknown(self) -> None:
+        """Raise an `InputError` if each input has one value."""
+        if not self.unknown:
+            values = ", ".join(map(str, self.fixed))
+            raise InputError(f"no input of the samples is unknown: {values}; leave one open")
+
     def values(self, path: str, draws: Array) -> Array:
         """Values of an input by draw, shape (n,): fixed, drawn, or the scene's [SI]."""
         values: dict[str, Any] = dict(zip([one.path for one in self.unknown], draws.T, strict=True))

@@ -82,10 +82,10 @@ def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
 
 def _conditions(ensemble: Ensemble) -> str:
     """When wear is severe, as far as that is known, and which inputs the samples vary."""
-    known = dict(condition_rows(ensemble.conditions))
+    drawn = [one.path for one in ensemble.unknown]
+    known = dict(condition_rows(ensemble.conditions, drawn))
     severe = f"severe wear: {known['severe']}; " if "severe" in known else ""
-    varied = ", ".join(one.path for one in ensemble.unknown)
-    return f"{severe}friction {known['friction']}; samples vary {varied}"
+    return f"{severe}friction {known['friction']}; samples vary {', '.join(drawn)}"
 
 
 @style.house_style

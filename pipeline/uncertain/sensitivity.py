@@ -77,7 +77,7 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
     Raises
     ------
     InputError
-        If the samples are too few.
+        If the samples are too few, or no input is unknown.
 
     Examples
     --------
@@ -87,6 +87,7 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
     >>> indices.total.shape
     (4, 2)
     """
+    ensemble.require_unknown()
     draws = draws_of(ensemble, posterior)
     values, error = log_boundary(ensemble, draws.inputs, ensemble.loads)
     variance = draws.mean((values - draws.mean(values)) ** 2)

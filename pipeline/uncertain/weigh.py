@@ -68,6 +68,7 @@ def posterior(ensemble: Ensemble, scatter: float = SCATTER, discrepancy: bool = 
     """
     if not 0 < scatter < 1:
         raise InputError(f"scatter is {scatter:g}; give a share between 0 and 1, such as 0.05")
+    ensemble.require_unknown()
     model = Joint.of(ensemble, scatter)
     before = prior(model.unknown, _seed(model), _FIRST)
     assumed = scatter * FACTOR**-OF_90, scatter, scatter * FACTOR**OF_90

@@ -278,6 +278,23 @@ def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, 
     assert "give one of them" in irg(*asked[:-1], "--risk=1%", "--margin=20 K", code=2)
 
 
+def test_samples_whose_inputs_are_all_fixed_answer_by_the_emulator_at_them(sampled, irg):
+    values = {"friction.coefficient": 0.13, "wear.specific_wear_rate": 1.2e-15}
+    at = ("--at=friction.coefficient=0.13", "--at=wear.specific_wear_rate=1.2e-6 mm^3/(N m)")
+    store = sampled / "out.zarr"
+    assert "friction of each sample, bulk 25 °C" in irg("boundary", store)
+    assert "friction 0.13, bulk 25 °C" in irg("boundary", store, *at)
+    ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
+    inputs = np.array([[values[one.path] for one in ensemble.unknown]])
+    place = ("--load", "600 N", "--velocity", "1.5 m/s")
+    found = irg("margin", store, *at, *place, "--json")
+    excess = ensemble.excess(inputs, 600.0, 1.5).values.item()
+    limit = 145.0 - 25.0
+    assert found["decisive_temperature"] - 298.15 == pytest.approx(limit * np.exp(excess), rel=0.01)
+    for command in ("sensitivity", "infer"):
+        assert "no input of the samples is unknown" in irg(command, store, *at, code=2)
+
+
 def test_at_takes_a_value_of_an_entry_with_several_and_fixes_an_input(sampled, tmp_path, irg):
     text = SMALL.replace("samples = 16", 'samples = 8\nover = { "pin.radius" = ["2 mm", "4 mm"] }')
     pipeline.run_sweep(load(tmp_path, text), tmp_path / "out.zarr", workers=1)

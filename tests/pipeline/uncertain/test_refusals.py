@@ -85,6 +85,11 @@ def fixed():
     return pipeline.design(pipeline.Ensemble.of(given), goal, RATE.path)
 
 
+def all_fixed():
+    """Samples none of whose inputs is unknown any more."""
+    return pipeline.sensitivity(replace(ensemble(), unknown=()))
+
+
 def failing():
     """Transitions of a scene, one of whose points fails."""
     with pytest.MonkeyPatch.context() as patch:
@@ -275,6 +280,7 @@ REFUSALS = {
     ),
     "goals": (asked("design", *RISK, "--risk", "1%", "--margin", "20 K"), "are two goals"),
     "sought": (asked("design", *PLACE, "--over", "velocity"), "the velocity is sought by --over"),
+    "none unknown": (all_fixed, "no input of the samples is unknown"),
     "own law": (stored_scene(wear=Reference("laws:Law", WEAR, (), "0")), "it has laws of its own"),
     "no scene": (stored_scene(), "the scene is not the scene of the store any more"),
 }
