@@ -134,14 +134,15 @@ _HEADS = "name", "kind", "state", "preset", "changed", "size [MB]", "title"
 
 
 def _stores_and_scenes(folder: Path) -> Iterator[Path]:
-    """Stores below a folder, unopened, and files that may be scenes."""
+    """Stores below a folder, unopened, and files that may be scenes; none where it may not look."""
     for path in sorted(folder.iterdir()):
         if path.name.startswith("."):
             continue
-        if (path / ROOT).exists() or (path.is_file() and path.suffix == ".toml"):
-            yield path
-        elif path.is_dir() and not path.is_symlink():
-            yield from _stores_and_scenes(path)
+        with suppress(OSError):
+            if (path / ROOT).exists() or (path.is_file() and path.suffix == ".toml"):
+                yield path
+            elif path.is_dir() and not path.is_symlink():
+                yield from _stores_and_scenes(path)
 
 
 def _row(path: Path, folder: Path) -> dict[str, Any] | None:

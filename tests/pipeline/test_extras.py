@@ -116,7 +116,7 @@ def test_without_all_extras_a_sweep_runs_and_is_resumed(tmp_path):
     assert json.loads(told)["margins"]["shift"] == ["early"]
     smaller = SCENE.replace("increments = 10", "").replace("pixels_per_element = 1", "")
     (tmp_path / "smaller.toml").write_text(smaller)
-    done = copy.irg("trade", "smaller.toml", "--base", "draft")
+    done = copy.irg("trade", "smaller.toml", "--base", "draft", *SMALL[:2])
     assert done.returncode == 0, done.stderr
 
 

@@ -4,6 +4,7 @@ import io
 import json
 import os
 import resource
+import shutil
 import subprocess
 import sys
 import tracemalloc
@@ -123,9 +124,15 @@ def test_a_key_of_too_many_parts_is_an_error_that_takes_no_memory(tmp_path, caps
 
 
 def test_the_root_of_all_files_is_no_store(capsys):
-    for command in (["run", str(ROOT / "workflows" / "first_try.toml"), "-o"], ["status"]):
-        assert main([*command, "/"]) == 2
-        assert "Traceback" not in capsys.readouterr().err
+    assert main(["run", str(ROOT / "workflows" / "first_try.toml"), "-o", "/"]) == 2
+    assert "/ cannot be a store; give a folder below it" in capsys.readouterr().err
+
+
+def test_what_cannot_be_looked_into_is_left_out_of_a_folder_s_stores(tmp_path, capsys):
+    (tmp_path / "endless").symlink_to("a" * 300)
+    shutil.copy(ROOT / "workflows" / "first_try.toml", tmp_path)
+    assert main(["status", str(tmp_path)]) == 0
+    assert "first_try.toml" in capsys.readouterr().out
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")

@@ -54,7 +54,7 @@ def sweep(monkeypatch):
     pin = Oblong(5e-3, 2.0, STEEL)
     oil = tribo.Oil((313.15, 373.15), (95e-6, 10.7e-6), 866.0, (20e-9, 20e-9))
     free = tribo.Grid((48, 48), (8e-6, 8e-6), (False, False))
-    return tiny.sweep(pin=pin, pixels=free, oil=oil, loads=(5.0, 10.0))
+    return tiny.sweep(pin=pin, pixels=free, oil=oil, loads=(5.0, 10.0), velocities=(1.0,))
 
 
 def test_a_new_pin_is_checked_sized_and_swept_like_any_other(sweep, tmp_path):
