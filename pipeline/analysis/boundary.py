@@ -288,7 +288,8 @@ def add_band(boundaries: xr.Dataset, patches: float = 1.0) -> xr.Dataset:
         )
         logs: Any = np.log(boundaries[name].where(mean.notnull()))
         below = ndtri(-math.expm1(math.log(0.5) / patches))  # half of the time the first is below
-        first = np.exp(logs.mean("realization") + below * logs.std("realization", ddof=1))
+        scatter = logs.std("realization", ddof=1, skipna=False)
+        first = np.exp(logs.mean("realization", skipna=False) + below * scatter)
         crossing = (outcome == CROSSES).sum("realization")
         certain = outcome.isin((CROSSES, MILD, SEVERE)).sum("realization")
         quantiles = quantiles.transpose(..., "quantile", axis)
