@@ -57,7 +57,8 @@ lowest:               ## install the lowest versions that are declared, and run 
 	.venv-lowest/bin/python -m pip install --quiet uv
 	.venv-lowest/bin/uv pip install --quiet --python .venv-lowest/bin/python \
 	    --resolution lowest-direct --editable '.[test]'
-	OMP_NUM_THREADS=1 .venv-lowest/bin/python -m pytest -W ignore::DeprecationWarning \
+	PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 \
+	    .venv-lowest/bin/python -m pytest -W ignore::DeprecationWarning \
 	    --numprocesses 2 --dist loadfile --no-loadscope-reorder --durations=10
 
 slow: .venv/test      ## the long checks: random scenes, workers that die, promised accuracies
