@@ -31,26 +31,30 @@ def test_a_scene_shows_itself_in_a_few_lines():
         assert "  sweep     3 loads from 150 to 600 N, 3 velocities from 0.5 to 1.5 m/s" in lines
 
 
-def answers():
-    """An answer of each kind that is cheap to have."""
-    ds = synthetic.sweep()
-    ensemble = samples.ensemble()
-    at_risk = samples.dataset(ensemble, model_scatter=0.0)
+def answer_of_samples():
+    return pipeline.margin(samples.dataset(samples.ensemble(), model_scatter=0.0), "400 N", "2 m/s")
+
+
+def outcome():
     failed = tuple(FailedPoint(100.0 + k, 1.0, "no contact <here>") for k in range(500))
-    return (
-        pipeline.margin(ds, "400 N", "2 m/s"),
-        pipeline.margin(at_risk, "400 N", "2 m/s"),
-        pipeline.diff(ds, pipeline.at(ds, friction=0.12)),
-        pipeline.warned(ds),
-        ensemble,
-        pipeline.sensitivity(ensemble),
-        Outcome(600, 100, 0, failed, 3.0),
-        tiny.sweep(),
-    )
+    return Outcome(600, 100, 0, failed, 3.0)
 
 
-@pytest.mark.parametrize("answer", answers(), ids=lambda answer: type(answer).__name__)
-def test_an_answer_shows_itself_on_one_screen_and_as_a_table(answer):
+ANSWERS = {
+    "margin": lambda: pipeline.margin(synthetic.sweep(), "400 N", "2 m/s"),
+    "margin of samples": answer_of_samples,
+    "diff": lambda: pipeline.diff(synthetic.sweep(), pipeline.at(synthetic.sweep(), friction=0.12)),
+    "warned": lambda: pipeline.warned(synthetic.sweep()),
+    "ensemble": samples.ensemble,
+    "sensitivity": lambda: pipeline.sensitivity(samples.ensemble()),
+    "outcome": outcome,
+    "sweep": tiny.sweep,
+}
+
+
+@pytest.mark.parametrize("made", ANSWERS.values(), ids=ANSWERS)
+def test_an_answer_shows_itself_on_one_screen_and_as_a_table(made):
+    answer = made()
     title, *lines = repr(answer).splitlines()
     assert len(lines) <= 40
     assert max(map(len, lines)) <= 110
