@@ -71,6 +71,15 @@ def test_all_answers_rest_on_the_same_corrected_rise(store):
     crossings.to_netcdf(store.parent / "boundary.nc")
 
 
+def test_the_map_of_a_point_is_as_hot_as_its_corrected_temperature(store):
+    ds = with_fields(pipeline.open_sweep(store), conditions=replace(CONDITIONS, corrections=ALL))
+    hottest = pipeline.temperatures(ds)["max_temperature"].sel(load=600, velocity=1.0)[-1].item()
+    figure = pipeline.plot(ds, "fields", load=600.0, velocity=1.0)
+    maps = [drawn.get_array() for axes in figure.axes for drawn in axes.collections]
+    shown = max(values.max() for values in maps if values is not None)
+    assert shown == pytest.approx(hottest - 273.15)
+
+
 def test_corrections_cost_no_point_and_change_no_stored_number(store):
     plain = pipeline.open_sweep(store).load()
     sweep = tiny.full(conditions=replace(CONDITIONS, corrections=ALL))
