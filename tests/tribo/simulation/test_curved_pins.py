@@ -58,6 +58,25 @@ def hot(state):
     return state.heat.rise_quantile[NINE_TENTHS]
 
 
+@pytest.mark.parametrize("pin", [Ball(5e-3, STEEL), Crowned(5e-3, 45e-3, STEEL)])
+def test_a_pin_that_is_all_worn_is_as_deep_as_the_cap_that_its_flat_cuts_off(pin):
+    worn = pin.worn(0.0, 1e-13)
+    assert worn.depth == pytest.approx(worn.width**2 / (8 * pin.radius))
+
+
+def test_the_width_of_a_contact_is_that_along_sliding_in_any_window():
+    for across in (60, 120):
+        smooth = replace(
+            ball(),
+            pixels=Grid((120, across), (8e-6, 8e-6), (False, False)),
+            roughness=None,
+            wear=None,
+        )
+        hertz = smooth.pin.hertz(200.0, E_STAR)
+        width = measures(smooth, end(smooth))["contact_width"]
+        assert width == pytest.approx(2 * hertz.half_width, abs=2 * smooth.grid.spacing[0])
+
+
 def ellipse(half_x, half_y, elements=120):
     """Grid about an ellipse, and √(1 − x²/a² − y²/b²) on it."""
     sides = 2.4 * half_x / elements, 2.4 * half_y / elements
