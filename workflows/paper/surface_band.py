@@ -35,8 +35,10 @@ def band(study: Study) -> Report:
     velocities = at_load["critical_velocity"].values
     quantiles = at_load["critical_velocity_quantile"].values
     spreads = (at_load["critical_velocity_spread"] / at_load["critical_velocity_mean"]).values
-    at_ends = boundary(at(ds, friction=(most, least)))["critical_velocity_quantile"]
-    ends = at_ends.sel(load=loads, quantile=0.5).transpose("load", ...).values
+    at_ends = boundary(at(ds, friction=(least, most)))["critical_velocity_quantile"].sel(
+        {"load": loads, "quantile": 0.5, "friction.coefficient": [most, least]}
+    )
+    ends = at_ends.transpose("load", ...).values
     rows = list(zip(measured, quantiles, spreads, ends, strict=True))
     inside = sum(slow <= entry.velocity <= fast for entry, *_, (slow, fast) in rows)
     values = {

@@ -136,6 +136,12 @@ def test_a_better_conductor_is_cooler_at_every_transition_of_both_oils(small):
     assert (hard / soft < 45 / 21).all()
 
 
+def test_the_ends_of_the_measured_friction_lie_on_both_sides_of_the_transition(small):
+    for transition in small("band").data["transitions"]:
+        slow, fast = transition["at_ends_of_friction_band"]
+        assert slow < np.median(transition["critical_velocities"]) < fast
+
+
 def test_the_nearest_image_overestimates_the_peak_of_hertz_by_one_percent(small):
     over = small("fig4").data["overestimate"]
     assert over["nearest_image"] == pytest.approx(0.011, abs=2e-4)
