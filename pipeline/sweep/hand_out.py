@@ -1,4 +1,4 @@
-"""Who computes which task next: a worker that has its ramp, so that few ramps are computed twice."""
+"""Who computes which task next: who has its ramp, so that few ramps are computed twice."""
 
 from __future__ import annotations
 
