@@ -274,22 +274,20 @@ def add_band(boundaries: xr.Dataset, patches: float = 1.0) -> xr.Dataset:
     """
     shares = ("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
     with_quantiles = boundaries.assign_coords(quantile=shares)
+    below = ndtri(-math.expm1(math.log(0.5) / patches))  # half of the time the first is below
     for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
         outcome, unit = boundaries[f"outcome_at_{axis}"], boundaries[name].attrs["units"]
-        mean, spread, quantiles = xr.apply_ufunc(
+        mean, spread, first, quantiles = xr.apply_ufunc(
             _band_of,
             boundaries[name],
             outcome,
             boundaries[f"computed_from_at_{axis}"],
             boundaries[f"computed_to_at_{axis}"],
             input_core_dims=[["realization"]] * 4,
-            output_core_dims=[[], [], ["quantile"]],
+            output_core_dims=[[], [], [], ["quantile"]],
+            kwargs={"below": below},
             vectorize=True,
         )
-        logs: Any = np.log(boundaries[name].where(mean.notnull()))
-        below = ndtri(-math.expm1(math.log(0.5) / patches))  # half of the time the first is below
-        scatter = logs.std("realization", ddof=1, skipna=False)
-        first = np.exp(logs.mean("realization", skipna=False) + below * scatter)
         crossing = (outcome == CROSSES).sum("realization")
         certain = outcome.isin((CROSSES, MILD, SEVERE)).sum("realization")
         quantiles = quantiles.transpose(..., "quantile", axis)
@@ -308,14 +306,18 @@ def add_band(boundaries: xr.Dataset, patches: float = 1.0) -> xr.Dataset:
 
 
 def _band_of(
-    places: Array, outcomes: Array, first: Array, last: Array
-) -> tuple[float, float, Array]:
-    """Mean, spread and quantiles of the transitions of several surfaces along one line."""
+    places: Array, outcomes: Array, first: Array, last: Array, below: float
+) -> tuple[float, float, float, Array]:
+    """Mean, spread, first and quantiles of the transitions of several surfaces along one line."""
     low, high = _ends(places, outcomes, first, last)
-    all_cross = np.isfinite(low).all() and (low == high).all()
-    mean = float(np.mean(low)) if all_cross else math.nan
-    spread = float(np.std(low, ddof=1)) if all_cross and len(low) > 1 else math.nan
-    return mean, spread, np.array([quantile(low, high, share) for share in BAND])
+    quantiles = np.array([quantile(low, high, share) for share in BAND])
+    if not np.isfinite(low).all() or (low != high).any():  # not all that are known cross
+        return math.nan, math.nan, math.nan, quantiles
+    if len(low) == 1:
+        return float(low[0]), math.nan, math.nan, quantiles
+    logs = np.log(low)
+    begins = math.exp(logs.mean() + below * logs.std(ddof=1))
+    return float(low.mean()), float(low.std(ddof=1)), begins, quantiles
 
 
 def _ends(places: Array, outcomes: Array, first: Array, last: Array) -> tuple[Array, Array]:

@@ -134,7 +134,7 @@ _HEADS = "name", "kind", "state", "preset", "changed", "size [MB]", "title"
 
 
 def _stores_and_scenes(folder: Path) -> Iterator[Path]:
-    """Stores below a folder, unopened, and files that may be scenes; none where it may not look."""
+    """Stores below a folder, unopened, and files that may be scenes, as far as it can be read."""
     for path in sorted(folder.iterdir()):
         if path.name.startswith("."):
             continue

@@ -1,8 +1,8 @@
 """How the rise of heavily worn balls moves with the number of steps, and of positions of the disk.
 
 Each ball wears by 9 to 64 times the roughness, whose summits pass over it, and touches on so few
-elements that its temperature is a mean over positions of the disk. The promise of the preset is
-judged where no fewer than `FEWEST` elements touch: the means of fewer are told, and all are warned.
+elements that its temperature is a mean over positions of the disk. `standard` is held to its bound
+where `FEWEST` elements touch or more. Where fewer do, each has a warning, and its move is told.
 """
 
 import argparse
@@ -24,7 +24,7 @@ from tribo.simulation.step_measures import touching_elements
 
 _NINE_TENTHS = tribo.QUANTILES.index(0.9)
 STEPS = 25, 50, 100
-FEWEST = 50
+FEWEST = 50  # found by this campaign: balls on 70 move by 2 %, those on 11 to 22 by 3 to 7 %
 _PIXELS = 64  # across a window
 _COUNTS = ("_MOST_POSITIONS", "_PIXELS")
 

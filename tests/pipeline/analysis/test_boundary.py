@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+import xarray as xr
+from scipy.special import ndtr
 
 import pipeline
 from pipeline.analysis.at import at
-from pipeline.analysis.boundary import boundary
+from pipeline.analysis.boundary import add_band, boundary
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.decisive import decisive_rise, refined
@@ -262,3 +264,21 @@ def test_the_band_of_errors_is_where_margins_begin_to_decide():
     assert "no test here: 10 %" in crossings.attrs["model_error"]
     exact = boundary(synthetic.sweep(model_scatter=0.0, measured=(), preset="reference"))
     assert (exact["severe_above"] / exact["mild_below"] < 1.2).all()
+
+
+def test_severe_wear_begins_where_the_first_of_the_patches_turns_half_of_the_time():
+    lifts = np.array([1.0, 1.1, 0.9, 1.05])
+    pending = [{}, {}, {}, {(600.0, velocity): PENDING for velocity in VELOCITIES}]
+    several = [
+        synthetic.sweep(
+            rise=lambda F, V, q=1.0, lift=lift: lift * synthetic.rise(F, V, q), status=status
+        )
+        for lift, status in zip(lifts, pending, strict=True)
+    ]
+    crossings = boundary(xr.concat(several, "realization", combine_attrs="override"))
+    for load, known in ((600.0, 3), (450.0, 4)):
+        found = add_band(crossings, patches=100.0)["critical_velocity_first"].sel(load=load).item()
+        logs = np.log(synthetic.critical_velocity(load, synthetic.limit() / lifts[:known]))
+        chance = ndtr((np.log(found) - logs.mean()) / logs.std(ddof=1))
+        # As far as a boundary between points is that of the closed form.
+        assert 1 - (1 - chance) ** 100 == pytest.approx(0.5, abs=0.01)
