@@ -1,11 +1,12 @@
 """Change one operator, number, condition or statement at a time, and see whether a test turns red.
 
 A mutant is compiled in memory, in a process that is forked from one with all libraries imported.
-Its tests are those of the room (`tests/ROOM` and the examples) that run the changed line; of a line
-outside functions all. Programs that a test starts run the code as it is; Dask's workers do not.
-What no test notices in `--seconds` counts as not noticed. The exit code is 1 if a test fails on the
-code as it is, or a room notices too few. `results/mutants.md` grows by a room at a time; of a room
-that `--minutes` end it has the mutants until then.
+Asked are the tests that run the changed line, of a line outside functions all: first those of its
+room (`tests/ROOM` and the examples), then those of all other rooms, each for `--seconds`. Programs
+that a test starts run the code as it is; Dask's workers do not. What no test notices in that time
+counts as not noticed. The exit code is 1 if a test fails on the code as it is, or a room notices
+too few. `results/mutants.md` grows by a room at a time; of a room that `--minutes` end it has the
+mutants until then.
 """
 
 import argparse
@@ -19,7 +20,6 @@ import shutil
 import signal
 import sys
 import tempfile
-import threading
 import time
 import traceback
 from collections import defaultdict
@@ -28,17 +28,30 @@ from importlib.machinery import SourceFileLoader
 from pathlib import Path
 
 import pytest
+from coverage import Coverage
 
 from tests.helpers.campaigns import conclude, save, table
 from tests.mutants.changes import changes
 
 ROOT = Path(__file__).parents[2]
+PACKAGES = "tribo", "pipeline"
 ROOMS = [
     str(init.parent.relative_to(ROOT))
-    for package in ("tribo", "pipeline")
+    for package in PACKAGES
     for init in sorted((ROOT / package).glob("*/__init__.py"))
 ]
-LIBRARIES = ("dask", "distributed", "matplotlib", "numpy", "pandas", "pint", "scipy", "xarray")
+OTHERS = "tests/*/test_*.py", "tests/workflows"
+LIBRARIES = (
+    "coverage",
+    "dask",
+    "distributed",
+    "matplotlib",
+    "numpy",
+    "pandas",
+    "pint",
+    "scipy",
+    "xarray",
+)
 LIBRARIES += ("bokeh", "fsspec", "numcodecs", "PIL", "psutil", "tqdm", "zarr")
 MUTANT = "MUTANT_OF_IRG"  # variable of the environment: module and number of the change
 MEMORY = Path("/dev/shm")
@@ -65,38 +78,34 @@ if MUTANT in os.environ:  # here, or in a worker, which runs this file before al
 
 
 class Lines:
-    """Plugin of pytest: the lines of a room that each test runs, and those of its fixtures."""
+    """Plugin of pytest: the lines of the packages that each test and its fixtures run."""
 
-    def __init__(self, room):
-        self.folder, self.now = str(ROOT / room), None
-        self.lines, self.uses = defaultdict(set), defaultdict(set)
-        self.seconds, self.red, self.places = {}, set(), {}
+    def __init__(self):
+        packages = [str(ROOT / package / "*") for package in PACKAGES]
+        self.coverage = Coverage(data_file=None, config_file=False, include=packages)
+        self.coverage.set_option("run:core", "ctrace")  # the one that knows of contexts
+        self.now, self.uses = "none", defaultdict(set)
+        self.seconds, self.red = {}, set()
         usual = pytest.FixtureDef.execute
 
         def execute(fixture, request):
-            self.uses[self.now].add(fixture)
-            with self.noted(fixture):
+            key = f"{fixture.baseid} {fixture.argname} {id(fixture)}"
+            self.uses[self.now].add(key)
+            with self.noted(key):
                 return usual(fixture, request)
 
         pytest.FixtureDef.execute = execute  # asked for a value that is there already, too
-        sys.settrace(self.follow)
-        threading.settrace(self.follow)
+        self.coverage.start()
 
     @contextmanager
     def noted(self, key):
         before, self.now = self.now, key
+        self.coverage.switch_context(key)
         try:
             yield
         finally:
             self.now = before
-
-    def follow(self, frame, event, argument):
-        return self.note if frame.f_code.co_filename.startswith(self.folder) else None
-
-    def note(self, frame, event, argument):
-        place = frame.f_code.co_filename, frame.f_lineno
-        self.lines[self.now].add(self.places.setdefault(place, place))
-        return self.note
+            self.coverage.switch_context(before)
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item):
@@ -112,12 +121,18 @@ class Lines:
 
     def tests(self):
         """The lines of each test that passes, and its time [s]."""
+        self.coverage.stop()
+        data, lines = self.coverage.get_data(), defaultdict(set)
+        for file in data.measured_files():
+            for line, keys in data.contexts_by_lineno(file).items():
+                for key in keys:
+                    lines[key].add((file, line))
         for test in [test for test in self.seconds if test not in self.red]:
             keys, found = [test], {test}
             for key in keys:
                 keys += self.uses[key] - found
                 found |= self.uses[key]
-            yield test, set().union(*(self.lines[key] for key in keys)), self.seconds[test]
+            yield test, set().union(*(lines[key] for key in keys)), self.seconds[test]
 
 
 class Chosen:
@@ -162,14 +177,15 @@ def forked(function, *arguments, seconds=None):
     return found
 
 
-def mapped(room):
-    """Tests of a room with their lines and times, those that fail, and the libraries they need."""
-    lines = Lines(room)
-    code = pytest.main([*QUIETLY, f"tests/{room}", room], plugins=[lines])
-    sys.settrace(None)
+def mapped(folder):
+    """Tests of a folder with lines and times, those that fail, and the libraries they need."""
+    lines = Lines()
+    own = [f"tests/{folder}", folder] if folder in ROOMS else [*map(str, ROOT.glob(folder))]
+    code = pytest.main([*QUIETLY, *own], plugins=[lines])
     assert code in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED), code
+    tests = list(lines.tests())
     needed = [name for name in sys.modules if name.split(".")[0] in LIBRARIES]
-    return list(lines.tests()), lines.red, needed
+    return tests, lines.red, needed
 
 
 def is_noticed(module, number, tests):
@@ -182,22 +198,17 @@ def is_noticed(module, number, tests):
     return pytest.main([*QUIETLY, "-x", *map(str, paths)], plugins=[Chosen(tests)]) != 0
 
 
-def judge(room, count, seed, seconds, end):
-    """Number of mutants of a room, the changes that its tests do not notice, and red tests.
+def judge(room, maps, count, seed, seconds, end):
+    """Number of mutants of a room, and the changes that no test notices.
 
     At the time `end` [s] no other mutant is begun.
     """
-    found = forked(mapped, room, seconds=max(1.0, end - time.monotonic()))
-    if found is None:
-        return 0, [], set()
-    tests, red, needed = found
-    for name in needed:
-        with suppress(Exception):
-            importlib.import_module(name)
-    by_file = defaultdict(float)
-    for test, _, took in tests:
-        by_file[test.split("::")[0]] += took
-    tests.sort(key=lambda test: by_file[test[0].split("::")[0]])
+    tests = []
+    for others in ([room], [folder for folder in maps if folder != room]):
+        cost = defaultdict(float)
+        for test, _, took in (part := [test for folder in others for test in maps[folder]]):
+            cost[test.split("::")[0]] += took
+        tests.append(sorted(part, key=lambda test, cost=cost: cost[test[0].split("::")[0]]))
     choice = [
         (file, number, change)
         for file in sorted((ROOT / room).rglob("*.py"))
@@ -209,19 +220,23 @@ def judge(room, count, seed, seconds, end):
         if time.monotonic() > end:
             break
         judged += 1
-        module, lines = str(file.relative_to(ROOT)), {(str(file), line) for line in change.lines}
-        nearest = [test for test in tests if lines & test[1]]
-        if not change.is_in_function:
-            nearest += [test for test in tests if test not in nearest]
-        affordable, total = [], 0.0
-        for test, _, took in nearest:
-            if total <= seconds:
-                affordable.append(test)
-                total += took
-        arguments = module, number, affordable
-        if not affordable or forked(is_noticed, *arguments, seconds=20.0 + 5.0 * total) is False:
-            missed.append(f"{module}:{change.lines[0]} {change}")
-    return judged, missed, red
+        lines = {(str(file), line) for line in change.lines}
+        for part in tests:
+            nearest = [test for test in part if lines & test[1]]
+            if not change.is_in_function:
+                nearest += [test for test in part if test not in nearest]
+            affordable, total = [], 0.0
+            for test, _, took in nearest:
+                if total <= seconds:
+                    affordable.append(test)
+                    total += took
+            arguments = str(file.relative_to(ROOT)), number, affordable
+            late = 20.0 + 5.0 * total
+            if affordable and forked(is_noticed, *arguments, seconds=late) is not False:
+                break
+        else:
+            missed.append(f"{file.relative_to(ROOT)}:{change.lines[0]} {change}")
+    return judged, missed
 
 
 def main():
@@ -235,16 +250,27 @@ def main():
     parser.add_argument("--minutes", type=float, default=600.0, help="after which it ends")
     options = parser.parse_args()
     rows, notes, is_right, end = [], [], True, time.monotonic() + 60 * options.minutes
+    maps = {}
+    for folder in (*ROOMS, *OTHERS):
+        began = time.monotonic()
+        maps[folder], red, needed = forked(mapped, folder)
+        print(
+            folder, f"{time.monotonic() - began:.0f} s", *sorted(red), file=sys.stderr, flush=True
+        )
+        notes += [f"- fails on the code as it is: {test}" for test in sorted(red)]
+        is_right &= not red
+        for name in needed:
+            with suppress(Exception):
+                importlib.import_module(name)
     for room in options.rooms:
         began = time.monotonic()
-        count, missed, red = judge(room, options.mutants, options.seed, options.seconds, end)
+        count, missed = judge(room, maps, options.mutants, options.seed, options.seconds, end)
         noticed = count - len(missed)
         share = f"{noticed / count:.0%}" if count else "not judged"
         rows.append((f"`{room}`", count, noticed, share, f"{time.monotonic() - began:.0f}"))
-        print(*rows[-1], file=sys.stderr, flush=True)
-        notes += [f"- fails on the code as it is: {test}" for test in sorted(red)]
+        print(*rows[-1], *missed, sep="\n  ", file=sys.stderr, flush=True)
         notes += [f"- not noticed: {change}" for change in missed]
-        is_right &= not red and noticed >= options.least * count > 0
+        is_right &= noticed >= options.least * count > 0
         head = "room", "mutants", "noticed", "share", "seconds"
         found = "\n".join([table(head, rows), "", *notes])
         save("mutants", found, is_right)
