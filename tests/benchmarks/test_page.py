@@ -3,9 +3,9 @@
 import numpy as np
 
 import pipeline
+from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tests.helpers.browser import chromium
-from tests.pipeline.page import sweeps
 
 REDRAW = """
 const times = [];

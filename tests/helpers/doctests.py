@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from _pytest.doctest import DoctestItem
 
+from pipeline.extras import present
 from tests.helpers.shared import made_once
 
 ROOT = Path(__file__).parents[2]
@@ -51,8 +52,11 @@ def folder_with_results(tmp_path_factory):
 def _fill(folder):
     (folder / "workflows").symlink_to(ROOT / "workflows")
     (folder / "results").mkdir()
-    (folder / "unknown.toml").write_text(UNKNOWN)
-    for scene in (folder / "workflows/first_try.toml", folder / "unknown.toml"):
+    scenes = [folder / "workflows/first_try.toml"]
+    if "uncertain" in present():
+        scenes.append(folder / "unknown.toml")
+        scenes[1].write_text(UNKNOWN)
+    for scene in scenes:
         _compute(scene, folder / f"results/{scene.stem}.zarr")
 
 

@@ -1,11 +1,9 @@
 """Samples of a sweep whose rise is known in closed form."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from scipy import stats
 
 import tribo
 from pipeline.analysis.margin import answer
@@ -14,7 +12,6 @@ from pipeline.store.schema import DONE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import Design, Draw, samples_per_contact
-from pipeline.sweep.unknown import Unknown
 from pipeline.sweep.variants import drawn_rows
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import draws_of
@@ -25,15 +22,10 @@ from pipeline.uncertain.inputs import CRITICAL as CRITICAL_PATH
 from pipeline.uncertain.inputs import FRICTION as FRICTION_PATH
 from tests.helpers import synthetic
 from tests.helpers.sweeps import attributes_of
+from tests.helpers.unknowns import ALL, LENGTH, RATE
 from tribo import QUANTILES
 
 LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), (0.5, 6.0)
-CRITICAL = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")
-RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1")
-FRICTION = Unknown("friction.coefficient", "normal", (0.1, 0.005))
-LENGTH = Unknown("disk.roughness.correlation_length", "uniform", (3e-6, 6e-6), "m")
-ALL = (CRITICAL, RATE, FRICTION, LENGTH)
-JOINT = (CRITICAL, RATE, replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), LENGTH)
 EXPONENT = 0.7  # of the rise over the velocity
 
 
@@ -96,17 +88,6 @@ def limit(inputs):
 
 def critical_velocity(inputs, load):
     return (limit(inputs) / rise(inputs, load, 1.0)) ** (1 / EXPONENT)
-
-
-def distribution_of(unknown):
-    """The distribution of an unknown input that is not a list, by SciPy."""
-    first, second = unknown.parameters
-    match unknown.kind:
-        case "normal":
-            return stats.norm(first, second)
-        case "log-normal":
-            return stats.lognorm(s=math.log(second), scale=first)
-    return stats.uniform(first, second - first)
 
 
 def field(samples):

@@ -14,6 +14,7 @@ import pytest
 
 import pipeline
 from pipeline.extras import EXTRAS
+from tests import core
 from tests.helpers.scenes import SCENE
 
 ROOT = Path(__file__).parents[2]
@@ -118,6 +119,12 @@ def test_without_all_extras_a_sweep_runs_and_is_resumed(tmp_path):
     (tmp_path / "smaller.toml").write_text(smaller)
     done = copy.irg("trade", "smaller.toml", "--base", "draft", *SMALL[:2])
     assert done.returncode == 0, done.stderr
+
+
+def test_tests_of_the_core_need_no_extra():
+    """`make core` runs all of them."""
+    rooms = "analysis/test_friction_curve", "scene/test_along", "sweep/test_physics"
+    assert core.main([f"tests/pipeline/{name}.py" for name in rooms]) == 0
 
 
 @pytest.mark.parametrize(

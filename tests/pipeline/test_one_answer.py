@@ -28,9 +28,9 @@ from pipeline.cli import main
 from pipeline.cli.verdicts import document_of
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.severity import rise_limit
+from tests.helpers import page_sweeps as sweeps
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import with_fields
-from tests.pipeline.page import sweeps
 from tribo import Corrections, Friction
 
 

@@ -27,17 +27,8 @@ from pipeline.sweep.unknown import Unknown, drawn
 from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.posterior import contrasts
 from tests.helpers.campaigns import conclude
-from tests.helpers.samples import (
-    ALL,
-    CRITICAL,
-    EXPONENT,
-    FRICTION,
-    LENGTH,
-    RATE,
-    VELOCITIES,
-    ensemble,
-    rise,
-)
+from tests.helpers.samples import EXPONENT, VELOCITIES, ensemble, rise
+from tests.helpers.unknowns import ALL, CRITICAL, FRICTION, LENGTH, RATE
 
 ROOM = 298.15  # [K]
 LOADS = (200.0, 300.0, 400.0, 500.0, 600.0, 750.0, 250.0, 350.0)  # of tests, in turn [N]

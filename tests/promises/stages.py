@@ -25,7 +25,8 @@ from pipeline.sweep.unknown import drawn
 from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.ensemble import Ensemble
 from tests.helpers.campaigns import conclude
-from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE, critical_velocity
+from tests.helpers.samples import critical_velocity
+from tests.helpers.unknowns import CRITICAL, FRICTION, LENGTH, RATE
 from tests.promises.laboratories import closed_excess, samples_of
 from tests.promises.rigs import CASES, Rig, ensemble_of, weighed
 from tests.promises.risk import WORKFLOWS

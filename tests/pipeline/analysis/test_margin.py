@@ -15,8 +15,8 @@ from pipeline.analysis.rise_error import RiseError, error_of_point
 from pipeline.analysis.transition import CROSSES, MILD
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
+from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
-from tests.pipeline.page import sweeps
 from tribo import PRESETS, WarningKind
 
 LIMIT = synthetic.limit()

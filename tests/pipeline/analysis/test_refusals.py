@@ -16,8 +16,9 @@ from pipeline.sweep.unknown import Unknown
 from pipeline.sweep.variants import placed_rows, rows
 from tests.helpers import synthetic, tiny
 from tests.helpers.refusals import Refusals
-from tests.helpers.samples import ALL, dataset, ensemble
+from tests.helpers.samples import dataset, ensemble
 from tests.helpers.sweeps import with_fields
+from tests.helpers.unknowns import ALL
 from tribo import Motion
 
 plane = cache(synthetic.sweep)

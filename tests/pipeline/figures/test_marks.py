@@ -24,7 +24,7 @@ from pipeline.sweep.unknown import Fixed, Unit, Unknown
 from pipeline.tradeoff.trade import Choice, Trade
 from pipeline.uncertain.design import Goal, Limit
 from pipeline.uncertain.sensitivity import Sensitivity
-from tests.helpers import samples, synthetic
+from tests.helpers import samples, synthetic, unknowns
 from tests.pipeline.figures.test_plot import contour, labels, lines, of_height
 from tribo import PRESETS
 
@@ -259,11 +259,11 @@ def test_choices_stand_at_their_work_and_error_and_the_front_joins_the_best():
 
 
 CELSIUS = Unit("°C", 1.0, 273.15)
-WIDE = Unknown(samples.CRITICAL.path, "uniform", (383.15, 473.15), "K", written=CELSIUS)
+WIDE = Unknown(unknowns.CRITICAL.path, "uniform", (383.15, 473.15), "K", written=CELSIUS)
 
 
 def test_a_design_is_drawn_with_its_goal_its_limit_and_its_interval():
-    ensemble = samples.ensemble((WIDE, samples.RATE, samples.FRICTION, samples.LENGTH))
+    ensemble = samples.ensemble((WIDE, unknowns.RATE, unknowns.FRICTION, unknowns.LENGTH))
     goal = Goal((Place(400.0, 1.6),), 0.05)
     limit = Limit(
         WIDE, goal, "at least", 420.0, (415.0, 424.0), (420.0, 473.15), (473.15, 0.0),
@@ -281,11 +281,11 @@ def test_a_design_is_drawn_with_its_goal_its_limit_and_its_interval():
     assert axes.get_xlabel() == "temperature: critical [°C]"
     assert axes.get_ylabel() == "probability of severe wear [%]"
     assert axes.get_title().endswith("400 N at 1.6 m/s, 5 % at most")
-    other = replace(samples.RATE, kind="uniform", parameters=(1e-15, 1.4e-15))
+    other = replace(unknowns.RATE, kind="uniform", parameters=(1e-15, 1.4e-15))
     two = [replace(limit, value=value, at=(Fixed(other, rate),)) for rate, value in RATES]
     axes = pipeline.draw_design(two, ensemble.title).axes[0]
     x, y = axes.lines[0].get_data()
-    assert x == pytest.approx(samples.RATE.shown.of(np.array([rate for rate, _ in RATES])))
+    assert x == pytest.approx(unknowns.RATE.shown.of(np.array([rate for rate, _ in RATES])))
     assert y == pytest.approx([value - 273.15 for _, value in RATES])
     assert axes.get_ylim() == pytest.approx((110.0, 200.0))
     assert axes.get_ylabel() == "temperature: critical [°C], at least"
@@ -326,7 +326,7 @@ def test_bars_of_a_sensitivity_are_its_indices_by_input_and_load():
     first = np.array([[0.2, 0.5, 0.1], [0.1, 0.6, 0.2]])
     interval = np.array([first - 0.05, first + 0.02])
     found = Sensitivity(
-        unknown=samples.ALL[:3], loads=(200.0, 750.0), first=first, total=first + 0.1,
+        unknown=unknowns.ALL[:3], loads=(200.0, 750.0), first=first, total=first + 0.1,
         first_interval=interval, total_interval=interval + 0.1, spread=(0.1, 0.2),
         velocity_error=(0.01, 0.01),
     )  # fmt: skip
@@ -334,7 +334,7 @@ def test_bars_of_a_sensitivity_are_its_indices_by_input_and_load():
     (axes,) = figure.axes
     order = np.argsort(first.mean(axis=0))
     names = [text.get_text().replace("\n", " ") for text in axes.get_yticklabels()]
-    parts = [samples.ALL[k].path.rpartition(".")[2].replace("_", " ") for k in order]
+    parts = [unknowns.ALL[k].path.rpartition(".")[2].replace("_", " ") for k in order]
     assert all(part in name for part, name in zip(parts, names, strict=True))
     widths = [bar.get_width() for bar in axes.patches]
     assert widths == pytest.approx([*first[0, order], *first[1, order]])

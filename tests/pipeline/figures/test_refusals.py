@@ -13,7 +13,8 @@ from pipeline.sweep.about import Measurement
 from pipeline.sweep.variants import placed_rows
 from tests.helpers import synthetic, tiny
 from tests.helpers.refusals import Refusals
-from tests.helpers.samples import ALL, dataset, ensemble
+from tests.helpers.samples import dataset, ensemble
+from tests.helpers.unknowns import ALL
 
 
 @cache

@@ -19,10 +19,10 @@ from pipeline.analysis.laboratory import agreement, compared, model_error
 from pipeline.analysis.margin import answer, percent
 from pipeline.analysis.transition import ABOVE, MILD
 from pipeline.sweep.variants import Column, Variants
+from tests.helpers import page_sweeps as sweeps
 from tests.helpers import samples, synthetic
 from tests.helpers.browser import chromium
-from tests.pipeline.page import sweeps
-from tests.pipeline.page.sweeps import column, same
+from tests.helpers.page_sweeps import column, same
 
 
 @pytest.fixture(scope="module")

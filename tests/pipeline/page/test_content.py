@@ -15,8 +15,8 @@ from pipeline.analysis.decisive import decisive_rise
 from pipeline.cli import main
 from pipeline.page.content import content
 from pipeline.page.pictures import packed_point
+from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
-from tests.pipeline.page import sweeps
 
 
 def coded(text):

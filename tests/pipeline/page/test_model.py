@@ -13,11 +13,11 @@ from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import answer
 from pipeline.analysis.transition import CROSSES, SEVERAL
 from pipeline.page.content import BETWEEN, EXTRAPOLATED, content
+from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tests.helpers.javascript import run
+from tests.helpers.page_sweeps import same
 from tests.helpers.sweeps import with_fields
-from tests.pipeline.page import sweeps
-from tests.pipeline.page.sweeps import same
 from tribo import Corrections, Friction, InputError
 
 BOUNDARY = """

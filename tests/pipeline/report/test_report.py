@@ -12,9 +12,9 @@ import tribo
 from pipeline.report.report import citation, sections_of_samples
 from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import FromLibrary
+from tests.helpers import page_sweeps as sweeps
 from tests.helpers import samples, synthetic
 from tests.helpers.scenes import STEEL
-from tests.pipeline.page import sweeps
 
 POINTS = {"load": ["300 N", "500 N"], "velocity": ["1.5 m/s", "2 m/s"], "gear": ["first", "second"]}
 HEADINGS = (

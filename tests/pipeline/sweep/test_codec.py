@@ -17,8 +17,9 @@ from pipeline.sweep.codec import CodecError, content_hash, decode, encode, sweep
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.variants import rows, surfaces
 from tests.helpers import synthetic, tiny
-from tests.helpers.samples import ALL, dataset, ensemble
+from tests.helpers.samples import dataset, ensemble
 from tests.helpers.scenes import STEEL
+from tests.helpers.unknowns import ALL
 
 
 def back(sweep):

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import kstest, spearmanr
 
 from pipeline.sweep.unknown import Unknown, correlations, drawn, first_unfit
-from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE, distribution_of
+from tests.helpers.unknowns import CRITICAL, FRICTION, LENGTH, RATE, distribution_of
 
 
 def joined(entry, **correlations):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.sweep.unknown import Unit, Unknown, drawn
-from tests.helpers.samples import distribution_of
+from tests.helpers.unknowns import distribution_of
 
 NORMAL = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")
 FACTOR = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1")

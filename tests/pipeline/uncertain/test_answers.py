@@ -9,21 +9,8 @@ import pytest
 import pipeline
 from pipeline.sweep.unknown import Fixed, Unknown, drawn
 from pipeline.uncertain.sensitivity import indices
-from tests.helpers.samples import (
-    ALL,
-    CRITICAL,
-    FRICTION,
-    JOINT,
-    LENGTH,
-    RATE,
-    critical_velocity,
-    dataset,
-    ensemble,
-    field,
-    limit,
-    margin,
-    rise,
-)
+from tests.helpers.samples import critical_velocity, dataset, ensemble, field, limit, margin, rise
+from tests.helpers.unknowns import ALL, CRITICAL, FRICTION, JOINT, LENGTH, RATE
 from tribo import InputError
 
 # Risk

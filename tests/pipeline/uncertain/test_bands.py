@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from pipeline.sweep.unknown import drawn
-from tests.helpers.samples import ALL, ensemble, rise
+from tests.helpers.samples import ensemble, rise
+from tests.helpers.unknowns import ALL
 from tests.promises.rigs import boundary_near
 
 

@@ -16,7 +16,8 @@ from pipeline.uncertain.answers import run_probability
 from pipeline.uncertain.design import Chances, Direct, Goal
 from pipeline.uncertain.ensemble import Excess
 from pipeline.uncertain.inputs import BULK
-from tests.helpers.samples import CRITICAL, EXPONENT, FRICTION, LENGTH, RATE, ensemble, rise
+from tests.helpers.samples import EXPONENT, ensemble, rise
+from tests.helpers.unknowns import CRITICAL, FRICTION, LENGTH, RATE
 from tribo import InputError
 
 WIDE = Unknown(CRITICAL.path, "uniform", (383.15, 473.15), "K")

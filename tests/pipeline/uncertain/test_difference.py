@@ -10,7 +10,8 @@ import pipeline
 from pipeline.sweep.about import Measurement, own_tests
 from pipeline.uncertain.answer_posterior import _word_contrast
 from pipeline.uncertain.posterior import contrasts
-from tests.helpers.samples import CRITICAL, EXPONENT, LENGTH, LOADS, critical_velocity, ensemble
+from tests.helpers.samples import EXPONENT, LOADS, critical_velocity, ensemble
+from tests.helpers.unknowns import CRITICAL, LENGTH
 from tests.promises.laboratories import oils_held
 from tests.promises.stages import closed_form
 from tribo import InputError

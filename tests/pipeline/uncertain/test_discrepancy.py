@@ -5,7 +5,8 @@ import pytest
 
 import pipeline
 from pipeline.sweep.unknown import Unknown
-from tests.helpers.samples import CRITICAL, EXPONENT, critical_velocity, ensemble
+from tests.helpers.samples import EXPONENT, critical_velocity, ensemble
+from tests.helpers.unknowns import CRITICAL
 
 TRUTH = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
 LOADS = (200.0, 400.0, 750.0) * 2

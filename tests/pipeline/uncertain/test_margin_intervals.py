@@ -11,8 +11,6 @@ from pipeline.analysis.margin import percent
 from pipeline.analysis.rise_error import error_of_point
 from pipeline.sweep.unknown import drawn
 from tests.helpers.samples import (
-    ALL,
-    CRITICAL,
     EXPONENT,
     critical_velocity,
     dataset,
@@ -21,6 +19,7 @@ from tests.helpers.samples import (
     margin,
     rise,
 )
+from tests.helpers.unknowns import ALL, CRITICAL
 from tests.pipeline.analysis.test_model_error import density
 from tribo import InputError
 

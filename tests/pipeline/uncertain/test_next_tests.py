@@ -11,7 +11,8 @@ from pipeline.cli.parser import parse
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.next_tests import Candidate, candidates, ranking_command
-from tests.helpers.samples import CRITICAL, FRICTION, LOADS, RATE, critical_velocity, ensemble
+from tests.helpers.samples import LOADS, critical_velocity, ensemble
+from tests.helpers.unknowns import CRITICAL, FRICTION, RATE
 
 
 def test_what_is_sought_is_no_measurement_of_itself():

@@ -14,9 +14,10 @@ from pipeline.uncertain import critical_temperature, entries
 from pipeline.uncertain.answer_design import read_scene
 from tests.helpers import synthetic
 from tests.helpers.refusals import Refusals, command
-from tests.helpers.samples import ALL, LENGTH, LOADS, RATE, dataset, ensemble, field
+from tests.helpers.samples import LOADS, dataset, ensemble, field
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import with_fields
+from tests.helpers.unknowns import ALL, LENGTH, RATE
 from tribo import Corrections, Friction
 
 RATES = '"wear.specific_wear_rate" = { median = "1.2e-6 mm^3/(N m)", factor = 1.5 }'

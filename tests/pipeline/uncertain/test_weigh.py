@@ -14,19 +14,8 @@ from pipeline.uncertain import weigh
 from pipeline.uncertain.evidence import log_between
 from pipeline.uncertain.inputs import prior
 from pipeline.uncertain.weigh import _long_tailed
-from tests.helpers.samples import (
-    CRITICAL,
-    EXPONENT,
-    FRICTION,
-    JOINT,
-    LENGTH,
-    LOADS,
-    RATE,
-    critical_velocity,
-    dataset,
-    ensemble,
-    rise,
-)
+from tests.helpers.samples import EXPONENT, LOADS, critical_velocity, dataset, ensemble, rise
+from tests.helpers.unknowns import CRITICAL, FRICTION, JOINT, LENGTH, RATE
 from tribo import Corrections, Friction, InputError
 
 
