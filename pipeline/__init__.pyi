@@ -13,7 +13,6 @@ from .figures.studies import draw_variations as draw_variations
 from .laboratory.scan import surface_statistics as surface_statistics
 from .page.explore import explore as explore
 from .report.report import report as report
-from .run.boundary_search import follow_boundary as follow_boundary
 from .run.sweep import run_sweep as run_sweep
 from .run.vary import vary as vary
 from .run.work import ExecutionError as ExecutionError

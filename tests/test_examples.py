@@ -12,7 +12,6 @@ import tribo
 LONG = {
     "choose_fidelity",
     "draw_trade",
-    "follow_boundary",
     "trade",
     "vary",
 }
