@@ -25,8 +25,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - inputs that are not known exactly: `Ensemble`, `sensitivity`, `posterior`, `candidates`,
   `plan_tests`, `design`, `Goal`
 - accuracy: `choose_fidelity`, `trade`
-- figures: `plot`, `draw_variations`, `draw_trade`, `draw_sensitivity`, `draw_posterior`,
-  `draw_design`, `report`, `explore`
+- figures: `plot`, `report`, `explore`
 - quantities: `surface_statistics`, `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`
 

@@ -11,7 +11,6 @@ import tribo
 # These take minutes, or a cluster of their own.
 LONG = {
     "choose_fidelity",
-    "draw_trade",
     "trade",
     "vary",
 }

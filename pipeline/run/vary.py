@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from distributed import Client
@@ -53,6 +53,7 @@ class Variation:
 class Variations:
     """The boundary of a scene, unchanged and with single entries changed."""
 
+    drawn_by: ClassVar = "pipeline.figures.studies:draw_variations"
     title: str  #: Title of the scene.
     loads: tuple[float, ...]  #: Normal loads on the whole pin [N].
     base: Variation  #: The scene as it is.
