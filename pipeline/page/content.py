@@ -31,7 +31,7 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.decisive import decisive_rise, require_all_sound
 from pipeline.analysis.entries import scene_entries
-from pipeline.analysis.field import LEAST_SLOPE, PointField, point_field
+from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.frames import frames_of
 from pipeline.analysis.laboratory import (
     agreement,
@@ -43,7 +43,7 @@ from pipeline.analysis.laboratory import (
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import USUAL, ModelError
 from pipeline.analysis.tables import html_of
-from pipeline.analysis.transition import outcomes, range_of
+from pipeline.analysis.transition import LEAST_SLOPE, outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, POINT, coloured, packed_fields

@@ -16,9 +16,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from pipeline.analysis.at import COLDEST_OIL, HOTTEST_OIL
-from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.analysis.model_error import ModelError, Scatter
 from pipeline.analysis.rise_error import error_of_point
+from pipeline.analysis.transition import LEAST_SLOPE
 from pipeline.scene.along import Place
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Count
