@@ -18,7 +18,7 @@ from pipeline.run.boundary_search import boundary_search
 from pipeline.run.cluster import PATIENCE, connected, require_dashboard, unheard
 from pipeline.run.forkserver import UNGUARDED, end_if_imported
 from pipeline.run.schedule import compute
-from pipeline.run.tally import Progress, Tally, reported
+from pipeline.run.tally import Progress, Tally, shown_progress
 from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
@@ -134,12 +134,12 @@ def run_sweep(
     if further:
         sweep = further(opened(out) if before else None, retry_failed)
     repair = partial(_repair, tell)
-    with writing(out, sweep, repair) as store, reported(progress) as report:
+    with writing(out, sweep, repair) as store:
         for note in _notes(store, before) if before else ():
             tell(note)
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
-        tally = Tally(store, report, began)
+        tally = Tally(store, shown_progress(progress), began)
         rounds = _rounds(store, sweep, further)
         if first := next(rounds, None):
             # More tasks may come later than those that wait now.
