@@ -183,14 +183,9 @@ class PointField:
             self.conditions.contact_temperature(rises),
             rises > self.limit,
             np.full(len(rises), self.conditions.known_critical_temperature()),
-            all(self._is_done(plane, load, velocity) for plane in self.planes),
+            all(plane.is_done(load, velocity) for plane in self.planes),
             not all(is_within for _, is_within in found),
         )
-
-    @staticmethod
-    def _is_done(plane: RisePlane, load: float, velocity: float) -> bool:
-        here = plane.rises[np.ix_(plane.loads == load, plane.velocities == velocity)]
-        return bool(np.isfinite(here).any())
 
     def _require_within(self, load: float, velocity: float) -> None:
         axes = self.planes[0].loads, self.planes[0].velocities
