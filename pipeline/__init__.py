@@ -18,15 +18,14 @@ each point stands at step 0, which `end_of_point` takes. A dataset of a sweep ha
 The public names, in the order of the page ``API.md``, which says what each is for:
 
 - scenes: `new_scene`, `load_scene`, `scene_entry`, `Sweep`
-- simulation: `run_point`, `estimate`, `run_sweep`, `follow_boundary`, `summary`, `verify_store`
+- simulation: `run_point`, `estimate`, `run_sweep`, `summary`, `verify_store`
 - dataset: `open_sweep`, `end_of_point`
 - answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `warned`, `diff`,
   `vary`, `critical_temperatures`
 - inputs that are not known exactly: `Ensemble`, `sensitivity`, `posterior`, `candidates`,
   `plan_tests`, `design`, `Goal`
 - accuracy: `choose_fidelity`, `trade`
-- figures: `plot`, `draw_variations`, `draw_trade`, `draw_sensitivity`, `draw_posterior`,
-  `draw_design`, `report`, `explore`
+- figures: `plot`, `report`, `explore`
 - quantities: `surface_statistics`, `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`
 

@@ -8,12 +8,9 @@ from .analysis.margin import Margin as Margin
 from .analysis.margin_frame import margin as margin
 from .analysis.warned_points import warned as warned
 from .figures.plot import plot as plot
-from .figures.studies import draw_trade as draw_trade
-from .figures.studies import draw_variations as draw_variations
 from .laboratory.scan import surface_statistics as surface_statistics
 from .page.explore import explore as explore
 from .report.report import report as report
-from .run.boundary_search import follow_boundary as follow_boundary
 from .run.sweep import run_sweep as run_sweep
 from .run.vary import vary as vary
 from .run.work import ExecutionError as ExecutionError
@@ -36,9 +33,6 @@ from .uncertain.critical_temperature import critical_temperatures as critical_te
 from .uncertain.design import Goal as Goal
 from .uncertain.design import design as design
 from .uncertain.ensemble import Ensemble as Ensemble
-from .uncertain.figures import draw_design as draw_design
-from .uncertain.figures import draw_posterior as draw_posterior
-from .uncertain.figures import draw_sensitivity as draw_sensitivity
 from .uncertain.next_tests import candidates as candidates
 from .uncertain.next_tests import plan_tests as plan_tests
 from .uncertain.sensitivity import sensitivity as sensitivity

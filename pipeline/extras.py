@@ -14,8 +14,8 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "page": ("explore",),
     "report": ("report",),
     "uncertain": (
-        "Ensemble", "Goal", "candidates", "critical_temperatures", "design", "draw_design",
-        "draw_posterior", "draw_sensitivity", "plan_tests", "posterior", "sensitivity",
+        "Ensemble", "Goal", "candidates", "critical_temperatures", "design", "plan_tests",
+        "posterior", "sensitivity",
     ),
 }  # fmt: skip
 """Folders in `pipeline` that are asked for their modules, if they are there; and public names."""

@@ -11,8 +11,6 @@ import tribo
 # These take minutes, or a cluster of their own.
 LONG = {
     "choose_fidelity",
-    "draw_trade",
-    "follow_boundary",
     "trade",
     "vary",
 }

@@ -36,7 +36,7 @@ from pipeline.analysis.transition import (
     MILD,
     SEVERE,
     UNITS,
-    Transition,
+    Line,
     outcomes,
 )
 from pipeline.store.place import PathLike
@@ -152,63 +152,58 @@ _TURNS = 5  # turns of a line that are told; more are waves between points
 
 def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dict[str, Any]:
     """Transitions along the velocity at each load, or along the load at each velocity."""
-    plane = field.planes[0]
-    others = (plane.loads if line == "load" else plane.velocities).tolist()
-    here = float((plane.velocities if line == "load" else plane.loads)[-1])
-    rows = [
-        field.lines(axis, *((other, here) if line == "load" else (here, other))) for other in others
-    ]
-    found = [[one.transition(field.limit) for one in row] for row in zip(*rows, strict=True)]
+    plane, by_load = field.planes[0], line == "load"
+    others = (plane.loads if by_load else plane.velocities).tolist()
+    here = float((plane.velocities if by_load else plane.loads)[-1])
+    rows = (field.lines(axis, *((other, here) if by_load else (here, other))) for other in others)
+    members = [*zip(*rows, strict=True)]
     noun, unit = "velocity" if axis == "velocity" else "normal load", UNITS[axis]
-    columns: dict[str, tuple[Callable[[Transition], Any], str, str]] = {
-        f"critical_{axis}": (
-            lambda one: one.place, unit, f"{noun} at the transition to severe wear"
-        ),
-        f"computed_from_at_{line}": (
-            lambda one: one.computed[0], unit, f"{axis} computed from at this {line}"
-        ),
-        f"computed_to_at_{line}": (
-            lambda one: one.computed[1], unit, f"{axis} computed to at this {line}"
-        ),
-        f"bridged_at_{line}": (
-            lambda one: one.bridged(one.place), "1",
-            "pending or failed points that the crossing is interpolated across",
-        ),
-        f"begins_severe_at_{line}": (
-            lambda one: one.begins_severe, "1", f"wear is severe at the lowest {axis} known"
-        ),
-    }  # fmt: skip
     dims = [*(["realization"] if "realization" in ds.dims else []), line]
     shape = tuple(ds.sizes[name] for name in dims)
 
-    def labelled(values: Any, units: str, words: str) -> tuple[list[str], Any, dict[str, str]]:
-        return dims, np.reshape(values, shape), {"units": units, "long_name": words}
+    def each(take: Callable[[Line], Any]) -> Any:
+        return np.array([[take(one) for one in member] for member in members])
 
+    columns: dict[str, tuple[Any, str, str]] = {
+        f"critical_{axis}": (
+            each(lambda one: one.place), unit, f"{noun} at the transition to severe wear"
+        ),
+        f"computed_from_at_{line}": (
+            each(lambda one: one.computed[0]), unit, f"{axis} computed from at this {line}"
+        ),
+        f"computed_to_at_{line}": (
+            each(lambda one: one.computed[1]), unit, f"{axis} computed to at this {line}"
+        ),
+        f"bridged_at_{line}": (
+            each(lambda one: one.bridged(one.place)), "1",
+            "pending or failed points that the crossing is interpolated across",
+        ),
+        f"begins_severe_at_{line}": (
+            each(lambda one: one.begins_severe), "1", f"wear is severe at the lowest {axis} known"
+        ),
+        f"missing_at_{line}": (
+            np.array([one.is_missing.sum(axis=int(by_load)) for one in field.planes]), "1",
+            f"pending or failed points at this {line}",
+        ),
+    }  # fmt: skip
     result: dict[str, Any] = {
-        name: labelled([[take(one) for one in row] for row in found], units, words)
-        for name, (take, units, words) in columns.items()
+        name: (dims, values.reshape(shape), {"units": units, "long_name": words})
+        for name, (values, units, words) in columns.items()
     }
-    number = 1 if line == "load" else 0
-    missing = [plane.is_missing.sum(axis=number) for plane in field.planes]
-    words = f"pending or failed points at this {line}"
-    result[f"missing_at_{line}"] = labelled(missing, "1", words)
-    padded = [[(one.places + (np.nan,) * _TURNS)[:_TURNS] for one in row] for row in found]
+    padded = each(lambda one: (one.places + (np.nan,) * _TURNS)[:_TURNS])
     attrs = {"units": unit, "long_name": f"{noun} at which wear turns"}
-    result[f"turns_at_{line}"] = [*dims, "turn"], np.reshape(padded, (*shape, _TURNS)), attrs
+    result[f"turns_at_{line}"] = [*dims, "turn"], padded.reshape(*shape, _TURNS), attrs
     if axis == "velocity":
-        slopes = [
-            [line.curve.exponent(line.transition(field.limit).place) for line in lines]
-            for lines in zip(*rows, strict=True)
-        ]
-        words = "d ln(rise) / d ln(velocity) at the crossing"
-        result["rise_exponent_at_load"] = labelled(slopes, "1", words)
-    codes = [[one.outcome for one in row] for row in found]
+        slopes = each(lambda one: one.curve.exponent(one.place)).reshape(shape)
+        attrs = {"units": "1", "long_name": "d ln(rise) / d ln(velocity) at the crossing"}
+        result["rise_exponent_at_load"] = dims, slopes, attrs
     meanings = {
         "long_name": "why there is no crossing",
         "flag_values": np.array(list(outcomes(axis)), dtype=np.int8),
         "flag_meanings": " ".join(word.replace(" ", "_") for word in outcomes(axis).values()),
     }
-    result[f"outcome_at_{line}"] = dims, np.reshape(codes, shape).astype(np.int8), meanings
+    codes = each(lambda one: one.outcome).reshape(shape)
+    result[f"outcome_at_{line}"] = dims, codes.astype(np.int8), meanings
     return result
 
 

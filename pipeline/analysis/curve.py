@@ -49,11 +49,13 @@ class Curve:
     def _scaled(self, values: Array | float) -> Any:
         return np.log(values) if self._is_log else values
 
-    def __call__(self, places: Array, continued: bool = False) -> Array:
+    def __call__(
+        self, places: Array, continued: bool = False, least_slope: float = -math.inf
+    ) -> Array:
         """Ordinates at places; NaN beyond the outermost points, and of a single point.
 
         If continued, the power law through the last two points goes on beyond them, where all are
-        positive.
+        positive, with an exponent that is not less than the least.
         """
         result = np.full((*places.shape, *self.y.shape[1:]), np.nan)
         if len(self.x) < 2:
@@ -63,7 +65,8 @@ class Curve:
         if continued and self._is_log:
             for beyond, end in ((places < self.x[0], 0), (places > self.x[-1], -1)):
                 ratio = (places[beyond] / self.x[end]).reshape(-1, *[1] * (self.y.ndim - 1))
-                result[beyond] = self.y[end] * ratio ** self.end_exponent(end)
+                slope = np.maximum(self.end_exponent(end), least_slope)
+                result[beyond] = self.y[end] * ratio**slope
         return result
 
     def _inside(self, places: Array) -> Array:

@@ -236,10 +236,7 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
         for name, held in source.variables.items()
         if held.chunks and name not in AT_END
     }
-    if lazy:
-        coords = {name: lazy.pop(name) for name in [*lazy] if name in source.coords}
-        source = source.assign_coords(coords).assign(lazy)
-    return _per_point(ordered(source))
+    return _per_point(ordered(source.assign(lazy)))
 
 
 def _per_point(ds: xr.Dataset) -> xr.Dataset:

@@ -53,12 +53,8 @@ class Difference:
 
     def as_dict(self) -> dict[str, Any]:
         """Return all values as plain data."""
-        return {
-            "entries": as_dict(self.entries),
-            "boundary": as_dict(self.boundary),
-            "points": as_dict(self.points),
-            "points_alike": self.alike,
-        }
+        frames = {name: as_dict(getattr(self, name)) for name in ("entries", "boundary", "points")}
+        return frames | {"points_alike": self.alike}
 
 
 def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:

@@ -36,7 +36,7 @@ from pipeline.analysis.decisive import (
 from pipeline.analysis.model_error import Scatter, severe_share
 from pipeline.analysis.rise_error import RiseError, RisePlane, add_counted, grids_of, rise_error
 from pipeline.analysis.scenes import scenes
-from pipeline.analysis.transition import UNITS, Transition, Turns, range_of
+from pipeline.analysis.transition import UNITS, Line, Turns, range_of
 from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE
 from pipeline.sweep.accuracy import velocity_error
@@ -48,8 +48,6 @@ from tribo.types import Array, Mask
 
 _USUAL = COORDINATES.keys() - {VARIANT, "realization"}
 _PARTS = 64  # parts of an interval of velocities, in each of which friction is taken as it is there
-LEAST_SLOPE = 0.05
-"""Least slope of ln(rise) over ln(velocity or load), by which a line goes on beyond its ends."""
 
 
 class Field(Protocol):
@@ -125,39 +123,6 @@ class Here(NamedTuple):
     is_continued: bool  # beyond the points that are done
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
-    """Rises of a member along velocities or loads, and what of them was computed."""
-
-    curve: Curve
-    done: Array
-    missing: Array
-    ends: tuple[float, float]
-
-    def transition(self, limit: float) -> Transition:
-        """Where the line passes a limit [K]."""
-        return Transition.along(self.curve, limit, self.ends, self.done, self.missing)
-
-    def severe(self, limit: float) -> list[tuple[float, float]]:
-        """Ranges in which wear is severe, where the line goes on by the power law of its ends."""
-        x, y = self.curve.x, self.curve.y
-        ranges = self.transition(limit).severe()
-        if not len(x) or not 0 < limit < math.inf or not (x > 0).all() or not (y > 0).all():
-            return ranges
-
-        def continued_end(end: int) -> float:
-            slope = 1.0  # at most, of a point by itself
-            if len(x) > 1:
-                slope = max(self.curve.end_exponent(end), LEAST_SLOPE)
-            return float(x[end] * (limit / y[end]) ** (1 / slope))
-
-        if ranges and ranges[0][0] == 0:
-            ranges[0] = (min(continued_end(0), float(x[0])), ranges[0][1])
-        if not ranges or ranges[-1][1] < math.inf:
-            ranges.append((max(continued_end(-1), float(x[-1])), math.inf))
-        return ranges
-
-
 @dataclass(frozen=True, eq=False)
 class PointField:
     """The field of computed points, of the surfaces of a scene or of one row of its table."""
@@ -218,14 +183,9 @@ class PointField:
             self.conditions.contact_temperature(rises),
             rises > self.limit,
             np.full(len(rises), self.conditions.known_critical_temperature()),
-            all(self._is_done(plane, load, velocity) for plane in self.planes),
+            all(plane.is_done(load, velocity) for plane in self.planes),
             not all(is_within for _, is_within in found),
         )
-
-    @staticmethod
-    def _is_done(plane: RisePlane, load: float, velocity: float) -> bool:
-        here = plane.rises[np.ix_(plane.loads == load, plane.velocities == velocity)]
-        return bool(np.isfinite(here).any())
 
     def _require_within(self, load: float, velocity: float) -> None:
         axes = self.planes[0].loads, self.planes[0].velocities
@@ -259,9 +219,8 @@ class PointField:
 
     def turns(self, axis: str, load: float, velocity: float) -> Turns:
         """See `Field`."""
-        lines = self.lines(axis, load, velocity)
         here = velocity if axis == "velocity" else load
-        return Turns.of([line.transition(self.limit) for line in lines], here)
+        return Turns.of(self.lines(axis, load, velocity), here)
 
     def probability(
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
@@ -269,7 +228,8 @@ class PointField:
         """See `Field`."""
         limit = self.limit * math.exp(-shift)
         lines = self.lines("velocity", load, float(velocities[0]))
-        shares = [severe_share(line.severe(limit), velocities, scatter) for line in lines]
+        ranges = (replace(line, limit=limit).severe() for line in lines)
+        shares = [severe_share(severe, velocities, scatter) for severe in ranges]
         return np.asarray(self.weights @ np.array(shares))
 
     def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
@@ -325,7 +285,7 @@ class PointField:
             going_on[number_there] = rise
         if has_curve and axis == "velocity":
             x, going_on = along_friction(x, going_on, factor)
-        return Line(Curve(x, going_on), done, missing, self.ends[axis])
+        return Line(Curve(x, going_on), limit, self.ends[axis], done, missing)
 
 
 def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array, Array]:

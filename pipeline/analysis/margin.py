@@ -170,15 +170,12 @@ def answer(
         "critical_velocity": turns["velocity"].nearest,
         "critical_load": turns["load"].nearest,
     }
-    middles: dict[str, Any] = {
-        name: quantile(values, weights, 0.5) for name, values in spread.items()
-    }
-    intervals = {}
-    if len(weights) > 1:
-        intervals = {
-            name: (quantile(values, weights, DECIDED[0]), quantile(values, weights, DECIDED[-1]))
-            for name, values in spread.items()
-        }
+    ends_and_middles: list[dict[str, Any]] = [
+        {name: quantile(values, weights, share) for name, values in spread.items()}
+        for share in DECIDED
+    ]
+    low, middles, high = ends_and_middles
+    intervals = {name: (low[name], high[name]) for name in spread if len(weights) > 1}
     scale = field.conditions.temperature_error(middles["decisive_temperature"])
     told: dict[str, Any] = {
         f"{axis}_{name}": value

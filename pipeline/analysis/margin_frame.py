@@ -126,7 +126,8 @@ def judged(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Judged]:
     if points is not None:
         require_kind(ds, Kind.PLANE, Kind.SAMPLES)
     for field in fields(ds):
-        scatter, under = model_error(field.source, field), functools.cache(_conditioned(field))
+        scatter = model_error(field.source, field)
+        under = functools.cache(lambda *own, field=field: field.judged_by(dict(own)))
         if points is None and field.place is None:
             raise InputError(
                 "no operating point is given, and the rows have none of their own; give a load and "
@@ -142,10 +143,6 @@ def judged(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Judged]:
                 yield Judged(here, place, own, found)
             except InputError as error:
                 yield Judged(field, place, own, None, str(error))
-
-
-def _conditioned(field: Field) -> Any:
-    return lambda *own: field.judged_by(dict(own))
 
 
 def margin_frame(

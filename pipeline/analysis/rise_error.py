@@ -147,6 +147,11 @@ class RisePlane:
             mask[row, columns] = True
         return mask
 
+    def is_done(self, load: float, velocity: float) -> bool:
+        """True if that very point is done."""
+        here = self.rises[np.ix_(self.loads == load, self.velocities == velocity)]
+        return bool(np.isfinite(here).any())
+
     def rests_on(self, load: float, velocity: float) -> list[tuple[int, Indices]]:
         """Rows that the rise at a place is taken from: the point itself, or those beside it."""
         own = self.loads == load

@@ -40,44 +40,47 @@ def outcomes(axis: str) -> Mapping[int, str]:
 UNITS = {"velocity": "m/s", "load": "N"}
 
 
-@dataclass(frozen=True, slots=True)
-class Transition:
-    """Where wear turns severe, or mild again, along a line of points, and why if it does not."""
+LEAST_SLOPE = 0.05
+"""Least slope of ln(rise) over ln(velocity or load), by which a line goes on beyond its ends."""
 
-    places: tuple[float, ...]  # velocities [m/s] or loads [N] at which wear turns, ascending
-    begins_severe: bool  # wear is severe below the first of them
-    outcome: int  # key of `outcomes`
-    computed: tuple[float, float]  # lowest and highest that is done; NaN where none is
-    missing: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())  # done ones, and those not done
 
-    @classmethod
-    def along(
-        cls, curve: Curve, limit: float, ends: tuple[float, float], done: Array, missing: Array
-    ) -> Transition:
-        """Find where a curve of rises [K] passes a limit, along velocities [m/s] or loads [N].
+@dataclass(frozen=True, eq=False)
+class Line:
+    """Rises of a member of a field along velocities or loads, and where wear turns."""
 
-        Done and missing are abscissae; the curve may go on beyond those that are done, where that
-        leaves wear as it is. Ends are those of the sweep's own range.
-        """
-        computed = (float(done[0]), float(done[-1])) if done.size else (math.nan, math.nan)
-        places = curve.crossings(limit)
-        begins_severe = bool(curve.x.size) and Criterion.is_severe(curve.y[0], limit)
-        if places:
-            outcome = CROSSES if len(places) == 1 and not begins_severe else SEVERAL
-        elif not done.size:
-            outcome = UNKNOWN
-        elif begins_severe:
-            outcome = SEVERE if computed[0] <= ends[0] else BELOW
-        else:
-            outcome = MILD if computed[1] >= ends[1] else ABOVE
-        about = (tuple(done.tolist()), tuple(missing.tolist())) if missing.size else ((), ())
-        return cls(places, bool(begins_severe), outcome, computed, about)
+    #: Rises [K] over velocities [m/s] or loads [N]. It may go on beyond the places that are done,
+    #: where that leaves wear as it is.
+    curve: Curve
+    limit: float  # rise above which wear is severe [K]
+    ends: tuple[float, float]  # of the sweep's own range
+    done: Array  # places that are done, ascending
+    missing: Array  # places that are not
 
-    def nearest_or_beyond(self, here: float) -> float:
-        """See `nearest`; infinite where wear is mild at all that is known, and 0 where severe."""
-        if self.outcome in (MILD, ABOVE):
-            return math.inf
-        return 0.0 if self.outcome in (SEVERE, BELOW) else self.nearest(here)
+    @functools.cached_property
+    def places(self) -> tuple[float, ...]:
+        """Velocities [m/s] or loads [N] at which wear turns, ascending."""
+        return self.curve.crossings(self.limit)
+
+    @functools.cached_property
+    def begins_severe(self) -> bool:
+        """Wear is severe below the first of them."""
+        return bool(self.curve.x.size) and bool(Criterion.is_severe(self.curve.y[0], self.limit))
+
+    @property
+    def computed(self) -> tuple[float, float]:
+        """Lowest and highest place that is done; NaN where none is."""
+        return (float(self.done[0]), float(self.done[-1])) if self.done.size else (math.nan,) * 2
+
+    @property
+    def outcome(self) -> int:
+        """Key of `outcomes`."""
+        if self.places:
+            return CROSSES if len(self.places) == 1 and not self.begins_severe else SEVERAL
+        if not self.done.size:
+            return UNKNOWN
+        if self.begins_severe:
+            return SEVERE if self.computed[0] <= self.ends[0] else BELOW
+        return MILD if self.computed[1] >= self.ends[1] else ABOVE
 
     @property
     def place(self) -> float:
@@ -85,25 +88,47 @@ class Transition:
         return next(iter(self.places[self.begins_severe :]), math.nan)
 
     def nearest(self, here: float) -> float:
-        """The place at which wear turns that is nearest by its ratio; NaN where there is none."""
+        """The place at which wear turns that is nearest by its ratio; NaN where nothing is known.
+
+        It is infinite where wear is mild at all that is known, and 0 where severe.
+        """
+        if self.outcome in (MILD, ABOVE):
+            return math.inf
+        if self.outcome in (SEVERE, BELOW):
+            return 0.0
         return min(self.places, key=lambda place: abs(math.log(place / here)), default=math.nan)
 
     def bridged(self, place: float) -> int:
         """Number of points not done between the two done ones beside a place."""
-        done, missing = self.missing
-        below = max((x for x in done if x <= place and x not in missing), default=None)
-        above = min((x for x in done if x >= place and x not in missing), default=None)
-        if below is None or above is None:
+        done = np.setdiff1d(self.done, self.missing)
+        below, above = done[done <= place], done[done >= place]
+        if not (below.size and above.size):
             return 0
-        return sum(below < x < above for x in missing)
+        return int(np.sum((self.missing > below[-1]) & (self.missing < above[0])))
 
     def severe(self) -> list[tuple[float, float]]:
-        """Ranges in which wear is severe, from 0 and to infinity where they have no end."""
+        """Ranges in which wear is severe, where the line goes on by the power law of its ends.
+
+        They begin at 0, or go on to infinity, where it has no such law.
+        """
+        x, y = self.curve.x, self.curve.y
         turns = [0.0] * self.begins_severe + [*self.places]
-        is_severe_beyond = self.outcome in (SEVERE, BELOW) or len(turns) % 2
-        return [
-            *zip(turns[::2], [*turns[1::2], *[math.inf] * bool(is_severe_beyond)], strict=False)
-        ]
+        tops = [*turns[1::2], *[math.inf] * (len(turns) % 2)]
+        ranges = [*zip(turns[::2], tops, strict=True)]
+        if not (len(x) and 0 < self.limit < math.inf and (x > 0).all() and (y > 0).all()):
+            return ranges
+
+        def continued_end(end: int) -> float:
+            slope = 1.0  # at most, of a point by itself
+            if len(x) > 1:
+                slope = max(self.curve.end_exponent(end), LEAST_SLOPE)
+            return float(x[end] * (self.limit / y[end]) ** (1 / slope))
+
+        if ranges and ranges[0][0] == 0:
+            ranges[0] = (min(continued_end(0), float(x[0])), ranges[0][1])
+        if not ranges or ranges[-1][1] < math.inf:
+            ranges.append((max(continued_end(-1), float(x[-1])), math.inf))
+        return ranges
 
 
 def in_words(
@@ -153,18 +178,17 @@ class Turns(NamedTuple):
     places: tuple[tuple[float, ...], ...] = ()  # all places of each, where more than one is known
 
     @classmethod
-    def of(cls, transitions: Sequence[Transition], here: float) -> Turns:
-        """Turns of transitions about a velocity [m/s] or a load [N]."""
-        nearest = np.array([one.nearest_or_beyond(here) for one in transitions])
-        pairs = [*zip(transitions, nearest.tolist(), strict=True)]
-        known = [one for one in transitions if one.outcome != UNKNOWN]
+    def of(cls, lines: Sequence[Line], here: float) -> Turns:
+        """Turns of lines about a velocity [m/s] or a load [N]."""
+        nearest = [line.nearest(here) for line in lines]
+        known = [line for line in lines if line.outcome != UNKNOWN]
         return cls(
-            nearest,
-            np.array([one.outcome for one in transitions]),
+            np.array(nearest),
+            np.array([line.outcome for line in lines]),
             (
-                min((one.computed[0] for one in known), default=math.nan),
-                max((one.computed[1] for one in known), default=math.nan),
+                min((line.computed[0] for line in known), default=math.nan),
+                max((line.computed[1] for line in known), default=math.nan),
             ),
-            max(one.bridged(place) for one, place in pairs),
-            tuple(one.places for one in transitions),
+            max(map(Line.bridged, lines, nearest)),
+            tuple(line.places for line in lines),
         )

@@ -7,7 +7,7 @@ import argparse
 import pipeline
 from pipeline.cli import given
 from pipeline.cli.output import Result, tell
-from pipeline.figures.plot import options_of, watch
+from pipeline.figures.plot import KINDS, options_of, watch
 from tribo import InputError
 
 _OF_KINDS = (*given.PLACE, "log", "show")
@@ -18,7 +18,7 @@ def plot(options: argparse.Namespace) -> Result:
     """Draw a figure of a store, or draw it again and again as points come."""
     kind = options.kind
     look = given.values_in(options, *_OF_KINDS)
-    allowed = [name for name in options_of(kind) if name in _OF_KINDS]
+    allowed = [name for name in options_of(KINDS[kind]) if name in _OF_KINDS]
     if others := [name for name in look if name not in allowed]:
         flag, flags = given.flags_of(others[:1]), given.flags_of(allowed)
         raise InputError(f"--kind {kind} takes no {flag}; it takes {flags}")

@@ -22,7 +22,6 @@ from pipeline.sweep.stages import Count, duration
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
     from pipeline.analysis.warned_points import Warned
     from pipeline.run.tally import Progress
@@ -44,7 +43,7 @@ class Result:
     text: Iterable[str | pd.DataFrame]
     warned: Warned | None = None  # what its points warn of
     frames: Sequence[pd.DataFrame] = ()
-    draw: Callable[[], Figure] | None = None
+    draw: Callable[[], Any] | None = None
     out: Path | None = None  # file of the figure where the user names none
     code: int = DONE
 

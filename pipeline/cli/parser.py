@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 
 from pipeline import extras
 from pipeline.cli import options as o
-from pipeline.cli.completion import completer
+from pipeline.cli.completion import OFFERED
 from pipeline.cli.options import Command
 
 FIRST = ("new", "check", "run", "status", "boundary", "margin", "plot", "help")
@@ -232,5 +232,4 @@ def _add(parsers: Any, command: Command) -> None:
 def _add_option(parser: Any, option: o.Option) -> None:
     """Add an option, with what a shell offers for it."""
     action = parser.add_argument(*option.names, **option.settings)
-    if found := completer(action.dest):
-        action.completer = found
+    action.completer = OFFERED.get(action.dest)

@@ -49,7 +49,7 @@ def vary(options: argparse.Namespace) -> Result:
         _variation_lines(result, frame),
         warned=result.warned,
         frames=[frame],
-        draw=partial(pipeline.draw_variations, result),
+        draw=partial(pipeline.plot, result),
     )
 
 
@@ -89,5 +89,5 @@ def _variation_lines(result: Variations, frame: pd.DataFrame) -> Iterator[str | 
 def trade(options: argparse.Namespace) -> Result:
     """Measure speed against accuracy on a scene."""
     measured = pipeline.trade(given.scene_in(options), base=options.base, progress=tell)
-    draw = partial(pipeline.draw_trade, measured)
+    draw = partial(pipeline.plot, measured)
     return Result(measured.as_dict(), [str(measured)], frames=[measured.table], draw=draw)

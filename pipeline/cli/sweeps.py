@@ -6,7 +6,6 @@ import argparse
 import shlex
 from collections.abc import Iterator
 from contextlib import nullcontext
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -45,11 +44,8 @@ def run(options: argparse.Namespace) -> Result:
         tell(f"warning: {cold}")
     is_elsewhere = options.scheduler or options.scheduler_file
     elsewhere = client_of(options.scheduler, options.scheduler_file) if is_elsewhere else None
-    compute = pipeline.run_sweep
-    if options.boundary_only is not None:
-        compute = partial(pipeline.follow_boundary, tolerance=options.boundary_only)
     with elsewhere or nullcontext() as client, output.run_line() as progress:
-        outcome = compute(
+        outcome = pipeline.run_sweep(
             sweep,
             out,
             workers=options.workers,
@@ -57,6 +53,7 @@ def run(options: argparse.Namespace) -> Result:
             dashboard=options.dashboard,
             progress=progress,
             retry_failed=options.retry_failed,
+            boundary_only=options.boundary_only,
             tell=tell,
         )
     own = sweep.conditions.own_criterion

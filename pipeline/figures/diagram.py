@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -80,11 +79,13 @@ def diagram(
         if log:
             raise InputError(_OF_A_PLANE)
         return draw_rows(ds, ax)
-    if entry_dims(ds):
-        return _scenes_diagram(ds, log, ax)
-    band = stored_sweep(ds).about.friction_band
+    return _scenes_diagram(ds, log, ax) if entry_dims(ds) else _scene_diagram(ds, log, ax)
+
+
+def _scene_diagram(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
+    """Draw the diagram of one scene, the boundary that of the median of its surfaces."""
     conditions = read_conditions(ds)
-    beyond = _range_notes(ds, conditions)
+    limit, beyond = rise_limit(conditions), _range_notes(ds, conditions)
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
     figure, axes = style.canvas(ax, (8.0, 6.4))
@@ -92,7 +93,16 @@ def diagram(
     sizes = ds.sizes["load"], ds.sizes["velocity"]
     is_plane = min(sizes) > 1
     if is_plane:
-        plane, legend = _draw_plane(axes, ds, conditions, beyond, band)
+        planes = _planes(ds, conditions)
+        plane = _quantile(planes, 0.5)
+        _regions(axes, plane, limit)
+        if isoline(axes, plane, limit, "boundary", colors=BLACK, linewidths=2.2):
+            label = "computed transition" + (", median" if planes.sizes["row"] > 1 else "")
+            legend.append(Line2D([], [], color=BLACK, lw=2.2, label=label))
+        legend += beyond
+        legend += _surface_band(axes, planes, limit)
+        legend += _band(axes, ds, conditions) or _error_band(axes, ds)
+        legend += film_lines(axes, ds, conditions)
     elif max(sizes) > 1:
         legend += _line_transitions(axes, ds, conditions)
     legend += _points(axes, ds, conditions)
@@ -102,34 +112,12 @@ def diagram(
         legend += mark_own_transitions(axes, ds, tests, conditions)
     legend += beyond_figure
     _frame(axes, ds, log)
-    if is_plane:
-        name_regions(axes, plane, rise_limit(conditions), ds["load"].values, tests)
     title = judged_by([conditions])
     if is_plane:
+        name_regions(axes, plane, limit, ds["load"].values, tests)
         title += f"\nthe model's own error: {model_error(ds, point_field(ds)).worded}"
     style.legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
     return figure
-
-
-def _draw_plane(
-    axes: Axes,
-    ds: xr.Dataset,
-    conditions: Conditions,
-    beyond: Sequence[Artist],
-    band: tuple[float, float] | None,
-) -> tuple[xr.DataArray, list[Artist]]:
-    """Draw regions, boundary and bands; return the plane of the median surface, and the legend."""
-    planes, limit = _planes(ds, conditions), rise_limit(conditions)
-    plane, legend = _quantile(planes, 0.5), list[Artist]()
-    _regions(axes, plane, limit)
-    if isoline(axes, plane, limit, "boundary", colors=BLACK, linewidths=2.2):
-        label = "computed transition" + (", median" if len(planes) > 1 else "")
-        legend.append(Line2D([], [], color=BLACK, lw=2.2, label=label))
-    legend += beyond
-    legend += _surface_band(axes, planes, conditions)
-    legend += _band(axes, ds, conditions, band) or _error_band(axes, ds)
-    legend += film_lines(axes, ds, conditions)
-    return plane, legend
 
 
 def _own_bulk(ds: xr.Dataset) -> float:
@@ -186,12 +174,8 @@ def _planes(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     planes = refined(
         decisive_rise(ds, conditions), _RESOLUTION, conditions, continued=boundary_parts
     )
-    rows = planes.transpose(..., *PLANE)
-    planes = xr.DataArray(
-        rows.values.reshape(-1, *rows.shape[-2:]),
-        coords={name: rows[name] for name in PLANE},
-        dims=("row", *PLANE),
-    )
+    others = [dim for dim in planes.dims if dim not in PLANE]
+    planes = planes.stack(row=others) if others else planes.expand_dims("row")
     finite_planes = planes.dropna("row", how="all")
     return finite_planes if finite_planes.size else planes
 
@@ -212,10 +196,8 @@ def _filled(
     axes: Axes, plane: xr.DataArray, levels: list[float], colours: list[str], gid: str, **look: Any
 ) -> None:
     """Fill what lies between levels of a plane."""
-    axes.contourf(
-        plane["velocity"], plane["load"], np.ma.masked_invalid(plane.values), levels=levels,
-        colors=colours, **look,
-    ).set_gid(gid)  # fmt: skip
+    x, y = plane["velocity"], plane["load"]
+    axes.contourf(x, y, plane, levels, colors=colours, **look).set_gid(gid)
 
 
 def _range_notes(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
@@ -233,10 +215,9 @@ def _range_notes(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     return [Line2D([], [], ls="none", label=label) for label in labels]
 
 
-def _band(
-    axes: Axes, ds: xr.Dataset, conditions: Conditions, band: Sequence[float] | None
-) -> list[Artist]:
-    """Shade what lies between the boundaries at the ends of the band."""
+def _band(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
+    """Shade what lies between the boundaries at the lowest and the highest friction measured."""
+    band = stored_sweep(ds).about.friction_band
     if not band or min(band) == max(band):
         return []
     ends = [replace(conditions, friction=float(end)) for end in (min(band), max(band))]
@@ -273,11 +254,10 @@ def _error_band(axes: Axes, ds: xr.Dataset) -> list[Artist]:
     return [Patch(label=text, **look)]
 
 
-def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> list[Artist]:
+def _surface_band(axes: Axes, planes: xr.DataArray, limit: float) -> list[Artist]:
     """Shade where wear is severe on some surfaces, but not on nearly all."""
-    if len(planes) == 1:
+    if planes.sizes["row"] == 1:
         return []
-    limit = rise_limit(conditions)
     low, high = (_quantile(planes, share) for share in (BAND[0], BAND[-1]))
     inside = ((low <= limit) & (high > limit)).astype(float)
     if not inside.any():
@@ -285,7 +265,7 @@ def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> l
     for edge in (low, high):
         isoline(axes, edge, limit, "surface band edge", colors=GREEN, linewidths=0.9)
     _filled(axes, inside, [0.5, 1.5], [GREEN], "surface band", alpha=0.3, zorder=0.9)
-    text = f"{100 * BAND[0]:g} to {100 * BAND[-1]:g} % of {len(planes)} surfaces"
+    text = f"{100 * BAND[0]:g} to {100 * BAND[-1]:g} % of {planes.sizes['row']} surfaces"
     return [Patch(fc=GREEN, ec=GREEN, lw=0.9, alpha=0.4, label=text)]
 
 

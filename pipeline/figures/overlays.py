@@ -163,9 +163,8 @@ def isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any
     """Draw a line at a level of a plane; False if the plane does not pass it."""
     if not plane.min() < level < plane.max():
         return False
-    values = np.ma.masked_invalid(plane.values)
     look = {"zorder": 3, **look}
-    axes.contour(plane["velocity"], plane["load"], values, [level], **look).set_gid(gid)
+    axes.contour(plane["velocity"], plane["load"], plane, [level], **look).set_gid(gid)
     return True
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import pkgutil
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -31,25 +32,27 @@ KINDS: dict[str, Callable[..., Figure]] = {
     "temperature": temperature,
     "tests": measured_over_computed,
 }
-"""Function that draws each kind of figure."""
+"""Function that draws each kind of figure of a sweep, the usual one first."""
 
 
 def plot(
-    ds: xr.Dataset | str | Path,
-    kind: str,
+    ds: Any,
+    kind: str | None = None,
     out: str | Path | None = None,
     width: float | str | None = None,
     with_title: bool = True,
     **options: Any,
 ) -> Figure | Path:
-    """Draw a figure of a sweep.
+    """Draw a figure of a sweep, or of the result of a study.
 
     Parameters
     ----------
     ds : Dataset or path
-        Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store.
-    kind : {"diagram", "ramp", "fields", "temperature", "tests"}
-        Name of the figure.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store. Or
+        what `pipeline.vary`, `trade`, `sensitivity`, `posterior` or `design` gave; of limits of a
+        design at values of another entry a list.
+    kind : {"diagram", "ramp", "fields", "temperature", "tests"}, optional
+        Name of the figure of a sweep, the diagram if not given.
     out : path, optional
         File to write; its suffix, one of .pdf, .png and .svg, decides the format.
     width : float or str, optional
@@ -70,6 +73,7 @@ def plot(
         - ramp: ``show``, name of a variable at each step, in place of contact and wear.
         - fields: ``stacked``, True for panels below each other.
         - diagram, temperature, tests: ``ax``, axes of matplotlib to draw on; not of samples.
+        - of a sensitivity and of a design: ``title``, that of the scene.
 
     Returns
     -------
@@ -87,29 +91,37 @@ def plot(
     >>> hotter = pipeline.at("results/first_try.zarr", friction=0.12)
     >>> pipeline.plot(hotter, "diagram", "diagram.svg").name
     'diagram.svg'
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> figure = pipeline.plot(pipeline.sensitivity(ensemble), title="A scene", width="16 cm")
     """
-    if kind not in KINDS:
-        raise InputError(f"kind is {kind!r}; allowed are {', '.join(KINDS)}")
-    allowed = options_of(kind)
+    study = getattr(ds[0] if isinstance(ds, list | tuple) else ds, "drawn_by", None)
+    kinds = {study.partition(":")[2]: pkgutil.resolve_name(study)} if study else KINDS
+    kind = kind or next(iter(kinds))
+    if kind not in kinds:
+        raise InputError(f"kind is {kind!r}; allowed are {', '.join(kinds)}")
+    allowed = options_of(kinds[kind])
     for name in options:
         if name not in allowed:
-            raise InputError(f"{kind} has no option {name!r}; it has {', '.join(allowed)}")
+            raise InputError(
+                f"{kind} has no option {name!r}; it has {', '.join(allowed) or 'none'}"
+            )
     path = None if out is None else figure_path(out)
     metres = None if width is None else in_si("width", width, "1 m")
     if "stacked" in allowed and metres is not None and metres < _COLUMN:
         options = {"stacked": True} | options
-    drawn = KINDS[kind](dataset_of(ds), **options)
+    drawn: Figure = kinds[kind](ds if study else dataset_of(ds), **options)
     if options.get("ax") is not None:
         if path or metres:
             raise InputError("ax: out and width are those of its figure; set them there")
         return drawn
-    fit_to_width(drawn, metres, with_title)
+    if metres or not (study and with_title):  # a study has its own layout
+        fit_to_width(drawn, metres, with_title)
     return drawn if path is None else save_figure(drawn, path)
 
 
-def options_of(kind: str) -> list[str]:
-    """Names of the options that a kind of figure has."""
-    _, *names = inspect.signature(KINDS[kind]).parameters  # after the dataset
+def options_of(draw: Callable[..., Figure]) -> list[str]:
+    """Names of the options of what draws a kind of figure."""
+    _, *names = inspect.signature(draw).parameters  # after what is drawn
     return names
 
 

@@ -29,21 +29,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 @style.house_style
 def draw_variations(varied: Variations) -> Figure:
-    """Draw how far each input moves the critical velocity: the most important one on top.
-
-    Parameters
-    ----------
-    varied : Variations
-        Result of `pipeline.vary`.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> base = Variation("", "", (2.17,), ("crosses",))
-    >>> other = Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
-    >>> variations = Variations("A scene", (400.0,), base, (other,), points=8, contacts=8)
-    >>> figure = pipeline.draw_variations(variations)
-    """
+    """Draw how far each input moves the critical velocity: the most important one on top."""
     keys = varied.keyed_changes()
     figure, axes = style.canvas(None, (7.2, 1.7 + 0.62 * len(keys)))
     ends = {0: BLUE, len(varied.loads) - 1: VERMILION}  # the lowest and the highest load
@@ -151,20 +137,7 @@ _MARKER_COLOURS = (GREEN, PURPLE, ORANGE, SKY, GREY)
 
 @style.house_style
 def draw_trade(trade: Trade) -> Figure:
-    """Draw the error of the boundary velocity over the work of each choice.
-
-    Parameters
-    ----------
-    trade : Trade
-        Result of `pipeline.trade`.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> figure = pipeline.draw_trade(pipeline.trade(scene))  # doctest: +SKIP
-    >>> figure.savefig("trade.png")  # doctest: +SKIP
-    """
+    """Draw the error of the boundary velocity over the work of each choice."""
     figure, axes = style.canvas(None, (8.0, 6.4))
     choices = trade.choices[:-1]  # but for the reference, which has no error
     axes.set(xscale="log", yscale="log")

@@ -31,7 +31,7 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.decisive import decisive_rise, require_all_sound
 from pipeline.analysis.entries import scene_entries
-from pipeline.analysis.field import LEAST_SLOPE, PointField, point_field
+from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.frames import frames_of
 from pipeline.analysis.laboratory import (
     agreement,
@@ -43,7 +43,7 @@ from pipeline.analysis.laboratory import (
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import USUAL, ModelError
 from pipeline.analysis.tables import html_of
-from pipeline.analysis.transition import outcomes, range_of
+from pipeline.analysis.transition import LEAST_SLOPE, outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, POINT, coloured, packed_fields
@@ -467,7 +467,8 @@ def divided(places: Array, parts: int) -> Array:
 def along(values: Array, x: Array, places: Array, axis: int, continued: bool = False) -> Array:
     """Interpolate values along an axis, those that are not finite left out; see `Curve`.
 
-    Values at places of the axis stay as they are. If continued, they go on beyond the known ones.
+    Values at places of the axis stay as they are. If continued, they go on beyond the known ones,
+    by the power laws of `Field`.
     """
     if len(x) == 1:
         return values
@@ -482,24 +483,10 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
     for number in range(alike.shape[1]):
         of = np.flatnonzero(group == number)
         for part in [of] if alike[-1, number] else of:
-            curve = Curve(x, columns[:, part])
-            fine[:, part] = curve(places)
-            if continued:
-                fine[:, part] = _gone_on(curve, places, fine[:, part])
+            fine[:, part] = Curve(x, columns[:, part])(places, continued, LEAST_SLOPE)
     at = np.searchsorted(places, x)
     fine[at] = np.where(np.isfinite(columns), columns, fine[at])
     return np.moveaxis(fine.reshape(len(places), *rows.shape[1:]), 0, axis)
-
-
-def _gone_on(curve: Curve, places: Array, values: Array) -> Array:
-    """Values with those beyond the ends of a curve, by the power laws of `Field`."""
-    if len(curve.x) < 2 or not ((curve.x > 0).all() and (curve.y > 0).all()):
-        return values
-    for beyond, end in ((places < curve.x[0], 0), (places > curve.x[-1], -1)):
-        slope = np.maximum(curve.end_exponent(end), LEAST_SLOPE)
-        ratio = (places[beyond] / curve.x[end]).reshape(-1, *[1] * (curve.y.ndim - 1))
-        values[beyond] = curve.y[end] * ratio**slope
-    return values
 
 
 def rows_along(

@@ -236,17 +236,13 @@ def _numbers(ds: xr.Dataset) -> Iterator[Part]:
 def _operating_points(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Part]:
     """Margins of operating points."""
     table = margin(ds, points)
-    yield from _point_parts(table)
+    yield short(table, LONG)
+    yield from notes_of(table)
     yield from points.remarks if points else ()
     yield (
         "A factor is the critical velocity or load over that of the point: wear turns severe at so "
         "many times its velocity, or its load. Where there is none, the sweep has no transition"
     )
-
-
-def _point_parts(table: pd.DataFrame) -> Iterator[Part]:
-    yield short(table, LONG)
-    yield from notes_of(table)
 
 
 def _warnings(ds: xr.Dataset) -> Iterator[Part]:
@@ -285,10 +281,8 @@ def _each(values: xr.DataArray) -> str:
 
 def _tests(ds: xr.Dataset) -> Iterator[Part]:
     """Tests of the laboratory beside what is computed at their own conditions."""
-    table = compared(ds)
-    if table is None:
-        return
-    yield from test_parts(table)
+    if (table := compared(ds)) is not None:
+        yield from test_parts(table)
 
 
 def _meaning(path: str) -> str:

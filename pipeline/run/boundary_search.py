@@ -7,23 +7,14 @@ velocities, which is halved where need be.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from distributed import Client
 from scipy.interpolate import make_interp_spline
 
-from pipeline.run.cluster import PATIENCE
-from pipeline.run.sweep import Outcome, run_sweep
-from pipeline.run.tally import Progress
-from pipeline.scene.scenefile import sweep_of
-from pipeline.store.create import restore_root
-from pipeline.store.place import PathLike, place_of
-from pipeline.store.root import find_root
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
@@ -200,51 +191,11 @@ class BoundarySearch:
         return self.highest if velocity >= self.highest * (1 - _ROUNDING) else velocity
 
 
-def follow_boundary(
-    sweep: Sweep | PathLike,
-    out: PathLike,
-    tolerance: float = 0.01,
-    workers: int | None = None,
-    client: Client | None = None,
-    progress: Callable[[Progress], None] | None = None,
-    retry_failed: bool = False,
-    tell: Callable[[str], None] | None = None,
-    patience: float = PATIENCE,
-    dashboard: bool = False,
-    own_laws: bool = False,
-) -> Outcome:
-    """Find the critical velocity at each load of a sweep, with few points.
+def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
+    """What gives the sweep of a store's points and of those to compute next, if there are any.
 
-    Where there are several surfaces, the boundary of each is searched for. The result is a store
-    like that of `pipeline.run_sweep`, with velocities that the search chose between the sweep's
-    lowest and highest. It is resumed in the same way, begins with what is there, and can be
-    completed to the whole sweep later.
-
-    Parameters
-    ----------
-    sweep : Sweep, str or path
-        The scene, or its path.
-    out, workers, client, progress, retry_failed, tell, patience, dashboard, own_laws
-        See `pipeline.run_sweep`.
-    tolerance : float
-        Relative error of the critical velocity, in addition to that of the scene's fidelity.
-
-    Raises
-    ------
-    InputError
-        If there is no boundary to look for: no friction, one velocity alone, or samples.
-    StoreMismatchError, StoreError, ExecutionError
-        See `pipeline.run_sweep`.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> scene = "workflows/first_try.toml"
-    >>> outcome = pipeline.follow_boundary(scene, "results/edge.zarr")  # doctest: +SKIP
-    >>> outcome.done  # doctest: +SKIP
-    11
+    The tolerance is the relative error of the critical velocity that the search adds.
     """
-    sweep = sweep_of(sweep, own_laws)
     sweep.require_search()
     searches = {
         variant: BoundarySearch.of(sweep.variant(variant), tolerance, sweep.leads[variant].ratio)
@@ -254,10 +205,9 @@ def follow_boundary(
     for variant in searches:
         alike.setdefault(sweep.variant(variant).scene, []).append(variant)
 
-    def further(store: Store | None, retry_failed: bool = False) -> Sweep | None:
-        """Sweep of the points done or failed and those to compute next; None if there are none."""
+    def further(store: Store | None, retry_failed: bool = False) -> Sweep:
         rises, failed = results_of(store, sweep) if store else ({}, set())
-        wanted: set[Point] = set()
+        chosen = {*rises, *failed}
         for variant, search in searches.items():
             rises_here = {
                 Point(*point[:2]): rise for point, rise in rises.items() if point.variant == variant
@@ -265,19 +215,10 @@ def follow_boundary(
             hopeless = {Point(*point[:2]) for point in failed if point.variant == variant}
             asked = search.wanted(rises_here, () if retry_failed else hopeless)
             same = alike[sweep.variant(variant).scene]
-            wanted |= {Point(*point[:2], other) for point in asked for other in same}
-        return sweep.changed(chosen=frozenset({*rises, *failed, *wanted})) if wanted else None
+            chosen |= {Point(*point[:2], other) for point in asked for other in same}
+        return sweep.changed(chosen=frozenset(chosen))
 
-    restore_root(out, sweep, tell)
-    root = find_root(place := place_of(out))
-    store = Store(place, root) if root else None
-    begun = further(store, retry_failed)
-    if begun is None and store:
-        begun = sweep.changed(chosen=frozenset(itertools.chain(*results_of(store, sweep))))
-    return run_sweep(
-        begun or sweep, out, workers, client, progress, retry_failed, further, tell, patience,
-        dashboard,
-    )  # fmt: skip
+    return further
 
 
 def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:

@@ -9,7 +9,7 @@ import multiprocessing
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ from distributed.utils import silence_logging_cmgr
 from pipeline.run import forkserver
 from pipeline.run.forkserver import UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
 from pipeline.run.work import SAFE, ExecutionError
-from pipeline.sweep.stages import duration
+from pipeline.sweep.stages import Tell, duration
 
 PATIENCE = 30.0
 """Time to wait for a scheduler, and for workers if there are none [s]."""
@@ -53,7 +53,6 @@ CONFIGURATION = {
 }
 """Dask's configuration of a cluster that a run starts, for the driver and its workers."""
 LOST = f"the Dask scheduler is lost; {SAFE}"
-Tell = Callable[[str], None]
 
 _UNSTARTED = "the worker processes do not start"
 _STARTS = 3  # to start workers, one of which may be killed meanwhile
@@ -187,12 +186,14 @@ def client_of(
 
 
 def threads_of(connection: Connection) -> Counter[str]:
-    """Threads of each worker, once there is one; `ExecutionError` if none comes."""
+    """Threads of each worker, once there is one; `ExecutionError` if none comes, or all is lost."""
     client, began = connection.client, time.monotonic()
     patience, is_told = connection.patience, False
     while True:
-        with _losses_named():
+        try:
             threads = Counter(client.nthreads(callback_timeout=patience))
+        except (CancelledError, OSError) as error:
+            raise ExecutionError(LOST) from error
         if connection.cluster:
             _replace_lost(connection.cluster)
         waited = time.monotonic() - began
@@ -218,12 +219,3 @@ def _replace_lost(cluster: LocalCluster) -> None:
         del cluster.workers[name]
     if lost:
         cluster.scale(len(cluster.worker_spec))
-
-
-@contextmanager
-def _losses_named() -> Iterator[None]:
-    """Raise an `ExecutionError` where the scheduler is lost."""
-    try:
-        yield
-    except (CancelledError, OSError) as error:
-        raise ExecutionError(LOST) from error

@@ -14,10 +14,11 @@ import numpy as np
 from dask.system import CPU_COUNT
 from distributed import Client
 
+from pipeline.run.boundary_search import boundary_search
 from pipeline.run.cluster import PATIENCE, connected, require_dashboard, unheard
 from pipeline.run.forkserver import UNGUARDED, end_if_imported
 from pipeline.run.schedule import compute
-from pipeline.run.tally import Progress, Tally, reported
+from pipeline.run.tally import Progress, Tally, shown_progress
 from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
@@ -28,7 +29,7 @@ from pipeline.store.root import find_sweep
 from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.verify import changed_chunks, note_files, repaired
 from pipeline.store.versions import package_versions
-from pipeline.store.write import Store, Writer
+from pipeline.store.write import Store, Writer, opened
 from pipeline.sweep.codec import differences
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, tasks
@@ -61,13 +62,13 @@ def run_sweep(
     client: Client | None = None,
     progress: Callable[[Progress], None] | None = None,
     retry_failed: bool = False,
-    further: Callable[[Store], Sweep | None] | None = None,
+    boundary_only: float | None = None,
     tell: Callable[[str], None] | None = None,
     patience: float = PATIENCE,
     dashboard: bool = False,
     own_laws: bool = False,
 ) -> Outcome:
-    """Compute every point of a sweep that its store does not have yet.
+    """Compute every point of a sweep that its store does not have yet, or its boundary alone.
 
     In a script, call it under ``if __name__ == "__main__":``, since workers import the script.
 
@@ -87,9 +88,11 @@ def run_sweep(
         if not given.
     retry_failed : bool, optional
         True to try the points again that failed in an earlier run.
-    further : callable, optional
-        Called with the `Store` when every point is done or has failed; returns the same sweep with
-        more points, or None.
+    boundary_only : float, optional
+        Compute the boundary alone, to this relative error of the critical velocity in addition to
+        that of the scene's fidelity, such as 0.01: a few points at velocities that a search chooses
+        between the sweep's lowest and highest, for each of several surfaces. It begins with what is
+        in the store, which can be completed to the whole sweep later.
     tell : callable, optional
         Called with a line for the user, such as a note on a store that is resumed.
     patience : float, optional
@@ -102,6 +105,8 @@ def run_sweep(
 
     Raises
     ------
+    InputError
+        If there is no boundary to look for alone: no friction, one velocity, or samples.
     StoreMismatchError
         If `out` is the store of another scene.
     StoreError
@@ -121,17 +126,20 @@ def run_sweep(
     _require_cluster(client, dashboard)
     sweep = sweep_of(sweep, own_laws)
     require_free_names(sweep)  # before a folder is made
+    further = None if boundary_only is None else boundary_search(sweep, boundary_only)
     began = time.monotonic()
     tell = tell or unheard
     restore_root(out, sweep, tell)
     before = find_sweep(out)
+    if further:
+        sweep = further(opened(out) if before else None, retry_failed)
     repair = partial(_repair, tell)
-    with writing(out, sweep, repair) as store, reported(progress) as report:
+    with writing(out, sweep, repair) as store:
         for note in _notes(store, before) if before else ():
             tell(note)
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
-        tally = Tally(store, report, began)
+        tally = Tally(store, shown_progress(progress), began)
         rounds = _rounds(store, sweep, further)
         if first := next(rounds, None):
             # More tasks may come later than those that wait now.
@@ -181,18 +189,18 @@ _Round = tuple[Sweep, Store, tuple[Task, ...]]
 
 
 def _rounds(
-    store: Store, sweep: Sweep, further: Callable[[Store], Sweep | None] | None
+    store: Store, sweep: Sweep, further: Callable[[Store], Sweep] | None
 ) -> Iterator[_Round]:
-    """Pending points of the sweep, then of each that follows it."""
-    asked: Sweep | None = sweep
-    while asked is not None:
-        if waiting := tasks(store.pending(), asked):
-            in_order = waiting if further else coarse_first(waiting, asked.plane.velocities)
-            yield asked, store, in_order
-        asked = further(store) if further else None
-        if asked is not None:
-            store.keep_root()
-            store = grown(store.place, asked, store.lock)
+    """Pending points of the sweep, then of each that follows it, until it asks for no others."""
+    while True:
+        if waiting := tasks(store.pending(), sweep):
+            in_order = waiting if further else coarse_first(waiting, sweep.plane.velocities)
+            yield sweep, store, in_order
+        following = further(store) if further else sweep
+        if following.plane.chosen == sweep.plane.chosen:
+            return
+        store.keep_root()
+        sweep, store = following, grown(store.place, following, store.lock)
 
 
 def _repair(tell: Callable[[str], None], store: Store) -> None:

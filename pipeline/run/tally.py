@@ -9,7 +9,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -116,29 +116,20 @@ class Tally:
         if self._connection and np.isfinite(self._durations).any():
             points = int(np.count_nonzero(pending))
             rounds = max(points / self._connection.workers, min(points, 1))
-            time_to_go = self._slowness(self._connection) * float(
-                rounds * np.nanmean(self._durations)
-            )
+            slowness = 1.0  # time of a worker for a second of estimated work [s]
+            if self._ended >= _SEVERAL * self._connection.workers:
+                slowness = max(1.0, self._offered / self._worked)
+            time_to_go = slowness * float(rounds * np.nanmean(self._durations))
         total, elapsed = int(np.count_nonzero(asked)), now - self._began
         self._progress(Progress(done, failed, total, elapsed, time_to_go))
 
-    def _slowness(self, link: Connection) -> float:
-        """Time of a worker for a second of estimated work [s]; 1 until enough points are known."""
-        if self._ended < _SEVERAL * link.workers:
-            return 1.0
-        return max(1.0, self._offered / self._worked)
 
-
-@contextmanager
-def reported(
-    progress: Callable[[Any], None] | None,
-) -> Iterator[Callable[[Any], None] | None]:
-    """Give the callable that was given; in a notebook without one, a line below the cell."""
+def shown_progress(progress: Callable[[Any], None] | None) -> Callable[[Any], None] | None:
+    """What shows progress: the callable that was given; in a notebook a line below the cell."""
     ipython = sys.modules.get("IPython")
     in_notebook = ipython is not None and hasattr(ipython.get_ipython(), "kernel")
     if progress is not None or not in_notebook:
-        yield progress
-        return
+        return progress
     from IPython.display import display
 
     line = display(  # type: ignore[no-untyped-call]
@@ -148,7 +139,7 @@ def reported(
     def show(progress: Any) -> None:
         line.update({"text/plain": str(progress)}, raw=True)
 
-    yield show
+    return show
 
 
 _THREADS = 8  # requests at a time, of some milliseconds each

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from distributed import Client
@@ -14,7 +14,7 @@ from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.transition import outcomes
 from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
-from pipeline.run.boundary_search import follow_boundary
+from pipeline.run.sweep import run_sweep
 from pipeline.run.tally import Progress
 from pipeline.scene.over import notes_on_first_values, scale_friction
 from pipeline.scene.scenefile import load_scene, scene_entry
@@ -53,6 +53,7 @@ class Variation:
 class Variations:
     """The boundary of a scene, unchanged and with single entries changed."""
 
+    drawn_by: ClassVar = "pipeline.figures.studies:draw_variations"
     title: str  #: Title of the scene.
     loads: tuple[float, ...]  #: Normal loads on the whole pin [N].
     base: Variation  #: The scene as it is.
@@ -185,7 +186,7 @@ def vary(
     scenes = [sweep, *others.values()]
     varied = _varied(sweep.variant(), variations, scenes)
     with stored(out) as path:
-        follow_boundary(varied, path, tolerance, workers, client, progress, tell=tell)
+        run_sweep(varied, path, workers, client, progress, boundary_only=tolerance, tell=tell)
         store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {(*varied.contact_of(point), point.load) for point in done}

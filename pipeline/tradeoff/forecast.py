@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import time
@@ -174,26 +175,21 @@ def _timed(sweep: Sweep) -> tuple[float, float, State]:
     """Times of a contact and of a temperature on a ramp [s], and the state as far as it is fast."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]
-    of_contacts, of_heat = list[float](), list[float]()
-    for state, taken in _clocked(sweep, velocity):
-        of_contacts.append(taken)
+    of_contacts, of_heat, trunks = list[float](), list[float](), Trunks()
+    ramps = (contacts(sweep.scene, load, velocity, trunks) for load in sweep.plane.loads)
+    began = time.process_time()
+    for state in itertools.chain.from_iterable(ramps):
+        if not state.pressure.any():
+            continue
+        of_contacts.append(time.process_time() - began)
+        began = time.process_time()
         if state.is_asked and state.heat is None:
-            began = time.process_time()
             heat(sweep.scene, state, velocity)
             of_heat.append(time.process_time() - began)
         if state.is_asked and sum(of_contacts) + sum(of_heat) > _PATIENCE:
             break
+        began = time.process_time()
     return float(np.mean(of_contacts)), float(np.mean(of_heat or 0.0)), state
-
-
-def _clocked(sweep: Sweep, velocity: float) -> Iterator[tuple[State, float]]:
-    """Contacts of a ramp through all loads, each with the processor time that it took [s]."""
-    trunks, began = Trunks(), time.process_time()
-    for load in sweep.plane.loads:
-        for state in contacts(sweep.scene, load, velocity, trunks):
-            if state.pressure.any():
-                yield state, time.process_time() - began
-                began = time.process_time()
 
 
 def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:

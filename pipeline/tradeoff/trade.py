@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import pandas as pd
 
@@ -94,6 +94,7 @@ class Wasted:
 class Trade:
     """Speed and accuracy of numerical choices on a scene."""
 
+    drawn_by: ClassVar = "pipeline.figures.studies:draw_trade"
     title: str  #: Title of the scene.
     points: tuple[Point, ...]  #: Points at which the errors are measured.
     base: str  #: Preset that was varied.

@@ -79,7 +79,7 @@ def design(options: argparse.Namespace) -> Result:
     if is_known:
         text.append(f"rises up to {100 * math.expm1(chances.numerical):.2g} % higher are counted")
     text += [f"the model's own error: {scatter.worded}", *notes]
-    draw = partial(pipeline.draw_design, limits, samples.ensemble.title)
+    draw = partial(pipeline.plot, limits, title=samples.ensemble.title)
     return Result(document, text, pipeline.warned(ds), [frame], draw)
 
 

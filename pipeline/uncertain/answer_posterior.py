@@ -59,7 +59,7 @@ def posterior(options: argparse.Namespace, store: Path) -> Result:
             more, lines, frame = measurements_to_make(options, weighed)
         document |= more
         text += lines
-    draw = partial(pipeline.draw_posterior, weighed)
+    draw = partial(pipeline.plot, weighed)
     return Result(document, text, pipeline.warned(ds), [frame], draw)
 
 

@@ -37,7 +37,7 @@ def sensitivity(options: argparse.Namespace) -> Result:
         f"next: {most.path} moves the boundary most; tests to make: "
         f"{ranking_command(options.store, options.scatter, at, target)}",
     ]
-    draw = partial(pipeline.draw_sensitivity, indices, samples.ensemble.title)
+    draw = partial(pipeline.plot, indices, title=samples.ensemble.title)
     return Result(document | indices.as_dict(), text, pipeline.warned(ds), [frame], draw)
 
 

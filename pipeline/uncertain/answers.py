@@ -7,8 +7,8 @@ import math
 import numpy as np
 from scipy.special import ndtr
 
-from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.transition import LEAST_SLOPE
 from pipeline.uncertain.emulator import Groups
 from pipeline.uncertain.ensemble import Axis, Ensemble, Excess
 from pipeline.uncertain.inputs import Draws, prior

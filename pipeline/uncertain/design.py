@@ -10,15 +10,15 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.optimize import brentq
 
 from pipeline.analysis.at import COLDEST_OIL, HOTTEST_OIL
-from pipeline.analysis.field import LEAST_SLOPE
 from pipeline.analysis.model_error import ModelError, Scatter
 from pipeline.analysis.rise_error import error_of_point
+from pipeline.analysis.transition import LEAST_SLOPE
 from pipeline.scene.along import Place
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Count
@@ -76,6 +76,7 @@ class Goal:
 class Limit:
     """Values of an entry with which a goal is reached, at the worst numerical error."""
 
+    drawn_by: ClassVar = "pipeline.uncertain.figures:draw_design"
     entry: Unknown  #: The entry, with its range.
     goal: Goal  #: What is to be reached.
     #: Values that reach it: ``"at most"`` or ``"at least"`` the limit, ``"between"`` two of them,

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.special import log_ndtr
 
-from pipeline.analysis.field import LEAST_SLOPE
+from pipeline.analysis.transition import LEAST_SLOPE
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble

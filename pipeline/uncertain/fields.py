@@ -13,11 +13,11 @@ import xarray as xr
 from scipy.special import ndtr
 
 from pipeline.analysis.dataset import taken_entries
-from pipeline.analysis.field import LEAST_SLOPE, Here
+from pipeline.analysis.field import Here
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
 from pipeline.analysis.scenes import scenes
-from pipeline.analysis.transition import CROSSES, MILD, SEVERAL, SEVERE, Turns
+from pipeline.analysis.transition import CROSSES, LEAST_SLOPE, MILD, SEVERAL, SEVERE, Turns
 from pipeline.cli.output import counted
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import JUDGED

@@ -90,21 +90,7 @@ def _conditions(ensemble: Ensemble) -> str:
 
 @style.house_style
 def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
-    """Draw the Sobol' indices of the critical velocity by load.
-
-    Parameters
-    ----------
-    sensitivity : Sensitivity
-        Result of `pipeline.sensitivity`.
-    title : str
-        Title of the scene.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> figure = pipeline.draw_sensitivity(pipeline.sensitivity(ensemble), "A scene")
-    """
+    """Draw the Sobol' indices of the critical velocity by load, below the title of the scene."""
     figure, axes = style.canvas(None, (7.6, 2.8 + 0.55 * len(sensitivity.unknown)))
     order = np.argsort(sensitivity.first.mean(axis=0))
     has_total = np.isfinite(sensitivity.total).all()
@@ -141,19 +127,7 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
 
 @style.house_style
 def draw_posterior(posterior: Posterior) -> Figure:
-    """Draw the inputs before and after they were measured by, and measured beside computed.
-
-    Parameters
-    ----------
-    posterior : Posterior
-        Result of `pipeline.posterior`.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> figure = pipeline.draw_posterior(pipeline.posterior(ensemble))
-    """
+    """Draw the inputs before and after they were measured by, and measured beside computed."""
     unknown = posterior.unknown
     transitions = [judged for judged in posterior.judged if "outcome" not in judged.test]
     panels = len(unknown) + bool(transitions)
@@ -220,25 +194,10 @@ _LEAST_RISK = 1e-5  # below which a probability is not drawn
 
 
 @style.house_style
-def draw_design(limits: Sequence[Limit], title: str) -> Figure:
-    """Draw the probability over an entry with its limit, or limits over another entry.
-
-    Parameters
-    ----------
-    limits : sequence of Limit
-        Results of `pipeline.design`, at values of another entry if there are several.
-    title : str
-        Title of the scene.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> goal = pipeline.Goal([(400.0, 2.2)], risk=0.05)
-    >>> limit = pipeline.design(ensemble, goal, "temperature.critical")
-    >>> figure = pipeline.draw_design([limit], ensemble.title)
-    """
+def draw_design(limits: Limit | Sequence[Limit], title: str) -> Figure:
+    """Draw the probability over an entry with its limit, or limits over another entry."""
     figure, axes = style.canvas(None, (7.2, 4.8))
+    limits = [limits] if isinstance(limits, Limit) else limits
     limit = limits[0]
     goal, shown = limit.goal, limit.entry.shown
     if not limit.at:

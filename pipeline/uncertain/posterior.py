@@ -7,7 +7,7 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from scipy.special import ndtr
@@ -80,6 +80,7 @@ class Judged(NamedTuple):
 class Posterior:
     """Joint distribution of the unknown inputs, given tests."""
 
+    drawn_by: ClassVar = "pipeline.uncertain.figures:draw_posterior"
     ensemble: Ensemble  #: Samples of the sweep that it rests on.
     #: Inputs of the sweep; then the critical temperatures of other oils, and those of the rig.
     unknown: tuple[Unknown, ...]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ _BINS = 24
 class Sensitivity:
     """Sobol' indices of the critical velocity."""
 
+    drawn_by: ClassVar = "pipeline.uncertain.figures:draw_sensitivity"
     unknown: tuple[Unknown, ...]  #: The inputs.
     loads: tuple[float, ...]  #: Normal loads on the whole pin [N].
     #: Indices; the total ones NaN where the inputs are not independent, shape (n_load, n_unknown).

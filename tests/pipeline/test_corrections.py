@@ -95,7 +95,7 @@ def test_searches_go_by_the_corrected_rise(tmp_path):
     scene.write_text(BESIDE)
     fewer = {"increments": 3, "sweep.loads": ["400 N"]}
     sweep = pipeline.load_scene(scene, overrides=fewer)
-    pipeline.follow_boundary(sweep, tmp_path / "edge.zarr", workers=1)
+    pipeline.run_sweep(sweep, tmp_path / "edge.zarr", workers=1, boundary_only=0.01)
     velocities = pipeline.boundary(tmp_path / "edge.zarr")["critical_velocity"]
     point = pipeline.run_point(sweep, 400.0, velocities.item()).verdict(sweep.conditions)
     assert point.decisive_temperature == pytest.approx(418.15, abs=0.5)

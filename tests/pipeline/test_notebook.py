@@ -13,7 +13,7 @@ from matplotlib import image
 
 import pipeline
 from pipeline.run.sweep import Outcome, Progress
-from pipeline.run.tally import reported
+from pipeline.run.tally import shown_progress
 from pipeline.store.progress import FailedPoint
 from tests.helpers import samples, synthetic, tiny
 from tribo import MeasuredRoughness
@@ -83,17 +83,15 @@ def test_a_figure_shows_itself_as_a_picture():
 
 
 def test_a_notebook_shows_one_line_of_progress(monkeypatch):
-    with reported(None) as report:
-        assert report is None
+    assert shown_progress(None) is None
     monkeypatch.setattr("IPython.get_ipython", lambda: SimpleNamespace(kernel=None))
-    with reported(print) as report:
-        assert report is print
+    assert shown_progress(print) is print
     texts = []
     line = SimpleNamespace(update=lambda data, raw: texts.append(data["text/plain"]))
     monkeypatch.setattr("IPython.display.display", lambda *data, **options: line)
-    with reported(None) as report:
-        report(Progress(done=3, failed=1, total=9, elapsed=65.0, time_to_go=130.0))
-        report(Progress(done=9, failed=0, total=9, elapsed=65.0, time_to_go=0.0))
+    report = shown_progress(None)
+    report(Progress(done=3, failed=1, total=9, elapsed=65.0, time_to_go=130.0))
+    report(Progress(done=9, failed=0, total=9, elapsed=65.0, time_to_go=0.0))
     assert texts[0].startswith("3 of 9 points done, 1 failed, ")
     assert texts[0].endswith("2 min to go")
     assert re.fullmatch("9 of 9 points done, 0 failed, (65 s|1 min) so far", texts[1])

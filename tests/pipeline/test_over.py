@@ -7,7 +7,6 @@ import pytest
 
 import pipeline
 from pipeline.analysis.dataset import stored_sweep
-from pipeline.run.boundary_search import follow_boundary
 from pipeline.store.create import restore_root, writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
@@ -82,7 +81,7 @@ def test_a_lost_root_is_made_again_by_all_of_its_values_and_may_be_by_more(swept
 
 def test_the_boundary_alone_is_sought_for_each_value(swept, folder):
     whole = pipeline.boundary(swept)["critical_velocity"]
-    follow_boundary(load(folder), folder / "edge.zarr", workers=1)
+    pipeline.run_sweep(load(folder), folder / "edge.zarr", workers=1, boundary_only=0.01)
     edge = pipeline.boundary(folder / "edge.zarr")["critical_velocity"]
     np.testing.assert_allclose(edge.values, whole.values, rtol=0.03)
 

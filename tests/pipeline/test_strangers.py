@@ -162,7 +162,7 @@ def test_no_function_runs_what_a_scene_names_without_the_word(strangers, ran, sc
         lambda path: pipeline.vary(path, {"friction.coefficient": [0.09]}),
         lambda path: pipeline.run_point(path, "400 N", "2 m/s"),
         lambda path: pipeline.run_sweep(path, "out.zarr"),
-        lambda path: pipeline.follow_boundary(path, "out.zarr"),
+        lambda path: pipeline.run_sweep(path, "out.zarr", boundary_only=0.01),
         lambda path: pipeline.choose_fidelity(path, "5%"),
         lambda path: choose_accuracy(path, "5%"),
     ):

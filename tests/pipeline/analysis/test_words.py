@@ -10,7 +10,7 @@ from pipeline.analysis.curve import Curve
 from pipeline.analysis.entries import scene_entries, shown
 from pipeline.analysis.rise_error import RiseError, error_of_point, warned_error
 from pipeline.analysis.tables import write_frames
-from pipeline.analysis.transition import Transition, in_words, outcomes, range_of
+from pipeline.analysis.transition import Line, in_words, outcomes, range_of
 from tests.helpers import synthetic
 from tests.helpers.sweeps import with_fields
 from tribo import WarningKind
@@ -27,7 +27,7 @@ from tribo import WarningKind
 )
 def test_where_nothing_crosses_it_is_said_how_far_was_computed(limit, ends, said):
     velocity, rise = np.array([1.2, 2.2]), np.array([700.0, 900.0])
-    found = Transition.along(Curve(velocity, rise), limit, ends, velocity, np.empty(0))
+    found = Line(Curve(velocity, rise), limit, ends, velocity, np.empty(0))
     assert in_words(outcomes("velocity")[found.outcome], found.computed, "velocity") == said
 
 

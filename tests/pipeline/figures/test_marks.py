@@ -206,7 +206,7 @@ def test_bars_of_variations_reach_from_nothing_to_the_change_at_each_load():
         Variation("friction.coefficient", "0.08", (2.6, 1.3), ("crosses",) * 2),
         Variation("pin.radius", "3 mm", (2.2, math.nan), ("crosses", "mild throughout")),
     )
-    figure = pipeline.draw_variations(Variations("A scene", (200.0, 600.0), base, others, 1, 1))
+    figure = pipeline.plot(Variations("A scene", (200.0, 600.0), base, others, 1, 1))
     (axes,) = figure.axes
     bars = sorted(
         (round(bar.get_y() + bar.get_height() / 2), bar.get_x(), bar.get_width())
@@ -246,7 +246,7 @@ def test_choices_stand_at_their_work_and_error_and_the_front_joins_the_best():
         choice("increments = 40", 5.0, 0.02, "increments"),
         choice("reference", 1.0, 0.0),
     )
-    axes = pipeline.draw_trade(Trade("A scene", (Point(200.0, 1.0),), "draft", choices, ())).axes[0]
+    axes = pipeline.plot(Trade("A scene", (Point(200.0, 1.0),), "draft", choices, ())).axes[0]
     places = lines(axes)
     assert places["presets"].tolist() == [[5.0, 0.05], [25.0, 0.005]]
     assert places["the scene's own"].tolist() == [[12.5, 0.03]]
@@ -269,7 +269,7 @@ def test_a_design_is_drawn_with_its_goal_its_limit_and_its_interval():
         WIDE, goal, "at least", 420.0, (415.0, 424.0), (420.0, 473.15), (473.15, 0.0),
         goal.places[0], (383.15, 413.15, 443.15, 473.15), (0.9, 0.1, 0.01, 0.0),
     )  # fmt: skip
-    axes = pipeline.draw_design([limit], ensemble.title).axes[0]
+    axes = pipeline.plot(limit, title=ensemble.title).axes[0]
     drawn = {line.get_label(): np.column_stack(line.get_data()) for line in axes.lines}
     np.testing.assert_allclose(drawn["emulated"][:, 0], np.array(limit.values) - 273.15)
     np.testing.assert_allclose(drawn["emulated"][:, 1], [90.0, 10.0, 1.0, np.nan])  # none at 0
@@ -283,7 +283,7 @@ def test_a_design_is_drawn_with_its_goal_its_limit_and_its_interval():
     assert axes.get_title().endswith("400 N at 1.6 m/s, 5 % at most")
     other = replace(unknowns.RATE, kind="uniform", parameters=(1e-15, 1.4e-15))
     two = [replace(limit, value=value, at=(Fixed(other, rate),)) for rate, value in RATES]
-    axes = pipeline.draw_design(two, ensemble.title).axes[0]
+    axes = pipeline.plot(two, title=ensemble.title).axes[0]
     x, y = axes.lines[0].get_data()
     assert x == pytest.approx(unknowns.RATE.shown.of(np.array([rate for rate, _ in RATES])))
     assert y == pytest.approx([value - 273.15 for _, value in RATES])
@@ -330,7 +330,7 @@ def test_bars_of_a_sensitivity_are_its_indices_by_input_and_load():
         first_interval=interval, total_interval=interval + 0.1, spread=(0.1, 0.2),
         velocity_error=(0.01, 0.01),
     )  # fmt: skip
-    figure = pipeline.draw_sensitivity(found, "A scene")
+    figure = pipeline.plot(found, title="A scene")
     (axes,) = figure.axes
     order = np.argsort(first.mean(axis=0))
     names = [text.get_text().replace("\n", " ") for text in axes.get_yticklabels()]

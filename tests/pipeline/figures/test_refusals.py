@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.figures.tested import measured_over_computed
+from pipeline.run.vary import Variation, Variations
 from pipeline.store.create import writing
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import Measurement
@@ -57,9 +58,14 @@ def over_computed(*measured):
     return lambda: measured_over_computed(synthetic.sweep(measured=measured))
 
 
+BASE = Variation("", "", (2.0,), ("crosses",))
+VARIED = Variations("A scene", (400.0,), BASE, (), points=1, contacts=1)
+
 REFUSALS = {
     "kind": (plot("pie"), "kind is 'pie'; allowed are diagram, ramp, fields"),
     "option": (plot("diagram", load=750.0), "diagram has no option 'load'; it has realization"),
+    "study": (lambda: pipeline.plot(VARIED, "ramp"), "is 'ramp'; allowed are draw_variations"),
+    "its option": (lambda: pipeline.plot(VARIED, log=True), "has no option 'log'; it has none"),
     "suffix": (plot("diagram", "figure.gif"), "the suffix must be one of .pdf, .png, .svg"),
     "folder": (plot("diagram", "no/figure.png"), "there is no folder no"),
     "width": (plot("diagram", width=0.01), "width is 1 cm; it must be from 4 to 100 cm"),

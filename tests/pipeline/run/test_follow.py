@@ -7,7 +7,6 @@ import pytest
 
 import pipeline
 from pipeline.analysis.curve import Curve
-from pipeline.run.boundary_search import follow_boundary
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_points, tasks
 from pipeline.sweep.severity import momentary_rise, rise_limit
@@ -25,6 +24,10 @@ SWEEP = PAPER.changed(
     loads=tuple(float(load) for load in range(200, 751, 110)),
     velocities=tuple(float(velocity) for velocity in np.arange(0.5, 5.01, 0.25)),
 )
+
+
+def follow(sweep, out, **options):
+    return pipeline.run_sweep(sweep, out, **{"workers": 1, "boundary_only": TOLERANCE} | options)
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +50,7 @@ def grid():
 @pytest.fixture(scope="module")
 def followed(tmp_path_factory):
     out = tmp_path_factory.mktemp("followed") / "followed.zarr"
-    outcome = follow_boundary(SWEEP, out, TOLERANCE, workers=1)
+    outcome = follow(SWEEP, out)
     assert outcome.computed == outcome.done == outcome.total
     return out
 
@@ -83,9 +86,9 @@ def test_its_diagram_shows_the_points_that_were_chosen_and_both_regions(followed
 
 
 def test_it_ends_at_once_where_the_boundary_is_known(followed):
-    again = follow_boundary(SWEEP, followed, TOLERANCE, workers=1)
+    again = follow(SWEEP, followed)
     assert again.computed == 0
-    looser = follow_boundary(SWEEP, followed, 0.05, workers=1)
+    looser = follow(SWEEP, followed, boundary_only=0.05)
     assert looser.computed == 0
 
 
@@ -97,10 +100,10 @@ def test_a_search_that_was_stopped_goes_on_to_the_same_store(followed, tmp_path)
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        follow_boundary(SWEEP, out, TOLERANCE, workers=1, progress=stop)
+        follow(SWEEP, out, progress=stop)
     stopped = pipeline.summary(out)
     assert 0 < stopped.done <= stopped.total
-    follow_boundary(SWEEP, out, TOLERANCE, workers=1)
+    follow(SWEEP, out)
     one, other = (
         pipeline.boundary(pipeline.open_sweep(path))["critical_velocity"].values
         for path in (out, followed)
@@ -112,9 +115,7 @@ def test_a_grid_that_is_there_is_used(tmp_path):
     out = tmp_path / "grown.zarr"
     few = SWEEP.changed(loads=SWEEP.plane.loads[:1], velocities=(4.0, 4.5, 5.0))
     pipeline.run_sweep(few, out, workers=1)
-    outcome = follow_boundary(
-        few.changed(velocities=SWEEP.plane.velocities), out, TOLERANCE, workers=1
-    )
+    outcome = follow(few.changed(velocities=SWEEP.plane.velocities), out)
     assert outcome.computed == 0
     assert outcome.done == 3
     # And a search can be completed to the whole sweep later.
@@ -131,5 +132,5 @@ def test_where_nothing_can_cross_nothing_is_looked_for(tmp_path):
         (rest, "sweep.velocities are 0, 1.5 m/s; give two or more above 0"),
     ):
         with pytest.raises(InputError, match=f"no boundary to look for.*{reason}"):
-            follow_boundary(sweep, tmp_path / "none.zarr")
+            follow(sweep, tmp_path / "none.zarr")
     assert not (tmp_path / "none.zarr").exists()

@@ -9,7 +9,6 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.boundary import boundary
-from pipeline.run.boundary_search import follow_boundary
 from pipeline.run.sweep import run_sweep
 from pipeline.store.schema import COLUMNS, FIELDS, RECORDS
 from pipeline.sweep.plan import points, run_point
@@ -116,13 +115,13 @@ def test_boundary_mode_follows_the_boundary_of_each_surface(tmp_path):
         velocities=tuple(np.arange(0.5, 8.01, 0.5).tolist()),
         fields=False,
     )
-    outcome = follow_boundary(sweep, tmp_path / "a.zarr", 0.02, workers=1)
+    outcome = pipeline.run_sweep(sweep, tmp_path / "a.zarr", workers=1, boundary_only=0.02)
     crossings = boundary(pipeline.open_sweep(tmp_path / "a.zarr"))
     assert np.isfinite(crossings["critical_velocity"]).all()
     assert crossings.attrs["missing_points"] == 0
     assert outcome.total < len(points(sweep)) / 2
     alone = sweep.changed(roughness=alone_on(4).scene.roughness, variants=Variants())
-    follow_boundary(alone, tmp_path / "4.zarr", 0.02, workers=1)
+    pipeline.run_sweep(alone, tmp_path / "4.zarr", workers=1, boundary_only=0.02)
     np.testing.assert_array_equal(
         boundary(pipeline.open_sweep(tmp_path / "4.zarr"))["critical_velocity"],
         crossings["critical_velocity"].sel(realization=4),

@@ -74,9 +74,8 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
-    "cluster._losses_named ExecutionError": "test_cluster.py, by a scheduler that is killed",
     "cluster._started ExecutionError": "test_cluster.py, by processes that do not start",
-    "cluster.threads_of ExecutionError": "test_cluster.py, without a worker",
+    "cluster.threads_of ExecutionError": "test_cluster.py, without a worker or a scheduler",
     "schedule._recover ExecutionError": "test_schedule.py, by workers that are lost",
     "schedule.watch ExecutionError": "test_schedule.py, by workers that do nothing",
     "tally._answer ExecutionError": "test_schedule.py, by a worker without this program",

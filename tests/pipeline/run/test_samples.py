@@ -205,7 +205,7 @@ def test_a_store_without_samples_says_how_to_get_them(alone, irg):
 
 def test_the_search_for_a_boundary_takes_no_samples(tmp_path):
     with pytest.raises(InputError, match="run without the search"):
-        pipeline.follow_boundary(load(tmp_path), tmp_path / "out.zarr")
+        pipeline.run_sweep(load(tmp_path), tmp_path / "out.zarr", boundary_only=0.01)
 
 
 def test_the_risk_is_that_of_direct_simulations(sampled):

@@ -42,7 +42,7 @@ def test_two_oils_differ_by_less_than_either_is_known():
     assert velocity.mean == pytest.approx(expected, abs=0.02)
     assert "B stands more than A with a probability of 1" in _word_contrast(kelvins)
     assert posterior.unknown[-1].path == f"{CRITICAL.path} of B"
-    assert len(pipeline.draw_posterior(posterior).axes) >= 4
+    assert len(pipeline.plot(posterior).axes) >= 4
 
 
 def test_tests_of_one_oil_are_not_compared_and_count_as_those_without_a_name():

@@ -258,7 +258,7 @@ def test_many_tests_are_weighed_in_steps_to_the_same_distribution(monkeypatch):
     # Drawn near the tests, and not those of the prior weighed.
     assert np.ptp(sharp.draws.inputs[:, 0]) < 0.8 * np.ptp(sharp.prior.inputs[:, 0])
     assert 0.4 < sharp.draws.effective / len(sharp.draws.weights) < 1
-    inputs, _, parity = pipeline.draw_posterior(sharp).axes
+    inputs, _, parity = pipeline.plot(sharp).axes
     (critical, *_) = sharp.summary()
     for patch, one in zip(inputs.patches, ("prior", "posterior"), strict=True):
         x, y = patch.get_xy().T  # steps, whose area is 1
