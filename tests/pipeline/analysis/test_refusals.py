@@ -121,9 +121,9 @@ REFUSALS = {
     "variables": (lambda: pipeline.boundary(plane()[["max_rise"]]), "the dataset has no status"),
     "no sweep": (lambda: pipeline.boundary(plane().drop_attrs()), "has no attribute sweep"),
     "one load": (lambda: pipeline.boundary(plane().isel(load=0)), "at a single load"),
-    "no plane": (lambda: pipeline.boundary(places()), "no plane of velocities and loads"),
+    "no plane": (lambda: pipeline.boundary(places()), "so there is no plane"),
     "pins": (lambda: pipeline.diff(pins(), plane()), "the sweep has several values of pin"),
-    "kinds": (lambda: pipeline.diff(places(), plane()), "compare stores of a kind"),
+    "kinds": (lambda: pipeline.diff(places(), plane()), "compare two stores of one kind"),
     "answer": (nothing, "a sweep has no nothing; it has at, boundary"),
     # places
     "load": (margin(900.0, 2.0), "load is 900 N; the sweep has 200 to 750 N"),

@@ -134,7 +134,7 @@ def test_a_note_says_that_the_unit_and_the_pixels_given_count(library):
     assert "given counts, 1e-09 m, not the file's own of 1e-06 m" in note
     assert read_surface("a.x3p", 1e-6).replace_pixels(SIDES).notes == ()
     (note,) = read_surface("a.x3p").replace_pixels((1e-6, 1e-6)).notes
-    assert note == "the pixels given count, not the file's own of 0.816 × 0.95 µm"
+    assert note == "the given pixels count, not those of the file, 0.816 × 0.95 µm"
 
 
 def test_an_image_is_refused_in_words():

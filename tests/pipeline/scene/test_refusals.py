@@ -160,7 +160,7 @@ ENTRIES = {
     "powers": (entry("wear.specific_wear_rate", "1 mm3/(N m)"), 'powers as in "mm^3"'),
     "motion": (entry("motion", {}), "entrainment_velocity None; exactly one of them must be"),
     "motions": (entry("motion", {"slide_roll_ratio": 1, "entrainment_velocity": "1 m/s"}),
-                "motion.slide_roll_ratio: 1 stands beside an entrainment_velocity; give one"),
+                "motion.slide_roll_ratio: 1 and an entrainment_velocity are given; give one"),
     "short track": (entry("motion", {"slide_roll_ratio": 1, "track_length": "0.1 mm"}),
                     "motion.track_length: 0.1 mm is shorter than the window, "),
     "critical": (entry("temperature.critical", "25 degC"), "not above temperature.bulk, 25 °C"),
