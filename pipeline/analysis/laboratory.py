@@ -146,9 +146,9 @@ def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     yield short(frame, ["note"])
     yield from notes_of(frame)
     yield (
-        f"each at its own friction and bulk; a transition agrees within {_DEVIATIONS:g} "
-        f"standard deviations of its velocity, {100 * USUAL_SCATTER:g} % each if it gives none, a "
-        "test if its outcome is the computed one and lies outside the error of the temperature"
+        f"each at its own friction and bulk; a transition agrees if it lies within {_DEVIATIONS:g} "
+        f"standard deviations of its velocity, {100 * USUAL_SCATTER:g} % each if it gives none; a "
+        "test agrees if its outcome is the computed one, outside the error of the temperature"
     )
 
 

@@ -345,7 +345,7 @@ def test_the_band_of_a_boundary_is_that_of_both_errors(ask, stores):
         assert document["mild_below"][place] == pytest.approx(critical / off / far, rel=NEAR)
         assert document["severe_above"][place] == pytest.approx(critical * off * far, rel=NEAR)
     low, high = (document[name][-1] for name in ("mild_below", "severe_above"))
-    assert f"at 600 N mild below {low:.3g} m/s and severe above {high:.3g} m/s" in said
+    assert f"mild below {low:.3g} m/s and severe above {high:.3g} m/s at 600 N" in said
 
 
 def test_tests_of_the_scene_stand_beside_the_boundary(ask, stores):
@@ -980,7 +980,7 @@ def test_the_boundary_of_samples_has_the_velocities_of_probabilities_of_a_run(as
         assert low == pytest.approx(expected[0] / 1.08, rel=0.06)
         assert high == pytest.approx(expected[-1] * 1.08, rel=0.08)
         shown(low, high)
-        assert f"at {load:g} N mild below {low:.3g} m/s and severe above {high:.3g} m/s" in said
+        assert f"mild below {low:.3g} m/s and severe above {high:.3g} m/s at {load:g} N" in said
 
 
 # One answer as text, as JSON and in Python
