@@ -192,7 +192,7 @@ ENTRIES = {
                      **{"sweep.velocities": {"from": "1 m/s", "to": "7 m/s", "count": 100_000}}),
                "1e+10 points are too many"),
     "temperatures": (entry("wear.by_temperature", [
-        {"temperature": "300 K", "specific_wear_rate": "1e-15 m^2/N"}] * 2), "stands twice"),
+        {"temperature": "300 K", "specific_wear_rate": "1e-15 m^2/N"}] * 2), "appears twice"),
     "smooth seeds": (lambda: scene(("[disk.roughness]\n" + ROUGHNESS, ""),
                                    **{"sweep.realizations": 3}), "does not fit a smooth disk"),
     "measured seeds": (lambda: measured((480, 480), **{"sweep.realizations": 3}),
@@ -236,7 +236,7 @@ ENTRIES = {
     "no row file": (entry("sweep.along", "no.csv"), "no.csv"),
     "row samples": (along("load [N],velocity [m/s]\n300,1\n300,2\n", **{
         "unknown": {"friction.coefficient": {"mean": 0.1, "sd": 0.01}}, "sweep.samples": 8}),
-                    "leave out one or the other"),
+                    "leave out sweep.along or sweep.samples"),
     "row count": (along("load [N],velocity [m/s]\n" + "".join(
         f"{300 + n / 100},1\n" for n in range(5000)), **{"sweep.around": 9}),
         "places are too many"),
