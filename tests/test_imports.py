@@ -6,6 +6,7 @@ import pydoc
 import re
 import rlcompleter
 import sys
+import textwrap
 from importlib import import_module
 from pathlib import Path
 
@@ -87,6 +88,15 @@ def test_types_that_public_functions_return_are_described_on_the_page():
 
 def test_every_public_name_stands_in_the_table_of_the_page():
     assert set(re.findall(r"`pipeline\.(\w+)`", API)) == set(pipeline.__all__)
+
+
+def test_help_on_tribo_has_all_public_names_and_an_example_that_runs():
+    modules = {path.stem for path in (ROOT / "tribo").iterdir()} - {"analytic"}
+    public = {name for name in dir(tribo) if not name.startswith("_")} - modules
+    text, listed = tribo.__doc__.split("The public names")
+    assert set(re.findall(r"`(\w+)`", listed)) == public
+    exec(textwrap.dedent(text.partition("::")[2]), names := {})
+    assert isinstance(names["oil"], tribo.Conditions)
 
 
 def test_help_and_completion_offer_the_public_names_in_the_order_of_the_page():

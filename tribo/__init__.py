@@ -1,6 +1,33 @@
 """Simulation of one point of the transition diagram: contact, wear and heat of rough bodies.
 
-Needs NumPy and SciPy alone.
+Needs NumPy and SciPy alone. Quantities are in SI::
+
+    import tribo
+    steel = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0, hardness=6.6e9)
+    scene = tribo.Scene(
+        pixels=tribo.Grid((144, 120), (4e-6, 4e-6)),
+        pin=tribo.Cylinder(2e-3, 3.4e-3, steel),
+        disk=steel,
+        roughness=tribo.SelfAffineRoughness(2.7e-7, 0.8, (8e-6, 8e-6)),
+        loading=tribo.Ramp(150.0, 750.0),
+        wear=tribo.Wear(1.2e-15),
+    )
+    oil = tribo.Conditions(0.1, bulk_temperature=298.0, critical_temperature=418.0)
+    tribo.judge(scene, 600.0, 1.25, oil)
+
+The public names, in the order of work:
+
+- bodies: `Material`, `contact_modulus`, `Pin`, `Cylinder`, `Ball`, `Crowned`, `PINS`
+- surface: `Grid`, `Surface`, `SelfAffineRoughness`, `MeasuredRoughness`
+- load, motion and wear: `Ramp`, `MeasuredLoad`, `Motion`, `Wear`, `RunningIn`, `WearLaw`, `LAWS`
+- simulation: `Scene`, `Fidelity`, `PRESETS`, `simulate`, `State`, `measures`, `warnings`,
+  `WarningKind`
+- verdict: `Conditions`, `judge`, `Verdict`, `Criterion`, `Rule`, `CRITERIA`, `QUANTILES`
+- effects that act after the simulation: `Corrections`, `Friction`, `FRICTIONS`, `Track`, `Disc`,
+  `Stem`, `Bulk`
+- oil film: `Oil`, `lubrication_regime`
+- closed forms: `analytic`
+- errors: `TriboError`, `InputError`, `ConvergenceError`, `InvariantError`
 """
 
 from . import analytic as analytic

@@ -64,9 +64,8 @@ def at(
 ) -> xr.Dataset:
     """Judge a sweep otherwise, without a new simulation.
 
-    Every answer and every figure of the returned dataset is at these values. Of one condition
-    several values are rows, along a dimension with the path of its entry, such as
-    ``friction.coefficient``.
+    Every answer and every figure of the returned dataset is at these values. Several values of a
+    condition make a dimension, named by the path of its entry, such as ``friction.coefficient``.
 
     Parameters
     ----------
@@ -154,17 +153,17 @@ def _weighed(
     """The dataset whose samples are weighed by the tests of their scene."""
     if sweep_kind(ds) is not Kind.SAMPLES:
         raise InputError(
-            "the sweep has no samples, to which --given-measured and --scatter belong (in Python "
-            "given_measured and scatter)"
+            "--given-measured and --scatter (in Python given_measured and scatter) are for "
+            "samples, and the sweep has none; leave them out"
         )
     if not given_measured:
         raise InputError(
-            f"scatter is {scatter:g}, of measured velocities that do not count here; add "
-            "--given-measured (in Python given_measured=True), or leave it out"
+            f"scatter is {scatter:g}, but measured velocities count only with --given-measured (in "
+            "Python given_measured=True); add that, or leave out the scatter"
         )
     if others := [name for name in others if name != "criterion"]:
         raise InputError(
-            f"the tests weigh the conditions as they were drawn: leave out {', '.join(others)}"
+            f"{', '.join(others)}: the tests weigh conditions as they were drawn; leave this out"
         )
     values = judged_values(ds) | {GIVEN_MEASURED: scatter or 0.0}
     return ds.assign_attrs(at=json.dumps(values))

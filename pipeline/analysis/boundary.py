@@ -63,33 +63,42 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
     -------
     Dataset
         ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the first place at
-        which wear turns severe, NaN where the computed points do not cross. With each, by the
-        suffix ``_at_load`` or ``_at_velocity``: ``outcome``, which gives the reason (mild or severe
-        throughout, where the outermost points of the scene's own range are done and say so; above
-        or below what was computed; not known for want of points; severe at some and mild at a
-        higher one); ``turns(load, turn)``, all places at which wear turns; the first turns to
-        mild wear where ``begins_severe``; ``computed_from`` and ``computed_to``, the ends of what
-        was computed [m/s, N]; ``missing``, the points that are pending or failed, and ``bridged``,
-        those of them that a crossing is interpolated across; ``film_parameter``, where the scene
-        gives an oil. ``rise_exponent_at_load`` is d ln(rise) over d ln(velocity) at the crossing.
-
+        which wear turns severe, NaN where the computed points do not cross.
         ``mild_below(load)`` and ``severe_above(load)`` [m/s] are the ends of the band that the
-        errors leave: below and above it the verdict of `pipeline.margin` is decided. The conditions
-        are attributes, whose units are in ``units_of_attributes``; ``model_error`` says what the
-        model's own error rests on, and ``missing_points`` is the number of those missing.
+        errors leave: below and above it the verdict of `pipeline.margin` is decided.
 
-        Over several surfaces all but the band have a dimension ``realization`` in front, and there
-        is ``critical_velocity_quantile(quantile, load)``, the velocity below which a share of the
-        surfaces turn severe: those that stay mild or are severe throughout are counted, beyond all
-        velocities, so that a quantile among them is NaN. ``critical_velocity_first`` is where the
-        first of the ``patches`` under the pin and around its track turns severe, as far as the
-        logarithms of the surfaces' velocities are normal. ``critical_velocity_mean`` and
-        ``critical_velocity_spread`` (standard deviation) are NaN unless every surface crosses.
-        ``crossing_at_load`` counts those that do, ``known_at_load`` those that are known to cross
-        or not. Likewise for ``critical_load``.
+        These have the suffix ``_at_load`` or ``_at_velocity``:
 
-        Of samples there are ``critical_velocity_quantile``, with the velocities at which the next
-        run is severe with a probability of 5, 50 and 95 %, and the band.
+        - ``outcome``: crosses, or why not. Mild or severe throughout: the outermost points of the
+          scene's range are done and say so. Otherwise the crossing lies above or below what was
+          computed, or is not known for want of points. Or wear is severe at some and mild at a
+          higher one.
+        - ``turns(load, turn)``: all places at which wear turns; the first turns to mild wear where
+          ``begins_severe``.
+        - ``computed_from``, ``computed_to``: ends of what was computed [m/s, N].
+        - ``missing``: number of pending or failed points; ``bridged``: those of them that a
+          crossing is interpolated across.
+        - ``film_parameter`` at the crossing, if the scene gives an oil.
+        - ``rise_exponent`` (at loads alone): d ln(rise) over d ln(velocity) at the crossing.
+
+        Attributes are the conditions, with units in ``units_of_attributes``; ``model_error``, what
+        the model's own error rests on; and ``missing_points``, the number of those missing.
+
+        Over several surfaces all but the band have a dimension ``realization`` in front, and these
+        are added, likewise for ``critical_load``:
+
+        - ``critical_velocity_quantile(quantile, load)``: velocity below which a share of the
+          surfaces turn severe. Surfaces that are mild or severe throughout count beyond all
+          velocities, so a quantile among them is NaN.
+        - ``critical_velocity_first``: velocity at which the first of the ``patches`` under the pin
+          and around its track turns severe, if the surfaces' velocities are log-normal.
+        - ``critical_velocity_mean``, ``critical_velocity_spread`` (standard deviation): NaN unless
+          every surface crosses.
+        - ``crossing_at_load``: number of surfaces that cross; ``known_at_load``: number of those
+          known to cross or not.
+
+        For samples there are only the band and ``critical_velocity_quantile``, the velocities at
+        which the next run is severe with a probability of 5, 50 and 95 %.
 
     Raises
     ------

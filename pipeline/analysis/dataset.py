@@ -87,7 +87,7 @@ def judged_values(ds: xr.Dataset) -> dict[str, Any]:
     try:
         return dict(json.loads(_judgement(ds)[0]))
     except ValueError as error:
-        raise InputError(f"the attribute at is {ds.attrs['at']!r:.60}, which is none") from error
+        raise InputError(f"the attribute at is {ds.attrs['at']!r:.60}; it must be JSON") from error
 
 
 def _judgement(ds: xr.Dataset) -> tuple[str, str]:
@@ -197,7 +197,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     -------
     Dataset
         The stored variables, with loads, velocities and seeds of surfaces ascending. At ``step`` 0
-        is the end of each point, at −1 the station before; steps before a point's first station and
+        is the end of each point, at −1 the step before; steps before a point's first one and
         points that are not done are NaN. Data are read when they are used.
         Its attributes are text, so that ``to_netcdf`` writes them.
         `pipeline.temperatures` gives the temperatures of the contact.
@@ -299,10 +299,10 @@ def require_kind(ds: xr.Dataset, *kinds: Kind) -> None:
 
 
 _NO_PLANE = {
-    Kind.PLACES: "the sweep has rows with places of their own, and no plane of velocities and "
-    "loads; irg margin, plot, report and diff take them row by row",
-    Kind.SAMPLES: "the sweep has samples, and no plane of points; irg boundary, margin, plot and "
-    "report answer from all of them",
+    Kind.PLACES: "each row of the sweep has its own load and velocity, so there is no plane of "
+    "them; irg margin, plot, report and diff answer row by row",
+    Kind.SAMPLES: "the sweep has samples, so there is no plane of points; irg boundary, margin, "
+    "plot and report answer from all samples",
 }
 
 

@@ -41,7 +41,7 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     for name in ("load", "velocity"):
         if name not in ds.dims:
             raise InputError(
-                f"the sweep is one at a single {name}, and not a plane: take a list of one, such "
+                f"the dataset has a single {name}, so it is no plane; select a list of one, such "
                 f"as ds.sel({name}=[{ds[name].item():g}])"
             )
     column = conditions.decisive.column
@@ -144,7 +144,7 @@ def refined(
 
 
 def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
-    """Temperatures of the contact, at each station of each point.
+    """Temperatures of the contact, at each step of each point.
 
     Parameters
     ----------

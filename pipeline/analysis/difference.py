@@ -84,8 +84,8 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
             require_one_scene(ds)
     elif not all(have_places):
         raise InputError(
-            "one of the stores has rows with places of their own, and the other has none; compare "
-            "stores of a kind"
+            "one store has rows, each with its own load and velocity, the other a plane; compare "
+            "two stores of one kind"
         )
     for ds in (first, second):
         require_all_sound(ds)

@@ -73,7 +73,7 @@ def _decided(boundaries: xr.Dataset) -> Iterator[str]:
                 f"{kind} {f'{side} {end:.3g} m/s' if 0 < end < np.inf else 'nowhere that is known'}"
                 for kind, side, end in (("mild", "below", low), ("severe", "above", high))
             ]
-            said.append(f"at {load:g} N {' and '.join(ends)}")
+            said.append(f"{' and '.join(ends)} at {load:g} N")
         yield f"{f'{labels}: ' if labels else ''}the next run is {'; '.join(said)}"
 
 

@@ -57,7 +57,7 @@ def model_error(ds: xr.Dataset, field: Field) -> Scatter:
         return scatter
     plain = ModelError(usual=USUAL if usual is None else usual)
     if not isinstance(field, PointField):
-        untold = "the scene's tests count by --given-measured"
+        untold = "the scene's tests count with --given-measured"
         return replace(plain, untold=untold) if laboratory_tests(ds) else plain
     if field.place:
         return plain
@@ -137,7 +137,7 @@ def agreement(frame: pd.DataFrame) -> str:
         NOT_KNOWN: ("is not known", "are not known"),
     }
     said = (f"{counts[key]} {pair[counts[key] > 1]}" for key, pair in words.items() if counts[key])
-    return f"Of {len(frame)} tests {', '.join(said)}."
+    return f"Of {len(frame)} {'test' if len(frame) == 1 else 'tests'}, {', '.join(said)}."
 
 
 def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
@@ -146,9 +146,9 @@ def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     yield short(frame, ["note"])
     yield from notes_of(frame)
     yield (
-        f"each at its own friction and bulk; a transition agrees within {_DEVIATIONS:g} "
-        f"standard deviations of its velocity, {100 * USUAL_SCATTER:g} % each if it gives none, a "
-        "test if its outcome is the computed one and lies outside the error of the temperature"
+        f"each at its own friction and bulk; a transition agrees if it lies within {_DEVIATIONS:g} "
+        f"standard deviations of its velocity, {100 * USUAL_SCATTER:g} % each if it gives none; a "
+        "test agrees if its outcome is the computed one, outside the error of the temperature"
     )
 
 

@@ -125,7 +125,7 @@ class Margin:
         return {name: getattr(self, name) for name in names} | plain | chances | entries
 
 
-_EXACT = "errors of the inputs, such as of the conductivity of the steel, are not in this"
+_EXACT = "errors of the inputs, such as the steel's conductivity, are not counted"
 
 
 def verdict_between(lowest: float, highest: float) -> str:

@@ -53,21 +53,21 @@ def margin(
         a table of operating points in place of load and velocity: a .csv or .xlsx file with columns
         ``load [N]`` and ``velocity [m/s]``, or in other units; or columns by heading, such as a
         data frame. Columns ``friction``, ``bulk_temperature`` and ``critical_temperature`` are the
-        conditions of their row. Further columns are passed on, with "(given)" after the heading
-        where a result has the same. Nothing, where rows of the sweep have places of their own.
+        conditions of their row. Further columns are passed on, with "(given)" after a heading that
+        a result has, too. Give none if rows of the sweep have their own loads and velocities.
     velocity : float or str
         Sliding velocity [m/s], or text with a unit, above 0 and within those of the sweep.
 
     Returns
     -------
     Margin or DataFrame
-        The `Margin` of one place in a single scene. Of several a row each: its place, the
-        ``verdict`` on the next run, the ``probability`` that it is severe, ``decisive temperature
-        [°C]``, its numerical ``temperature error [K]``, the ``distance [K]`` below the critical
-        temperature and, along velocity and load, the factor to the nearest critical value, that
-        value and the outcome. Over several surfaces or samples these are medians, and ``distance
-        low [K]`` and ``distance high [K]`` are what 5 and 95 % stay below. A place that the sweep
-        says nothing about has a ``note`` instead.
+        The `Margin` of one place in a single scene. For several places a data frame with a row for
+        each: its place, the ``verdict`` on the next run, the ``probability`` that it is severe,
+        ``decisive temperature [°C]``, its numerical ``temperature error [K]``, the ``distance [K]``
+        below the critical temperature and, along velocity and load, the factor to the nearest
+        critical value, that value and the outcome. Over several surfaces or samples these are
+        medians; ``distance low [K]`` and ``distance high [K]`` are the 5 and 95 % quantiles. A
+        place that the sweep says nothing about has a ``note`` instead.
 
     Raises
     ------

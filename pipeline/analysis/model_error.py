@@ -61,10 +61,11 @@ class ModelError:
         """See `Scatter`."""
         if n := len(self.residuals):
             tests = "1 test" if n == 1 else f"{n} tests"
-            return f"± {100 * self.scale:.2g} % in velocity, by {tests} and {100 * self.usual:g} %"
+            prior = f"a prior of {100 * self.usual:g} %"
+            return f"± {100 * self.scale:.2g} % in velocity, from {tests} and {prior}"
         if self.usual == 0:
             return "none, as the scene says"
-        return f"{self.untold}: {100 * self.usual:g} % in velocity taken"
+        return f"± {100 * self.usual:g} % in velocity, a prior; {self.untold}"
 
 
 Ranges = Sequence[tuple[float, float]]

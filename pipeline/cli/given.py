@@ -95,13 +95,13 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints:
     """Operating points of a table, or the one of --load and --velocity."""
     place = values_in(options, "load", "velocity")
     if options.points is None and options.sheet is not None:
-        raise InputError("--sheet is one of a workbook of --points; give that too, or leave it out")
+        raise InputError("--sheet names a sheet of --points; give that too, or leave it out")
     if options.points is None and len(place) < 2:
         raise InputError("no operating point is given; give --load and --velocity, or --points")
     if options.points is None:
         return OperatingPoints((Place(options.load, options.velocity),), {})
     if place:
-        raise InputError(f"--points has each load and velocity; leave out {flags_of(place)}")
+        raise InputError(f"--points gives each load and velocity; leave out {flags_of(place)}")
     return OperatingPoints.read(options.points, options.sheet)
 
 

@@ -70,8 +70,8 @@ def lines_on(commands: Sequence[str], by_model: bool) -> Iterator[str]:
     """Lines on the commands that decide what is not decided, if not the model leaves it open."""
     if by_model:
         yield (
-            "not decided by the model's own error, whatever is computed: test there, or say what "
-            "is known of it by [model] scatter"
+            "no computation decides this, because of the model's own error: test there, or state "
+            "that error by [model] scatter"
         )
         return
     for command in commands[:_MOST]:

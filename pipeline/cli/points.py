@@ -117,14 +117,14 @@ def _point_lines(
     yield f"{severe}the decisive temperature is {decisive.temperature}, its error {error.worded}"
     if (chance := document["probability"]) is not None:
         yield (
-            f"the next run is severe with {percent(chance)} probability at most where the rise "
+            f"the next run is severe with {percent(chance)} probability at most, if the rise "
             f"grows as the velocity; the model's own error: {document['model_error']}"
         )
     block = sweep.scene.pixels.shape[0] // len(result.state.pressure)
     if block > 1 and sweep.scene.roughness is not None:
         yield (
-            f"note: area and pressure are those of elements of {block} × {block} pixels, more of "
-            "which touch"
+            f"note: area and pressure depend on the elements, here {block} × {block} pixels; on "
+            "larger ones more of the surface touches, at lower pressure"
         )
     if velocity < 0:
         yield "note: the velocity is negative, so the disk slides towards −x"

@@ -264,7 +264,7 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:
     ]
     names = {"realization": "surfaces", VARIANT: "samples" if sweep.variants.draw else "rows"}
     if any(column.name == "load" for column in sweep.variants.columns):
-        counts, names[VARIANT] = [], "rows with places of their own"
+        counts, names[VARIANT] = [], "rows, each at its own load and velocity"
     for name, values in sweep.variants.axes.items():
         counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
     asked = ", ".join(counts)

@@ -216,8 +216,8 @@ def _row_boundaries(ds: xr.Dataset) -> Result:
     """Boundary around rows, each at its own place: factors of velocity and load."""
     if PLACE not in ds.coords:
         raise InputError(
-            "each row has one place, and so no boundary; irg margin gives its margin in K, and "
-            "with sweep.around = 5 beside sweep.along also the factors in velocity and load"
+            "each row has one load and velocity, so no boundary; irg margin gives its margin in K, "
+            "and with sweep.around = 5 beside sweep.along also the factors in velocity and load"
         )
     table = pipeline.margin(ds).drop(columns=[*_IN_KELVIN])
     crosses = table[["velocity outcome", "load outcome"]] == outcomes("load")[CROSSES]

@@ -54,7 +54,8 @@ from tribo import Criterion, InputError
 from tribo.types import Mask
 
 _OF_SAMPLES = "the diagram of samples shows probabilities; leave out the surface and ax"
-_OF_A_PLANE = "rows with places of their own have margins, and no plane; leave out log"
+_OF_A_PLANE = "each row has its own load and velocity, so there is no plane; leave out log"
+_FAR = ", far"  # ends the mark (gid) of points whose neighbours are alike
 _RESOLUTION = 240
 _COLOURS = colormaps["viridis"]
 
@@ -116,6 +117,8 @@ def _scene_diagram(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
     if is_plane:
         name_regions(axes, plane, limit, ds["load"].values, tests)
         title += f"\nthe model's own error: {model_error(ds, point_field(ds)).worded}"
+    if any(str(mark.get_gid()).endswith(_FAR) for mark in axes.lines):
+        title += "\npale: points whose neighbours have the same wear"
     style.legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
     return figure
 
@@ -291,7 +294,7 @@ def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     legend: list[Artist] = []
     for label, where, look in kinds:
         told = where.values & far if label.endswith("computed") else np.zeros_like(far)
-        for shown, gid, alpha in ((where.values & ~told, label, 1.0), (told, f"{label}, far", 0.3)):
+        for shown, gid, alpha in ((where.values & ~told, label, 1.0), (told, label + _FAR, 0.3)):
             rows, columns = np.nonzero(shown)
             if rows.size:
                 places = ds["velocity"].values[columns], ds["load"].values[rows]

@@ -29,8 +29,9 @@ from pipeline.sweep.conditions import Conditions
 from tribo import Criterion, InputError
 from tribo.types import Array
 
-_HIGHEST: dict[str, Any] = {"ls": "--", "marker": "^"}
-_DECIDING: dict[str, Any] = {"ls": "-", "marker": "o"}
+_DASHED: dict[str, Any] = {"ls": "--", "marker": "^"}
+_SOLID: dict[str, Any] = {"ls": "-", "marker": "o"}
+_COARSE_RAMP = "\nmarks: end of the ramp, on smaller elements than the lines"
 
 
 @style.house_style
@@ -76,19 +77,21 @@ def ramp(
         Line2D([], [], color=f"C{k}", lw=3, label=point_name(ds, point) + said)
         for k, point in enumerate(points)
     ]
-    style.legend_below(
-        figure, handles=lines, ncols=3, title=style.heating(conditions), title_fontsize=9.5
-    )
+    title = style.heating(conditions)
+    time, own = ds["time"].values, ds["own_grid"].values
+    if any((np.isfinite(time[point]) & ~own[point]).any() for point in points):
+        title += _COARSE_RAMP
+    style.legend_below(figure, handles=lines, ncols=3, title=title, title_fontsize=9.5)
     return figure
 
 
 def _temperatures(axes: Axes, ds: xr.Dataset, points: list[Spot], conditions: Conditions) -> None:
     decisive, rises = conditions.decisive, [ds["max_rise"].values]
-    looks = [{"label": "highest", **_HIGHEST}]
+    looks = [{"label": "highest", **_DASHED}]
     if decisive.temperature != Criterion("highest").temperature:
         columns = {name: ds[name].values for name in (decisive.column, "cooler_share")}
         rises.append(decisive.rise(columns | {"quantile": columns["cooler_share"]}))
-        looks.append({"label": decisive.temperature, **_DECIDING})
+        looks.append({"label": decisive.temperature, **_SOLID})
     for number, point in enumerate(points):
         for rise, look in zip(rises, looks, strict=True):
             temperature = style.celsius(conditions.contact_temperature(rise))
@@ -141,14 +144,15 @@ def _pair(
     right.grid(visible=False)
     key = []
     # The right axis has more room, so that quantities in proportion do not lie on each other.
-    for axes, (label, values), ls, room in ((left, solid, "-", 1.2), (right, dashed, "--", 1.5)):
+    drawn = ((left, solid, _SOLID, 1.2), (right, dashed, _DASHED, 1.5))
+    for axes, (label, values), look, room in drawn:
         for number, point in enumerate(points):
-            look = {"color": f"C{number}", "ls": ls, "zorder": _order(point), "marker": "."}
-            _draw(axes, ds, values, point, **look)
+            own = {"color": f"C{number}", "zorder": _order(point)}
+            _draw(axes, ds, values, point, **look | own)
         axes.set_ylabel(label)
         axes.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
         axes.set_ylim(0, room * axes.get_ylim()[1])  # with room for the legend
-        key.append(Line2D([], [], color=BLACK, ls=ls, label=label.partition(" [")[0]))
+        key.append(Line2D([], [], color=BLACK, label=label.partition(" [")[0], **look))
     left.legend(handles=key, loc="upper left", ncols=2)
 
 
@@ -197,9 +201,9 @@ def temperature(
     velocities, load_here = row["velocity"].values, float(row["load"][0])
     figure, axes = style.canvas(ax, (7.2, 5.0))
     highest = replace(conditions, criterion="highest")
-    curves = [(highest, "highest", _HIGHEST)]
+    curves = [(highest, "highest", _DASHED)]
     if conditions.decisive.temperature != highest.decisive.temperature:
-        curves.append((conditions, conditions.decisive.temperature, _DECIDING))
+        curves.append((conditions, conditions.decisive.temperature, _SOLID))
     for judged, name, look in curves:
         rises = decisive_rise(row, judged).values[0]
         require_done_at(load_here, np.isfinite(rises))

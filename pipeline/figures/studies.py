@@ -34,12 +34,16 @@ def draw_variations(varied: Variations) -> Figure:
     figure, axes = style.canvas(None, (7.2, 1.7 + 0.62 * len(keys)))
     ends = {0: BLUE, len(varied.loads) - 1: VERMILION}  # the lowest and the highest load
     height = 0.8 / len(ends)
+    longest = _LONGEST if any(len(values) > 1 for values in keys.values()) else 0
     for row, variations in enumerate(keys.values()):
         for place, (load, colour) in enumerate(ends.items()):
             height_of_bar = row + (place - (len(ends) - 1) / 2) * height
-            _bar(axes, varied, variations, load, height_of_bar, 0.86 * height, colour)
+            moves = [(one.value, varied.changes(one)[load]) for one in variations]
+            _bar(axes, moves, longest, height_of_bar, 0.86 * height, colour)
     axes.axvline(0.0, color=BLACK, lw=1.0)
-    axes.set_yticks(range(len(keys)), [_named(key, values) for key, values in keys.items()])
+    axes.set_yticks(
+        range(len(keys)), [_named(key, values, longest) for key, values in keys.items()]
+    )
     axes.set_ylim(len(keys) - 0.5, -0.5)
     moved = np.array([varied.changes(one)[list(ends)] for one in varied.others])
     moved = moved[np.isfinite(moved)]
@@ -67,12 +71,10 @@ def signed(change: float, _: object = None) -> str:
     return f"{100 * change:+.3g} %".replace("-", "−") if change else "0 %"
 
 
-def _named(key: str, variations: list[Variation]) -> str:
+def _named(key: str, variations: list[Variation], longest: int) -> str:
     """Name of a row in words, with values that are too long to stand at a bar's end."""
     values = [
-        style.as_text(variation.value)
-        for variation in variations
-        if len(variation.value) > _LONGEST
+        style.as_text(variation.value) for variation in variations if len(variation.value) > longest
     ]
     return "\n".join([style.entry_label(key), *(textwrap.fill(value, 42) for value in values)])
 
@@ -89,15 +91,14 @@ def printed(value: str) -> str:
 
 def _bar(
     axes: Axes,
-    varied: Variations,
-    variations: list[Variation],
-    load: int,
+    moves: list[tuple[str, float]],
+    longest: int,
     position: float,
     height: float,
     colour: str,
 ) -> None:
-    """One bar from the least to the greatest change at a load, its ends named by the values."""
-    changes = np.array([varied.changes(variation)[load] for variation in variations])
+    """One bar from the least to the greatest change, its ends named by values or changes."""
+    changes = np.array([change for _, change in moves])
     is_finite = np.isfinite(changes)
     if not is_finite.any():
         axes.text(
@@ -114,17 +115,13 @@ def _bar(
 
     low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
     axes.barh(position, high - low, left=low, height=height, color=colour, alpha=0.85)
-    for variation, change in zip(variations, changes, strict=True):
+    for value, change in moves:
         if change in (low, high):
-            words = signed(change)
-            if len(variation.value) <= _LONGEST:
-                words = printed(variation.value)
+            words = printed(value) if len(value) <= longest else signed(change)
             mark_end(change, words, change >= 0, fontsize=8)
     if not is_finite.all():
         text = "no transition at " + ", ".join(
-            printed(variation.value)
-            for variation, is_known in zip(variations, is_finite, strict=True)
-            if not is_known
+            printed(value) for value, change in moves if not np.isfinite(change)
         )
         is_right = high == 0.0  # where no bar is
         mark_end(high if is_right else low, text, is_right, fontsize=7, style="italic")

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 LIMITS = (
-    "Not validated: no scuffing test of gears was held against this. The simulated contact is in "
+    "Not validated: no scuffing test of gears was compared with this. The simulated contact is in "
     "boundary lubrication, while gears run mixed; what a film carries is not counted, nor tip "
     "relief. Pressure, flash and film are of smooth flanks, in closed form."
 )
@@ -82,7 +82,7 @@ def _check(options: argparse.Namespace, pair: Pair) -> None:
     if options.stages and options.points:
         raise InputError("--stages and --points are two questions; ask one at a time")
     if options.sheet and not options.points:
-        raise InputError("--sheet is one of a workbook of --points; give that too, or leave it out")
+        raise InputError("--sheet names a sheet of --points; give that too, or leave it out")
     if options.failure_stage and options.critical_temperature is not None:
         raise InputError(
             "--failure-stage finds the critical temperature, which --critical-temperature gives; "

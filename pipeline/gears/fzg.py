@@ -84,7 +84,7 @@ def rig_pair(pair: Pair) -> Pair:
         return pair
     if pair.oil is None:
         raise InputError(
-            "the oil of the pair is not given, and a failure load stage is one of an oil; give "
+            "a failure load stage belongs to an oil, and the oil of the pair is not given; give "
             "[oil] in the file"
         )
     return rig.changed(

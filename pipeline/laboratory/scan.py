@@ -246,6 +246,8 @@ def surface_statistics(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from pipeline import surface_statistics
     >>> from tribo import Grid
     >>> from tribo.surface import self_affine
     >>> heights = self_affine(Grid((256, 256), (1e-6, 1e-6)), 0.3e-6, 0.8, (4e-6, 4e-6), seed=0)

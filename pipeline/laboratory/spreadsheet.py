@@ -40,7 +40,7 @@ def read_rows(
     require_file(path)
     is_book = path.suffix.lower() == ".xlsx"
     if sheet is not None and not is_book:
-        raise InputError(f'{path} has no sheets, of which "{sheet}" is one; leave it out')
+        raise InputError(f'{path} has no sheets, so none called "{sheet}"; leave it out')
     if path.suffix.lower() not in ROW_FILES:
         raise InputError(
             f"{path} cannot be read: rows are read from {', '.join(ROW_FILES)}; save it as .xlsx "

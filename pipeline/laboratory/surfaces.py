@@ -48,7 +48,7 @@ class MeasuredSurface:
         """The surface with other sides of a pixel than the file says [m]."""
         own, notes = self.pixel_size, self.notes
         if own and not np.allclose(own, sides, rtol=_SAME, atol=0):
-            notes += (f"the pixels given count, not the file's own of {_sides(own)}",)
+            notes += (f"the given pixels count, not those of the file, {_sides(own)}",)
         return MeasuredSurface(self.heights, sides, notes)
 
 
@@ -103,7 +103,7 @@ def _unit_note(own: float | None, given: float | None) -> tuple[str, ...]:
     """A note where a unit [m] is given that is not the file's own."""
     if own is None or given is None or np.isclose(own, given, rtol=_SAME, atol=0):
         return ()
-    return (f"the height unit given counts, {given:g} m, not the file's own of {own:g} m",)
+    return (f"the given height unit counts, {given:g} m, not that of the file, {own:g} m",)
 
 
 def _sides(pixel: tuple[float, float]) -> str:

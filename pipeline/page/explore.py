@@ -67,8 +67,8 @@ def explore(
     The page is one file that opens from the disk in any present browser, without a server. On it
     the boundary, its band over several surfaces and the tables follow the conditions, and each
     point shows its numbers, its fields and how its temperature is distributed over the contact.
-    Of a sweep with samples it shows the probability of severe wear at any place, and of one in
-    which entries have several values the reader chooses among them.
+    For samples it shows the probability of severe wear at any place. If entries have several
+    values, the reader chooses among them.
 
     Parameters
     ----------

@@ -240,8 +240,8 @@ def _operating_points(ds: xr.Dataset, points: OperatingPoints | None) -> Iterato
     yield from notes_of(table)
     yield from points.remarks if points else ()
     yield (
-        "A factor is the critical velocity or load over that of the point: wear turns severe at so "
-        "many times its velocity, or its load. Where there is none, the sweep has no transition"
+        "A factor is the critical velocity or load over that of the point: at 1.5, wear turns "
+        "severe at 1.5 times its velocity or load. Without one, the sweep has no transition there"
     )
 
 

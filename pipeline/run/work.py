@@ -88,6 +88,7 @@ class ExecutionError(TriboError):
 
     Examples
     --------
+    >>> from pipeline import ExecutionError
     >>> from pipeline.run.cluster import client_of
     >>> try:
     ...     client_of("tcp://127.0.0.1:1", patience=1.0)

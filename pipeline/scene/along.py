@@ -100,7 +100,7 @@ class OperatingPoints:
             name, sheet = "points", sheet_of(source, _ROW.keys, _PLACE.keys)
         heads = [heading.text for heading in sheet.headings]
         twice = dict.fromkeys(head for head in heads if heads.count(head) > 1)
-        faults = [f'column "{head}" stands there twice; name each once' for head in twice]
+        faults = [f'column "{head}" appears twice; give each heading once' for head in twice]
         faults += [
             f'column "{heading.text}" cannot act after the simulation; leave it out, or give the '
             "table to [sweep] along of a scene, which computes each row"
@@ -169,8 +169,8 @@ def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Swee
     """The sweep with a row of its table of variants for each place; raises at a faulty one."""
     if reading.tables["sweep"]["samples"]:
         raise InputError(
-            "sweep.along: its rows have places of their own, as samples have; leave out one or the "
-            "other"
+            "sweep.along: its rows have their own loads and velocities, as samples have; leave out "
+            "sweep.along or sweep.samples"
         )
     around = reading.tables["sweep"]["around"]
     steps = np.geomspace(1 / _REACH, _REACH, around) if around else ()

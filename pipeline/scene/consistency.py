@@ -120,7 +120,7 @@ def _motion_faults(sound: Sound) -> Misfits:
     ratio, entrainment = sound(*both)
     if ratio is not None and entrainment is not None:
         problem = (
-            f"{ratio:g} stands beside an entrainment_velocity; give one of them, with the other in "
+            f"{ratio:g} and an entrainment_velocity are given; give one of them, with the other in "
             'without, such as --set "without=motion.slide_roll_ratio"'
         )
         yield both[0], problem, both[1]
@@ -179,7 +179,7 @@ def _disc_faults(body: str, sound: Sound) -> Misfits:
     if diameter and both:
         yield (
             f"{body}.diameter",
-            f"{display(diameter, 'mm')} of a disc stands beside {' and '.join(both)} of a plate, "
+            f"{display(diameter, 'mm')} of a disc and {' and '.join(both)} of a plate are given, "
             "which would count one heat twice; give one of them",
             f"{body}.{both[0]}",
         )

@@ -468,10 +468,10 @@ STAGES = Table({
     "velocity": Optional(VELOCITY, _VELOCITY),
     "mild_up_to": Optional(Scalar(),
         "Highest mild stage of a run, instead of the outcome: a load if `velocity` is given, a "
-        "velocity if `load` is; alone if the last stage was mild.",
+        "velocity if `load` is; give it alone if no stage was severe.",
         example="400 N"),
     "severe_at": Optional(Scalar(),
-        "Severe stage of a run; alone if it was the first stage.", example="450 N"),
+        "Severe stage of a run; give it alone if it was the first stage.", example="450 N"),
 }, form="run by stages")
 LOG = Table({
     "file": Entry(Text(),

@@ -274,7 +274,8 @@ def read_sheet(
 ) -> Sheet:
     """Read the rows of a file below headings; for the arguments see `columns_for`.
 
-    Where quantities are given, if only none, the rows are tests, perhaps in the form of a machine.
+    If quantities are given, even an empty mapping, the rows are tests, perhaps in the form of a
+    machine.
     """
 
     def is_heading(cells: list[str]) -> bool:

@@ -61,7 +61,7 @@ def wear_rates(table: Mapping[str, Any] | None, faults: Faults) -> tuple[tuple[f
     known = (table or {}).get("by_temperature", ())
     with faults.at("wear.by_temperature"):
         if len({one["temperature"] for one in known}) < len(known):
-            raise tribo.InputError("a temperature stands twice; give each once")
+            raise tribo.InputError("a temperature appears twice; give each once")
     return tuple((one["temperature"], one["specific_wear_rate"]) for one in known)
 
 

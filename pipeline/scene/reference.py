@@ -207,9 +207,10 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
 
     Examples
     --------
-    >>> import tempfile
+    >>> import pipeline, tempfile
+    >>> from pathlib import Path
     >>> folder = Path(tempfile.mkdtemp())
-    >>> [file.name for file in new_scene(folder / "mine.toml", like="fig8")]
+    >>> [file.name for file in pipeline.new_scene(folder / "mine.toml", like="fig8")]
     ['mine.toml', 'fig8_load_record.csv']
     """
     path, shipped = Path(path), shipped_scenes()

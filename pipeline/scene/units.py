@@ -122,6 +122,7 @@ def to_si(text: str, like: str) -> float:
 
     Examples
     --------
+    >>> from pipeline import to_si
     >>> to_si("1.2e-6 mm^3/(N m)", like="1 m^2/N")
     1.2e-15
     >>> to_si("7 kg", like="750 N")

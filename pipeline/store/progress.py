@@ -70,7 +70,12 @@ def summarized(store: Store) -> Summary:
 
 
 def summary(path: PathLike) -> Summary:
-    """Number of points of a store by state, with warnings, read without their data.
+    """Count the points of a store by state, and list warnings, without reading their data.
+
+    Parameters
+    ----------
+    path : str or path
+        Folder or address of the store.
 
     Raises
     ------

@@ -137,7 +137,7 @@ class Conditions(Judging):
         return factor
 
     def replace_friction(self, friction: float | None) -> Conditions:
-        """The conditions with a friction measured at one point; as they are where there is none."""
+        """The conditions with a friction measured at one point; unchanged if there is none."""
         if friction is None:
             return self
         corrections = self.corrections and replace(self.corrections, friction=Friction())

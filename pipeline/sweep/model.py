@@ -211,15 +211,15 @@ class Sweep:
         """Raise an `InputError` where no boundary can be looked for along velocities."""
         if not self.variants.has_plane:
             raise InputError(
-                "each row has its own velocity, as samples have, and answers need all rows; run "
-                "without the search (--boundary-only)"
+                "each row has its own velocity, as samples have, and answers need all rows; leave "
+                "out --boundary-only"
             )
 
     def held(self, duration: float) -> Self:
         """The sweep with another duration at the full load [s]; not if the load is a record."""
         if not isinstance(self.scene.loading, Ramp):
             raise InputError(
-                f"hold is {duration:g} s, but the load follows a record, which ends when it ends; "
+                f"hold is {duration:g} s, but the load follows a record, which has its own end; "
                 "leave out the hold, or give a loading with rate and reference_load"
             )
         return self.changed(loading=replace(self.scene.loading, hold=duration, stops=()))

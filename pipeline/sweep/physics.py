@@ -78,7 +78,7 @@ def physics_of(sweep: Sweep) -> tuple[Effect, ...]:
         elif found:
             effects.append(Effect(name, "cannot be sized", found, "", " and ".join(entries)))
     if more > 1:
-        together = "all above that could be counted, at once", "as the least sure of them"
+        together = "all that could be counted, at once", "no surer than the least sure of them"
         scene = _changed(sweep, present, parts)
         effects.append(Effect("together", "could be counted", *together, scene=scene))
     return (
@@ -264,7 +264,7 @@ _EFFECTS: dict[str, tuple[dict[str, str], dict[str, Any], _Find]] = {
         },
         {"track": None, "pin_track": None}, _usual_turns,
     ),
-    "bulk that follows": (
+    "warming bulk": (
         {"pin.capacity": "bulk of the pin", "disk.capacity": "bulk of the disk"},
         {"pin_bulk": None, "disk_bulk": None}, _usual_bulk,
     ),
@@ -358,7 +358,7 @@ def note_on_ends(sweep: Sweep) -> str | None:
         "the pin is computed in its middle: if its ends are sharp, the rise within 0.1 mm of them "
         "is 4 to 11 % higher where wear has doubled the contact's width (a smooth cylinder of 2 mm "
         "at 750 to 200 N), and severe wear begins there at velocities 9 to 23 % lower; it is up to "
-        "64 % higher where it has hardly worn, and no higher from three times the width on"
+        "64 % higher where the pin has hardly worn, and not higher once the width has tripled"
     )
 
 

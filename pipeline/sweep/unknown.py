@@ -36,7 +36,7 @@ class Unit:
 
     def __post_init__(self) -> None:
         if self.size <= 0:
-            raise InputError(f"a unit of {self.size:g} {self.name} is none; give a size above 0")
+            raise InputError(f"the unit {self.name} has the size {self.size:g}; give one above 0")
 
     def of(self, value: Any) -> Any:
         """A value, or an array of them, in this unit."""

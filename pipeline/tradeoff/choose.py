@@ -150,10 +150,10 @@ def choose_fidelity(
 ) -> Selection:
     """Find the cheapest numerical choice whose measured error is within a bound.
 
-    Ever dearer choices are tried near the boundary, and compared with nearly exact steps, until one
-    is good enough: at two velocities for some of the loads or, where that would
-    take about as long as the sweep at the reference, at one. The choice does not depend on timings,
-    so it is the same on every machine.
+    Choices are tried near the boundary, the cheapest first, and compared with nearly exact steps
+    until one is good enough. They are compared at two velocities for some of the loads, or at one
+    if two would take about as long as the sweep at the reference. The choice does not depend on
+    timings, so it is the same on every machine.
 
     Parameters
     ----------

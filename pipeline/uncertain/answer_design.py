@@ -216,5 +216,7 @@ def read_scene(ds: xr.Dataset) -> SceneWith:
         raise InputError(f"{path or 'the scene'} is not the scene of the store any more")
     left_out = settings.pop("without", [])
     left_out = [left_out] if isinstance(left_out, str) else left_out
-    alone = {"without": [*left_out, "unknown", "sweep.samples"]}
+    samples = ("unknown", "sweep.samples")  # entries, which settings may have changed
+    settings = {key: one for key, one in settings.items() if not key.startswith(samples)}
+    alone = {"without": [*left_out, *samples]}
     return lambda entries: read(settings | alone | dict(entries))

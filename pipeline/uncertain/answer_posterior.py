@@ -76,7 +76,7 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
         signed = f"{correlation:+.2f}".replace("-", "−")
         yield f"{a} and {b} cannot be told apart by these tests (correlation {signed})"
     if weighed.judged:
-        yield "each test, beside the critical velocity that all tests together leave there:"
+        yield "each test, beside the critical velocity by all tests together:"
         yield short(_test_quantiles(weighed))
     if weighed.evidence_gain is not None:
         yield _describe_discrepancy(weighed.evidence_gain)
@@ -90,9 +90,9 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
         if weighed.evidence_gain is None:
             yield "next: is a slope over velocity or bulk temperature missing? add --discrepancy"
     yield from (
-        f"warning: {_place(weighed, judged)}: the other tests leave this a probability of "
-        f"{judged.probability:.1g}, below the {judged.limit:.1g} that one sound log of "
-        f"{1 / FALSE_ALARMS:.0f} has somewhere; look at the test, or leave it out"
+        f"warning: {_place(weighed, judged)}: by the other tests its probability is "
+        f"{judged.probability:.1g}; one sound log of {1 / FALSE_ALARMS:.0f} has a test below "
+        f"{judged.limit:.1g}; look at the test, or leave it out"
         for judged in weighed.judged
         if judged.contradicts
     )
@@ -126,7 +126,7 @@ def _word_contrast(one: Contrast) -> str:
     signed = f"{mean:+.3g} ± {sd:.2g} {unit} ({low:+.3g} to {high:+.3g})".replace("-", "−")
     first, second = one.oils
     return (
-        f"{second} over {first}: {one.what} {signed}; {second} stands more than {first} with a "
+        f"{second} over {first}: {one.what} {signed}; {second} withstands more than {first} with a "
         f"probability of {one.probability:.2g}"
     )
 
@@ -180,7 +180,7 @@ def measurements_to_make(
         load_of_target(weighed, options.target)
     if options.next > 1:
         ranked = tests = pipeline.plan_tests(weighed, options.next, **about)
-        head = f"{options.next} runs to make next, each beside those before it"
+        head = f"{options.next} runs to make next, each the best after those before it"
     else:
         ranked = pipeline.candidates(weighed, **about)
         tests = tuple(one for one in ranked if one.test)[:1]

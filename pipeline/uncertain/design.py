@@ -55,7 +55,7 @@ _Rise = tuple[Excess, Array]  # or an excess; with its slope over ln(velocity)
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """What a design is to reach.
+    """The goal of a design: operating points, and the highest probability of severe wear there.
 
     Examples
     --------
@@ -132,7 +132,7 @@ def design(
         Path of an unknown input, uniform between two values; or of a condition, such as
         ``temperature.critical``; or ``load`` or ``velocity``.
     draws : Draws, optional
-        Draws of the inputs that tests have weighed; see `pipeline.risk`.
+        Draws of the inputs that tests have weighed; those of a `Posterior`.
     at : mapping of str to float, optional
         Values of other such entries by their paths [SI].
     scatter : Scatter, optional

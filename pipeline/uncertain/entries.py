@@ -98,7 +98,7 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
             "and use irg vary"
         )
     inputs, known = _inputs(tables, fixed, faults)
-    notes.extend(f"unknown: {one}, as it is given beside its distribution" for one in known)
+    notes.extend(f"unknown: {one}, because a value is given, too" for one in known)
     if len(inputs) > MOST_INPUTS:
         faults.note("unknown", f"{len(inputs)} inputs are unknown; give {MOST_INPUTS} at most")
     layers = [_layer(one, sweep, reading.make, faults) for one in inputs]

@@ -141,7 +141,7 @@ class SampleField:
             return self
         if self.posterior:
             raise InputError(
-                f"the tests weigh the conditions as they were drawn: leave out {', '.join(own)}"
+                f"{', '.join(own)}: the tests weigh conditions as they were drawn; leave this out"
             )
         ensemble = self.ensemble.judged_by(own)
         return replace(self, ensemble=ensemble, draws=draws_of(ensemble, None))

@@ -61,7 +61,8 @@ def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
     inside = [
         test for test in tests if low <= test.velocity <= high and bottom <= test.normal_load <= top
     ]
-    mark_tests(axes, inside, bulk, bulk)
+    for mark in mark_tests(axes, inside, bulk, bulk):
+        mark.set_clip_on(False)  # tests are often at the lowest and the highest load
     if left_out := len(tests) - len(inside):
         beyond = "test lies" if left_out == 1 else "tests lie"
         axes.plot([], [], ls="none", label=f"{left_out} {beyond} beyond the figure")
@@ -114,14 +115,12 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
     )
     axes.grid(visible=False, axis="y")
     axes.set_xlim(left=0.0)
-    label = "share of the variance\nof the critical velocity"
-    label += ",\ngiven the measurements" if sensitivity.given_measured else ""
-    bars = "bar: first index, 90 % interval" + ("\ntick: total index" if has_total else "")
-    axes.set_xlabel(f"{label}\n{bars}")
+    label = "share of the variance of the critical velocity"
+    axes.set_xlabel(label + (", given the measurements" if sensitivity.given_measured else ""))
     figure.suptitle(style.as_text(title), wrap=True)
-    figure.legend(
-        loc="outside lower center", ncols=min(number, 4), title="load, spread of velocity"
-    )
+    bars = "bar: first index, with its 90 % interval" + ("; tick: total index" if has_total else "")
+    title = f"{bars}\nload, and spread of the velocity there"
+    style.legend_below(figure, ncols=min(number, 4), title=title, title_fontsize=9.5)
     return figure
 
 
@@ -144,8 +143,8 @@ def draw_posterior(posterior: Posterior) -> Figure:
             middles = (listed[1:] + listed[:-1]) / 2
             bins = np.array([2 * listed[0] - middles[0], *middles, 2 * listed[-1] - middles[-1]])
         for draws, colour, label in (
-            (posterior.prior, GREY, "before the measurements"),
-            (posterior.draws, BLUE, "after them"),
+            (posterior.prior, GREY, "prior, before the tests"),
+            (posterior.draws, BLUE, "posterior, after the tests"),
         ):
             panel.hist(
                 quantity.shown.of(draws.inputs[:, number]), bins.tolist(),
@@ -186,11 +185,11 @@ def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
             (-6, 5) if is_above else (6, -10), ha="right" if is_above else "left",
             textcoords="offset points", fontsize=8, color=GREY,
         )  # fmt: skip
-    axes.set_xlabel("measured velocity, its scatter [m/s]", fontsize=9)
-    axes.set_ylabel("computed, 90 % interval [m/s]", fontsize=9)
+    axes.set_xlabel("measured velocity, with scatter [m/s]", fontsize=9)
+    axes.set_ylabel("computed, with 90 % interval [m/s]", fontsize=9)
 
 
-_LEAST_RISK = 1e-5  # below which a probability is not drawn
+_FAR = 0.01  # share of the goal below which a probability is not drawn
 
 
 @style.house_style
@@ -203,7 +202,7 @@ def draw_design(limits: Limit | Sequence[Limit], title: str) -> Figure:
     if not limit.at:
         values = shown.of(np.array(limit.values))
         chances = np.array(limit.probabilities)
-        percent = 100 * np.where(chances > _LEAST_RISK, chances, np.nan)
+        percent = 100 * np.where(chances > _FAR * goal.risk, chances, np.nan)
         axes.semilogy(values, percent, "o-", ms=4, color=BLUE, label="emulated")
         axes.axhline(100 * goal.risk, color=GREY, lw=1.0, label=f"goal, {100 * goal.risk:g} %")
         if limit.value is not None and limit.interval is not None:

@@ -133,7 +133,7 @@ def plan_tests(
     target: str | None = None,
     bulk_temperatures: Sequence[float | str] = (),
 ) -> tuple[Candidate, ...]:
-    """Plan several runs at once, each a single test, the best beside those before it.
+    """Plan several runs at once: each is the single test that tells most after those before it.
 
     Parameters
     ----------

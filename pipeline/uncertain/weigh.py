@@ -179,7 +179,7 @@ def posterior_at(ds: xr.Dataset, ensemble: Ensemble) -> Posterior | None:
     if not ensemble.tests:
         raise InputError(
             "the scene has no measured transition and no test; give it a [[measured]] with load "
-            "and velocity, or a [[tested]] with an outcome besides"
+            "and velocity, or a [[tested]] with an outcome, too"
         )
     return posterior(ensemble, scatter or SCATTER)
 

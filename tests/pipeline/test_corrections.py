@@ -193,7 +193,7 @@ def test_entries_of_a_scene_become_corrections(tmp_path):
         ("disk={diameter='90 mm', material='steel'}", "disk.width: missing"),
         ("disk={diameter='9 cm', width='1 cm', bore='9 cm', material='steel'}", "not smaller"),
         ("disk={diameter='9 cm', width='1 cm', capacity='65 J/K', material='steel'}",
-         "disk.diameter: 90 mm of a disc stands beside capacity of a plate"),
+         "disk.diameter: 90 mm of a disc and capacity of a plate"),
         ("disk={diameter='9 cm', width='1 cm', rim_loss='2 W/K', material='steel'}",
          "cannot be converted to W/(m^2 K)"),
         ("disk={diameter='9 cm', width='3 mm', material='steel'}", "narrower than the contact"),
@@ -231,7 +231,7 @@ def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
     for wrong, problem in (
         (
             {"pin.track_length": "314 mm"},
-            "pin.diameter: 100 mm of a disc stands beside track_length",
+            "pin.diameter: 100 mm of a disc and track_length",
         ),
         ({"motion.track_length": "200 mm"}, "motion.track_length: 200 mm is not the 314.159 mm"),
         ({"pin.diameter": "0.5 mm"}, "pin.diameter: the track is 1.571 mm long"),
@@ -258,7 +258,7 @@ def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, irg):
     budget = irg(*command)
     table, counted = budget.split("counted:\n", 1)
     counted, could_be, not_sized = re.split("\n(?:could be counted|cannot be sized):\n", counted)
-    for name in ("without stem and holder", "earlier turns", "bulk that follows", "oxide"):
+    for name in ("without stem and holder", "earlier turns", "warming bulk", "oxide"):
         assert f"\n{name}" in table
     assert counted.count("  entry") == could_be.count("pin.stem") + 1 == 1
     assert "plastic memory of the track: " in not_sized

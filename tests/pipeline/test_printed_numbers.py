@@ -334,7 +334,7 @@ def test_the_band_of_a_boundary_is_that_of_both_errors(ask, stores):
     plane = decisive(opened(stores("plane")))
     document, said, _ = ask("boundary", "plane")
     scale, count = model_scale(plane, 1200.0, crossings_in(document))
-    assert f"± {100 * scale:.2g} % in velocity, by {count} tests and 10 %" in said
+    assert f"± {100 * scale:.2g} % in velocity, from {count} tests and a prior of 10 %" in said
     assert f"± {100 * scale:.2g} % in velocity" in document["model_error"]
     for place, load in ((1, 400.0), (2, 600.0)):
         critical = document["critical_velocity"][place]
@@ -345,7 +345,7 @@ def test_the_band_of_a_boundary_is_that_of_both_errors(ask, stores):
         assert document["mild_below"][place] == pytest.approx(critical / off / far, rel=NEAR)
         assert document["severe_above"][place] == pytest.approx(critical * off * far, rel=NEAR)
     low, high = (document[name][-1] for name in ("mild_below", "severe_above"))
-    assert f"at 600 N mild below {low:.3g} m/s and severe above {high:.3g} m/s" in said
+    assert f"mild below {low:.3g} m/s and severe above {high:.3g} m/s at 600 N" in said
 
 
 def test_tests_of_the_scene_stand_beside_the_boundary(ask, stores):
@@ -362,7 +362,7 @@ def test_tests_of_the_scene_stand_beside_the_boundary(ask, stores):
     assert abs(critical / 2.0 - 1) > 0.1
     # 600 N at 3 m/s is computed as severe: the measured velocity is missed, and so is one test.
     assert tests["agrees"] == ["no", "yes", "no"]
-    assert "Of 3 tests 1 agrees, 2 do not." in said
+    assert "Of 3 tests, 1 agrees, 2 do not." in said
     (computed,) = re.fullmatch(r"at ([\d.]+) m/s", tests["computed"][0]).groups()
     assert float(computed) == pytest.approx(critical, rel=NEAR)
 
@@ -939,7 +939,7 @@ def test_a_probability_of_samples_is_that_of_a_run_about_each_draw(ask, law):
         assert said.split("\n")[0] == document["sentence"]
         assert said.startswith(f"{verdict.capitalize()}: severe wear is ")
         assert f"the model's own  {document['model_error']}" in said
-        assert "10 % in velocity taken" in said
+        assert "± 10 % in velocity, a prior" in said
         hot = 298.15 + frictions * np.exp(log_rise(load, velocity))
         for name, values, tolerance in (
             ("decisive_temperature", hot, 2.0),
@@ -980,7 +980,7 @@ def test_the_boundary_of_samples_has_the_velocities_of_probabilities_of_a_run(as
         assert low == pytest.approx(expected[0] / 1.08, rel=0.06)
         assert high == pytest.approx(expected[-1] * 1.08, rel=0.08)
         shown(low, high)
-        assert f"at {load:g} N mild below {low:.3g} m/s and severe above {high:.3g} m/s" in said
+        assert f"mild below {low:.3g} m/s and severe above {high:.3g} m/s at {load:g} N" in said
 
 
 # One answer as text, as JSON and in Python

@@ -82,7 +82,7 @@ def test_rows_have_places_of_their_own(tmp_path):
     assert ds["velocity"].dims == ds["load"].dims == ds["status"].dims == ("test",)
     assert ds["load"].values.tolist() == [250.0, 600.0]
     assert (ds["normal_load"].sel(step=0) == ds["load"]).all()
-    with pytest.raises(InputError, match="no plane of velocities and loads"):
+    with pytest.raises(InputError, match="so there is no plane"):
         pipeline.boundary(path)
 
 

@@ -288,7 +288,7 @@ REFUSALS = {
                      "exactly one of them must be given"),
     "motion": (lambda: Motion(entrainment_velocity=INFINITE), "entrainment_velocity is inf"),
     "rolling": (lambda: Motion(slide_roll_ratio=0.0),
-                "slide_roll_ratio is 0: bodies that roll have no sliding velocity"),
+                "slide_roll_ratio is 0: pure rolling has no sliding velocity"),
     "track": (lambda: Motion(slide_roll_ratio=1.0, track_length=0.0), "track_length is 0.0"),
     "short track": (lambda: scene(motion=Motion(slide_roll_ratio=1.0, track_length=3e-4)),
                     "track_length is 0.0003 m"),

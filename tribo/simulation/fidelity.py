@@ -28,13 +28,13 @@ class Fidelity:
         paper, or that of one pixel in its middle. A sample keeps the distribution of heights and
         slopes that the mean smooths, and so comes nearer to what the pixels themselves give.
     history_coarsening : int
-        Until a point's last step, elements are up to so many times larger along each axis; the
+        Factor by which elements are larger, at most, along each axis until a point's last step; the
         last step is then repeated on the scene's own grid. The past acts through the wear alone,
         which a coarse grid knows well where it is swept and many elements touch. Local wear keeps
         the roughness, and the grid with it.
     fewest_elements : int
-        Elements that have to touch at least where a temperature is asked for. A point at which
-        fewer do is computed from its start on smaller elements, down to the pixels, and on one
+        Least number of elements in contact when a temperature is asked for. A point at which
+        fewer touch is computed from its start on smaller elements, down to the pixels, and on one
         grid; 0 to take the scene's in any case.
     increments : int
         Steps of the ramp up to its reference load.

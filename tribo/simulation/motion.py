@@ -83,7 +83,7 @@ class Motion:
                 raise InputError(f"{name} is {value!r}; it must be finite")
         if self.slide_roll_ratio == 0:
             raise InputError(
-                "slide_roll_ratio is 0: bodies that roll have no sliding velocity; give "
+                "slide_roll_ratio is 0: pure rolling has no sliding velocity; give "
                 "entrainment_velocity, and the sliding velocity 0"
             )
         if self.track_length is not None:

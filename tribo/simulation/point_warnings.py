@@ -179,8 +179,8 @@ def _warn_shape(scene: Scene, state: State) -> Iterator[Reason]:
     yield (
         WarningKind.BEYOND_SHAPE,
         f"{size} at {state.normal_load:g} N, the pin's radius is {1e3 * radius:.3g} mm; beyond "
-        f"{2 * WIDEST:g} times that wide, or {WIDEST**2 / 2:.2g} times that deep, it has not the "
-        "shape that the model takes: check specific_wear_rate and the load, or shorten the test",
+        f"{2 * WIDEST:g} times that wide, or {WIDEST**2 / 2:.2g} times that deep, it lost the "
+        "shape that the model assumes: check specific_wear_rate and the load, or shorten the test",
     )
 
 

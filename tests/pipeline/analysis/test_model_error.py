@@ -70,11 +70,11 @@ def test_a_probability_is_that_of_a_run_beyond_the_transition(ratio):
 
 def test_without_tests_and_with_them_the_answer_says_what_its_own_error_rests_on():
     untested = pipeline.margin(swept_with(), 600.0, 1.0)
-    assert untested.model_error == "no test here: 10 % in velocity taken"
+    assert untested.model_error == "± 10 % in velocity, a prior; no test here"
     one = swept_with((600.0, 1.3 * CRITICAL, None))
     scale = math.sqrt((4 * 0.01 + math.log(1.3) ** 2) / 5)
     said = pipeline.margin(one, 600.0, 1.0).model_error
-    assert said == f"± {100 * scale:.2g} % in velocity, by 1 test and 10 %"
+    assert said == f"± {100 * scale:.2g} % in velocity, from 1 test and a prior of 10 %"
     own = synthetic.sweep(measured=(), model_scatter=0.03)
     assert scatter_of(own).scale == pytest.approx(0.03)
     none = pipeline.margin(synthetic.sweep(measured=(), model_scatter=0.0), 600.0, 1.0)

@@ -65,7 +65,7 @@ def test_what_the_models_own_error_leaves_open_is_decided_by_a_test_and_by_no_co
     near = margin(synthetic.sweep(preset="reference"), 400.0, 2.1)
     assert (near.verdict, near.is_open_by_model) == ("not decided", True)
     (line,) = lines_on(["irg point …"], by_model=True)
-    assert line.startswith("not decided by the model's own error, whatever is computed: test there")
+    assert line.startswith("no computation decides this, because of the model's own error: test")
 
 
 @pytest.mark.parametrize(("status", "retry"), [(PENDING, False), (FAILED, True)])

@@ -234,4 +234,4 @@ def test_a_sheet_of_a_workbook_is_chosen_and_the_others_are_named(store, tmp_pat
         "margin", "out.zarr", "--points", book, "--sheet", "hot", code=2
     )
     place = ["--load", "400 N", "--velocity", "1 m/s", "--sheet", "warm"]
-    assert "--sheet is one of a workbook of --points" in irg("margin", "out.zarr", *place, code=2)
+    assert "--sheet names a sheet of --points" in irg("margin", "out.zarr", *place, code=2)

@@ -181,6 +181,20 @@ def test_wear_of_a_ramp_is_drawn_in_the_units_of_its_axes():
     assert np.nanmax(drawn["worn volume [mm³]"]) == pytest.approx(volume)
 
 
+def test_the_ends_of_both_curves_of_a_panel_have_marks_of_their_own():
+    whole = synthetic.sweep(*NARROW)
+    parts = whole.assign(own_grid=whole["own_grid"] & (whole["step"] == 0))
+    for ds, is_coarse in ((whole, False), (parts, True)):
+        figure = ramp(ds, load=600.0, velocity=4.0)
+        (title,) = (legend.get_title().get_text() for legend in figure.legends)
+        assert ("smaller elements than the lines" in title) == is_coarse
+        for axes in figure.axes:
+            marks = {line.get_marker() for line in axes.lines if line.get_marker() != "None"}
+            assert marks in ({"o", "^"}, {"o"}, {"^"})
+    key = figure.axes[1].get_legend().legend_handles
+    assert [line.get_marker() for line in key] == ["o", "^"]
+
+
 def test_the_critical_temperature_is_outlined_in_the_contact():
     ds = synthetic.sweep(*NARROW, fields=True)
     figure = fields(ds, load=600.0, velocity=4.0, stacked=True)
@@ -226,6 +240,19 @@ def test_bars_of_variations_reach_from_nothing_to_the_change_at_each_load():
     assert " no transition" in {text.get_text() for text in axes.texts}
     assert axes.get_ylim()[0] > axes.get_ylim()[1]  # the most important entry on top
     assert signed(-0.123) == "−12.3 %"
+
+
+def test_where_each_entry_has_one_value_bars_end_in_their_changes():
+    base = Variation("", "", (2.0,), ("crosses",))
+    others = (
+        Variation("oxide", "10 nm of 2 W/(m K) on the disk", (1.9,), ("crosses",)),
+        Variation("pin.radius", "3 mm", (2.2,), ("crosses",)),
+    )
+    figure = pipeline.draw_variations(Variations("A scene", (200.0,), base, others, 1, 1))
+    (axes,) = figure.axes
+    names = [text.get_text().splitlines()[1] for text in axes.get_yticklabels()]
+    assert sorted(names) == ["10 nm of 2 W/(m K) on the disk", "3 mm"]
+    assert {text.get_text() for text in axes.texts} >= {"−5 %", "+10 %"}
 
 
 def choice(name, saving, error, varied=None):

@@ -75,11 +75,14 @@ def contour(axes, gid):
 
 def test_diagram_says_its_conditions(drawn):
     (legend,) = drawn.figure.legends
-    severe, error = legend.get_title().get_text().split("\n")
+    severe, error, pale = legend.get_title().get_text().split("\n")
+    assert pale == "pale: points whose neighbours have the same wear"
     assert severe == (
         "severe wear: more than 10 % of the contact above 145 °C; friction 0.1, bulk 25 °C"
     )
-    assert re.fullmatch("the model's own error: ± .* % in velocity, by 4 tests and 10 %", error)
+    assert re.fullmatch(
+        "the model's own error: ± .* % in velocity, from 4 tests and a prior of 10 %", error
+    )
     assert labels(legend) == [
         "computed transition",
         "transition at friction 0.09–0.103",

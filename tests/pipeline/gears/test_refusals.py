@@ -85,7 +85,7 @@ REFUSALS = {
     "failure stage": (lambda: critical_temperature(gears.read_pair("fzg_a"), 13),
                       "failure load stage is 13; give 2 to 12"),
     "oil of a stage": (lambda: rig_pair(pair()().changed(oil=None, friction=0.05)),
-                       "the oil of the pair is not given"),
+                       "and the oil of the pair is not given"),
     "friction": (lambda: friction_coefficient(oilless(), oilless().duty), "without an oil there"),
     "standing": (lambda: friction_coefficient(gears.read_pair("fzg_a"), Duty(300.0, 0.0, 360.0)),
                  "duty.speed is 0"),
@@ -98,7 +98,7 @@ REFUSALS = {
     "points": (fzg("--points", "duty.csv"), "need a critical temperature"),
     "two": (fzg("--failure-stage", "9", *CRITICAL), "give one of them"),
     "questions": (fzg("--stages", "--points", "duty.csv", *CRITICAL), "ask one at a time"),
-    "sheet": (fzg("--sheet", "one"), "--sheet is one of a workbook of --points"),
+    "sheet": (fzg("--sheet", "one"), "--sheet names a sheet of --points"),
 }  # fmt: skip
 
 ELSEWHERE = {

@@ -251,7 +251,7 @@ REFUSALS = {
     "pixels": (pixels_of_another_size, "the pixels of disk.roughness.file are"),
     "crop": (measured(np.eye(490), "crop = [100, 0]\n"), "reaches beyond the surface of 490 × 490"),
     # tables
-    "sheet": (rows_of("log.csv", sheet="one"), 'has no sheets, of which "one" is one'),
+    "sheet": (rows_of("log.csv", sheet="one"), 'has no sheets, so none called "one"'),
     "kind": (rows_of("log.ods"), "log.ods cannot be read: rows are read from"),
     "no sheet": (book(sheet="Lag"), 'has no sheet "Lag"; give one of Log'),
     "no book": (rows_of("log.xlsx", b"text"), "is no sound .xlsx file"),

@@ -131,10 +131,10 @@ def test_a_note_says_that_the_unit_and_the_pixels_given_count(library):
     surface = read_surface("a.x3p", 1e-9)
     np.testing.assert_allclose(surface.heights, 1e-3 * HEIGHTS)
     (note,) = surface.notes
-    assert "given counts, 1e-09 m, not the file's own of 1e-06 m" in note
+    assert "the given height unit counts, 1e-09 m, not that of the file, 1e-06 m" in note
     assert read_surface("a.x3p", 1e-6).replace_pixels(SIDES).notes == ()
     (note,) = read_surface("a.x3p").replace_pixels((1e-6, 1e-6)).notes
-    assert note == "the pixels given count, not the file's own of 0.816 × 0.95 µm"
+    assert note == "the given pixels count, not those of the file, 0.816 × 0.95 µm"
 
 
 def test_an_image_is_refused_in_words():
@@ -235,4 +235,4 @@ def test_the_unit_given_counts_for_the_heights_of_an_instrument_and_not_for_its_
     surface = read_surface(path, 1e-6)
     np.testing.assert_allclose(surface.heights, 1e-6 * HEIGHTS, rtol=1e-6)
     assert surface.pixel_size == pytest.approx(SIDES)
-    assert "given counts, 1e-06 m, not the file's own of 1 m" in surface.notes[0]
+    assert "the given height unit counts, 1e-06 m, not that of the file, 1 m" in surface.notes[0]

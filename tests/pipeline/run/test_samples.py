@@ -187,7 +187,7 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, 
             "drawn: leave out friction",
         ),
         (("margin", "--load", "900 N", "--velocity", "2 m/s"), "load is 900 N; the samples have"),
-        (("plot", "--kind", "ramp"), "has samples, and no plane of points"),
+        (("plot", "--kind", "ramp"), "has samples, so there is no plane of points"),
         (
             ("infer", "--next", "--bulk-temperature", "pin=60 degC, disk=25 degC"),
             "of a test to plan is that of both bodies",
@@ -204,7 +204,7 @@ def test_a_store_without_samples_says_how_to_get_them(alone, irg):
 
 
 def test_the_search_for_a_boundary_takes_no_samples(tmp_path):
-    with pytest.raises(InputError, match="run without the search"):
+    with pytest.raises(InputError, match="leave out --boundary-only"):
         pipeline.run_sweep(load(tmp_path), tmp_path / "out.zarr", boundary_only=0.01)
 
 

@@ -160,7 +160,7 @@ ENTRIES = {
     "powers": (entry("wear.specific_wear_rate", "1 mm3/(N m)"), 'powers as in "mm^3"'),
     "motion": (entry("motion", {}), "entrainment_velocity None; exactly one of them must be"),
     "motions": (entry("motion", {"slide_roll_ratio": 1, "entrainment_velocity": "1 m/s"}),
-                "motion.slide_roll_ratio: 1 stands beside an entrainment_velocity; give one"),
+                "motion.slide_roll_ratio: 1 and an entrainment_velocity are given; give one"),
     "short track": (entry("motion", {"slide_roll_ratio": 1, "track_length": "0.1 mm"}),
                     "motion.track_length: 0.1 mm is shorter than the window, "),
     "critical": (entry("temperature.critical", "25 degC"), "not above temperature.bulk, 25 °C"),
@@ -192,7 +192,7 @@ ENTRIES = {
                      **{"sweep.velocities": {"from": "1 m/s", "to": "7 m/s", "count": 100_000}}),
                "1e+10 points are too many"),
     "temperatures": (entry("wear.by_temperature", [
-        {"temperature": "300 K", "specific_wear_rate": "1e-15 m^2/N"}] * 2), "stands twice"),
+        {"temperature": "300 K", "specific_wear_rate": "1e-15 m^2/N"}] * 2), "appears twice"),
     "smooth seeds": (lambda: scene(("[disk.roughness]\n" + ROUGHNESS, ""),
                                    **{"sweep.realizations": 3}), "does not fit a smooth disk"),
     "measured seeds": (lambda: measured((480, 480), **{"sweep.realizations": 3}),
@@ -236,7 +236,7 @@ ENTRIES = {
     "no row file": (entry("sweep.along", "no.csv"), "no.csv"),
     "row samples": (along("load [N],velocity [m/s]\n300,1\n300,2\n", **{
         "unknown": {"friction.coefficient": {"mean": 0.1, "sd": 0.01}}, "sweep.samples": 8}),
-                    "leave out one or the other"),
+                    "leave out sweep.along or sweep.samples"),
     "row count": (along("load [N],velocity [m/s]\n" + "".join(
         f"{300 + n / 100},1\n" for n in range(5000)), **{"sweep.around": 9}),
         "places are too many"),

@@ -12,7 +12,7 @@ ROLLING = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}
 BALL = {"without": ["pin.length"], "pin.shape": "ball"}
 CROWNED = {"without": ["pin.length"], "pin.shape": "crowned", "pin.crown_radius": "50 mm"}
 NAMES = {
-    "friction by velocity", "friction by temperature", "earlier turns", "bulk that follows",
+    "friction by velocity", "friction by temperature", "earlier turns", "warming bulk",
     "stem and holder of the pin", "oxide or tribofilm", "conductivity and specific heat when warm",
     "plastic memory of the track", "kinetics of desorption",
 }  # fmt: skip
@@ -98,7 +98,7 @@ def test_every_shipped_scene_has_all_effects(path):
         ("hold", "earlier turns", {"disk.track_length": "0.34 m"}),
         ("discs", "earlier turns", {"pin.track_length": "314 mm", "disk.track_length": "314 mm"}),
         ("pin that turns on a disk at rest", "earlier turns", {"pin.track_length": "0.34 m"}),
-        ("discs", "bulk that follows",
+        ("discs", "warming bulk",
          {"pin.capacity": {"diameter": "99.94930426 mm", "thickness": "10 mm"},
           "disk.capacity": {"diameter": "108.2253613 mm", "thickness": "10 mm"}}),
     ],

@@ -120,7 +120,7 @@ REFUSALS = {
     "equal": (unknown("list", 1.0, 1.0), "at least two different values"),
     "nan": (unknown("normal", math.nan, 1.0), "is not a distribution; give finite numbers"),
     "kind": (unknown("even", 0.0, 1.0), "even with (0.0, 1.0) is not a distribution"),
-    "unit": (lambda: Unit("mm", size=0.0), "a unit of 0 mm is none"),
+    "unit": (lambda: Unit("mm", size=0.0), "the unit mm has the size 0"),
     # texts of sweeps
     "object": (lambda: encode(object(), {}), "is a object, which a store cannot keep"),
     "nested": (lambda: text_sweep("[" * 10_000 + "]" * 10_000, {}), "not the text of a sweep"),

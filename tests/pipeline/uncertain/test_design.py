@@ -11,7 +11,7 @@ from pipeline.analysis.model_error import ModelError
 from pipeline.scene.along import Place
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.unknown import Fixed, Unknown, drawn
-from pipeline.uncertain import design
+from pipeline.uncertain import answer_design, design
 from pipeline.uncertain.answers import run_probability
 from pipeline.uncertain.design import Chances, Direct, Goal
 from pipeline.uncertain.ensemble import Excess
@@ -230,3 +230,13 @@ def test_an_input_that_raises_the_risk_has_a_highest_value(samples):
     assert limit.value == pytest.approx(4.6e-6, abs=0.05e-6)
     assert limit.safe == (3e-6, limit.value)
     assert limit.best[0] == 3e-6
+
+
+def test_draws_are_simulated_also_where_the_number_of_samples_was_given_by_set(monkeypatch):
+    settings = {"sweep.samples": 8, "unknown": {CRITICAL.path: {"mean": "140 degC", "sd": "9 K"}}}
+    stored = pipeline.load_scene("uncertain", overrides=settings)
+    assert any("sweep.samples" in word for word in stored.about.arguments)
+    monkeypatch.setattr(answer_design, "scene_sweep", lambda _: stored)
+    alone = answer_design.read_scene(None)({CRITICAL.path: "150 degC"})
+    assert alone.conditions.critical_temperature == pytest.approx(423.15)
+    assert not alone.variants.unknown

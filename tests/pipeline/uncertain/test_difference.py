@@ -40,7 +40,7 @@ def test_two_oils_differ_by_less_than_either_is_known():
     assert kelvins.probability > 0.99
     expected = math.log((425.15 - 298.15) / (413.15 - 298.15)) / EXPONENT
     assert velocity.mean == pytest.approx(expected, abs=0.02)
-    assert "B stands more than A with a probability of 1" in _word_contrast(kelvins)
+    assert "B withstands more than A with a probability of 1" in _word_contrast(kelvins)
     assert posterior.unknown[-1].path == f"{CRITICAL.path} of B"
     assert len(pipeline.plot(posterior).axes) >= 4
 

@@ -247,7 +247,7 @@ REFUSALS = {
     "no samples": (lambda: pipeline.Ensemble.of(synthetic.sweep()), "the sweep has no samples"),
     "too few": (too_few, "0 of 8 samples are done at every load"),
     "rows": (bent, "are not judged row by row at another"),
-    "weighed rows": (weighed_rows, "weigh the conditions as they were drawn: leave out"),
+    "weighed rows": (weighed_rows, "the tests weigh conditions as they were drawn"),
     "target": (partial(planned, "pin.radius"), 'target is "pin.radius"; give one of'),
     "count": (partial(planned, count=0), "count is 0; it must be at least 1"),
     "range": (sought(RATE.path), "a design needs a range: give one of"),
