@@ -216,27 +216,3 @@ def _rows_of(name: str, sweep: Sweep) -> tuple[str, ...]:
         return tuple(table.axes)
     ramps = {ramp_of(sweep.variant(one).scene) for one in table.given}
     return tuple(one.name for one in table.chosen) if len(ramps) > 1 else ()
-
-
-_TABLES = {
-    "Coordinates": COORDINATES | MADE,
-    "Variables of each point": RECORDS,
-    "Variables at each step": COLUMNS,
-    "Variables of bodies that differ in bulk temperature": BULK_COLUMNS | BULK_FIELDS,
-    "Fields at the end of each point": FIELDS,
-}
-
-
-def page() -> str:
-    """Tables of every variable, as the page of the dataset has them behind its other sections."""
-    sections = []
-    for title, variables in _TABLES.items():
-        lines = [f"## {title}\n", "| variable | dimensions | unit | meaning |", "|---|---|---|---|"]
-        for name, of in variables.items():
-            lines.append(f"| `{name}` | {', '.join(of.dims)} | {of.units or ''} | {of.long_name} |")
-        sections.append("\n".join(lines) + "\n")
-    return "\n".join(sections)
-
-
-if __name__ == "__main__":
-    print(page(), end="")
