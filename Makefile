@@ -25,11 +25,11 @@ diagram: .venv/run    ## compute and draw the transition diagram of the paper's 
 gallery: .venv/run    ## recompute every figure and table of the paper, and their page
 	$(BIN)/python -m workflows.paper all -o workflows
 
-reference: .venv/run  ## write the references of the scene file and of the dataset anew
+reference: .venv/test ## write the references of the scene file and of the dataset anew
 	sed -i '/^## Top of the file/,$$d' workflows/SCENE.md
-	$(BIN)/python -m pipeline.scene.reference >> workflows/SCENE.md
+	$(BIN)/python -m tests.house.reference scene >> workflows/SCENE.md
 	sed -i '/^## Coordinates/,$$d' workflows/DATASET.md
-	$(BIN)/python -m pipeline.store.schema >> workflows/DATASET.md
+	$(BIN)/python -m tests.house.reference dataset >> workflows/DATASET.md
 
 notebooks: .venv/test ## run the three notebooks, and store what their cells show, in 2 minutes
 	OMP_NUM_THREADS=1 $(BIN)/python -m workflows.notebooks

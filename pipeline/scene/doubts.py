@@ -9,7 +9,7 @@ from dataclasses import asdict
 from typing import Any
 
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
-from pipeline.scene.units import display
+from pipeline.scene.units import display, shown_in
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import columns_in_closed_form, note_on_ends, note_on_turns
 from pipeline.sweep.severity import MELTS
@@ -26,13 +26,13 @@ from tribo.simulation.point_warnings import (
 )
 
 _MATERIAL: dict[str, tuple[Any, ...]] = {
-    "elastic_modulus": ("elastic modulus", 1e-9, 1, 1200, "GPa"),
-    "hardness": ("hardness", 1e-9, 0.01, 100, "GPa"),
-    "thermal_conductivity": ("thermal conductivity", 1, 0.05, 2500, "W/(m K)"),
-    "density": ("density", 1, 500, 25000, "kg/m³"),
-    "specific_heat": ("specific heat", 1, 100, 5000, "J/(kg K)"),
+    "elastic_modulus": (1, 1200, "GPa"),
+    "hardness": (0.01, 100, "GPa"),
+    "thermal_conductivity": (0.05, 2500, "W/(m K)"),
+    "density": (500, 25000, "kg/m³"),
+    "specific_heat": (100, 5000, "J/(kg K)"),
 }
-"""Words for a constant; the number that 1 of it in SI has in a unit; its usual range in that."""
+"""Usual range of a constant, in a unit."""
 _USUAL_BULK = 223.15, 523.15  # −50 to 250 °C, where oils are used
 _LONGEST = 1 / 3  # correlation length in sides of the window
 _REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
@@ -55,8 +55,8 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
 
 def _unusual(sweep: Sweep, facts: Facts) -> Iterator[str]:
     """Quantities outside their usual ranges."""
-    for name, value, factor, low, high, unit in _quantities(sweep, facts):
-        shown = math.nan if value is None else value * factor
+    for name, value, low, high, unit in _quantities(sweep, facts):
+        shown = math.nan if value is None else shown_in(value, unit)
         if math.isfinite(shown) and not low <= shown <= high:
             of = f" {unit}" if unit else ""
             yield (
@@ -72,39 +72,37 @@ def _unusual(sweep: Sweep, facts: Facts) -> Iterator[str]:
 
 
 def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
-    """Words, the value in SI, what 1 of it is in a unit, the usual range in that, and the unit."""
+    """Words, the value in SI, the usual range in a unit, and the unit."""
     scene, pin, plane, conditions = sweep.scene, sweep.scene.pin, sweep.plane, sweep.conditions
     bodies = {"the pin's": pin.material, "the disk's": scene.disk}
     for owner, material in bodies.items() if pin.material != scene.disk else [("the", scene.disk)]:
-        for name, (words, *usual) in _MATERIAL.items():
-            yield f"{owner} {words}", getattr(material, name), *usual
+        for name, usual in _MATERIAL.items():
+            yield f"{owner} {name.replace('_', ' ')}", getattr(material, name), *usual
         share = material.hardness / material.elastic_modulus
-        yield f"{owner} hardness", share, 1, *USUAL_HARDNESS, "times the elastic modulus"
+        yield f"{owner} hardness", share, *USUAL_HARDNESS, "times the elastic modulus"
     for size in sizes_of(pin):
         longest = 1000 if size in ("radius", "length") else 100_000
-        words = f"the pin's {size.replace('_', ' ')}"
-        yield words, getattr(pin, size), 1e3, 0.1, longest, "mm"
-    yield "friction", max([conditions.friction, *(sweep.about.friction_band or [])]), 1, 0, 1, ""
-    yield "the highest velocity", max(plane.velocities), 1, 0, 100, "m/s"
-    yield "the bulk temperature", conditions.bulk_temperature, 1, *_USUAL_BULK, "K"
+        yield f"the pin's {size.replace('_', ' ')}", getattr(pin, size), 0.1, longest, "mm"
+    yield "friction", max([conditions.friction, *(sweep.about.friction_band or [])]), 0, 1, ""
+    yield "the highest velocity", max(plane.velocities), 0, 100, "m/s"
+    yield "the bulk temperature", conditions.bulk_temperature, *_USUAL_BULK, "K"
     for body, track in tracks_of(sweep).items():
-        yield f"the {body}'s track", track.length, 1e3, 20, 10_000, "mm"
+        yield f"the {body}'s track", track.length, 20, 10_000, "mm"
     kept = conditions.corrections or Corrections()
     for body, bulk in (("pin", kept.pin_bulk), ("disk", kept.disk_bulk)):
         if bulk and bulk.capacity:
-            yield f"the {body}'s heat capacity", bulk.capacity, 1, 0.5, 1e6, "J/K"
+            yield f"the {body}'s heat capacity", bulk.capacity, 0.5, 1e6, "J/K"
     if isinstance(scene.wear, Wear) and scene.wears:
-        rate = scene.wear.specific_wear_rate
-        yield "the specific wear rate", rate, 1e9, 1e-11, 1e-2, "mm³/(N m)"
-    yield "the time until the end", facts.duration.high, 1, 0.05, 1e6, "s"
+        yield "the specific wear rate", scene.wear.specific_wear_rate, 1e-11, 1e-2, "mm³/(N m)"
+    yield "the time until the end", facts.duration.high, 0.05, 1e6, "s"
     if isinstance(scene.loading, Ramp):  # whose steps it sets
         highest, load = max(plane.loads), scene.loading.reference_load
-        yield "loading.reference_load", load, 1, highest / 100, highest * 100, "N"
+        yield "loading.reference_load", load, highest / 100, highest * 100, "N"
     if oil := sweep.about.oil:
-        yield "the oil's kinematic viscosity", max(oil.viscosities), 1e6, 0.5, 1e5, "mm²/s"
-        yield "the oil's density", oil.density, 1, 500, 2000, "kg/m³"
+        yield "the oil's kinematic viscosity", max(oil.viscosities), 0.5, 1e5, "mm²/s"
+        yield "the oil's density", oil.density, 500, 2000, "kg/m³"
     if facts.surface:
-        yield "the disk's Ra", facts.surface.ra, 1e6, 0.001, 10, "µm"
+        yield "the disk's Ra", facts.surface.ra, 0.001, 10, "µm"
 
 
 def _wear_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:

@@ -22,6 +22,7 @@ from pipeline.scene.compounds import Table
 from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.kinds import OneOf
 from pipeline.scene.units import UnitError, si_unit, to_si
+from pipeline.sweep.conditions import PATHS
 from tribo import InputError
 from tribo.errors import require_file
 
@@ -34,8 +35,7 @@ UNITS = {
 """Units of quantities, empty of a number; of others nothing is guessed."""
 _EXACT = {
     "normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature",
-    "temperature.bulk": "bulk_temperature", "friction.coefficient": "friction",
-    "temperature.critical": "critical_temperature",
+    **{path: name for name, path in PATHS.items() if name in UNITS},
 }  # fmt: skip
 _SHOWN = 6  # rows of a fault that are named
 _ABSENT = "nan", "None", "NaT", "<NA>"  # what a cell of a data frame without a value is as text

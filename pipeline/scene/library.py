@@ -12,11 +12,9 @@ from importlib import resources
 from typing import Any
 
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, joined, quoted
+from pipeline.scene.format import MATERIAL
 from pipeline.sweep.about import FromLibrary
 
-_WHOLE = {
-    "elastic_modulus", "poisson_ratio", "thermal_conductivity", "density", "specific_heat",
-}  # fmt: skip
 Entries = dict[str, Any]
 _VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
 
@@ -58,7 +56,8 @@ def _material(name: str, table: Any, taken: list[FromLibrary], faults: Faults) -
     """A table of ``[materials]``, filled from the library if it is to be."""
     if not isinstance(table, dict):
         return table
-    usual = name if name in library()["materials"] and not set(table) >= _WHOLE else None
+    is_whole = set(table) >= {*MATERIAL.needed}
+    usual = name if name in library()["materials"] and not is_whole else None
     like = table.get("like", usual)
     return _filled(table, like, "materials", joined("materials", name), taken, faults)
 

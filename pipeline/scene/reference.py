@@ -1,9 +1,8 @@
-"""What is made from the format of scenes: their reference, and new scenes."""
+"""What is made from the format of scenes: its tables and keys by path, and new scenes."""
 
 from __future__ import annotations
 
 import itertools
-import math
 import re
 import shutil
 import tomllib
@@ -14,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import tribo
-from pipeline.scene.compounds import Either, Entry, List, Optional, Range, Table, Tables
+from pipeline.scene.compounds import Either, Entry, List, Range, Table, Tables
 from pipeline.scene.document import as_toml
-from pipeline.scene.faults import did_you_mean, entry_at, quoted
-from pipeline.scene.format import FIDELITY, SCENE, UNKNOWN
+from pipeline.scene.faults import did_you_mean, entry_at
+from pipeline.scene.format import SCENE, UNKNOWN
 from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError
@@ -115,30 +114,7 @@ def quantity_in(kind: Kind) -> Quantity | None:
     return None
 
 
-def page() -> str:
-    """Tables of all entries, for the page of the scene file."""
-    parts, listed = [], dict[str, str]()
-    for section in sections():
-        title = f"`{section.header}`" if section.path else "Top of the file"
-        need = " Optional." if isinstance(section.entry, Optional) else ""
-        keys, like = _new_keys(section, listed)
-        also = f" Keys as in `{like}`, and these:" if like else ""
-        parts.append(f"## {title}\n\n{section.entry.meaning}{need}{also}\n")
-        rows = [
-            [f"`{key}`", str(entry.kind), _default_cell(section, entry, form), entry.meaning]
-            for key, (entry, form) in keys.items()
-        ]
-        parts += _table(["key", "give", "default", "meaning"], rows) if rows else []
-    presets = [
-        [f"`{key}`", *(written(getattr(preset, key)) for preset in tribo.PRESETS.values())]
-        for key in FIDELITY.keys
-        if key != "preset"
-    ]
-    about = "Choices of each preset; [`CHOOSING.md`](CHOOSING.md) has their costs.\n"
-    return "\n".join([*parts, "## Presets\n", about, *_table(["", *tribo.PRESETS], presets)])
-
-
-def _new_keys(section: Section, listed: dict[str, str]) -> tuple[dict[str, tuple[Entry, str]], str]:
+def new_keys(section: Section, listed: dict[str, str]) -> tuple[dict[str, tuple[Entry, str]], str]:
     """Keys of a section that lists of tables before it, `listed`, lack; the one with the others."""
     keys = section.keys()
     if not section.is_list or "." in section.path:
@@ -147,36 +123,6 @@ def _new_keys(section: Section, listed: dict[str, str]) -> tuple[dict[str, tuple
     like = listed[min(shared)] if shared else ""
     listed |= dict.fromkeys(keys, section.header)
     return {key: entry for key, entry in keys.items() if key not in shared}, like
-
-
-def _table(heads: list[str], rows: list[list[str]]) -> list[str]:
-    """Lines of a table in Markdown."""
-    cells = [[cell.replace("|", "\\|") for cell in row] for row in (heads, *rows)]
-    head, *below = [f"| {' | '.join(row)} |" for row in cells]
-    return [head, "|---" * len(heads) + "|", *below, ""]
-
-
-def _default_cell(section: Section, entry: Entry, form: str) -> str:
-    if not isinstance(entry, Optional):
-        words = "needed"
-    elif section.path == "fidelity" and entry.default is None:
-        words = "the preset's"
-    else:
-        usual = written(entry.default, entry.kind)
-        words = f"`{usual}`" if usual else "–"
-    return f"{words} ({form})" if form else words
-
-
-def written(value: Any, kind: Kind | None = None) -> str:
-    """A default as a scene file would have it; empty for none."""
-    if value in (None, (), {}, math.inf):
-        return ""
-    match kind:
-        case List(of) if isinstance(value, tuple):
-            return f"[{', '.join(written(item, of) for item in value)}]"
-        case Quantity(example=example) if "degC" in example:
-            return f'"{value - 273.15:g} degC"'
-    return f"{value:g}" if isinstance(value, float) else quoted(value)
 
 
 _FILES = ("disk.roughness.file", "loading.file")
@@ -259,7 +205,7 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
         if name == "NAME":
             ((name, values),) = entries[table].items()
             path = f"{table}.{name}"
-        keys, like = _new_keys(section, listed)
+        keys, like = new_keys(section, listed)
         meaning = f"Keys as in {like}, and these" if like else section.entry.meaning
         if path:
             yield _meant("" if values else "#", section.header.replace(section.path, path), meaning)
@@ -309,7 +255,3 @@ def _allowed(kind: Kind, default: Any) -> Any:
         case Number():
             return 0.1
     return "text"
-
-
-if __name__ == "__main__":
-    print(page(), end="")

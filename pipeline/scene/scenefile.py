@@ -117,8 +117,7 @@ def load_scene(
 
 def _require_few_points(sweep: Sweep) -> None:
     """Raise an `InputError` for more points than a store may have, before any is made."""
-    (velocities, rows), loads = sweep.lines, len(sweep.plane.loads)
-    if (count := len(velocities) * rows * loads) > MOST_POINTS:
+    if (count := sweep.ramps * len(sweep.plane.loads)) > MOST_POINTS:
         raise tribo.InputError(
             f"sweep: {count:.4g} points are too many; give {MOST_POINTS:.0e} at most, by fewer "
             "loads, velocities or variants"

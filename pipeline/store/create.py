@@ -46,6 +46,7 @@ from pipeline.store.place import (
     larger,
     place_of,
     reaches,
+    reads,
     smaller,
     writes,
 )
@@ -228,7 +229,8 @@ def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
         )
         new = [of_dim[numbers] for of_dim, numbers in zip(moved, old, strict=True)]
         for name in shared:
-            values = store.read_at(name, old)
+            with reads(store.place, name):
+                values = store.arrays[name].oindex[old]
             # Stations are counted back from the end.
             last = [slice(-values.shape[len(old)], None)] if name in STEPPED else []
             arrays[name].oindex[(*new, *last)] = values

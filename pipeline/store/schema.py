@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stations import ramp_of
-from pipeline.sweep.variants import VARIANT, Column
+from pipeline.sweep.variants import ROWS, VARIANT, Column
 from tribo import InputError, WarningKind
 
 FORMAT = 5
@@ -52,9 +52,10 @@ def _field(units: str, long_name: str) -> Variable:
 
 
 COORDINATES = {
-    "realization": Variable(("realization",), "1", "seed of the random surface", "int64"),
-    "variant": Variable(("variant",), "1", "number of the row in the table of variants", "int64"),
-    "sample": Variable(("variant",), "1", "number of the sample of inputs", "int64"),
+    **{
+        name: Variable((VARIANT if name == "sample" else name,), "1", meaning, "int64")
+        for name, meaning in ROWS.items()
+    },
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
     "step": Variable(
@@ -153,9 +154,6 @@ AT_END = FIELDS | BULK_FIELDS
 """Variables at the end of a point."""
 
 
-_OF_TABLE = ("realization", VARIANT, "sample")  # which the table of variants has, or not
-
-
 def is_coordinate(name: str) -> bool:
     """True if a variable is no point's: of a dimension, made from the scene, or an input."""
     return name in COORDINATES or name in MADE or name not in VARIABLES
@@ -193,7 +191,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     require_free_names(sweep)
     table = {column.name: _variable_of(column) for column in sweep.variants.columns}
     front, placed = tuple(sweep.variants.axes), frozenset(table)
-    absent = {*_OF_TABLE}
+    absent = {*ROWS}  # which the table has, or not
     if not sweep.record.fields:
         absent |= {"x", "y", *AT_END}
     if not any(sweep.variant(name).scene.unequal_bulks for name in sweep.variants.given):
@@ -218,27 +216,3 @@ def _rows_of(name: str, sweep: Sweep) -> tuple[str, ...]:
         return tuple(table.axes)
     ramps = {ramp_of(sweep.variant(one).scene) for one in table.given}
     return tuple(one.name for one in table.chosen) if len(ramps) > 1 else ()
-
-
-_TABLES = {
-    "Coordinates": COORDINATES | MADE,
-    "Variables of each point": RECORDS,
-    "Variables at each step": COLUMNS,
-    "Variables of bodies that differ in bulk temperature": BULK_COLUMNS | BULK_FIELDS,
-    "Fields at the end of each point": FIELDS,
-}
-
-
-def page() -> str:
-    """Tables of every variable, as the page of the dataset has them behind its other sections."""
-    sections = []
-    for title, variables in _TABLES.items():
-        lines = [f"## {title}\n", "| variable | dimensions | unit | meaning |", "|---|---|---|---|"]
-        for name, of in variables.items():
-            lines.append(f"| `{name}` | {', '.join(of.dims)} | {of.units or ''} | {of.long_name} |")
-        sections.append("\n".join(lines) + "\n")
-    return "\n".join(sections)
-
-
-if __name__ == "__main__":
-    print(page(), end="")

@@ -144,11 +144,6 @@ class Store:
         with reads(self.place, name):
             return self.arrays[name][key]
 
-    def read_at(self, name: str, places: tuple[Any, ...]) -> Any:
-        """Read a variable at places along each dimension; raise as `read` does."""
-        with reads(self.place, name):
-            return self.arrays[name].oindex[places]
-
     def read_steps(self) -> dict[str, Any]:
         """All variables at steps, with time, load and distance, in one shape each."""
         columns = {name: self.read(name, ...) for name in STEPPED if name in self.arrays}

@@ -59,8 +59,7 @@ class Selection:
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data."""
         places = [{"load": load, "velocity": velocity} for load, velocity in self.points]
-        trials = [asdict(trial) for trial in self.trials]
-        return asdict(self) | {"points": places, "trials": trials}
+        return asdict(self) | {"points": places}
 
     @property
     def largest_error(self) -> float:

@@ -89,11 +89,9 @@ def bulk_rises(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[st
     pin's bulk at friction 1 [K], and `columns_needed`; all come back, those of `RISES` changed.
     """
     columns = corrected_columns(columns, conditions)
-    ratio = conditions.bulk_ratio
-    if ratio == 0:
-        return columns
-    require_bulks(columns, conditions)
-    return above_colder(columns, ratio)
+    if conditions.bulk_ratio:
+        require_bulks(columns, conditions)
+    return above_colder(columns, conditions.bulk_ratio)
 
 
 def columns_needed(conditions: Conditions) -> tuple[str, ...]:

@@ -114,12 +114,8 @@ class Unknown:
 
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data, without those that most inputs do not have."""
-        lists = {
-            "parameters": list(self.parameters),
-            "correlated": list(map(list, self.correlated)),
-        }
-        rare = {n: getattr(self, n) for n in ("written", "correlated", "varies")}
-        return {k: v for k, v in (asdict(self) | lists).items() if rare.get(k, True)}
+        rare = ("written", "correlated", "varies")
+        return {k: v for k, v in asdict(self).items() if v or k not in rare}
 
     def __str__(self) -> str:
         unit = self.shown.suffix

@@ -15,6 +15,12 @@ VARIANT = "variant"
 """Dimension of rows that are no full product; it numbers them."""
 PLACE = "place_number"
 """Label of rows that lie about one place, which is that of the first of them."""
+ROWS = {
+    "realization": "seed of the random surface",
+    VARIANT: "number of the row in the table of variants",
+    "sample": "number of the sample of inputs",
+}
+"""Meanings of the whole numbers that tell rows apart, where no entry of the scene does."""
 Label = float | int | str
 """Value of a row in a column."""
 Variant = tuple[tuple[str, Label], ...]
@@ -262,16 +268,14 @@ def written_of(table: Variants, name: Variant) -> dict[str, Any]:
 
 def _numbers(count: int, is_drawn: bool = False) -> Column:
     """Numbers of rows that are no full product."""
-    meaning = "number of the row in the table of variants"
-    return Column(VARIANT, tuple(range(count)), is_drawn=is_drawn, meaning=meaning)
+    return Column(VARIANT, tuple(range(count)), is_drawn=is_drawn, meaning=ROWS[VARIANT])
 
 
 def surfaces(seeds: Sequence[int]) -> Variants:
     """The scene on random surfaces, by their seeds."""
     if not seeds:
         return Variants()
-    meaning = "seed of the random surface"
-    column = Column("realization", tuple(seeds), is_drawn=True, meaning=meaning)
+    column = Column("realization", tuple(seeds), is_drawn=True, meaning=ROWS["realization"])
     return Variants((column,), tuple((("roughness.seed", seed),) for seed in seeds))
 
 
@@ -279,8 +283,7 @@ def drawn_rows(draw: Draw, count: int) -> Variants:
     """Samples of inputs that are not known exactly, each with its own velocity."""
     values, velocities = draw.design.draw(count)
     meaning = "value of an input that is not known exactly"
-    words = "number of the sample of inputs"
-    sample = Column("sample", tuple(range(count)), "1", VARIANT, meaning=words)
+    sample = Column("sample", tuple(range(count)), "1", VARIANT, meaning=ROWS["sample"])
     inputs = (
         Column(one.path, tuple(column), one.unit, VARIANT, meaning=meaning)
         for one, column in zip(draw.design.inputs, values.T.tolist(), strict=True)

@@ -8,9 +8,10 @@ import pytest
 from pipeline.scene.compounds import Either, Entry, Optional, Table
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import Number
-from pipeline.scene.reference import Section, example, new_scene, page, sections
+from pipeline.scene.reference import Section, example, new_scene, sections
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
+from tests.house import reference
 from tribo import InputError
 
 KEYS = [(section, key) for section in sections() for key in section.keys()]  # noqa: SIM118
@@ -18,7 +19,7 @@ KEYS = [(section, key) for section in sections() for key in section.keys()]  # n
 
 def test_the_page_is_what_the_format_says():
     text = (WORKFLOWS / "SCENE.md").read_text(encoding="utf-8")
-    assert text.endswith(page()), "write it anew with: make reference"
+    assert text.endswith(reference.scene()), "write it anew with: make reference"
 
 
 @pytest.mark.parametrize("name", shipped_scenes())

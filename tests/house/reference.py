@@ -1,0 +1,94 @@
+"""Tables of the pages on the scene file and the dataset, from the format and the variables.
+
+    python -m tests.house.reference scene | dataset
+
+writes one of them, as `make reference` puts it below the text of its page.
+"""
+
+import math
+import sys
+
+import tribo
+from pipeline.scene.compounds import List, Optional
+from pipeline.scene.faults import quoted
+from pipeline.scene.format import FIDELITY
+from pipeline.scene.kinds import Quantity
+from pipeline.scene.reference import new_keys, sections
+from pipeline.store import schema
+from tests.helpers.campaigns import table
+
+_VARIABLES = {
+    "Coordinates": schema.COORDINATES | schema.MADE,
+    "Variables of each point": schema.RECORDS,
+    "Variables at each step": schema.COLUMNS,
+    "Variables of bodies that differ in bulk temperature": schema.BULK_COLUMNS | schema.BULK_FIELDS,
+    "Fields at the end of each point": schema.FIELDS,
+}
+
+
+def scene():
+    """Tables of all entries of a scene file."""
+    parts, listed = [], {}
+    for section in sections():
+        title = f"`{section.header}`" if section.path else "Top of the file"
+        need = " Optional." if isinstance(section.entry, Optional) else ""
+        keys, like = new_keys(section, listed)
+        also = f" Keys as in `{like}`, and these:" if like else ""
+        parts.append(f"## {title}\n\n{section.entry.meaning}{need}{also}\n")
+        rows = [
+            [f"`{key}`", str(entry.kind), _default_cell(section, entry, form), entry.meaning]
+            for key, (entry, form) in keys.items()
+        ]
+        parts += [_table(["key", "give", "default", "meaning"], rows)] if rows else []
+    presets = [
+        [f"`{key}`", *(_written(getattr(preset, key)) for preset in tribo.PRESETS.values())]
+        for key in FIDELITY.keys
+        if key != "preset"
+    ]
+    about = "Choices of each preset; [`CHOOSING.md`](CHOOSING.md) has their costs.\n"
+    return "\n".join([*parts, "## Presets\n", about, _table(["", *tribo.PRESETS], presets)])
+
+
+def dataset():
+    """Tables of every variable of a dataset."""
+    heads = "variable", "dimensions", "unit", "meaning"
+    return "\n".join(
+        f"## {title}\n\n" + _table(heads, [
+            [f"`{name}`", ", ".join(of.dims), of.units or "", of.long_name]
+            for name, of in variables.items()
+        ])
+        for title, variables in _VARIABLES.items()
+    )  # fmt: skip
+
+
+def _table(heads, rows):
+    """A table in Markdown, and an empty line."""
+    escaped = [[cell.replace("|", "\\|") for cell in row] for row in rows]
+    return table(heads, escaped) + "\n"
+
+
+def _default_cell(section, entry, form):
+    if not isinstance(entry, Optional):
+        words = "needed"
+    elif section.path == "fidelity" and entry.default is None:
+        words = "the preset's"
+    else:
+        usual = _written(entry.default, entry.kind)
+        words = f"`{usual}`" if usual else "–"
+    return f"{words} ({form})" if form else words
+
+
+def _written(value, kind=None):
+    """A default as a scene file would have it; empty for none."""
+    if value in (None, (), {}, math.inf):
+        return ""
+    match kind:
+        case List(of) if isinstance(value, tuple):
+            return f"[{', '.join(_written(item, of) for item in value)}]"
+        case Quantity(example=example) if "degC" in example:
+            return f'"{value - 273.15:g} degC"'
+    return f"{value:g}" if isinstance(value, float) else quoted(value)
+
+
+if __name__ == "__main__":
+    print({"scene": scene, "dataset": dataset}[sys.argv[1]](), end="")
