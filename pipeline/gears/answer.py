@@ -4,35 +4,32 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from operator import attrgetter
+from typing import Any, TypeVar
 
 import pandas as pd
 
+import pipeline.gears
 from pipeline.analysis.tables import TABLES, as_dict, frame_of, short, writable_path, write_text
 from pipeline.cli import output
 from pipeline.cli.given import settings_in
 from pipeline.cli.output import Result
-from pipeline.gears.contact import Mesh, MeshPlace, mesh
+from pipeline.gears.contact import Mesh, mesh
 from pipeline.gears.fzg import (
     Critical,
-    Prediction,
     critical_temperature,
     predict_stages,
     stage_duty,
 )
 from pipeline.gears.pair import Pair
 from pipeline.gears.reading import read_pair
-from pipeline.gears.rules import integral_temperature
 from pipeline.gears.scene import scene_toml
-from pipeline.gears.spectrum import Spectrum, judge_spectrum
+from pipeline.gears.spectrum import judge_spectrum
 from pipeline.scene.units import display
 from tribo import InputError, lubrication_regime
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 T = TypeVar("T")
 
@@ -41,12 +38,34 @@ LIMITS = (
     "boundary lubrication, while gears run mixed; what a film carries is not counted, nor tip "
     "relief. Pressure, flash and film are of smooth flanks, in closed form."
 )
-_CRITICAL_HEADS = (
-    "failure load stage", "critical temperature [°C]", "doubt [K]", "passed [°C]", "failed [°C]",
-    "scuffing integral temperature [°C]",
-)  # fmt: skip
+_PLACES = {
+    "letter": "place", "position": "position [mm]", "radius_1": "radius 1 [mm]",
+    "radius_2": "radius 2 [mm]", "reduced_radius": "reduced radius [mm]",
+    "rolling_1": "rolling 1 [m/s]", "rolling_2": "rolling 2 [m/s]", "sliding": "sliding [m/s]",
+    "share": "share", "load": "load [N]", "half_width": "half-width [µm]",
+    "pressure": "pressure [GPa]", "flash": "flash [K]", "temperature": "temperature [°C]",
+    "film": "film [µm]", "film_parameter": "Λ",
+}  # fmt: skip
+_CRITICAL = {
+    "stage": "failure load stage", "value": "critical temperature [°C]", "doubt": "doubt [K]",
+    "passed": "passed [°C]", "failed": "failed [°C]",
+    "integral": "scuffing integral temperature [°C]",
+}  # fmt: skip
+_STAGES = {
+    "mesh.duty.torque": "torque [N m]", "mesh.duty.bulk": "bulk temperature [°C]",
+    "place.position": "hottest place [mm]", "temperature": "decisive temperature [°C]",
+    "error": "temperature error [K]", "integral": "integral temperature [°C]",
+}  # fmt: skip
+_ROWS = {
+    "number": "row", "simulated.mesh.duty.torque": "torque [N m]",
+    "simulated.mesh.duty.turns": "speed [rpm]", "hours": "hours",
+    "simulated.mesh.duty.bulk": "bulk temperature [°C]",
+    "simulated.place.position": "hottest place [mm]", "verdict": "verdict",
+    "simulated.temperature": "decisive temperature [°C]", "distance": "distance [K]",
+    "error": "error [K]",
+}  # fmt: skip
 _DRAWN = 400  # places of the figure, so that the load steps where it steps
-_WIDE = ("reduced radius [mm]", "load per length [N/mm]", "half-width [µm]")
+_WIDE = ("reduced radius [mm]", "half-width [µm]")
 """Columns for which a terminal is too narrow."""
 
 
@@ -64,7 +83,7 @@ def gears(options: argparse.Namespace) -> Result:
         answers, text, table = _simulated(options, pair)
         document |= answers
     else:
-        table = frame_of(_HEADS, map(_cells, one.places))
+        table = _frame(_PLACES, one.places)
         text = [frame_of(("subject", "value"), [*_facts(one)]), "", short(table, _WIDE)]
     if options.scene:
         note = f"Written by irg gears {options.pair}."
@@ -75,6 +94,11 @@ def gears(options: argparse.Namespace) -> Result:
     is_drawn = options.output and options.output.suffix.lower() not in TABLES
     draw = partial(_draw, pair) if is_drawn else None
     return Result(document, [pair.title, LIMITS, "", *text], frames=[table], draw=draw)
+
+
+def _frame(heads: Mapping[str, str], answers: Iterable[object]) -> pd.DataFrame:
+    """Values of answers by their names, below heads."""
+    return frame_of([*heads.values()], map(attrgetter(*heads), answers))
 
 
 def _check(options: argparse.Namespace, pair: Pair) -> None:
@@ -112,16 +136,17 @@ def _simulated(
     if options.failure_stage:
         critical = found(critical_temperature, pair, options.failure_stage)
         document["critical_temperature"] = asdict(critical)
-        text, table = [*critical.words], frame_of(_CRITICAL_HEADS, [critical.cells])
+        text, table = [*critical.words], _frame(_CRITICAL, [critical])
     if options.stages:
         predicted = found(predict_stages, pair, critical)
-        table = _stage_frame(predicted)
+        table = _frame(_STAGES, predicted.stages)
+        table.insert(0, "stage", range(1, len(table) + 1))
         ends = {name: getattr(predicted, name) for name in ("fails", "soonest", "latest")}
         document["stages"] = ends | as_dict(table)
         text += [*predicted.words(critical), "", table]
     if options.points:
         judged = found(judge_spectrum, pair, options.points, critical, sheet=options.sheet)
-        table = _spectrum_frame(judged)
+        table = short(_frame(_ROWS, judged.rows))
         document["spectrum"] = {
             "verdict": judged.verdict,
             "binding_row": judged.binding.number,
@@ -133,27 +158,9 @@ def _simulated(
     return document, text, table
 
 
-def _draw(pair: Pair) -> Figure:
+def _draw(pair: Pair) -> Any:
     """The figure, with Matplotlib, which takes its time."""
-    from pipeline.gears.figure import draw_mesh
-
-    return draw_mesh(mesh(pair, _DRAWN))
-
-
-_HEADS = (
-    "place", "position [mm]", "radius 1 [mm]", "radius 2 [mm]", "reduced radius [mm]",
-    "rolling 1 [m/s]", "rolling 2 [m/s]", "sliding [m/s]", "share", "load [N]",
-    "half-width [µm]", "pressure [GPa]", "flash [K]", "temperature [°C]", "film [µm]", "Λ",
-)  # fmt: skip
-
-
-def _cells(place: MeshPlace) -> tuple[Any, ...]:
-    return (
-        place.letter, place.position, place.radius_1, place.radius_2, place.reduced_radius,
-        place.rolling_1, place.rolling_2, place.sliding, place.share, place.load,
-        place.half_width, place.pressure, place.flash, place.temperature, place.film,
-        place.film_parameter,
-    )  # fmt: skip
+    return pipeline.gears.draw_mesh(mesh(pair, _DRAWN))
 
 
 def _alone(one: Mesh) -> float:
@@ -164,25 +171,17 @@ def _alone(one: Mesh) -> float:
 
 def _facts(one: Mesh) -> Iterator[tuple[str, str]]:
     """What holds for the whole mesh, a row for each subject."""
-    pair, gears = one.pair, one.pair.gears
-    duty = one.duty
+    pair, gears, duty = one.pair, one.pair.gears, one.duty
     yield (
         "duty",
-        f"{duty.torque:.4g} N m at {duty.speed * 30 / math.pi:.4g} rpm on the pinion, teeth at "
+        f"{duty.torque:.4g} N m at {duty.turns:.4g} rpm on the pinion, teeth at "
         f"{duty.bulk - 273.15:.4g} °C",
     )
-    yield (
-        "contact ratio",
-        f"{gears.contact_ratio:.4g}"
-        + (f", overlap {gears.overlap_ratio:.3g}" if gears.overlap_ratio else ""),
-    )
-    angle = math.degrees(gears.working_angle)
-    yield (
-        "mesh",
-        f"working pressure angle {angle:.5g}°, centre distance "
-        + display(gears.centre_distance, "mm"),
-    )
-    velocity = one.duty.speed * gears.base_radii[0] / math.cos(gears.working_angle)
+    overlap = f", overlap {gears.overlap_ratio:.3g}" if gears.overlap_ratio else ""
+    yield "contact ratio", f"{gears.contact_ratio:.4g}{overlap}"
+    angle, apart = math.degrees(gears.working_angle), display(gears.centre_distance, "mm")
+    yield "mesh", f"working pressure angle {angle:.5g}°, centre distance {apart}"
+    velocity = duty.speed * gears.base_radii[0] / math.cos(gears.working_angle)
     yield "pitch line", f"{velocity:.4g} m/s, {1e-9 * _alone(one):.4g} GPa if one pair carries all"
     yield "load", f"{one.normal_load:.6g} N normal to the flanks; {_sharing(one)}"
     source = "as given" if pair.friction is not None else "mean, by ISO/TR 13989-2, Eq. 1"
@@ -190,22 +189,17 @@ def _facts(one: Mesh) -> Iterator[tuple[str, str]]:
     hot = one.hottest
     yield (
         "hottest",
-        (
-            f"{hot.temperature - 273.15:.0f} °C at {1e3 * hot.position:.3g} mm, by Blok's flash "
-            f"temperature of {hot.flash:.0f} K"
-        ),
+        f"{hot.temperature - 273.15:.0f} °C at {1e3 * hot.position:.3g} mm, by Blok's flash "
+        f"temperature of {hot.flash:.0f} K",
     )
     parameters = [place.film_parameter for place in one.places if place.film_parameter is not None]
     if parameters:
         low, high = min(parameters), max(parameters)
         regimes = dict.fromkeys(map(lubrication_regime, (low, high)))
         yield "film", f"Λ {low:.2g} to {high:.2g}: {' to '.join(regimes)}"
-    if pair.oil is not None:
-        rule = integral_temperature(pair, one.duty)
-        yield (
-            "integral",
-            (f"{rule.integral - 273.15:.0f} °C, by the rule of ISO/TR 13989-2 for this bulk"),
-        )
+    if rule := one.integral:
+        said = f"{rule.integral - 273.15:.0f} °C, by the rule of ISO/TR 13989-2 for this bulk"
+        yield "integral", said
     taken: dict[tuple[str, str], list[str]] = {}
     for key, value, source in pair.sources:
         table, _, name = key.rpartition(".")
@@ -226,8 +220,7 @@ def _sharing(one: Mesh) -> str:
 
 def _document(one: Mesh) -> dict[str, Any]:
     """The mesh as plain data in SI."""
-    pair, gears = one.pair, one.pair.gears
-    rule = integral_temperature(pair, one.duty) if pair.oil is not None else None
+    gears = one.pair.gears
     return {
         "duty": asdict(one.duty),
         "contact_ratio": gears.contact_ratio,
@@ -239,35 +232,7 @@ def _document(one: Mesh) -> dict[str, Any]:
         "load_sharing": _sharing(one),
         "friction": one.friction,
         "pitch_pressure_of_one_pair": _alone(one),
-        "integral": None if rule is None else asdict(rule),
-        "library": [source._asdict() for source in pair.sources],
+        "integral": one.integral and asdict(one.integral),
+        "library": [source._asdict() for source in one.pair.sources],
         "places": [asdict(place) for place in one.places],
     }
-
-
-def _stage_frame(predicted: Prediction) -> pd.DataFrame:
-    heads = (
-        "stage", "torque [N m]", "bulk temperature [°C]", "hottest place [mm]",
-        "decisive temperature [°C]", "temperature error [K]", "integral temperature [°C]",
-    )  # fmt: skip
-    rows = []
-    for number, one in enumerate(predicted.stages, 1):
-        duty, pair = one.mesh.duty, one.mesh.pair
-        integral = integral_temperature(pair, duty).integral if pair.oil is not None else None
-        rows.append((number, duty.torque, duty.bulk, one.place.position, one.temperature,
-                     one.error, integral))  # fmt: skip
-    return frame_of(heads, rows)
-
-
-def _spectrum_frame(judged: Spectrum) -> pd.DataFrame:
-    heads = (
-        "row", "torque [N m]", "speed [rpm]", "hours", "bulk temperature [°C]",
-        "hottest place [mm]", "verdict", "decisive temperature [°C]", "distance [K]", "error [K]",
-    )  # fmt: skip
-    rows = []
-    for row in judged.rows:
-        one, duty = row.simulated, row.simulated.mesh.duty
-        rows.append((row.number, duty.torque, duty.speed * 30 / math.pi, row.hours, duty.bulk,
-                     one.place.position, row.verdict, one.temperature, row.distance,
-                     row.error))  # fmt: skip
-    return short(frame_of(heads, rows))

@@ -13,7 +13,7 @@ import numpy as np
 
 from pipeline.gears.involute import Involutes
 from pipeline.gears.pair import Duty, Pair
-from pipeline.gears.rules import friction_coefficient
+from pipeline.gears.rules import Integral, friction_coefficient, integral_temperature
 from tribo import analytic, contact_modulus
 from tribo.analytic.heat import ROLLING_SLIDING_PEAK
 from tribo.material import minimum_line_film
@@ -59,6 +59,11 @@ class Mesh:
     def hottest(self) -> MeshPlace:
         """The place of the highest temperature."""
         return max(self.places, key=lambda place: place.temperature)
+
+    @property
+    def integral(self) -> Integral | None:
+        """Integral temperatures of the rule of the standard; None without an oil."""
+        return None if self.pair.oil is None else integral_temperature(self.pair, self.duty)
 
 
 def mesh(pair: Pair, places: int = 25, duty: Duty | None = None) -> Mesh:

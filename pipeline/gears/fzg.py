@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,11 +27,6 @@ class Critical:
     failed: float | None = None  #: The same in the stage that failed.
     stage: int | None = None  #: That failed.
     integral: float | None = None  #: Scuffing integral temperature of the rule of the standard.
-
-    @property
-    def cells(self) -> tuple[float | None, ...]:
-        """Cells of a table."""
-        return self.stage, self.value, self.doubt, self.passed, self.failed, self.integral
 
     @property
     def words(self) -> Iterator[str]:
@@ -97,13 +92,7 @@ def rig_pair(pair: Pair) -> Pair:
     )
 
 
-def critical_temperature(
-    pair: Pair,
-    stage: int,
-    preset: str | None = None,
-    workers: int | None = None,
-    progress: Callable[[Any], None] | None = None,
-) -> Critical:
+def critical_temperature(pair: Pair, stage: int, **choices: Any) -> Critical:
     """Critical temperature of an oil that fails in a load stage, by simulating that test.
 
     It lies between the temperatures that decide at the hottest place in the last stage passed and
@@ -116,8 +105,8 @@ def critical_temperature(
         The pair whose oil it is; of the test gears themselves their roughness counts, too.
     stage : int
         Failure load stage in A/8.3/90, from 2 to 12.
-    preset, workers, progress
-        See `simulate`.
+    **choices
+        Preset, workers and progress of `simulate`.
 
     Raises
     ------
@@ -132,7 +121,7 @@ def critical_temperature(
         )
     gears = rig_pair(pair)
     meshes = [mesh(gears, duty=stage_duty(gears, number)) for number in (stage - 1, stage)]
-    passed, failed = simulate(meshes, preset, workers, progress)
+    passed, failed = simulate(meshes, **choices)
     error, oil = max(passed.error, failed.error), gears.oil
     return Critical(
         value=(passed.temperature + failed.temperature) / 2,
@@ -146,13 +135,7 @@ def critical_temperature(
     )
 
 
-def predict_stages(
-    pair: Pair,
-    critical: Critical,
-    preset: str | None = None,
-    workers: int | None = None,
-    progress: Callable[[Any], None] | None = None,
-) -> Prediction:
+def predict_stages(pair: Pair, critical: Critical, **choices: Any) -> Prediction:
     """Simulate a pair in all load stages of the test, and find the first one in which it fails.
 
     Parameters
@@ -161,12 +144,12 @@ def predict_stages(
         The test gears, with any oil and roughness, or other gears.
     critical : Critical
         Critical temperature.
-    preset, workers, progress
-        See `simulate`.
+    **choices
+        Preset, workers and progress of `simulate`.
     """
     stages = range(1, len(STAGES) + 1)
     meshes = [mesh(pair, duty=stage_duty(pair, number)) for number in stages]
-    found = simulate(meshes, preset, workers, progress)
+    found = simulate(meshes, **choices)
 
     def first(limit: float) -> int | None:
         pairs = zip(stages, found, strict=True)

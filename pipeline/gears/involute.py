@@ -237,15 +237,15 @@ class Involutes:
                 f"contact runs from {_mm(path.a)} to {_mm(path.e)} about the pitch point, and not "
                 "through it; give other profile shifts or tip diameters"
             )
-        for name, other, left in (("pinion", "wheel", second - path.e),
-                                  ("wheel", "pinion", first + path.a)):  # fmt: skip
+        room = first + path.a, second - path.e  # on the flanks below the tips that meet them
+        for name, other, left in zip(_GEARS, _GEARS[::-1], room[::-1], strict=True):
             if left <= 0:
                 raise InputError(
                     f"{name}.tip_diameter: its tip interferes with the flank of the {other}, "
                     f"{_mm(-left)} beyond the end of the involute; give a smaller tip diameter, "
                     "other profile shifts or more teeth"
                 )
-        for k, left in ((0, first + path.a), (1, second - path.e)):
+        for k, left in enumerate(room):
             if left < (cut := self.undercut(k)):
                 raise InputError(
                     f"{_GEARS[k]}.profile_shift is {self.profile_shifts[k]:g}: undercut takes the "

@@ -9,6 +9,7 @@ import math
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,12 @@ class Simulated:
     place: MeshPlace
     temperature: float  #: That decides about severe wear [K].
     error: float  #: Error of that temperature [K]; infinite where it is not known.
+
+    @property
+    def integral(self) -> float | None:
+        """Integral temperature of the rule of the standard [K]; None without an oil."""
+        rule = self.mesh.integral
+        return None if rule is None else rule.integral
 
 
 def decisive_places(one: Mesh) -> Mesh:
@@ -68,25 +75,22 @@ def simulate(
         if outcome.failed:
             raise pipeline.ExecutionError(f"a place of mesh failed: {outcome.failed[0]}")
         found = _decisive(store)
-    return [*_hottest(chosen, found)]
+    return [
+        max(
+            (Simulated(one, place, *next(found)) for place in one.places),
+            key=attrgetter("temperature"),
+        )
+        for one in chosen
+    ]
 
 
-def _decisive(store: Path) -> list[tuple[float, float]]:
+def _decisive(store: Path) -> Iterator[tuple[float, float]]:
     """Temperatures that decide and their errors [K], of the rows of a store."""
     # The critical temperature moves none of them.
     table = pipeline.margin(pipeline.at(store, critical_temperature=1000.0))
     temperatures = table["decisive temperature [°C]"].astype(float) + 273.15
     errors = table["temperature error [K]"].astype(float).fillna(math.inf)
-    return [*zip(temperatures.tolist(), errors.tolist(), strict=True)]
-
-
-def _hottest(meshes: Sequence[Mesh], found: Sequence[tuple[float, float]]) -> Iterator[Simulated]:
-    begin = 0
-    for one in meshes:
-        here = found[begin : begin + len(one.places)]
-        begin += len(one.places)
-        best = max(range(len(here)), key=lambda k: here[k][0])
-        yield Simulated(one, one.places[best], *here[best])
+    return zip(temperatures.tolist(), errors.tolist(), strict=True)
 
 
 def _silent(_: Any) -> None:

@@ -23,6 +23,11 @@ class Duty:
     bulk: float  #: [K].
     load_factor: float = 1.0
 
+    @property
+    def turns(self) -> float:
+        """Speed of the pinion in turns a minute."""
+        return self.speed * 30 / math.pi
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
@@ -40,9 +45,9 @@ class Pair:
     lubricant_factor: float = 1.0
     oil: Oil | None = None
     oil_temperature: float | None = None  #: By which the bulk follows [K]; None if that is given.
-    correlation_length: tuple[float, float] = (4e-6, 4e-6)  #: [m].
-    hurst_exponent: float = 0.8
-    specific_wear_rate: float = 1.2e-15  #: Of the pinion [m²/N].
+    correlation_length: tuple[float, float]  #: [m].
+    hurst_exponent: float
+    specific_wear_rate: float  #: Of the pinion [m²/N].
     written: Mapping[str, Any]  #: Materials and oil with units, those of the library in full.
     sources: tuple[FromLibrary, ...] = ()
 

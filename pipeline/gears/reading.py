@@ -94,7 +94,7 @@ PAIR = Table({
         "coefficient": Optional(FRICTION, "Mean coefficient; by default by ISO/TR 13989-2, Eq. 1."),
         "lubricant_factor": Optional(Number(above=0),
             "XL of that rule: 1 mineral oil, 0.8 polyalphaolefin, 0.7 polyglycol.", default=1.0),
-    }), default={"coefficient": None, "lubricant_factor": 1.0}),
+    })),
     "oil": Optional(OIL),
     "materials": Optional(Tables(MATERIAL), default={}),
     "surface": Optional(Table({
@@ -102,9 +102,7 @@ PAIR = Table({
             "Of the roughness, along and across the sliding.", default=(4e-6, 4e-6)),
         "hurst_exponent": Optional(Number(above=0, at_most=1), default=0.8),
         "specific_wear_rate": Optional(ANY_WEAR_RATE, default=1.2e-15),
-    }), "What no drawing gives, for the simulation of the rough and worn contact.",
-        default={"correlation_length": (4e-6, 4e-6), "hurst_exponent": 0.8,
-                 "specific_wear_rate": 1.2e-15}),
+    }), "What no drawing gives, for the simulation of the rough and worn contact."),
 })
 # fmt: on
 
@@ -149,6 +147,7 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     entries = document.entries()
     if isinstance(entries.get("oil"), str):
         entries["oil"] = {"like": entries["oil"]}
+    entries = {"friction": {}, "surface": {}} | entries  # each has defaults
     named = {body: entry_at(entries, f"{gear}.material") for body, gear in _BODIES.items()}
     bodies = {body: {"material": name} for body, name in named.items()}
     filled, sources = resolve_library(entries | bodies, faults)
@@ -201,18 +200,18 @@ def _make_pair(
     toothing = mesh["module"], mesh["pressure_angle"], mesh["helix_angle"]
     teeth, shifts = (tuple(gear[key] for gear in both) for key in ("teeth", "profile_shift"))
     apart = mesh["centre_distance"] or fitting_distance(*toothing, teeth, shifts)
-    usual = [tip_diameter(*toothing[::2], teeth, shifts, apart, k) for k in (0, 1)]
+    first, second = (
+        gear["tip_diameter"] or tip_diameter(*toothing[::2], teeth, shifts, apart, k)
+        for k, gear in enumerate(both)
+    )
     gears = Involutes(
-        module=mesh["module"],
-        pressure_angle=mesh["pressure_angle"],
-        helix_angle=mesh["helix_angle"],
+        **{name: mesh[name] for name in ("module", "pressure_angle", "helix_angle", "face_width")},
         teeth=teeth,
         profile_shifts=shifts,
         centre_distance=apart,
-        tip_diameters=(both[0]["tip_diameter"] or usual[0], both[1]["tip_diameter"] or usual[1]),
-        face_width=mesh["face_width"],
+        tip_diameters=(first, second),
     )
-    first, second = (
+    pinion, wheel = (
         Material(**{k: v for k, v in tables["materials"][gear["material"]].items() if k != "like"})
         for gear in both
     )
@@ -223,7 +222,7 @@ def _make_pair(
         name=name,
         title=tables["title"] or name,
         gears=gears,
-        materials=(first, second),
+        materials=(pinion, wheel),
         roughness=(both[0]["roughness"], both[1]["roughness"]),
         duty=Duty(*load, bulk or warm_oil, duty["load_factor"]),
         quality=mesh["quality"],
@@ -236,7 +235,7 @@ def _make_pair(
         sources=sources,
         **tables["surface"],
     )
-    return pair.changed(duty=warm_duty(pair, *load, bulk, duty["load_factor"]))
+    return pair.changed(duty=warm_duty(pair, *load, bulk))
 
 
 def tip_diameter(

@@ -154,7 +154,11 @@ def integral_temperature(pair: Pair, duty: Duty) -> Integral:
 
 
 def warm_duty(
-    pair: Pair, torque: float, speed: float, bulk: float | None = None, load_factor: float = 1.0
+    pair: Pair,
+    torque: float,
+    speed: float,
+    bulk: float | None = None,
+    load_factor: float | None = None,
 ) -> Duty:
     """A duty of a pair, with the bulk temperature that is given, or else found.
 
@@ -170,10 +174,10 @@ def warm_duty(
         Of the pinion [N m, rad/s].
     bulk : float, optional
         Bulk temperature of the teeth [K].
-    load_factor : float
-        Factor of the load.
+    load_factor : float, optional
+        Factor of the load, in place of the pair's.
     """
-    duty = Duty(torque, speed, bulk or pair.duty.bulk, load_factor)
+    duty = Duty(torque, speed, bulk or pair.duty.bulk, load_factor or pair.duty.load_factor)
     if bulk or pair.oil_temperature is None:
         return duty
     for _ in range(_ROUNDS):
@@ -201,13 +205,11 @@ def _helical_load(ratio: float) -> float:
 
 def _path_mean(eps1: float, eps2: float) -> float:
     """Contact ratio factor Xε: mean flash over that of the tip, Eqs. (39) to (44)."""
-    total = eps1 + eps2
-    if total < 2 and max(eps1, eps2) < 1:
+    total, long, short = eps1 + eps2, max(eps1, eps2), min(eps1, eps2)
+    if total < 2 and long < 1:
         value = 0.70 * (eps1**2 + eps2**2) - 0.22 * total + 0.52 - 0.60 * eps1 * eps2
     elif total < 2:
-        long, short = max(eps1, eps2), min(eps1, eps2)
         value = 0.18 * long**2 + 0.70 * short**2 + 0.82 * long - 0.52 * short - 0.30 * long * short
     else:
-        long, short = max(eps1, eps2), min(eps1, eps2)
         value = 0.44 * long**2 + 0.59 * short**2 + 0.30 * (long - short) - 0.15 * long * short
     return value / (2 * total * eps1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike, fspath
 from pathlib import Path
@@ -40,6 +40,7 @@ _ROW = Table(
         "load_factor": Optional(Number(above=0)),
     }
 )
+_DUTY = "torque", "speed", "bulk_temperature", "load_factor"
 SEVERE, MILD, NOT_DECIDED = "severe", "mild", "not decided"
 
 
@@ -94,7 +95,7 @@ class Spectrum:
         beyond = "below" if row.distance >= 0 else "above"
         towards = "pinion" if place.position > 0 else "wheel"
         return (
-            f"{begin}. Row {row.number}, {duty.torque:.4g} N m at {_rpm(duty.speed):.4g} rpm, "
+            f"{begin}. Row {row.number}, {duty.torque:.4g} N m at {duty.turns:.4g} rpm, "
             f"binds: {abs(row.distance):.0f} ± {row.error:.0f} K {beyond} the critical "
             f"temperature of {self.critical.value - 273.15:.0f} °C, "
             f"{1e3 * abs(place.position):.3g} mm from the pitch point towards the {towards}'s tip."
@@ -122,10 +123,6 @@ class Spectrum:
         return f"{said}, {own:.6g} of {total:.6g} h"
 
 
-def _rpm(speed: float) -> float:
-    return speed * 9.549296585513721  # 30/π
-
-
 def read_spectrum(
     source: str | PathLike[str] | Mapping[str, Sequence[Any]], pair: Pair, sheet: str | None = None
 ) -> tuple[list[tuple[float | None, Duty]], tuple[str, ...]]:
@@ -134,33 +131,19 @@ def read_spectrum(
     Columns are ``torque``, ``speed`` and, if they are there, ``hours``, ``bulk temperature`` and
     ``load factor``, in place of those of the pair; see `warm_duty`.
     """
-    is_file = isinstance(source, str | PathLike)
-    name = fspath(source) if isinstance(source, str | PathLike) else "points"
-    needed = ("torque", "speed")
-    read = (
-        read_sheet(Path(name), _ROW.keys, needed, is_log=set(needed).issubset, sheet_name=sheet)
-        if is_file
-        else sheet_of(source, _ROW.keys, needed)
-    )
+    name, needed = "points", _DUTY[:2]
+    if isinstance(source, str | PathLike):
+        name, is_log = fspath(source), set(needed).issubset
+        read = read_sheet(Path(name), _ROW.keys, needed, is_log=is_log, sheet_name=sheet)
+    else:
+        read = sheet_of(source, _ROW.keys, needed)
     _, rows, wrong = read.entries(_ROW, {})
     faults = [*read.faults, *read.of_rows, *listed_faults(wrong)]
     if not read.rows and not faults:
         faults = ['there are no rows; begin with a line "torque [N m],speed [rpm],hours"']
     if faults:
         raise InputError(fault_lines(name, faults))
-    duties = [
-        (
-            row["hours"],
-            warm_duty(
-                pair,
-                row["torque"],
-                row["speed"],
-                row["bulk_temperature"],
-                row["load_factor"] or pair.duty.load_factor,
-            ),
-        )
-        for row in rows
-    ]
+    duties = [(row["hours"], warm_duty(pair, *(row[name] for name in _DUTY))) for row in rows]
     return duties, tuple(read.headings[place].label for place in read.others)
 
 
@@ -168,10 +151,8 @@ def judge_spectrum(
     pair: Pair,
     points: str | PathLike[str] | Mapping[str, Sequence[Any]],
     critical: Critical,
-    preset: str | None = None,
-    workers: int | None = None,
-    progress: Callable[[Any], None] | None = None,
     sheet: str | None = None,
+    **choices: Any,
 ) -> Spectrum:
     """Simulate a duty spectrum, and judge it by its worst row.
 
@@ -183,10 +164,10 @@ def judge_spectrum(
         A .csv or .xlsx file of duties, or columns by heading; see `read_spectrum`.
     critical : Critical
         Critical temperature, whose doubt counts in each verdict.
-    preset, workers, progress
-        See `simulate`.
     sheet : str, optional
         Sheet of a workbook.
+    **choices
+        Preset, workers and progress of `simulate`.
 
     Raises
     ------
@@ -194,7 +175,7 @@ def judge_spectrum(
         If the table has faults; the message names all.
     """
     duties, unused = read_spectrum(points, pair, sheet)
-    found = simulate([mesh(pair, duty=duty) for _, duty in duties], preset, workers, progress)
+    found = simulate([mesh(pair, duty=duty) for _, duty in duties], **choices)
     rows = (
         SpectrumRow(
             number, hours, one, critical.value - one.temperature, critical.doubt + one.error

@@ -146,23 +146,13 @@ class SurfaceStatistics:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the statistics by name, with the table as text."""
-        fitted = {} if self.is_self_affine else {"fit": None}
-        lengths = {
-            name: None if value == math.inf else value
-            for name, value in asdict(self.lengths).items()
-        }
-        return {
-            **asdict(self),
-            **fitted,
-            "lengths": lengths | {"texture_aspect": self._aspect},
-            "toml": self.toml if self.is_self_affine else None,
+        fitted = self.is_self_affine
+        return asdict(self) | {
+            "fit": asdict(self.fit) if fitted else None,
+            "lengths": asdict(self.lengths) | {"texture_aspect": self.lengths.texture_aspect},
+            "toml": self.toml if fitted else None,
             "warnings": list(self.warnings),
         }
-
-    @property
-    def _aspect(self) -> float | None:
-        aspect = self.lengths.texture_aspect
-        return None if math.isnan(aspect) else aspect
 
     def lines(self) -> Iterator[str]:
         """Describe the scan, a line for each quantity."""
@@ -173,42 +163,36 @@ class SurfaceStatistics:
             f"pixels {sides[0]:.4g} × {sides[1]:.4g} µm"
         )
         yield f"  {self.axis}"
-        percent = f"  ± {100 * self.fit.rms_error:.2g} % from surface to surface of this size"
-        yield f"  Ra                  {1e6 * self.ra:.4g} µm{percent * self.is_self_affine}"
-        yield f"  Rq                  {1e6 * self.rq:.4g} µm"
-        yield f"  skewness, kurtosis  {self.skewness:.2g}, {self.kurtosis:.2g}"
-        degrees = [f"{angle:.2g}°" for angle in self.tilt]
-        yield f"  tilt                {degrees[0]} along x, {degrees[1]} along y, taken off"
-        yield from self._directions()
-        yield from (f"  warning             {warning}" for warning in self.warnings)
+        yield from (f"  {name:20}{value}" for name, value in self._quantities())
+        yield from (f"  {'warning':20}{warning}" for warning in self.warnings)
 
-    def _directions(self) -> Iterator[str]:
-        """Lay, lengths of the autocorrelation, and those of the fit if it did not fail."""
+    def _quantities(self) -> Iterator[tuple[str, str]]:
+        """Quantities of the scan, in words; those of the fit if it did not fail."""
         fit, lengths = self.fit, self.lengths
+        percent = f"  ± {100 * fit.rms_error:.2g} % from surface to surface of this size"
+        yield "Ra", f"{1e6 * self.ra:.4g} µm{percent * self.is_self_affine}"
+        yield "Rq", f"{1e6 * self.rq:.4g} µm"
+        yield "skewness, kurtosis", f"{self.skewness:.2g}, {self.kurtosis:.2g}"
+        yield "tilt", "{:.2g}° along x, {:.2g}° along y, taken off".format(*self.tilt)
         lay = f"{lengths.direction:.0f}° from x"
         if self.is_self_affine:
             lay = f"{fit.lay:.0f}° from x ± {fit.lay_error:.1g}°"
-        yield f"  lay                 {lay if self.has_lay else 'none'}"
+        yield "lay", lay if self.has_lay else "none"
         x, y = (_worded(length) for length in (lengths.along_x, lengths.along_y))
-        yield f"  1/e lengths         {x} along x, {y} along y, of the autocorrelation"
-        aspect = "not known" if self._aspect is None else f"{self._aspect:.2g}"
-        yield (
-            f"  Sal, Str            {_worded(lengths.shortest)}, {aspect} (ISO 25178, at 1/e for "
-            "its usual 0.2)"
-        )
+        yield "1/e lengths", f"{x} along x, {y} along y, of the autocorrelation"
+        aspect, sal = lengths.texture_aspect, _worded(lengths.shortest)
+        ratio = "not known" if math.isnan(aspect) else f"{aspect:.2g}"
+        yield "Sal, Str", f"{sal}, {ratio} (ISO 25178, at 1/e for its usual 0.2)"
         if not self.is_self_affine:
-            yield (
-                f"  spectrum            {self.fault_of_fit}; so it gives no length and no Hurst "
-                "exponent"
-            )
+            yield "spectrum", f"{self.fault_of_fit}; so it gives no length and no Hurst exponent"
             return
         x, y = (
             f"{1e6 * length:.3g} ± {1e6 * error:.1g} µm"
             for length, error in zip(fit.correlation_length, fit.length_error, strict=True)
         )
-        yield f"  correlation length  {x} along x, {y} along y, of the fitted spectrum"
-        yield f"  Hurst exponent      {fit.hurst_exponent:.3g} ± {fit.hurst_error:.1g}"
-        yield f"  spectrum            within a factor {fit.misfit:.2g} of that of the fit"
+        yield "correlation length", f"{x} along x, {y} along y, of the fitted spectrum"
+        yield "Hurst exponent", f"{fit.hurst_exponent:.3g} ± {fit.hurst_error:.1g}"
+        yield "spectrum", f"within a factor {fit.misfit:.2g} of that of the fit"
 
     def __str__(self) -> str:
         return "\n".join(self.lines())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from functools import partial
 from typing import Any
 
@@ -40,8 +40,8 @@ def design(options: argparse.Namespace) -> Result:
         samples = single_field(ds)
     basis, notes = samples.basis
     scatter = model_error(ds, samples)
-    rig = 0.0 if samples.rig is None else samples.rig
-    chances = Chances(samples.ensemble, goal, samples.given_draws, scatter, rig)
+    weighed = samples.posterior.draws if samples.posterior else None
+    chances = Chances(samples.ensemble, goal, weighed, scatter, samples.rig_scatter)
     for seed in range(2):  # the first time to correct the limit, the second to check it
         limits = _limits(chances, entries)
         found = [one for one in limits if one.value is not None] or limits
@@ -49,7 +49,7 @@ def design(options: argparse.Namespace) -> Result:
         direct, reason = _simulated(ds, chances, limit, seed)
         if direct is None:
             break
-        chances = replace(chances, shift=direct.shift, spare=direct.spare)
+        chances.shift, chances.spare = direct.shift, direct.spare
     path = limit.entry.path
     if limit.at:
         (other,) = limit.at
@@ -65,7 +65,7 @@ def design(options: argparse.Namespace) -> Result:
         points = zip(limit.values, limit.probabilities, strict=True)
         frame = frame_of((f"{path} [{limit.entry.unit}]", "probability"), points)
         answer, text = limit.as_dict(), [_word_limit(limit)]
-    fits = not (samples.posterior and samples.posterior.misfit)
+    fits = not samples.misfit
     is_known = samples.ensemble.velocity_error is not None
     confirmed = bool(fits and is_known and direct and direct.confirms(goal.risk))
     document = basis | answer | {

@@ -25,7 +25,6 @@ from tribo import InputError
 
 _TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing
 _SURE = math.log(1000.0)  # from which a power of ten will do
-_AT = "prior", "posterior"
 
 
 def posterior(options: argparse.Namespace, store: Path) -> Result:
@@ -86,7 +85,7 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
             "and fit as well: check the speed, or test a reference oil"
         )
     if not weighed.fits:
-        yield f"warning: {weighed.misfit}; no test is named"
+        yield f"warning: {weighed.draws.misfit}; no test is named"
         if weighed.evidence_gain is None:
             yield "next: is a slope over velocity or bulk temperature missing? add --discrepancy"
     yield from (
@@ -142,16 +141,12 @@ def _describe_discrepancy(gain: float) -> str:
 
 def _summary_frame(weighed: Posterior) -> pd.DataFrame:
     """Mean and spread of each input before and after, in SI."""
-    heads = "input", "unit", "before mean", "before sd", "after mean", "after sd"
-    rows = (
-        (
-            row["path"],
-            row["unit"],
-            *(row[at].get(moment) for at in _AT for moment in ("mean", "sd")),
-        )
+    moments = [(at, moment) for at in ("prior", "posterior") for moment in ("mean", "sd")]
+    rows = [
+        (row["path"], row["unit"], *(row[at].get(moment) for at, moment in moments))
         for row in weighed.summary()
-    )
-    return frame_of(heads, rows)
+    ]
+    return frame_of(("input", "unit", "before mean", "before sd", "after mean", "after sd"), rows)
 
 
 def _place(weighed: Posterior, judged: Judged) -> str:

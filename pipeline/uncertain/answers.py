@@ -22,7 +22,7 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
     """The draws given, without those of the rig, which stand last; else draws of the prior."""
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)
-    return Draws(draws.inputs[:, : len(ensemble.unknown)], draws.weights, draws.faults)
+    return draws.first(len(ensemble.unknown))
 
 
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(15)

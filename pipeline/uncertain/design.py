@@ -6,10 +6,11 @@ condition that acts after the simulation, which needs no range.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -28,7 +29,7 @@ from pipeline.uncertain.direct import SceneWith, log_rise, scene_values
 from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, Draws, prior
 from tribo import InputError
-from tribo.types import Array, Mask
+from tribo.types import Array
 
 RISK = 0.01
 """Probability of severe wear that a design may have, if none is given."""
@@ -49,7 +50,7 @@ _APART = 0.05  # step of ln(velocity) over which the slope of ln(rise) is taken
 _ANYWHERE = 0.1  # share of the simulated draws that lie anywhere, also where the emulator is sure
 _TO_EITHER_SIDE = 2.0  # errors of the emulator, over which a probability changes
 _LEAST_EITHER = 0.04  # least error of ln(rise), where the emulator takes itself to be surer
-_MOST_KEPT = 64  # places, whose rises take 0.5 MB each
+_MOST_KEPT = 128  # rises of all draws, of 0.5 MB each
 _Rise = tuple[Excess, Array]  # or an excess; with its slope over ln(velocity)
 
 
@@ -172,7 +173,6 @@ class Chances:
     shift: float = 0.0
     #: Probability that the limit stays below the risk, so that a check can confirm it.
     spare: float = 0.0
-    _rises: dict[Place, tuple[Any, _Rise]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         ensemble, self.scatter = self.ensemble, self.scatter or ModelError()
@@ -257,7 +257,10 @@ class Chances:
             number, at_place = found[decisive][2], values[decisive]
             value = interval = None
         else:
-            first, last = _run(chances <= risk, best)
+            fits = chances <= risk
+            runs = np.cumsum(~fits)  # a number for each run of values that fit
+            inside = np.flatnonzero(fits & (runs == runs[best]))
+            first, last = inside[0], inside[-1]
             below = low if first == 0 else brentq(off, values[first - 1], values[first], rtol=1e-4)
             above = high
             if last < _VALUES - 1:
@@ -296,15 +299,13 @@ class Chances:
         return self.ensemble.log_limit(inputs, friction, bulk, self.goal.margin, critical)
 
     def _rise(self, place: Place, values: Mapping[str, float]) -> _Rise:
-        """Rise of the draws; the last of some places is kept, as no condition changes it."""
-        key = sorted(one for one in values.items() if one[0] not in CONDITIONS)
-        if place not in self._rises or self._rises[place][0] != key:
-            result = _emulate(self.ensemble, self._weighed.inputs, place, values)
-            if place not in self._rises and len(self._rises) >= _MOST_KEPT:
-                return result
-            self._rises[place] = key, result
-        _, kept = self._rises[place]
-        return kept
+        """Rise of the draws; the last ones are kept, as no condition changes them."""
+        return self._kept(place, tuple(one for one in values.items() if one[0] not in CONDITIONS))
+
+    @functools.cached_property
+    def _kept(self) -> Callable[[Place, Any], _Rise]:
+        emulate = functools.partial(_emulate, self.ensemble, self._weighed.inputs)
+        return functools.lru_cache(_MOST_KEPT)(lambda place, values: emulate(place, dict(values)))
 
     def simulated(
         self, limit: Limit, scene_with: SceneWith, seed: int = 0, progress: Count | None = None
@@ -405,16 +406,6 @@ def fix_values(ensemble: Ensemble, inputs: Array, values: Mapping[str, float]) -
 def _moved(place: Place, values: Mapping[str, float]) -> Place:
     """A place with a load or a velocity that is sought."""
     return place._replace(**{name: values[name] for name in Place._fields if name in values})
-
-
-def _run(fits: Mask, place: int) -> tuple[int, int]:
-    """First and last number of the run of true values that a place is in."""
-    (wrong,) = np.nonzero(~fits)
-    before, after = wrong[wrong < place], wrong[wrong > place]
-    return (
-        int(before[-1]) + 1 if before.size else 0,
-        int(after[0]) - 1 if after.size else len(fits) - 1,
-    )
 
 
 @dataclass(frozen=True, slots=True)

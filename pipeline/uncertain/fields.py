@@ -59,10 +59,10 @@ class SampleField:
     draws: Draws
     source: xr.Dataset
     posterior: Posterior | None = None
-    rig: Array | None = None  # scatter of friction between tests by draw (n,)
     entries: Mapping[str, Any] = field(default_factory=dict)
     shown: Mapping[str, Any] = field(default_factory=dict)
     place: tuple[float, float] | None = None
+    _kept: dict[float, tuple[Array, Array]] = field(default_factory=dict, init=False)
 
     @property
     def weights(self) -> Array:
@@ -97,9 +97,9 @@ class SampleField:
         return InferredScatter(self.draws.scatters, self.draws.by_scatter, self.weights, worded)
 
     @property
-    def given_draws(self) -> Draws | None:
-        """Draws that the tests leave; None for those of the inputs as the scene has them."""
-        return self.posterior.draws if self.posterior else None
+    def rig_scatter(self) -> Array | float:
+        """Scatter of friction between tests by draw (n,); 0 where no test tells it."""
+        return self.posterior.rig_scatter if self.posterior else 0.0
 
     @property
     def basis(self) -> tuple[dict[str, Any], list[str]]:
@@ -107,7 +107,7 @@ class SampleField:
         ensemble = self.ensemble
         document = {
             "given_measured": self.posterior is not None,
-            "misfit": self.posterior.misfit if self.posterior else "",
+            "misfit": self.misfit,
             "samples": len(ensemble.inputs),
             "samples_left_out": ensemble.missing,
             "unknown": [one.as_dict() for one in ensemble.unknown],
@@ -119,8 +119,8 @@ class SampleField:
 
     def _notes(self) -> Iterator[str]:
         ensemble, weighed = self.ensemble, self.posterior
-        if weighed and weighed.misfit:
-            yield f"warning: {weighed.misfit}"
+        if self.misfit:
+            yield f"warning: {self.misfit}"
         basis = "as the scene assumes them"
         if weighed:
             basis = f"given {weighed.evidence}, {weighed.scatter_words}"
@@ -231,10 +231,6 @@ class SampleField:
         for sd, odds in zip(scatter.scatters.tolist(), scatter.by_draw.T, strict=True):
             yield functools.partial(_normal_below, sd), self.weights * odds
 
-    @functools.cached_property
-    def _kept(self) -> dict[float, tuple[Array, Array]]:
-        return {}
-
     def _lines(self, load: float) -> tuple[Array, Array]:
         """Logarithms of velocities, and the excess of the next run by draw (n, m)."""
         if load not in self._kept:
@@ -253,10 +249,8 @@ class SampleField:
 
     def _chance_excess(self, lines: Array) -> Array:
         """Excess by draw with the friction that the next run has by chance."""
-        if self.rig is None:
-            return lines
         chance = np.random.default_rng(self.ensemble.design.seed + 1).standard_normal(len(lines))
-        return lines + (self.rig * chance)[:, None]
+        return lines + (self.rig_scatter * chance)[:, None]
 
 
 _GRID = 4001
@@ -288,13 +282,8 @@ def single_field(scene: xr.Dataset) -> SampleField:
     weighed = posterior_at(scene, ensemble)
     coords = {str(name): label for name, label in scene.coords.items()}
     shown = {name: label.item() for name, label in coords.items() if not label.ndim}
-    rig = None
-    if weighed and weighed.rig is not None:
-        rig = weighed.draws.inputs[:, weighed.rig[1]]
     draws = draws_of(ensemble, weighed.draws if weighed else None)
-    if weighed:
-        draws = replace(draws, scatters=weighed.draws.scatters, by_scatter=weighed.draws.by_scatter)
-    return SampleField(ensemble, draws, scene, weighed, rig, taken_entries(scene), shown)
+    return SampleField(ensemble, draws, scene, weighed, taken_entries(scene), shown)
 
 
 def _describe_left_out(ensemble: Ensemble) -> str:

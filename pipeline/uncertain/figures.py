@@ -72,7 +72,7 @@ def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
     basis = "inputs as assumed, before any measurement"
     if weighed:
         basis = f"given {weighed.evidence}"
-        if weighed.misfit:
+        if weighed.draws.misfit:
             basis += ", which the model does not fit"
     basis = "; ".join([basis, *map(str, ensemble.fixed)])
     axes.set_title(f"{style.as_text(ensemble.title)}\n{basis}", wrap=True)

@@ -15,7 +15,7 @@ from scipy.special import ndtr
 from pipeline.sweep.about import oils_of
 from pipeline.sweep.shown import shown
 from pipeline.sweep.unknown import Unknown, correlations
-from pipeline.uncertain.answers import log_boundary, log_crossings
+from pipeline.uncertain.answers import draws_of, log_boundary, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import Test
 from pipeline.uncertain.inputs import CRITICAL, Draws
@@ -103,17 +103,12 @@ class Posterior:
     @property
     def fits(self) -> bool:
         """True if nothing speaks against the model; else no test is named as an outlier."""
-        return not self.faults
+        return not self.draws.faults
 
     @property
-    def faults(self) -> tuple[str, ...]:
-        """Reasons why the model does not fit the tests, in words."""
-        return self.draws.faults
-
-    @property
-    def misfit(self) -> str:
-        """See `Draws.misfit`."""
-        return self.draws.misfit
+    def rig_scatter(self) -> Array | float:
+        """Scatter of friction between tests by draw (n,); 0 where no test tells it."""
+        return 0.0 if self.rig is None else self.draws.inputs[:, self.rig[1]]
 
     @property
     def evidence(self) -> str:
@@ -125,12 +120,6 @@ class Posterior:
         }  # fmt: skip
         words = [f"{n} {name}{'' if n == 1 else 's'}" for name, n in numbers.items() if n]
         return " and ".join(words) or "0 measured transitions"
-
-    @property
-    def sweep_draws(self) -> Draws:
-        """Draws of the inputs of the sweep."""
-        inputs = self.draws.inputs[:, : len(self.ensemble.unknown)]
-        return Draws(inputs, self.draws.weights, self.draws.faults)
 
     def summary(self) -> Iterator[dict[str, Any]]:
         """Mean, spread and 90 % interval of each input, before and after [SI].
@@ -158,25 +147,22 @@ class Posterior:
         that vary from part to part. No test takes it away.
         """
         ensemble, draws = self.ensemble, self.draws
-        inputs = self.sweep_draws.inputs
-        varying = [number for number, one in enumerate(ensemble.unknown) if one.varies]
+        inputs = draws_of(ensemble, draws).inputs
+        varies = [one.varies for one in ensemble.unknown]
         chance = np.random.default_rng(ensemble.design.seed)
         others = self.prior.inputs[chance.integers(len(self.prior.inputs), size=len(inputs))]
-        redrawn = inputs.copy()
-        redrawn[:, varying] = others[:, varying]
+        redrawn = np.where(varies, others[:, : len(varies)], inputs)
         load = math.sqrt(float(ensemble.loads[0] * ensemble.loads[-1]))
         nodes = np.geomspace(*ensemble.velocities, _NODES)
         (own, slope, _), (other, *_) = (
             log_crossings(nodes, ensemble.excess(some, load, nodes).values)
             for some in (inputs, redrawn)
         )
-        by_run = float(draws.mean((own - other) ** 2)) / 2 if varying else 0.0
+        by_run = float(draws.mean((own - other) ** 2)) / 2 if any(varies) else 0.0
         scatter = np.full(len(own), self.scatter**2)
         if draws.scatters is not None and draws.by_scatter is not None:
             scatter = draws.by_scatter @ draws.scatters**2
-        if self.rig is not None:
-            scatter = scatter + (draws.inputs[:, self.rig[1]] / slope) ** 2
-        scattered = float(draws.mean(scatter))
+        scattered = float(draws.mean(scatter + (self.rig_scatter / slope) ** 2))
         return (by_run + scattered) / (draws.spread(own) ** 2 + scattered)
 
     @property
@@ -270,7 +256,7 @@ class Posterior:
             "inferred_scatter": _share_values(self.inferred_scatter),
             "inferred_scatter_cut_off": self.cut_off or None,
             "fits": self.fits,
-            "faults": list(self.faults),
+            "faults": list(self.draws.faults),
             "evidence_gain": self.evidence_gain,
             "samples": len(self.ensemble.inputs),
             "draws": len(self.draws.weights),
@@ -349,7 +335,7 @@ class Contrast(NamedTuple):
 def contrasts(posterior: Posterior) -> Iterator[Contrast]:
     """Differences of critical temperature, and of velocity at a middle load, between oils."""
     ensemble, draws = posterior.ensemble, posterior.draws
-    inputs = posterior.sweep_draws.inputs
+    inputs = draws_of(ensemble, draws).inputs
     own = oils_of(ensemble.tests)[:1]
     if not posterior.oils:
         return

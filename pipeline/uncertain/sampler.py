@@ -30,20 +30,16 @@ _WIDER = 1.1  # standard deviations of a part over those of its draws
 _LEAST = 0.005  # covariance of a part over that of all, besides its own
 
 
-class Weighed(NamedTuple):
-    """Draws (n, n_unknown) [SI], and logarithms of weights whose mean is the evidence."""
-
-    inputs: Array
-    log_weights: Array
-
-
 def sample(
     unknown: Sequence[Unknown], log_likelihood: Callable[[Array], Array], seed: int, count: int
-) -> Weighed:
-    """Draw so many inputs from prior times likelihood, given the likelihood's logarithm (n,)."""
+) -> tuple[Array, Array]:
+    """Draw so many inputs from prior times likelihood, given the likelihood's logarithm (n,).
+
+    Returned are draws (n, n_unknown) [SI], and logarithms of weights whose mean is the evidence.
+    """
     n, power = len(unknown), 0.0
     scores, mixture = ndtri(sequence(seed, count, n)), None
-    best, most = Weighed(scores, np.zeros(len(scores))), 0.0
+    best, most = (scores, np.zeros(count)), 0.0
     for number in range(_ROUNDS):
         inputs = score_values(unknown, scores)
         likelihood, over = log_likelihood(inputs), np.zeros(count)
@@ -53,7 +49,7 @@ def sample(
         power = _next_power(likelihood, over, power)
         share = effective_share(likelihood + over)
         if share >= most:
-            best, most = Weighed(inputs, likelihood + over), share
+            best, most = (inputs, likelihood + over), share
         if share >= _ENOUGH:
             break
         chance = np.random.default_rng((seed, number))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
 import numpy as np
@@ -35,11 +35,11 @@ class Sensitivity:
     unknown: tuple[Unknown, ...]  #: The inputs.
     loads: tuple[float, ...]  #: Normal loads on the whole pin [N].
     #: Indices; the total ones NaN where the inputs are not independent, shape (n_load, n_unknown).
-    first: Array
-    total: Array
     #: Ends of their 90 % intervals, from the numbers of points and of samples, shape (2, n_load,
     #: n_unknown).
+    first: Array
     first_interval: Array
+    total: Array
     total_interval: Array
     #: Standard deviation of the logarithm of the critical velocity, by load.
     spread: tuple[float, ...]
@@ -50,17 +50,12 @@ class Sensitivity:
 
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data."""
-        return {
-            "inputs": [quantity.path for quantity in self.unknown],
-            "loads": list(self.loads),
-            "first": self.first.tolist(),
-            "first_interval": np.moveaxis(self.first_interval, 0, -1).tolist(),
-            "total": self.total.tolist(),
-            "total_interval": np.moveaxis(self.total_interval, 0, -1).tolist(),
-            "spread": list(self.spread),
-            "velocity_error": list(self.velocity_error),
-            "given_measured": self.given_measured,
-        }
+        told: dict[str, Any] = {"inputs": [quantity.path for quantity in self.unknown]}
+        for one in fields(self)[1:]:
+            values = np.asarray(getattr(self, one.name))
+            is_pair = one.name.endswith("interval")
+            told[one.name] = (np.moveaxis(values, 0, -1) if is_pair else values).tolist()
+        return told
 
 
 def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivity:

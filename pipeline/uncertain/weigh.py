@@ -187,8 +187,8 @@ def posterior_at(ds: xr.Dataset, ensemble: Ensemble) -> Posterior | None:
 def basis_of(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
     """Unknown inputs as answers take them, what fixes others, and whether the model fits."""
     if weighed:
-        if weighed.misfit:
-            yield f"warning: {weighed.misfit}"
+        if weighed.draws.misfit:
+            yield f"warning: {weighed.draws.misfit}"
         for path, before, after, within in weighed.in_words():
             yield f"{path}: {after}, 90 % within {within} (before the tests {before})"
     else:

@@ -24,6 +24,7 @@ from scipy.special import logsumexp
 
 import pipeline
 from pipeline.sweep.unknown import Unknown, drawn
+from pipeline.uncertain.answers import draws_of
 from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.posterior import contrasts
 from tests.helpers.campaigns import conclude
@@ -131,7 +132,7 @@ def covered(count, between):
         lab = Laboratory(ALL, number)
         tests = tuple(lab.tested(load, between=between) for load in LOADS[:6])
         posterior = pipeline.posterior(dataclasses.replace(samples, tests=tests))
-        draws, inputs = posterior.draws, posterior.sweep_draws.inputs
+        draws, inputs = posterior.draws, draws_of(posterior.ensemble, posterior.draws).inputs
         of_draws = (
             np.log((inputs[:, 0] - ROOM) / inputs[:, 2]) - log_rise(ALL, inputs, 400.0)
         ) / EXPONENT

@@ -16,7 +16,6 @@ import json
 import math
 import sys
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -46,11 +45,7 @@ def law_scatters(seed):
 
 def next_run(ensemble, posterior):
     """The field of samples that tests have weighed."""
-    told = posterior.draws
-    draws = draws_of(ensemble, told)
-    draws = replace(draws, scatters=told.scatters, by_scatter=told.by_scatter)
-    rig = None if posterior.rig is None else told.inputs[:, posterior.rig[1]]
-    return SampleField(ensemble, draws, None, posterior, rig)
+    return SampleField(ensemble, draws_of(ensemble, posterior.draws), None, posterior)
 
 
 def true_probabilities(field, rig, load, bulk, scatter):

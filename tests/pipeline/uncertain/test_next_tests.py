@@ -9,7 +9,7 @@ import pytest
 import pipeline
 from pipeline.cli.parser import parse
 from pipeline.sweep.unknown import Unknown
-from pipeline.uncertain.answers import log_boundary
+from pipeline.uncertain.answers import draws_of, log_boundary
 from pipeline.uncertain.next_tests import Candidate, candidates, ranking_command
 from tests.helpers.samples import LOADS, critical_velocity, ensemble
 from tests.helpers.unknowns import CRITICAL, FRICTION, RATE
@@ -33,7 +33,9 @@ def test_what_is_known_of_a_boundary_today_is_the_spread_of_its_draws():
         for load in LOADS.tolist()
     ]
     posterior = pipeline.posterior(ensemble((critical, rate), tests=tests))
-    boundary, _ = log_boundary(posterior.ensemble, posterior.sweep_draws.inputs, LOADS)
+    boundary, _ = log_boundary(
+        posterior.ensemble, draws_of(posterior.ensemble, posterior.draws).inputs, LOADS
+    )
     known = math.sqrt(np.mean([posterior.draws.spread(column) ** 2 for column in boundary.T]))
     best = candidates(posterior)[0]
     assert best.before == pytest.approx(known, rel=0.01)

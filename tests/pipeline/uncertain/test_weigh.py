@@ -324,7 +324,7 @@ def test_friction_that_falls_with_velocity_is_a_fault_of_the_model_and_not_of_a_
     ]
     wrong = pipeline.posterior(ensemble((WIDE, RATE, FRICTION), tests=falling))
     assert not wrong.fits
-    assert wrong.faults[0].startswith("the tests scatter by")
+    assert wrong.draws.faults[0].startswith("the tests scatter by")
     assert min(judged.probability for judged in wrong.judged) < 0.2
     assert not any(judged.contradicts for judged in wrong.judged)
     assert wrong.as_dict()["fits"] is False
@@ -334,7 +334,7 @@ def test_friction_that_falls_with_velocity_is_a_fault_of_the_model_and_not_of_a_
     weighed = pipeline.at(ds, given_measured=True)
     told = pipeline.margin(weighed, *place)
     assert (told.verdict, told.probability > 0.95) == ("not decided", True)
-    assert told.misfit == pipeline.posterior(pipeline.Ensemble.of(ds)).misfit != ""
+    assert told.misfit == pipeline.posterior(pipeline.Ensemble.of(ds)).draws.misfit != ""
     table = {"load [N]": [750.0], "velocity [m/s]": [5.5]}
     assert pipeline.margin(weighed, table)["verdict"][0] == "not decided"
     crossings = pipeline.boundary(weighed)
@@ -346,7 +346,7 @@ def test_an_input_that_is_pressed_against_its_end_is_a_fault_of_the_model():
     cool = Unknown(CRITICAL.path, "uniform", (383.15, 423.15), "K")
     posterior = pipeline.posterior(ensemble((cool, LENGTH), tests=transitions(hot, 0.02, seed=3)))
     assert not posterior.fits
-    assert "of its probability at the ends of its range" in " ".join(posterior.faults)
+    assert "of its probability at the ends of its range" in " ".join(posterior.draws.faults)
     usual = ensemble((WIDE, LENGTH), tests=transitions(hot - [20, 0, 0, 0]))
     assert pipeline.posterior(usual).fits
 
