@@ -44,6 +44,11 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
                 f"the dataset has a single {name}, so it is no plane; select a list of one, such "
                 f"as ds.sel({name}=[{ds[name].item():g}])"
             )
+    if "step" in ds.coords and not (ds["step"] == 0).any():
+        raise InputError(
+            "the dataset has not step 0, the end of each point, which decides: take it as well, "
+            "such as by ds.sel(step=0)"
+        )
     column = conditions.decisive.column
     ds = keep_steps(ds, "status", "normal_load", column, "cooler_share")
     names = ["normal_load", column, *columns_needed(conditions)]

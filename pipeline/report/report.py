@@ -20,7 +20,7 @@ from pipeline import extras
 from pipeline.analysis import dataset
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.entries import scene_entries
-from pipeline.analysis.frames import boundary_parts
+from pipeline.analysis.frames import boundary_parts, frames_of
 from pipeline.analysis.laboratory import compared, test_parts
 from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
 from pipeline.analysis.scenes import parts_of, scenes, value_text
@@ -32,7 +32,7 @@ from pipeline.analysis.tables import (
     writable_path,
     write_text,
 )
-from pipeline.analysis.transition import CROSSES, outcomes
+from pipeline.analysis.transition import CROSSES, SEVERAL, outcomes
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import fit_to_width, svg_of
@@ -217,10 +217,18 @@ def _answer(boundaries: xr.Dataset) -> str:
     if axis:
         velocities, crosses = velocities.median(axis), crosses.all(axis)
     crossings = velocities.where(crosses, drop=True)
+    codes = sorted(set(boundaries["outcome_at_load"].values.ravel().tolist()))
+    if SEVERAL in codes and not axis:
+        frame = frames_of(boundaries)[0].iloc[[0, -1]]
+        once = frame["critical velocity [m/s]"].map("severe from {:.3g} m/s on".format)
+        words = frame["outcome"].where(frame["outcome"] != outcomes("velocity")[CROSSES], once)
+        ends = words + frame["load [N]"].map(" at {:g} N".format)
+        return f"wear is {' and '.join(dict.fromkeys(ends))}"
     if not crossings.size:
-        codes = sorted(set(boundaries["outcome_at_load"].values.ravel().tolist()))
-        words = " or ".join(outcomes("velocity")[code] for code in codes)
-        return f"no transition is known among the points computed: {words}"
+        known = "at no load do all surfaces have one transition alone"
+        if not {CROSSES, SEVERAL} & {*codes}:
+            known = "no transition is known among the points computed"
+        return f"{known}: {' or '.join(outcomes('velocity')[code] for code in codes)}"
     places = [crossings[0], crossings[-1]] if crossings.size > 1 else [crossings[0]]
     text = " and ".join(
         f"from {float(place):.3g} m/s on at {float(place['load']):g} N" for place in places

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.selection import Selection
@@ -26,7 +26,7 @@ class Measurement:
     friction_scatter: float | None = None
     bulk_temperature: float | None = None  # the same in both bodies [K]
     hold: float | None = None  # at the full load [s]
-    outcome: str | None = None  # "mild" or "severe"; None at a transition
+    outcome: Literal["mild", "severe"] | None = None  # None at a transition
     number: str | None = None  # by which answers call it
     run: str | None = None  # shared by the tests of one specimen
     oil: str | None = None  # the scene's if None

@@ -142,9 +142,11 @@ def _kinds() -> dict[str, Any]:
     while waiting:
         kind = waiting.pop()
         waiting += get_args(kind)
-        if kind is Own or kind in found.values() or not (hints := _parameters(kind)):
+        # The first of a name counts: a dataclass with slots leaves the class that it was behind.
+        name = getattr(kind, "__name__", "")
+        if kind is Own or name in found or not (hints := _parameters(kind)):
             continue
-        found[kind.__name__] = kind
+        found[name] = kind
         waiting += [*hints.values(), *kind.__subclasses__()]
     return found
 

@@ -123,7 +123,7 @@ def rise_exceeded(
         )
     above = int(np.clip(np.searchsorted(quantiles, 1 - share), 1, len(quantiles) - 1))
     low, high = quantiles[above - 1], quantiles[above]
-    weight = (1 - share - low) / (high - low)
+    weight = (1 - share - low) / (high - low) if high > low else 1.0  # of one quantile alone
     exceeded: Array = (1 - weight) * rise_quantiles[..., above - 1] + (
         weight * rise_quantiles[..., above]
     )

@@ -1,0 +1,78 @@
+"""What would count severe wear mild, or understate an error."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from pipeline import margin
+from pipeline.analysis.field import point_field
+from pipeline.analysis.laboratory import compared, model_error
+from pipeline.analysis.margin import NOT_DECIDED
+from pipeline.sweep.about import Measurement
+from tests.helpers import synthetic
+from tribo import Corrections, WarningKind
+
+
+def critical(load):
+    return synthetic.critical_velocity(load, synthetic.limit())
+
+
+def test_severe_wear_goes_on_below_the_lowest_velocity_that_was_computed():
+    load, few = 600.0, (2.0, 3.0, 4.0)
+    assert critical(load) < few[0]
+    cut, whole = (
+        margin(synthetic.sweep(velocities=v, measured=()), load, 2.0)
+        for v in (few, synthetic.VELOCITIES)
+    )
+    assert cut.probability == pytest.approx(whole.probability, rel=1e-3)
+    assert cut.probability > 0.95
+
+
+def test_an_error_that_one_surface_does_not_know_decides_nothing():
+    ds = synthetic.sweep(measured=(), preset="draft")
+    unstable = ds.copy(deep=True)
+    unstable["warning_flags"][:] = int(WarningKind.UNSTABLE_WEAR)
+    assert margin(ds, 400.0, 0.75).verdict == "mild"
+    for surfaces in ([ds, unstable], [unstable, ds]):
+        both = xr.concat(surfaces, xr.Variable("realization", range(2)), combine_attrs="override")
+        found = margin(both, 400.0, 0.75)
+        assert (found.temperature_error, found.verdict) == (None, NOT_DECIDED)
+
+
+def test_a_film_that_is_counted_afterwards_errs():
+    conditions = synthetic.conditions()
+    filmed = replace(conditions, corrections=Corrections(film_resistance=1e-9))
+    plain, found = (
+        margin(synthetic.sweep(measured=(), preset="draft", conditions=one), 400.0, 1.0)
+        for one in (conditions, filmed)
+    )
+    assert plain.error.warned == 0.0
+    rise = found.decisive_temperature - conditions.bulk_temperature
+    assert found.error.warned == pytest.approx(0.032 * rise)
+    assert found.temperature_error > plain.temperature_error
+
+
+def test_of_outcomes_of_one_run_that_are_wrong_the_farthest_counts():
+    load = 400.0
+    wrong = [share * critical(load) for share in (0.9, 0.6, 0.8)]
+    tests = tuple(Measurement(load, v, outcome="severe", run="a") for v in wrong)
+    ds = synthetic.sweep(measured=tests)
+    (residual,) = model_error(ds, point_field(ds)).residuals
+    assert residual == pytest.approx(math.log(0.6), abs=1e-3)
+
+
+def test_a_test_within_the_numerical_error_neither_agrees_nor_contradicts():
+    load = 400.0
+    tests = [
+        Measurement(load, share * critical(load), outcome=outcome)
+        for share in (0.5, 0.98, 1.02, 1.5)
+        for outcome in ("mild", "severe")
+    ]
+    found = compared(synthetic.sweep(measured=tuple(tests), preset="draft"))
+    assert [*found["agrees"]] == [
+        "yes", "no", *[NOT_DECIDED] * 4, "no", "yes"
+    ]  # fmt: skip
+    assert np.isfinite(found["decisive temperature [°C]"]).all()

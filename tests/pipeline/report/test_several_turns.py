@@ -1,0 +1,48 @@
+"""The answer of a report where wear turns more than once with the velocity."""
+
+from dataclasses import replace
+
+import pytest
+import xarray as xr
+
+import pipeline
+import tribo
+from tests.helpers import synthetic
+
+BACK = ((0.5, 4.0), (2.0, 0.9), (6.0, 0.8))
+
+
+def swept(**changes):
+    corrections = tribo.Corrections(friction=tribo.Friction(by_velocity=BACK))
+    conditions = replace(synthetic.conditions(), corrections=corrections)
+    velocities = [0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 6.0]
+    return synthetic.sweep(velocities=velocities, conditions=conditions, **changes)
+
+
+def answer(ds, tmp_path):
+    page = pipeline.report(ds, tmp_path / "report.html").read_text(encoding="utf-8")
+    return page.split("Answer: ")[1].split("</p>")[0]
+
+
+@pytest.mark.parametrize("loads", [[200.0, 400.0], [400.0]])
+def test_a_report_answers_with_every_range_of_severe_wear(loads, tmp_path):
+    ds = swept(loads=loads)
+    told = answer(ds, tmp_path)
+    assert "no transition" not in told
+    for load in loads:
+        turns = pipeline.margin(ds, load, 1.0).velocity_turns
+        assert len(turns) == 3
+        first, middle, last = (f"{turn:.3g}" for turn in turns)
+        words = f"severe from {first} to {middle} and from {last} on m/s at {load:g} N"
+        assert told.count(words) == 1
+
+
+def test_a_report_of_surfaces_that_differ_denies_no_transition(tmp_path):
+    hotter = xr.concat(
+        [swept(loads=[200.0]), swept(loads=[200.0], rise=lambda *at: 1.3 * synthetic.rise(*at))],
+        xr.Variable("realization", range(2)),
+        combine_attrs="override",
+    )
+    told = answer(hotter, tmp_path)
+    assert "no transition" not in told
+    assert "at no load do all surfaces have one transition alone" in told
