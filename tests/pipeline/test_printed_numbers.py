@@ -420,7 +420,7 @@ def test_the_margin_at_a_point_is_its_temperature_below_the_critical_one(
         assert chances[1] == pytest.approx(expected[1], rel=1e-6)
         assert chances == pytest.approx(expected, abs=0.02)
         tests = f"{count} test{'s' if count > 1 else ''}"
-        assert f"± {100 * scale:.2g} % in velocity, by {tests} and 10 %" in said
+        assert f"± {100 * scale:.2g} % in velocity, from {tests} and a prior of 10 %" in said
         assert document["tested"] == ["severe, 400 N, 2 m/s"]
         assert "tested there: severe, 400 N, 2 m/s" in said
     assert document["verdict"] == verdict_of(chances[0], chances[-1])

@@ -184,7 +184,7 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, 
         (("margin", "--load", "500 N"), "give --load and --velocity, or --points"),
         (
             ("boundary", "--given-measured", "--friction", "0.2"),
-            "drawn: leave out friction",
+            "friction: the tests weigh conditions as they were drawn; leave this out",
         ),
         (("margin", "--load", "900 N", "--velocity", "2 m/s"), "load is 900 N; the samples have"),
         (("plot", "--kind", "ramp"), "has samples, so there is no plane of points"),
