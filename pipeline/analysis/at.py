@@ -31,7 +31,9 @@ from pipeline.analysis.dataset import (
     whole_sweep,
 )
 from pipeline.analysis.scenes import scenes, value_text
+from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import OIL_WORKS
+from pipeline.scene.reference import all_keys, find_entry
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
@@ -289,6 +291,8 @@ def _number(value: float | str) -> float:
 
 def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
     """Say that an entry acts in the simulation, with the command that computes it."""
+    if find_entry(path) is None:
+        return f"{path} is no entry of a scene{did_you_mean(path, dict(all_keys()))}"
     sweep = whole_sweep(ds)
     scene = (sweep.about.arguments or (f"{sweep.about.name}.toml",))[0]
     command = shlex.join(["irg", "run", scene, "--set", f"{path}={value}", "-o", "OTHER.zarr"])

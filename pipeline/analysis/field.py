@@ -82,6 +82,10 @@ class Field(Protocol):
         """Load [N] and velocity [m/s] of a row that has no plane."""
 
     @property
+    def counts_inputs(self) -> bool:
+        """True if the members are draws of unknown inputs; surfaces tell nothing of these."""
+
+    @property
     def misfit(self) -> str:
         """Why the tests contradict the model; empty if they do not."""
 
@@ -137,6 +141,7 @@ class PointField:
     place: tuple[float, float] | None = None
     misfit: str = ""
     basis: tuple[Mapping[str, Any], Sequence[str]] = ({}, ())
+    counts_inputs = False
 
     @property
     def weights(self) -> Array:

@@ -70,6 +70,7 @@ class Margin:
     is_computed: bool  #: That very point is done, and the temperature not interpolated.
     is_continued: bool  #: Temperature extrapolated beyond the computed points.
     members: int  #: Surfaces, or draws of unknown inputs, that it rests on.
+    counts_inputs: bool  #: The members are draws of unknown inputs, and not surfaces.
     #: Of these numbers that 5 and 95 % stay below, where there are several members.
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     tested: tuple[str, ...] = ()  #: Tests of the scene at or beside the place, in words.
@@ -112,7 +113,7 @@ class Margin:
         within = f" ({ends[0].removesuffix(' %')} to {ends[1]})" if ends[0] != ends[1] else ""
         likely = f"severe wear is {percent(self.probability)} likely{within}"
         where = f"{abs(self.distance):.3g} K {side} the critical temperature"
-        rest = "" if self.intervals else f"; {_EXACT}"
+        rest = "" if self.counts_inputs else f"; {_EXACT}"
         tests = f"; tested there: {', '.join(self.tested)}" if self.tested else ""
         return f"{self.verdict.capitalize()}: {likely}, {where}{rest}{tests}"
 
@@ -202,6 +203,7 @@ def answer(
         is_computed=here.is_computed,
         is_continued=here.is_continued,
         members=len(weights),
+        counts_inputs=field.counts_inputs,
         intervals=intervals,
         tested=tuple(tested),
         misfit=field.misfit,

@@ -116,11 +116,12 @@ def _margin_lines(here: Margin) -> list[str]:
     elif here.is_continued:
         origin = "extrapolated beyond the computed points, as a power of the velocity"
     elif here.members > 1:
-        origin = f"that of {here.members} surfaces or samples"
+        origin = f"that of {here.members} {'samples' if here.counts_inputs else 'surfaces'}"
     inputs = "taken as exact"
     if interval := here.intervals.get("decisive_temperature"):
         low, high = (value - 273.15 for value in interval)
-        inputs = f"{low:.4g} to {high:.4g} °C with 90 %"
+        spread = f"{low:.4g} to {high:.4g} °C with 90 %"
+        inputs = spread if here.counts_inputs else f"{inputs}; {spread} of the surfaces"
     lines = [
         here.sentence,
         f"  numerical error  {here.error.worded}; the decisive temperature is {origin}",

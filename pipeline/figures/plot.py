@@ -95,7 +95,8 @@ def plot(
     >>> figure = pipeline.plot(pipeline.sensitivity(ensemble), title="A scene", width="16 cm")
     """
     study = getattr(ds[0] if isinstance(ds, list | tuple) else ds, "drawn_by", None)
-    kinds = {study.partition(":")[2]: pkgutil.resolve_name(study)} if study else KINDS
+    only = study.rpartition("draw_")[2] if study else ""
+    kinds = {only: pkgutil.resolve_name(study)} if study else KINDS
     kind = kind or next(iter(kinds))
     if kind not in kinds:
         raise InputError(f"kind is {kind!r}; allowed are {', '.join(kinds)}")

@@ -234,6 +234,10 @@ def _answer(boundaries: xr.Dataset) -> str:
         f"from {float(place):.3g} m/s on at {float(place['load']):g} N" for place in places
     )
     median = f", the median of {boundaries.sizes[axis]} surfaces" if axis else ""
+    if axis and (others := crosses.size - crossings.size):
+        median += (
+            f"; at {others} of {crosses.size} loads not every surface has one transition alone"
+        )
     return f"wear is severe {text}{median}"
 
 

@@ -94,12 +94,17 @@ def all_keys() -> Iterator[tuple[str, Entry]]:
 
 def unit_example(path: str) -> str | None:
     """Example of a value with the unit of an entry; None if the entry has no unit."""
+    entry = find_entry(path)
+    quantity = entry and quantity_in(entry.kind)
+    return quantity.example if quantity else None
+
+
+def find_entry(path: str) -> Entry | None:
+    """The entry of the format at a path; None if there is none."""
     parts = path.split(".")
     if parts[0] == "materials" and len(parts) > 2:
         parts[1] = "NAME"
-    entry = dict(all_keys()).get(".".join(parts))
-    quantity = entry and quantity_in(entry.kind)
-    return quantity.example if quantity else None
+    return dict(all_keys()).get(".".join(parts))
 
 
 def quantity_in(kind: Kind) -> Quantity | None:

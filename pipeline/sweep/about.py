@@ -134,9 +134,16 @@ def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Itera
 
 def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
     """Say in a line when wear is severe under some conditions, each part of them once."""
-    each = [(_severe(one, drawn), " ".join(next(condition_rows(one, drawn)))) for one in several]
-    severe, heat = (" or ".join(dict.fromkeys(part)) for part in zip(*each, strict=True))
-    return f"severe wear: {severe}; {heat}"
+    each = [
+        (
+            _severe(one, drawn),
+            " ".join(next(condition_rows(one, drawn))),
+            one.corrections.worded if one.corrections else "no correction",
+        )
+        for one in several
+    ]
+    parts = [" or ".join(dict.fromkeys(part)) for part in zip(*each, strict=True)]
+    return f"severe wear: {'; '.join(part for part in parts if part != 'no correction')}"
 
 
 def _severe(conditions: Conditions, drawn: Collection[str]) -> str:

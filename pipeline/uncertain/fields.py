@@ -63,6 +63,7 @@ class SampleField:
     shown: Mapping[str, Any] = field(default_factory=dict)
     place: tuple[float, float] | None = None
     _kept: dict[float, tuple[Array, Array]] = field(default_factory=dict, init=False)
+    counts_inputs = True
 
     @property
     def weights(self) -> Array:

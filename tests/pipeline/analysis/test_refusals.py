@@ -94,6 +94,7 @@ NOTHING = {(load, v): PENDING for load in synthetic.LOADS for v in synthetic.VEL
 REFUSALS = {
     # other conditions
     "entry": (at(**{"pin.radius": "3 mm"}), "run irg run synthetic.toml --set 'pin.radius=3 mm'"),
+    "misspelt": (at(**{"pin.radus": "3 mm"}), 'pin.radus is no entry of a scene (did you mean'),
     "twice": (at(friction=0.1, **{"friction.coefficient": 0.2}), "coefficient is given twice"),
     "friction": (at(friction="a lot"), "friction is 'a lot'; give a number"),
     "negative": (at(friction=-0.1), "friction is -0.1; it must be at least 0"),
@@ -116,6 +117,7 @@ REFUSALS = {
     "label": (lambda: pipeline.at(pins(), pin="c"), "pin is c, which the sweep does not have"),
     "at": (lambda: pipeline.boundary(plane().assign_attrs(at="hotter")), "at is 'hotter'"),
     "code": (coded, "the store was judged by the criterion \"laws:median\""),
+    "no end": (lambda: pipeline.boundary(plane().isel(step=[0])), "has not step 0, the end"),
     "no heat": (unmoved, "the sweep was computed without friction"),
     "surface": (lambda: select_surface(plane(), 3), "realization is 3, which the sweep does not"),
     # datasets

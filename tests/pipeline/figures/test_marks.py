@@ -248,7 +248,7 @@ def test_where_each_entry_has_one_value_bars_end_in_their_changes():
         Variation("oxide", "10 nm of 2 W/(m K) on the disk", (1.9,), ("crosses",)),
         Variation("pin.radius", "3 mm", (2.2,), ("crosses",)),
     )
-    figure = pipeline.draw_variations(Variations("A scene", (200.0,), base, others, 1, 1))
+    figure = pipeline.plot(Variations("A scene", (200.0,), base, others, 1, 1))
     (axes,) = figure.axes
     names = [text.get_text().splitlines()[1] for text in axes.get_yticklabels()]
     assert sorted(names) == ["10 nm of 2 W/(m K) on the disk", "3 mm"]

@@ -24,7 +24,7 @@ from pipeline.sweep.surface import find_lubrication
 from tests.helpers import samples, synthetic
 from tests.helpers.sweeps import with_fields
 from tests.helpers.synthetic import MEASURED, VELOCITIES
-from tribo import InputError
+from tribo import Corrections, Friction, InputError
 
 MILD, SEVERE = "mild wear, computed", "severe wear, computed"
 
@@ -93,6 +93,14 @@ def test_diagram_says_its_conditions(drawn):
         "measured transition",
         "computed at the test's own conditions",
     ]
+
+
+def test_a_diagram_says_what_acts_beside_its_conditions():
+    falling = Corrections(friction=Friction(by_velocity=((0.5, 1.6), (6.0, 0.55))))
+    varied = synthetic.sweep(conditions=replace(synthetic.conditions(), corrections=falling))
+    (legend,) = pipeline.plot(varied).legends
+    title = " ".join(legend.get_title().get_text().split())
+    assert "bulk 25 °C; friction by velocity, measured" in title
 
 
 def test_boundary_in_the_diagram_is_the_known_one(drawn):

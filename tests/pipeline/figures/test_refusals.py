@@ -64,7 +64,7 @@ VARIED = Variations("A scene", (400.0,), BASE, (), points=1, contacts=1)
 REFUSALS = {
     "kind": (plot("pie"), "kind is 'pie'; allowed are diagram, ramp, fields"),
     "option": (plot("diagram", load=750.0), "diagram has no option 'load'; it has realization"),
-    "study": (lambda: pipeline.plot(VARIED, "ramp"), "is 'ramp'; allowed are draw_variations"),
+    "study": (lambda: pipeline.plot(VARIED, "ramp"), "is 'ramp'; allowed are variations"),
     "its option": (lambda: pipeline.plot(VARIED, log=True), "has no option 'log'; it has none"),
     "suffix": (plot("diagram", "figure.gif"), "the suffix must be one of .pdf, .png, .svg"),
     "folder": (plot("diagram", "no/figure.png"), "there is no folder no"),

@@ -31,7 +31,7 @@ def test_every_function_that_makes_a_figure_draws_in_the_house_style(path):
         if names & {"Figure", "Picture", "canvas"}:
             makers += 1
             decorators = {getattr(d, "id", getattr(d, "attr", "")) for d in node.decorator_list}
-            within_diagram = node.name.startswith("_scenes_diagram")  # called by `diagram` alone
+            within_diagram = node.name in ("_scene_diagram", "_scenes_diagram")  # by `diagram`
             assert "house_style" in decorators or within_diagram, node.name
     assert makers
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -46,3 +47,14 @@ def test_a_report_of_surfaces_that_differ_denies_no_transition(tmp_path):
     told = answer(hotter, tmp_path)
     assert "no transition" not in told
     assert "at no load do all surfaces have one transition alone" in told
+
+
+def test_a_report_of_surfaces_says_at_how_many_loads_it_knows_no_median(tmp_path):
+    def rise(load, *rest):
+        return synthetic.rise(load, *rest) * np.where(load < 320.0, 0.2, 1.0)
+
+    both = xr.concat(
+        [synthetic.sweep(rise=rise)] * 2, xr.Variable("realization", range(2)),
+        combine_attrs="override",
+    )  # fmt: skip
+    assert "at 3 of 12 loads not every surface has one transition alone" in answer(both, tmp_path)

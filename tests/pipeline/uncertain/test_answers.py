@@ -188,7 +188,7 @@ def test_conditions_of_rows_that_samples_cannot_take_are_refused():
 
 def test_tests_that_weigh_samples_take_no_other_conditions_and_no_scatter_alone():
     ds = dataset(ensemble())
-    with pytest.raises(InputError, match="^friction: the tests weigh .*leave this out"):
+    with pytest.raises(InputError, match="friction: the tests weigh"):
         pipeline.at(ds, friction=0.09, given_measured=True)
     with pytest.raises(InputError, match="measured velocities count only with"):
         pipeline.at(ds, scatter=0.05)
