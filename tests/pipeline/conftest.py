@@ -1,11 +1,13 @@
 import json
 import shutil
+from argparse import Namespace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from pipeline import extras
-from pipeline.cli import main
+from pipeline.cli import main, output
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
@@ -71,5 +73,27 @@ def irg(capsys):
         assert ended == code
         printed = capsys.readouterr()
         return json.loads(printed.out) if "--json" in arguments else printed.out + printed.err
+
+    return run_command
+
+
+@pytest.fixture
+def irg_both(irg, capsys, monkeypatch):
+    """Run a command once: what it prints of its result as text, and its document."""
+    show = output.show
+
+    def run_command(*arguments, code=0):
+        said = []
+
+        def show_both(options, result):
+            text = replace(result, text=[*result.text])
+            show(Namespace(**vars(options) | {"json": False}), text)
+            said.extend(capsys.readouterr())
+            show(options, text)
+
+        with monkeypatch.context() as patched:
+            patched.setattr(output, "show", show_both)
+            document = irg(*arguments, "--json", code=code)
+        return "".join(said), document
 
     return run_command
