@@ -37,12 +37,6 @@ JOINT = (CRITICAL, RATE, replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), 
 EXPONENT = 0.7  # of the rise over the velocity
 
 
-class Memory(dict):
-    """What a store keeps."""
-
-    kept, keep = dict.get, dict.setdefault
-
-
 _AFTERWARDS = {BULK, CRITICAL_PATH, FRICTION_PATH}
 
 

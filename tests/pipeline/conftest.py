@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline import extras
 from pipeline.cli import main, output
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points, run_point
@@ -18,25 +17,6 @@ def commit_all(path, sweep, skip=()):
     with writing(path, sweep) as store:
         wanted = [point for point in points(sweep) if point not in skip]
         store.commit(run_point(sweep, *point).record(sweep.record.fields) for point in wanted)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _constants_are_found_once():
-    """The constants of emulators, by what they are fitted to: most tests ask a few designs."""
-    emulator = next(extras.modules("emulator"), None)
-    if emulator is None:
-        yield
-        return
-    from tests.helpers.samples import Memory  # which needs that extra
-
-    found, memory = emulator.kept_or_found, Memory()
-
-    def kept_or_found(keeper, *fit):
-        return found(keeper if getattr(keeper, "may_keep", False) else memory, *fit)
-
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(emulator, "kept_or_found", kept_or_found)
-        yield
 
 
 @pytest.fixture(scope="session")
