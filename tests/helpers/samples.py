@@ -29,12 +29,6 @@ LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), (0.5, 6.0)
 EXPONENT = 0.7  # of the rise over the velocity
 
 
-class Memory(dict):
-    """What a store keeps."""
-
-    kept, keep = dict.get, dict.setdefault
-
-
 _AFTERWARDS = {BULK, CRITICAL_PATH, FRICTION_PATH}
 
 

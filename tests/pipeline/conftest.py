@@ -1,11 +1,12 @@
 import json
 import shutil
+from argparse import Namespace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from pipeline import extras
-from pipeline.cli import main
+from pipeline.cli import main, output
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
@@ -16,25 +17,6 @@ def commit_all(path, sweep, skip=()):
     with writing(path, sweep) as store:
         wanted = [point for point in points(sweep) if point not in skip]
         store.commit(run_point(sweep, *point).record(sweep.record.fields) for point in wanted)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _constants_are_found_once():
-    """The constants of emulators, by what they are fitted to: most tests ask a few designs."""
-    emulator = next(extras.modules("emulator"), None)
-    if emulator is None:
-        yield
-        return
-    from tests.helpers.samples import Memory  # which needs that extra
-
-    found, memory = emulator.kept_or_found, Memory()
-
-    def kept_or_found(keeper, *fit):
-        return found(keeper if getattr(keeper, "may_keep", False) else memory, *fit)
-
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(emulator, "kept_or_found", kept_or_found)
-        yield
 
 
 @pytest.fixture(scope="session")
@@ -71,5 +53,27 @@ def irg(capsys):
         assert ended == code
         printed = capsys.readouterr()
         return json.loads(printed.out) if "--json" in arguments else printed.out + printed.err
+
+    return run_command
+
+
+@pytest.fixture
+def irg_both(irg, capsys, monkeypatch):
+    """Run a command once: what it prints of its result as text, and its document."""
+    show = output.show
+
+    def run_command(*arguments, code=0):
+        said = []
+
+        def show_both(options, result):
+            text = replace(result, text=[*result.text])
+            show(Namespace(**vars(options) | {"json": False}), text)
+            said.extend(capsys.readouterr())
+            show(options, text)
+
+        with monkeypatch.context() as patched:
+            patched.setattr(output, "show", show_both)
+            document = irg(*arguments, "--json", code=code)
+        return "".join(said), document
 
     return run_command

@@ -354,7 +354,8 @@ def test_a_package_that_registers_a_law_is_compared_before_it_runs(strangers, tm
 
 def test_a_resume_needs_the_word_again(strangers, capsys):
     rates = dict.fromkeys(RATES, 1e-15)
-    words = ["run", "wear.toml", "-q", "--workers", "1", "-o", "out.zarr", "--set"]
+    words = ["run", "wear.toml", "--preset", "draft", "-q", "--workers", "1", "-o", "out.zarr"]
+    words.append("--set")
     words.append(f"wear.parameters={{{', '.join(f'{k} = {v}' for k, v in rates.items())}}}")
     assert main([*words, "--own-laws"]) == 0
     before = (strangers / "out.zarr/zarr.json").read_bytes()

@@ -96,7 +96,8 @@ def test_a_sweep_of_samples_is_answered_by_probabilities():
     assert "load is 5000 N; the samples have 200 to 750 N" in " ".join(notes)
 
 
-def test_a_report_of_samples_weighs_them_by_the_tests_if_asked_to(tmp_path):
+def test_a_report_of_samples_weighs_them_by_the_tests_if_asked_to(tmp_path, monkeypatch):
+    samples.fewer_draws(monkeypatch)
     test = {"normal_load": 400.0, "velocity": 2.2, "friction": 0.1}
     tested = samples.dataset(samples.ensemble(tests=[test]))
     tested["warning_flags"] = tested["status"] * 0

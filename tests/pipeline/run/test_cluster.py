@@ -169,7 +169,8 @@ def test_a_cluster_elsewhere_sees_no_store_computes_the_same_and_may_be_lost(
         assert content(hidden / "tiny.zarr") == content(alone)
 
         (tmp_path / "small.toml").write_text(SCENE)
-        run = ("run", tmp_path / "small.toml", "-o", hidden / "small.zarr", "--scheduler-file")
+        run = ("run", tmp_path / "small.toml", "--preset", "draft", "-o", hidden / "small.zarr")
+        run = (*run, "--scheduler-file")
         irg(*run, file)
         (tmp_path / "empty.json").write_text("{}")
         for name in ("empty.json", "missing.json"):
