@@ -148,7 +148,8 @@ def main():
         for law in options.laws:
             tests = [*logged(rig, batch, law)]
             for count in options.tests:
-                inputs = dict(judged(weighed(ensemble, tests[:count]), rig.truth))
+                posterior = weighed(ensemble, tests[:count], fewer=4 if options.promise else 1)
+                inputs = dict(judged(posterior, rig.truth))
                 new.append({"truth": number, "law": law, "tests": count, "inputs": inputs})
         new[-1]["seconds"] = time.process_time() - started
         rows += new
