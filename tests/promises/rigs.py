@@ -114,6 +114,14 @@ def weighed(ensemble, tests, scatter=SCATTER, fewer=1):
         return pipeline.posterior(tested, scatter)
 
 
+def log_transitions(ensemble, inputs, load, bulk):
+    """Logarithm of the velocity of the transition by the emulator, of each draw."""
+    nodes = np.geomspace(*ensemble.velocities, 9)
+    at_bulk = replace(ensemble, conditions=replace(ensemble.conditions, bulk_temperature=bulk))
+    vars(at_bulk)["_rise"] = ensemble._rise
+    return log_crossings(nodes, at_bulk.excess(inputs, load, nodes).values)[0]
+
+
 def boundary_near(excess, place, ends):
     """Place near another beyond which an excess, which may jump, is positive; None if beyond."""
     excess = functools.cache(excess)
@@ -178,13 +186,9 @@ class Rig:
         """Logarithm of the velocity of the transition; ± infinite beyond the sweep's."""
         if bulk >= self._scene.conditions.critical_temperature:
             return -math.inf
-        nodes = np.geomspace(*self.ensemble.velocities, 9)
-        conditions = replace(self.ensemble.conditions, bulk_temperature=bulk)
-        at_bulk = replace(self.ensemble, conditions=conditions)
-        vars(at_bulk)["_rise"] = self.ensemble._rise
-        guess = at_bulk.excess(self.truth[None], load, nodes)
         low, high = np.log(self.ensemble.velocities).tolist()
-        place = float(np.clip(log_crossings(nodes, guess.values)[0][0], low, high))
+        guess = log_transitions(self.ensemble, self.truth[None], load, bulk)[0]
+        place = float(np.clip(guess, low, high))
         excess = functools.partial(self._excess, load, bulk)
         found = boundary_near(excess, place, (low, high))
         return math.copysign(math.inf, -excess(place)) if found is None else found
