@@ -42,7 +42,7 @@ COLUMNS = {
     "frequency": Quantity(r"frequency|freq|(schwing)?frequenz|fréquence|frequenza", ("Hz",)),
     "stroke": Quantity(r"stroke( length)?|(schwing)?hub(weg|länge)?|schwingweg|course", ("mm",)),
     "passed": Quantity(
-        r"(timken )?(ok|pass\w*|last pass\w*|last ok|gut) ?(load|value|last|kraft)"
+        r"(ok|pass\w*|last pass\w*|last ok|gut) ?(load|value|last|kraft)"
         r"|(load|last) (passed|ok)|last non ?seizure( load)?|lnsl?", ("N", "kgf"),
     ),
     "seized": Quantity(
@@ -189,6 +189,10 @@ FORMS = (
         "velocity is that of sliding, the difference of both surfaces",
     ),
 )  # fmt: skip
+_MACHINE = re.compile(
+    r"\b(fzg|a 83 90|srv|timken|(four|4) ball|vierkugel|vka|(astm|din|iso|en|ip)( [a-z]?\d+)+)\b"
+)
+"""Names of machines and standards before a quantity in a title, in small letters without signs."""
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\S.*)|(\d[\d.]*)\s*\+")
 _ALIASES = {"Nm": "N m", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf"}
 _ENDS = ("failed", "seized", "passed")
@@ -299,7 +303,8 @@ def _columns(headings: Sequence[Heading]) -> dict[str, int]:
     """Columns of the quantities of forms."""
     found = dict[str, int]()
     for k, heading in enumerate(headings):
-        title = re.sub(r"[\W_]+", " ", heading.title.lower().replace(".", "")).strip()
+        title = re.sub(r"[\W_]+", " ", heading.title.lower().replace(".", ""))
+        title = _MACHINE.sub("", title).strip()
         for name, quantity in COLUMNS.items():
             is_named = title == name or re.fullmatch(quantity.words, title)
             if name not in found and is_named and _fits(heading, title, quantity):

@@ -92,6 +92,15 @@ def test_a_reciprocating_rig_slides_at_twice_frequency_times_stroke(tmp_path):
     assert found == [(800, 0.2, "mild", 2), (900, 0.2, "severe", 2), (2000, 0.2, "mild", 3)]
 
 
+def test_the_name_of_a_machine_before_a_quantity_does_not_hide_it(tmp_path):
+    found = rows(tmp_path, "Oil,FZG A/8.3/90 failure load stage\nA,11\nB,>12\n", velocity="5 m/s")
+    assert [row[2] for row in found] == ["mild", "severe", "mild"]
+    text = "Oil,SRV O.K.-load [N],Frequency [Hz],Stroke [mm]\nA,>2000,50,1\n"
+    assert rows(tmp_path, text) == [(2000, 0.1, "mild", 2)]
+    text = "Oil,ASTM D2783 weld load [kgf]\nA,200\n"
+    assert rows(tmp_path, text)[0][2] == "severe"
+
+
 @pytest.mark.parametrize(("text", "given"), [(FOUR_BALL, {}), (LOADS, {"speed": "1760 rpm"})])
 def test_four_balls_touch_at_a_share_of_the_load_and_each_load_has_balls_of_its_own(
     tmp_path, text, given
