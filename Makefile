@@ -81,6 +81,8 @@ samples: .venv/test   ## judge samples by 2000 simulations, irg infer, next runs
 	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --promise --case $$case \
 	        --tests 4 10 20 40 --truths 150 --minutes 24 --laws drawn || exit 1; done
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.plans --minutes 30
+	for case in known unknown ball; do \
+	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.batches --case $$case || exit 1; done
 	for case in known unknown ball; do OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.plans \
 	    --case $$case --runs 10 --truths 100 --minutes 15 || exit 1; done
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.seeds

@@ -117,7 +117,8 @@ def compared(options):
         "said": last.comparison, "spreads": spreads.tolist(), "over staircase": shares[0],
         "over in turn": shares[1], "errors": errors.tolist(),
     }  # fmt: skip
-    held = "as well" in last.comparison or bool((shares - errors <= 0.8).all())
+    promised = last.spread / np.array([last.staircase, last.in_turn])
+    held = bool(((promised > 0.8) | (shares - errors <= 0.8)).all())
     return conclude(f"plans_{options.case}_{options.runs}", json.dumps(document, indent=1), held)
 
 
