@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from pipeline.laboratory.logs import outcome_of
 from pipeline.laboratory.machines import form_of as form_of
 from pipeline.laboratory.machines import read_form
 from pipeline.laboratory.spreadsheet import may_be_thousands as may_be_thousands
@@ -128,8 +129,24 @@ def tidy(sheet: Sheet, stem: str, given: Mapping[str, Any] | None) -> None:
         sheet.headings = [replace(one, unit=one.unit or unit) for one, unit in pairs]
         del sheet.rows[0]
     has_runs = any(is_named(heading, "run") for heading in sheet.headings)
-    if given is None or not read_form(sheet, stem, given, has_runs):
+    if given is None or not read_form(sheet, f"{stem} {sheet.above}", given, has_runs):
         _take_velocity_of_turns(sheet)
+    else:
+        _name_outcome(sheet)
+
+
+def _name_outcome(sheet: Sheet) -> None:
+    """Take remarks for outcomes if all are, at least one is severe, and no column is called so."""
+    heads = sheet.headings
+    if any(is_named(heading, "outcome") for heading in heads):
+        return
+    told = {
+        k: {outcome_of(row.cells[k], "") for row in sheet.rows if row.cells[k]}
+        for k in range(len(heads))
+    }
+    remarks = [k for k, outcomes in told.items() if None not in outcomes and "severe" in outcomes]
+    if len(remarks) == 1:
+        heads[remarks[0]] = replace(heads[remarks[0]], title="outcome")
 
 
 def _take_velocity_of_turns(sheet: Sheet) -> None:

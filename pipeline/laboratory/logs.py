@@ -25,7 +25,7 @@ _MILD = (
 _SEVERE = (
     "severe fresser gefressen fressen scuff scuffed scuffing seizure seized fail failed nio schwer "
     "grippato grippaggio grippage grippé gripado notok niok weld welded welding verschweißt "
-    "incipientseizure immediateseizure initialseizure"
+    "incipientseizure immediateseizure initialseizure score scored scoring"
 )
 _NEGATION = re.compile(
     r"^\s*(not|no|non|nicht|keine?r?|sans|pas( de)?|senza|sin|ohne|without)[\s_-]+"

@@ -7,6 +7,7 @@ rows are stages of one specimen. What the standards fix is in the library.
 from __future__ import annotations
 
 import math
+import operator
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -26,6 +27,7 @@ class Quantity(NamedTuple):
     units: tuple[str, ...]
 
 
+_NEXT = 0.1  # N, less than any step
 _BODY = r"(disc|disk|roller|ring|scheibe|rolle|shaft|body|welle)"
 _SPEED = r"(speed|velocity|rpm|drehzahl|geschw\w*|[nuv])"
 _TURNING = "m/s", "rpm"
@@ -40,16 +42,18 @@ COLUMNS = {
     "frequency": Quantity(r"frequency|freq|(schwing)?frequenz|fréquence|frequenza", ("Hz",)),
     "stroke": Quantity(r"stroke( length)?|(schwing)?hub(weg|länge)?|schwingweg|course", ("mm",)),
     "passed": Quantity(
-        r"(ok|pass\w*|last pass\w*|last ok|gut) ?(load|last|kraft)|(load|last) (passed|ok)"
-        r"|last non ?seizure( load)?|lnsl?", ("N", "kgf"),
+        r"(ok|pass\w*|last pass\w*|last ok|gut) ?(load|value|last|kraft)"
+        r"|(load|last) (passed|ok)|last non ?seizure( load)?|lnsl?", ("N", "kgf"),
     ),
     "seized": Quantity(
-        r"((initial|first) )?(fail\w*|seizure|scuff\w*|fress|weld\w*) ?(load|last|point)|isl|wl",
-        ("N", "kgf"),
+        r"((initial|first) )?(fail\w*|seizure|scor\w*|scuff\w*|fress|weld\w*) ?"
+        r"(load|value|last|point)|isl|wl", ("N", "kgf"),
     ),
     "load": Quantity(
-        r"((applied|test|normal|axial) )?(load|force)|(prüf|normal)?(last|kraft)|f ?n", ("N", "kgf")
+        r"((applied|test|normal|axial|lever|pan) )?(load|force)|(prüf|normal)?(last|kraft)|f ?n",
+        ("N", "kgf"),
     ),
+    "lever": Quantity(r"(load )?lever( arm)?( ratio)?|hebel(verhältnis)?", ("",)),
     "speed": Quantity(r"((rotation\w*|spindle|ball|shaft) )?(speed|drehzahl|rpm)|n", ("rpm",)),
     "velocity": Quantity(r"(sliding )?(velocity|speed)|gleitgeschw\w*", ("m/s",)),
     "ratio": Quantity(r"slide( to)? roll ratio|slip( ratio)?|schlupf|srr", ("%", "")),
@@ -93,6 +97,17 @@ def _ball_velocity(turns: float) -> float:
     return 2 * math.pi * turns * radius / math.sqrt(3)
 
 
+def _ring_velocity(turns: float) -> float:
+    """Velocity of the rim of a Timken ring, at turns in a second."""
+    return math.pi * float(_fixed("Timken", "ring_diameter")) * turns
+
+
+def _timken_step(load: float) -> float:
+    """Step between loads on the pan at a load, by which they are reported [N]."""
+    name = "step" if load >= _fixed("Timken", "least_of_step") else "lower_step"
+    return float(_fixed("Timken", name))
+
+
 @dataclass(frozen=True, slots=True)
 class Form:
     """A form in which a machine reports tests."""
@@ -108,6 +123,10 @@ class Form:
     #: Quantity before one that failed, and after one that was passed.
     before: Callable[[float], float] | None = None
     after: Callable[[float], float] | None = None
+    #: Words by which a standard is named, and quantities that it fixes.
+    standard: str = ""
+    fixed: tuple[str, ...] = ()
+    has_units: bool = False  #: Loads are usual in several units, of which none is guessed.
 
 
 def _signs(*sets: str) -> tuple[frozenset[str], ...]:
@@ -137,6 +156,17 @@ FORMS = (
         after=lambda load: load + _fixed("SRV", "step"),
     ),
     Form(
+        "Timken", (), r"timken|d ?2782|d ?2509",
+        {
+            "load": tuple(((name, "lever"), operator.mul) for name in ("load", "passed", "seized")),
+            "velocity": ((("speed",), _ring_velocity),),
+        },
+        "load is that on the pan by the ratio of the lever, velocity that of the ring's rim",
+        has_stages=False, before=lambda load: load - _timken_step(load - _NEXT),
+        after=lambda load: load + _timken_step(load + _NEXT),
+        standard=r"timken|d ?2782|d ?2509", fixed=("speed",), has_units=True,
+    ),
+    Form(
         "four-ball", (),
         r"four.?ball|4.?ball|vierkugel|\bvka\b|(load|last).*\b(kgf?|kp)\b|\bweld|non.?seizure",
         {
@@ -145,7 +175,7 @@ FORMS = (
             "velocity": ((("speed",), _ball_velocity),),
         },
         "load is that of one contact, 1/√6 of the applied one; velocity that of its circle",
-        has_stages=False,
+        has_stages=False, standard=r"d ?2783", fixed=("speed",), has_units=True,
     ),
     Form(
         "twin disc", _signs("ratio", "first second"), r"twin.?disc|zwei.?scheiben",
@@ -159,14 +189,18 @@ FORMS = (
         "velocity is that of sliding, the difference of both surfaces",
     ),
 )  # fmt: skip
+_MACHINE = re.compile(
+    r"\b(fzg|a 83 90|srv|timken|(four|4) ball|vierkugel|vka|(astm|din|iso|en|ip)( [a-z]?\d+)+)\b"
+)
+"""Names of machines and standards before a quantity in a title, in small letters without signs."""
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\S.*)|(\d[\d.]*)\s*\+")
-_ALIASES = {"Nm": "N m", "kg": "kgf", "kp": "kgf"}
+_ALIASES = {"Nm": "N m", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf"}
 _ENDS = ("failed", "seized", "passed")
 _TARGETS = {"load": "N", "velocity": "m/s"}
 _CONTACT = ("N", "kN", "m/s", "mm/s")
 
 
-def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
+def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") -> None:
     """Append a column for each quantity that the file does not say."""
     for name, value in given.items():
         if name not in COLUMNS and name not in TEST.keys:
@@ -174,22 +208,29 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
             sheet.of_rows.append(f"given.{name}: no such quantity; give one of {allowed}")
             continue
         number, _, unit = str(value).partition(" ")
-        sheet.headings.append(Heading(f"{name}, given", name, unit.strip()))
+        sheet.headings.append(Heading(f"{name}, {origin}", name, unit.strip()))
         for row in sheet.rows:
             row.cells.append(number)
 
 
+def _is_named(words: str, headings: Sequence[Heading], stem: str) -> bool:
+    said = (stem, *(heading.text for heading in headings))
+    return any(re.search(words, text, re.IGNORECASE) for text in said)
+
+
 def form_of(headings: Sequence[Heading], stem: str = "") -> Form | None:
     """The form in which a machine reports tests below these headings, if it is one.
+
+    The stem is the name of the file, with the lines above the headings.
 
     Columns with the names that a scene has for load and velocity are those of the contact.
     """
     exact = {heading.name for heading in headings if heading.unit in _CONTACT}
     if {"load", "velocity"} <= exact:
         return None
-    found, said = _columns(headings), [stem, *(heading.text for heading in headings)]
+    found = _columns(headings)
     for form in FORMS:
-        is_told = any(re.search(form.words, text, re.IGNORECASE) for text in said)
+        is_told = _is_named(form.words, headings, stem)
         is_load = any(name in found for name in ("load", "torque", "stage", *_ENDS))
         if any(signs <= found.keys() for signs in form.signs) or (is_told and is_load):
             return form
@@ -203,7 +244,17 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     if form is None:
         return False
     found = _columns(sheet.headings)
+    if form.fixed and _is_named(form.standard, sheet.headings, stem):
+        values = {name: _fixed(form.name, name) for name in form.fixed if name not in found}
+        _add_given(sheet, values, "by the standard")
+        found = _columns(sheet.headings)
     ends = [name for name in _ENDS if name in found]
+    if bare := [one for one in ("load", *ends) if form.has_units and _is_bare(sheet, found, one)]:
+        column = sheet.headings[found[bare[0]]]
+        sheet.of_rows.append(
+            f'column "{column.text}" has no unit, and loads of {form.name} are usual in several; '
+            f'name it like "{column.title} [kgf]", [lbf] or [N]'
+        )
     ways = {name: _way(form, name, found, ends) for name in _TARGETS}
     inputs = [one for ins, _ in ways.values() for one in ins]
     known = (one for one in inputs if one in found)
@@ -240,11 +291,20 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     return True
 
 
+def _is_bare(sheet: Sheet, found: Mapping[str, int], name: str) -> bool:
+    """True of a column of plain numbers without a unit."""
+    place = found.get(name)
+    if place is None or sheet.headings[place].unit:
+        return False
+    return any(re.fullmatch(r"[>\d.+ ]+", row.cells[place]) for row in sheet.rows)
+
+
 def _columns(headings: Sequence[Heading]) -> dict[str, int]:
     """Columns of the quantities of forms."""
     found = dict[str, int]()
     for k, heading in enumerate(headings):
-        title = re.sub(r"[\W_]+", " ", heading.title.lower().replace(".", "")).strip()
+        title = re.sub(r"[\W_]+", " ", heading.title.lower().replace(".", ""))
+        title = _MACHINE.sub("", title).strip()
         for name, quantity in COLUMNS.items():
             is_named = title == name or re.fullmatch(quantity.words, title)
             if name not in found and is_named and _fits(heading, title, quantity):
@@ -304,6 +364,8 @@ def _outcomes(
     stages = dict[str, float]()
     for name in ends:  # a load that was passed comes last, and is surer than the step before
         value, is_beyond = values[name], bool(_BEYOND.fullmatch(row.cells[found[name]]))
+        if math.isnan(value):
+            continue
         if name == "passed" or is_beyond:
             stages["mild"] = value
             if name == "passed" and len(ends) == 1 and form.after and not is_beyond:
@@ -319,7 +381,7 @@ def _ask(sheet: Sheet, form: Form, missing: Sequence[str]) -> None:
     names = dict.fromkeys(missing)
     values = [f"{name}=... {COLUMNS[name].units[0]}".strip() for name in names]
     options = " ".join(f'--given "{value}"' for value in values)
-    entry = ", ".join(f'{name} = "... {COLUMNS[name].units[0]}"' for name in names)
+    entry = ", ".join(value.replace("=", ' = "', 1) + '"' for value in values)
     sheet.of_rows.append(
         f"the form of {form.name} ({form.says}) does not say {' or '.join(names)}; give {options}, "
         f"in a scene given = {{ {entry} }}"

@@ -8,6 +8,7 @@ import re
 import statistics
 import zipfile
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,11 +28,11 @@ _MARKS = {",": "decimal commas", ".": "decimal points"}
 
 def read_rows(
     path: Path,
-    is_heading: Callable[[list[str]], bool],
+    is_heading: Callable[[list[str], str], bool],
     decimal: str | None = None,
     sheet: str | None = None,
 ) -> Sheet:
-    """Read the rows of a file below the first line that is a heading.
+    """Read the rows of a file below the first line that is a heading, given the text above it.
 
     Cells stand between semicolons, tabs or commas; lines that begin with ``#`` are comments.
     Decimal commas are found unless the mark is given. Of a workbook it is the first sheet unless
@@ -52,7 +53,7 @@ def read_rows(
         raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
     filled = [row for row in lines if any(row.cells)]
     plain = [Row(row.number, _uncommented(row.cells)) for row in filled]
-    said = (row for row in plain if is_heading(row.cells))
+    said = (row for k, row in enumerate(plain) if is_heading(row.cells, _text_of(plain[:k])))
     bare = (row for row in filled if not row.cells[0].startswith("#"))
     heading = next(itertools.chain(said, bare, plain), Row(0, []))
     heads = _trim_end(heading.cells)
@@ -70,7 +71,12 @@ def read_rows(
     rows = [
         Row(row.number, [_plain(cell, decimal, is_sure) for cell in row.cells]) for row in below
     ]
-    return sheet_below(heads, rows, decimal, [*form, _MARKS[decimal]])
+    above = _text_of([row for row in plain if row.number < heading.number])
+    return replace(sheet_below(heads, rows, decimal, [*form, _MARKS[decimal]]), above=above)
+
+
+def _text_of(rows: Sequence[Row]) -> str:
+    return " ".join(cell for row in rows for cell in row.cells)
 
 
 def decoded(content: bytes) -> tuple[str, bool]:

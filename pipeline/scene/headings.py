@@ -176,6 +176,7 @@ class Sheet:
     decimal: str = "."  # mark of decimals in the file
     form: list[str] = field(default_factory=list)  # words on separators, decimals and encoding
     made_of: set[int] = field(default_factory=set)  # columns of which others were made
+    above: str = ""  # text of the lines above the headings
 
     @property
     def others(self) -> list[int]:
@@ -278,10 +279,11 @@ def read_sheet(
     machine.
     """
 
-    def is_heading(cells: list[str]) -> bool:
+    def is_heading(cells: list[str], above: str) -> bool:
         headings = [*map(heading_of, cells)]
         places, faults = columns_for(headings, wanted, named)
-        is_form = given is not None and laboratory.form_of(headings) is not None
+        said = f"{path.stem} {above}"
+        is_form = given is not None and laboratory.form_of(headings, said) is not None
         return is_form or (is_log(places) and not (named and faults))
 
     needs_more = decimal or sheet_name or given is not None or path.suffix.lower() != ".csv"

@@ -214,7 +214,7 @@ def _plan(
     options: argparse.Namespace, ranked: Sequence[Candidate], tests: Sequence[Candidate]
 ) -> dict[str, Any]:
     """Measurements and planned tests, as plain data."""
-    names = ("what", "test", "runs", "spread", "narrows", "in_turn")
+    names = ("what", "test", "runs", "spread", "narrows", "in_turn", "staircase")
     return {
         "target": options.target,
         "next": [{name: getattr(test, name) for name in names} for test in ranked],

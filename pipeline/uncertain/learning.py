@@ -130,8 +130,8 @@ class Observable(NamedTuple):
     slopes: Array  # (n, n_feature) about each truth
     deviation: Array  # (n,) standard deviation of what is measured
     # Ends beyond which only the side is learnt: both are the velocity of a mild or severe test.
-    low: float = -math.inf
-    high: float = math.inf
+    low: float | Array = -math.inf
+    high: float | Array = math.inf
     test: dict[str, float] | None = None  # its place
     besides: Observable | None = None  # a further number that it measures
     runs: int = 1  # that it costs
@@ -169,14 +169,21 @@ class Knowledge:
         variances = self._variances(target) - _explained(low, high) * moved**2
         return math.sqrt(max(float(variances.mean()), 0.0))
 
-    def after(self, measurement: Observable, chance: np.random.Generator) -> Knowledge:
-        """What is known after a measurement, whose error is drawn for each truth."""
+    def after(
+        self, measurement: Observable, chance: np.random.Generator, scores: Array | None = None
+    ) -> Knowledge:
+        """What is known after a measurement, whose error is drawn for each truth.
+
+        Normal scores of the error may be given.
+        """
         if measurement.besides:
             known = self.after(measurement.besides, chance)
-            return known.after(measurement._replace(besides=None), chance)
+            return known.after(measurement._replace(besides=None), chance, scores)
         together, predicted, deviation = self._predicted(measurement)
         low, high = _ends(measurement, predicted, deviation)
-        error = measurement.deviation * chance.standard_normal(len(self.truths))
+        if scores is None:
+            scores = chance.standard_normal(len(self.truths))
+        error = measurement.deviation * scores
         result = (measurement.values + error - predicted) / deviation
         below, above = _hazard(low), _hazard(-high)
         shift = np.where(result < low, -below, np.where(result > high, above, result))

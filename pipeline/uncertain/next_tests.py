@@ -38,6 +38,7 @@ _TRUTHS = 256
 _SCORES_APART = 2 * OF_90  # normal scores between 5 and 95 %
 _VELOCITIES = 9  # velocities of tests at a load and bulk temperature, even in probability
 _BETTER = 0.2  # share of a spread by which a plan is to be better than runs in turn
+_STEP = math.log(1.2)  # of a staircase, in ln(velocity)
 _LEAST = 1e-12  # share of a spread
 _WARMER = (1 / 3, 2 / 3)  # shares of the way from the bulk to the critical temperature
 
@@ -55,8 +56,10 @@ class Candidate:
     #: Load [N], velocity [m/s] and bulk temperature [K] of a test; None for other measurements.
     test: dict[str, float] | None = None
     runs: int = 1  #: Runs that it costs.
-    #: Of a plan: the spread after as many runs at each load and bulk temperature in turn.
+    #: Of a plan: the spread after as many runs at each load and bulk temperature in turn, and by a
+    #: staircase there.
     in_turn: float | None = None
+    staircase: float | None = None
 
     @property
     def narrows(self) -> float:
@@ -70,15 +73,20 @@ class Candidate:
 
     @property
     def comparison(self) -> str:
-        """Runs in turn beside those planned, in a sentence; empty beside no plan."""
-        if self.in_turn is None:
+        """Other rules beside the runs planned, in a sentence; empty beside no plan."""
+        if self.in_turn is None or self.staircase is None:
             return ""
-        more = self.in_turn / self.spread - 1
-        if more < _BETTER / (1 - _BETTER):
-            return "as many runs at each load and bulk temperature in turn do about as well"
+        in_turn, staircase = map(self._compare, (self.in_turn, self.staircase))
         return (
-            f"as many runs at each load and bulk temperature in turn leave {100 * more:.0f} % more"
+            f"as many runs at each load and bulk temperature in turn {in_turn}, by a staircase "
+            f"there they {staircase}"
         )
+
+    def _compare(self, other: float) -> str:
+        """What as many runs by another rule do, given the spread that they leave."""
+        more = other / self.spread - 1
+        is_like = more < _BETTER / (1 - _BETTER)
+        return "do about as well" if is_like else f"leave {100 * more:.0f} % more"
 
 
 def load_of_target(posterior: Posterior, target: str) -> float:
@@ -216,25 +224,46 @@ class _Plan:
 
     def best(self) -> Iterator[Candidate]:
         """Runs without end, each the best beside those before it, of which each truth learns."""
-        runs, in_turn = [test for test in self.tests if test.runs == 1], self._in_turn()
+        runs = [test for test in self.tests if test.runs == 1]
+        others = zip(self._in_turn(self._known), self._staircase(self._known), strict=True)
         while True:
             test = min(runs, key=self._left)
             self._known = self._known.after(test, self._chance)
-            yield Candidate(test.what, self.spread, self.before, test.test, 1, next(in_turn))
+            yield Candidate(test.what, self.spread, self.before, test.test, 1, *next(others))
 
-    def _in_turn(self) -> Iterator[float]:
-        """Spread after each run at the loads and bulk temperatures in turn, where it may be both.
-
-        At each the velocity is the one at which the transition is as likely above as below.
-        """
+    def _single_tests(self) -> list[list[Observable]]:
+        """Single tests at each load and bulk temperature, by velocity."""
         places = dict[tuple[float, float], list[Observable]]()
         for test in self.tests:
             if test.runs == 1 and test.test:
                 place = test.test["normal_load"], test.test["bulk_temperature"]
                 places.setdefault(place, []).append(test)
-        known, chance = self._known, np.random.default_rng(self._ensemble.design.seed + 1)
-        for tests in itertools.cycle([*places.values()]):
+        return [*places.values()]
+
+    def _in_turn(self, known: Knowledge) -> Iterator[float]:
+        """Spread after each run at the loads and bulk temperatures in turn, where it may be both.
+
+        At each the velocity is the one at which the transition is as likely above as below.
+        """
+        chance = np.random.default_rng(self._ensemble.design.seed + 1)
+        for tests in itertools.cycle(self._single_tests()):
             known = known.after(tests[len(tests) // 2], chance)
+            yield known.spread(self._target)
+
+    def _staircase(self, known: Knowledge) -> Iterator[float]:
+        """Spread after each run at the loads and bulk temperatures in turn, by a staircase at each.
+
+        The velocity of each truth goes up after a mild test, and down after a severe one.
+        """
+        chance = np.random.default_rng(self._ensemble.design.seed + 2)
+        low, high = np.log(self._ensemble.velocities)
+        at = [np.full(_TRUTHS, (low + high) / 2) for _ in self._single_tests()]
+        for number, (first, *_) in itertools.cycle(enumerate(self._single_tests())):
+            test = first._replace(low=at[number], high=at[number])
+            scores = chance.standard_normal(_TRUTHS)
+            steps = np.where(test.values + test.deviation * scores < at[number], -_STEP, _STEP)
+            known = known.after(test, chance, scores)
+            at[number] = (at[number] + steps).clip(low, high)
             yield known.spread(self._target)
 
     def ranked(self, measurements: Iterable[Observable]) -> list[Candidate]:

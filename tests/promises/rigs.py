@@ -20,16 +20,17 @@ from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, FRICTION
-from tests.promises.risk import entries_of
+from tests.promises.risk import WORKFLOWS, entries_of
 
 SCATTER, FRICTION_SCATTER = 0.05, 0.02
 _SEED = 2718  # of the truths
 _FIRST = 2**15  # draws of the prior; with four times the usual ones few truths need others
+_KEPT = 8  # rises of all draws, of some 100 MB each
 _CLOSE = 1e-3  # of ln(velocity), to which a boundary is sought
 _STEP = 0.03  # of ln(velocity), twice as far each time, until a boundary lies between
 
 # A critical temperature of which little is known; a steel and a wear rate that were measured, with
-# tests at one bulk temperature, or neither of them, with tests at three.
+# tests at one bulk temperature, or neither of them, with tests at three; and a ball on a disk.
 CASES = {
     "known": {
         f"unknown.{CRITICAL}": {"mean": "145 degC", "sd": "20 K"},
@@ -43,8 +44,37 @@ CASES = {
         },
         "sweep.velocities": ["0.2 m/s", "6 m/s"],
     },
+    "ball": {
+        "pin.shape": "ball",
+        "pin.radius": "5 mm",
+        "window.pixels": [240, 240],
+        "window.pixel_size": ["2.5 um", "2.5 um"],
+        "loading.rate": "150 N/s",
+        "loading.reference_load": "300 N",
+        "sweep.loads": ["50 N", "100 N", "200 N", "300 N"],
+        "sweep.velocities": ["0.1 m/s", "4 m/s"],
+        f"unknown.{CRITICAL}": {"mean": "145 degC", "sd": "20 K"},
+        "unknown.wear.specific_wear_rate": {"median": "1.2e-6 mm^3/(N m)", "factor": 1.3},
+        f"unknown.{FRICTION}": {"mean": 0.1, "sd": 0.01},
+        "without": ["pin.length", "friction.band"],
+    },
 }
-BULKS = {"known": (298.15,), "unknown": (298.15, 338.15, 378.15)}  # [K]
+BULKS = {"known": (298.15,), "unknown": (298.15, 338.15, 378.15), "ball": (298.15, 338.15)}  # [K]
+
+
+def add_rig_options(parser):
+    """Add the options that say which rigs are tried."""
+    parser.add_argument("--case", choices=CASES, default="known")
+    parser.add_argument("--scene", type=Path, default=WORKFLOWS / "uncertain.toml")
+    parser.add_argument("--store", type=Path, help="of the scene's samples; computed if not given")
+    parser.add_argument("--preset", default="draft")
+
+
+def rigs_of(options):
+    """Samples of the scene that options name, and a function that makes its rigs by number."""
+    overrides = {"fidelity.preset": options.preset} | CASES[options.case]
+    ensemble = ensemble_of(options.scene, overrides, options.store)
+    return ensemble, functools.partial(Rig, ensemble, options.scene, overrides)
 
 
 def ensemble_of(scene, overrides, store=None):
@@ -71,15 +101,25 @@ def idle(ensemble):
     return place | {"friction": friction, "friction_scatter": FRICTION_SCATTER * friction}
 
 
-def weighed(ensemble, tests, scatter=SCATTER):
-    """The posterior given tests, with the emulator of the samples fitted once."""
+def weighed(ensemble, tests, scatter=SCATTER, fewer=1):
+    """The posterior given tests, with the emulator of the samples fitted once.
+
+    ``fewer`` divides the number of draws: a quarter of them tells a spread to 2 %.
+    """
     tested = replace(ensemble, tests=tuple(tests))
     vars(tested)["_rise"] = ensemble._rise
-    with (
-        mock.patch.object(Ensemble, "excess", _kept),
-        mock.patch.object(weigh, "_FIRST", _FIRST),
-    ):
+    counts = {"_FIRST": _FIRST, "_COUNT": weigh._COUNT, "_ENOUGH": weigh._ENOUGH}
+    counts = {name: count // fewer for name, count in counts.items()}
+    with mock.patch.object(Ensemble, "excess", _kept), mock.patch.multiple(weigh, **counts):
         return pipeline.posterior(tested, scatter)
+
+
+def log_transitions(ensemble, inputs, load, bulk):
+    """Logarithm of the velocity of the transition by the emulator, of each draw."""
+    nodes = np.geomspace(*ensemble.velocities, 9)
+    at_bulk = replace(ensemble, conditions=replace(ensemble.conditions, bulk_temperature=bulk))
+    vars(at_bulk)["_rise"] = ensemble._rise
+    return log_crossings(nodes, at_bulk.excess(inputs, load, nodes).values)[0]
 
 
 def boundary_near(excess, place, ends):
@@ -100,10 +140,12 @@ _excess, _of_prior = Ensemble.excess, {}
 
 def _kept(ensemble, draws, load, velocity):
     """`Ensemble.excess`, kept for the draws of the prior, which are those of all truths."""
-    if len(draws) < _FIRST:
+    if len(draws) < weigh._FIRST:
         return _excess(ensemble, draws, load, velocity)
     key = id(ensemble._rise), draws.tobytes(), tuple(load), tuple(velocity)
     if key not in _of_prior:
+        while len(_of_prior) >= _KEPT:
+            del _of_prior[next(iter(_of_prior))]
         _of_prior[key] = _excess(ensemble, draws, load, velocity)
     return _of_prior[key]
 
@@ -117,7 +159,8 @@ class Rig:
         scores = chance.standard_normal((1, len(ensemble.unknown)))
         self.truth = score_values(ensemble.unknown, scores)[0]
         entries = entries_of(ensemble.unknown, self.truth)
-        alone = overrides | {"without": ["unknown", "sweep.samples"]} | entries
+        without = [*overrides.get("without", ()), "unknown", "sweep.samples"]
+        alone = overrides | {"without": without} | entries
         self._scene = pipeline.load_scene(scene, overrides=alone).changed(variants=Variants())
         self._friction, self._chance = entries[FRICTION], chance
         self.simulated = functools.cache(self._simulated)
@@ -143,13 +186,9 @@ class Rig:
         """Logarithm of the velocity of the transition; ± infinite beyond the sweep's."""
         if bulk >= self._scene.conditions.critical_temperature:
             return -math.inf
-        nodes = np.geomspace(*self.ensemble.velocities, 9)
-        conditions = replace(self.ensemble.conditions, bulk_temperature=bulk)
-        at_bulk = replace(self.ensemble, conditions=conditions)
-        vars(at_bulk)["_rise"] = self.ensemble._rise
-        guess = at_bulk.excess(self.truth[None], load, nodes)
         low, high = np.log(self.ensemble.velocities).tolist()
-        place = float(np.clip(log_crossings(nodes, guess.values)[0][0], low, high))
+        guess = log_transitions(self.ensemble, self.truth[None], load, bulk)[0]
+        place = float(np.clip(guess, low, high))
         excess = functools.partial(self._excess, load, bulk)
         found = boundary_near(excess, place, (low, high))
         return math.copysign(math.inf, -excess(place)) if found is None else found

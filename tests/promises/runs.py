@@ -26,8 +26,7 @@ from pipeline.uncertain.evidence import FACTOR
 from pipeline.uncertain.fields import SampleField
 from tests.helpers.campaigns import conclude
 from tests.promises.coverage import van_der_corput
-from tests.promises.rigs import BULKS, CASES, SCATTER, Rig, ensemble_of, weighed
-from tests.promises.risk import WORKFLOWS
+from tests.promises.rigs import BULKS, SCATTER, add_rig_options, rigs_of, weighed
 
 SAID = (0.01, 0.05, 0.2)
 FIXED = (0.05, 0.1, 0.2)
@@ -101,10 +100,7 @@ def comes_true(law, result, count):
 
 def main():
     parser = argparse.ArgumentParser(prog="python -m tests.promises.runs", description=__doc__)
-    parser.add_argument("--scene", type=Path, default=WORKFLOWS / "uncertain.toml")
-    parser.add_argument("--store", type=Path, help="of the scene's samples; computed if not given")
-    parser.add_argument("--case", choices=CASES, default="known")
-    parser.add_argument("--preset", default="draft")
+    add_rig_options(parser)
     parser.add_argument("--truths", type=int, default=300)
     parser.add_argument("--tests", type=int, choices=_MOST, default=8)
     parser.add_argument("--minutes", type=float, default=120.0, help="begin no truth later")
@@ -112,15 +108,14 @@ def main():
     options = parser.parse_args()
     path = options.file or Path(f"results/runs_{options.tests}.jsonl")
     path.parent.mkdir(parents=True, exist_ok=True)
-    overrides = {"fidelity.preset": options.preset} | CASES[options.case]
-    ensemble = ensemble_of(options.scene, overrides, options.store)
+    ensemble, rig_of = rigs_of(options)
     bulk = BULKS[options.case][0]
     rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
     began = time.monotonic()
     for number in range(len({row["truth"] for row in rows}), options.truths):
         if time.monotonic() - began > 60 * options.minutes:
             break
-        rig, new = Rig(ensemble, options.scene, overrides, number), []
+        rig, new = rig_of(number), []
         for law, scatter in law_scatters(number).items():
             true = judged(ensemble, rig, scatter, options.tests, bulk)
             new.append({"truth": number, "law": law, "scatter": scatter, "true": true})

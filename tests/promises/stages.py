@@ -14,7 +14,6 @@ import json
 import math
 import sys
 from dataclasses import replace
-from pathlib import Path
 from unittest import mock
 
 import numpy as np
@@ -28,8 +27,7 @@ from tests.helpers.campaigns import conclude
 from tests.helpers.samples import critical_velocity
 from tests.helpers.unknowns import CRITICAL, FRICTION, LENGTH, RATE
 from tests.promises.laboratories import closed_excess, samples_of
-from tests.promises.rigs import CASES, Rig, ensemble_of, weighed
-from tests.promises.risk import WORKFLOWS
+from tests.promises.rigs import add_rig_options, rigs_of, weighed
 
 KINDS = {"5 %": (0.05, 0.10), "10 %": (0.10, 0.15), "25 %": (0.25, 0.10)}
 """Step of the load, and scatter of the specimens in velocity."""
@@ -110,11 +108,9 @@ def closed_rigs(count):
 
 def direct_rigs(options):
     """Samples of a scene, and the transition of each truth by simulations."""
-    overrides = {"fidelity.preset": options.preset} | CASES[options.case]
-    ensemble = ensemble_of(options.scene, overrides, options.store)
+    ensemble, rig_of = rigs_of(options)
     bulk = ensemble.conditions.bulk_temperature
-    for number in range(options.truths):
-        rig = Rig(ensemble, options.scene, overrides, number)
+    for rig in map(rig_of, range(options.truths)):
         places = [rig.transition(float(load), bulk) for load in ensemble.loads]
         yield ensemble, transition_line(ensemble.loads, places)
 
@@ -143,10 +139,7 @@ def judged_rows(rigs, count, weigh):
 def main():
     parser = argparse.ArgumentParser(prog="python -m tests.promises.stages", description=__doc__)
     parser.add_argument("--direct", action="store_true", help="by simulations of a scene")
-    parser.add_argument("--scene", type=Path, default=WORKFLOWS / "uncertain.toml")
-    parser.add_argument("--store", type=Path, help="of the scene's samples; computed if not given")
-    parser.add_argument("--case", choices=CASES, default="known")
-    parser.add_argument("--preset", default="draft")
+    add_rig_options(parser)
     parser.add_argument("--truths", type=int, default=200)
     parser.add_argument("--runs", type=int, default=8, help="of each truth")
     options = parser.parse_args()

@@ -67,12 +67,16 @@ def test_a_search_costs_the_runs_of_a_bisection_and_a_plan_is_made_of_single_run
     assert [one.spread for one in plan] == sorted((one.spread for one in plan), reverse=True)
     before = plan[0].before
     assert before > plan[0].in_turn > plan[-1].in_turn
+    assert before > plan[0].staircase > plan[-1].staircase
 
 
-@pytest.mark.parametrize(
-    ("in_turn", "said"), [(0.0124, "do about as well"), (0.013, "leave 30 % more"), (None, "")]
-)
-def test_a_plan_says_where_runs_in_turn_do_as_well(in_turn, said):
-    one = Candidate("a test", 0.01, 0.05, in_turn=in_turn)
-    assert said in one.comparison
-    assert bool(one.comparison) == bool(said)
+def test_a_plan_says_where_other_rules_do_as_well():
+    one = Candidate("a test", 0.01, 0.05, in_turn=0.013, staircase=0.0124)
+    assert one.comparison.endswith(
+        "in turn leave 30 % more, by a staircase there they do about as well"
+    )
+    other = Candidate("a test", 0.01, 0.05, in_turn=0.0124, staircase=0.013)
+    assert other.comparison.endswith(
+        "in turn do about as well, by a staircase there they leave 30 % more"
+    )
+    assert not Candidate("a test", 0.01, 0.05).comparison
