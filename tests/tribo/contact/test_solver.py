@@ -70,6 +70,18 @@ def test_equals_an_independent_bounded_least_squares_solution(periodic, hardness
     assert contact.approach == pytest.approx(approach, rel=1e-7)
 
 
+@pytest.mark.parametrize("hardness", [math.inf, 2.2])
+def test_the_penetration_is_the_deepest_of_what_is_not_plastic(hardness):
+    grid = Grid((16, 12), (1.0, 1.2), (False, False))
+    solid = ElasticHalfSpace(grid, 1.0)
+    z = 2 * np.random.default_rng(1).uniform(size=grid.shape)
+    contact = solve_contact(solid, z, 0.8 * grid.area, hardness, tolerance=1e-2)
+    gap = solid(contact.pressure) + z - contact.approach
+    deepest = -gap[contact.pressure < hardness].min()
+    assert deepest > 1e-4
+    assert contact.penetration == pytest.approx(deepest, rel=1e-9)
+
+
 def test_cylinder_of_figure_4_is_hertz_within_a_thousandth():
     grid = Grid((128, 64), (3e-6, 456e-6 / 64))
     z = np.broadcast_to(grid.coordinates(0)[:, None] ** 2 / (2 * 8e-3), grid.shape)
