@@ -231,12 +231,27 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     if not isinstance(source, xr.Dataset):
         return _per_point(open_sweep(source))
     _text(source)
+    for name in PLANE:
+        _require_axis(source, name)
     lazy = {
         name: source[name].compute()
         for name, held in source.variables.items()
         if held.chunks and name not in AT_END
     }
     return _per_point(ordered(source.assign(lazy)))
+
+
+def _require_axis(ds: xr.Dataset, name: str) -> None:
+    """Raise an `InputError` where a cut dataset has no place left, or one of them twice."""
+    if name not in ds.coords:
+        raise InputError(f"the dataset has no {name}; keep its coordinates, and their names")
+    if not ds[name].size:
+        raise InputError(f"the dataset has no {name} left; select one that it had")
+    if name in ds.indexes and not ds.indexes[name].is_unique:
+        raise InputError(
+            f"the dataset has a {name} twice; keep each once, such as by "
+            f"ds.drop_duplicates({name!r})"
+        )
 
 
 def _per_point(ds: xr.Dataset) -> xr.Dataset:

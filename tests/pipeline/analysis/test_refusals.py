@@ -128,6 +128,9 @@ REFUSALS = {
     "pins": (lambda: pipeline.diff(pins(), plane()), "the sweep has several values of pin"),
     "kinds": (lambda: pipeline.diff(places(), plane()), "compare two stores of one kind"),
     "answer": (nothing, "a sweep has no nothing; it has at, boundary"),
+    "renamed": (lambda: pipeline.boundary(plane().rename(load="F")), "the dataset has no load;"),
+    "emptied": (lambda: pipeline.boundary(plane().isel(velocity=[])), "has no velocity left"),
+    "doubled": (lambda: pipeline.boundary(plane().isel(load=[0, 1, 1])), "has a load twice"),
     # places
     "load": (margin(900.0, 2.0), "load is 900 N; the sweep has 200 to 750 N"),
     "velocity": (margin(400.0, 0.1), "velocity is 0.1 m/s; the sweep has 0.5 to 4 m/s"),
