@@ -141,7 +141,7 @@ def test_what_needs_a_plane_is_refused_in_a_line(stores, tmp_path, irg):
         ("explore", stores["alone"], "-o", tmp_path / "page.html"),
         ("plot", stores["alone"], "--kind", "ramp", "-o", tmp_path / "ramp.png"),
     ):
-        assert "take them row by row" in irg(*command, code=2)
+        assert "answer row by row" in irg(*command, code=2)
     assert "leave out log" in irg("plot", stores["alone"], "--log", code=2)
 
 
