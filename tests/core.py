@@ -25,7 +25,7 @@ NEEDS = {
     "uncertain": """
         analysis/test_refusals cli/test_commands.*(arguments[67]|help_lists)
         cli/test_progress.*study
-        figures/test_(marks|plot|refusals) run/test_samples
+        figures.plot.plot$ figures/test_(fit|marks|plot|refusals) run/test_samples
         scene/test_(reference|scenefile).*uncertain scene/test_reference.*writes_and_lists
         scene/test_refusals.*(distribution|row.samples) scene/test_wear_laws.*(unknown|of_another)
         sweep/test_codec sweep/test_physics.*(samples|uncertain)
