@@ -3,6 +3,7 @@
 Which doubts there are is in test_facts.py.
 """
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -208,6 +209,15 @@ def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
     doubts = [doubt for doubt in doubts if doubt != note_on_ends(SMOOTH)]
     assert len(doubts) == bool(said)
     assert all(text in doubts[0] for text in said)
+
+
+def test_sharp_ends_are_hotter_and_turn_severe_at_lower_velocities():
+    ranges = re.findall(r"(\d+) to (\d+) % (higher|lower)", note_on_ends(SMOOTH))
+    (least, most, hotter), (nearest, farthest, slower) = ranges
+    assert (hotter, slower) == ("higher", "lower")
+    # As the rise is about a square root of the velocity.
+    falls = [100 * (1 - (1 + int(rise) / 100) ** -2.0) for rise in (least, most)]
+    assert falls == pytest.approx([int(nearest), int(farthest)], rel=0.25)
 
 
 def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
