@@ -119,14 +119,24 @@ def quantity_in(kind: Kind) -> Quantity | None:
     return None
 
 
-def new_keys(section: Section, listed: dict[str, str]) -> tuple[dict[str, tuple[Entry, str]], str]:
-    """Keys of a section that lists of tables before it, `listed`, lack; the one with the others."""
-    keys = section.keys()
-    if not section.is_list or "." in section.path:
+Listed = dict[bool, dict[str, tuple[tuple[Entry, str], str]]]
+"""Keys that were told with their section's header: of lists of tables, and of other tables."""
+_MANY = 4  # equal keys of two tables that are told once
+
+
+def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:
+    """Keys of a section that no section before it has told; the one that has told the others.
+
+    Lists of tables share keys by their names, other tables if many are equal.
+    """
+    keys, before = section.keys(), listed.setdefault(section.is_list, {})
+    if "." in section.path:
         return keys, ""
-    shared = listed.keys() & keys.keys()
-    like = listed[min(shared)] if shared else ""
-    listed |= dict.fromkeys(keys, section.header)
+    shared = {one for one in before.keys() & keys if section.is_list or before[one][0] == keys[one]}
+    if not section.is_list and len(shared) < _MANY:
+        shared = set()
+    like = before[min(shared)][1] if shared else ""
+    before |= {key: (entry, section.header) for key, entry in keys.items()}
     return {key: entry for key, entry in keys.items() if key not in shared}, like
 
 
@@ -198,12 +208,13 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
     return [path, *(copy for _, copy in copies)]
 
 
+_FEW = 2  # keys of a table that are told in the line of its name
 _MARKS = '# An entry such as "#hold" is not used; take the # off to use it.'
 
 
 def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
     """A line for every entry of the format, as a comment if the scene lacks it."""
-    listed: dict[str, str] = {}  # keys of tables that may be several, each with its first header
+    listed: Listed = {}
     for section in sections():
         table, _, name = section.path.partition(".")
         path, values = section.path, entry_at(entries, section.path) if section.path else entries
@@ -212,6 +223,11 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
             path = f"{table}.{name}"
         keys, like = new_keys(section, listed)
         meaning = f"Keys as in {like}, and these" if like else section.entry.meaning
+        if "." in section.path and not values and len(keys) <= _FEW:  # within the table before it
+            inner: Any = {key: example(entry, entry.default) for key, (entry, _) in keys.items()}
+            inner = [inner] if section.is_list else inner
+            yield _meant("#", f"{section.path.rpartition('.')[2]} = {as_toml(inner)}", meaning)
+            continue
         if path:
             yield _meant("" if values else "#", section.header.replace(section.path, path), meaning)
         for key, (entry, form) in keys.items():
