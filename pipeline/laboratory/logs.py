@@ -19,17 +19,14 @@ from pipeline.scene.units import UnitError, to_si
 from tribo.types import Array
 
 _MILD = (
-    "mild ok okay io pass passed bestanden gut good leicht keinfresser buono bon bueno nonseizure "
-    "lastnonseizure"
+    "mild ok okay io pass passed bestanden gut good leicht keinfresser nonseizure lastnonseizure"
 )
 _SEVERE = (
     "severe fresser gefressen fressen scuff scuffed scuffing seizure seized fail failed nio schwer "
-    "grippato grippaggio grippage grippé gripado notok niok weld welded welding verschweißt "
+    "notok niok weld welded welding verschweißt "
     "incipientseizure immediateseizure initialseizure score scored scoring"
 )
-_NEGATION = re.compile(
-    r"^\s*(not|no|non|nicht|keine?r?|sans|pas( de)?|senza|sin|ohne|without)[\s_-]+"
-)
+_NEGATION = re.compile(r"^\s*(not|no|non|nicht|keine?r?|ohne|without)[\s_-]+")
 _NEAR = re.compile(r" \(did you mean [^)]*\)")  # the word may mean the contrary
 _MEASURED_WEAR = re.compile(r"brugger|\b(area|scar)\b|fläche|kalotte|narbe", re.IGNORECASE)
 _TRANSITIONS = re.compile(

@@ -39,8 +39,8 @@ COLUMNS = {
     "torque": Quantity(
         r"(pinion |test )?torque( on pinion| t ?1)?|ritzel(dreh)?moment|drehmoment|t ?1", ("N m",)
     ),
-    "frequency": Quantity(r"frequency|freq|(schwing)?frequenz|fréquence|frequenza", ("Hz",)),
-    "stroke": Quantity(r"stroke( length)?|(schwing)?hub(weg|länge)?|schwingweg|course", ("mm",)),
+    "frequency": Quantity(r"frequency|freq|(schwing)?frequenz", ("Hz",)),
+    "stroke": Quantity(r"stroke( length)?|(schwing)?hub(weg|länge)?|schwingweg", ("mm",)),
     "passed": Quantity(
         r"(ok|pass\w*|last pass\w*|last ok|gut) ?(load|value|last|kraft)"
         r"|(load|last) (passed|ok)|last non ?seizure( load)?|lnsl?", ("N", "kgf"),
