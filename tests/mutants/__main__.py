@@ -203,12 +203,10 @@ def judge(room, maps, count, seed, seconds, end):
 
     At the time `end` [s] no other mutant is begun.
     """
-    tests = []
-    for others in ([room], [folder for folder in maps if folder != room]):
-        cost = defaultdict(float)
-        for test, _, took in (part := [test for folder in others for test in maps[folder]]):
-            cost[test.split("::")[0]] += took
-        tests.append(sorted(part, key=lambda test, cost=cost: cost[test[0].split("::")[0]]))
+    tests = [
+        sorted((test for folder in folders for test in maps[folder]), key=lambda test: test[2])
+        for folders in ([room], [folder for folder in maps if folder != room])
+    ]
     choice = [
         (file, number, change)
         for file in sorted((ROOT / room).rglob("*.py"))
@@ -230,6 +228,7 @@ def judge(room, maps, count, seed, seconds, end):
                 if total <= seconds:
                     affordable.append(test)
                     total += took
+            affordable.sort(key=lambda test: test.split("::")[0])  # fixtures are made once
             arguments = str(file.relative_to(ROOT)), number, affordable
             late = 20.0 + 5.0 * total
             if affordable and forked(is_noticed, *arguments, seconds=late) is not False:
