@@ -165,6 +165,8 @@ def _parameters(kind: Any) -> dict[str, Any]:
 def fits(value: Any, hint: Any) -> bool:
     """True if a value is of the kind of a type hint, and no number is beyond those of JSON."""
     origin, inner = get_origin(hint), get_args(hint)
+    if alias := getattr(origin, "__value__", None):  # NDArray, with NumPy 2.5 and Python 3.12
+        origin = get_origin(alias)
     if hint is Any:
         return True
     if hint in _OF_PROTOCOL:
