@@ -291,7 +291,7 @@ def _number(value: float | str) -> float:
 
 def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
     """Say that an entry acts in the simulation, with the command that computes it."""
-    if find_entry(path) is None:
+    if not (find_entry(path) or find_entry(path.rpartition(".")[0])):  # or a part of an entry
         return f"{path} is no entry of a scene{did_you_mean(path, dict(all_keys()))}"
     sweep = whole_sweep(ds)
     scene = (sweep.about.arguments or (f"{sweep.about.name}.toml",))[0]

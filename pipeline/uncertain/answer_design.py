@@ -40,8 +40,7 @@ def design(options: argparse.Namespace) -> Result:
         samples = single_field(ds)
     basis, notes = samples.basis
     scatter = model_error(ds, samples)
-    weighed = samples.posterior.draws if samples.posterior else None
-    chances = Chances(samples.ensemble, goal, weighed, scatter, samples.rig_scatter)
+    chances = Chances(samples.ensemble, goal, samples.given_draws, scatter, samples.rig_scatter)
     for seed in range(2):  # the first time to correct the limit, the second to check it
         limits = _limits(chances, entries)
         found = [one for one in limits if one.value is not None] or limits

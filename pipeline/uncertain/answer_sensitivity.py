@@ -27,8 +27,7 @@ def sensitivity(options: argparse.Namespace) -> Result:
         samples = single_field(ds)
     document, notes = samples.basis
     with working("finding Sobol' indices"):
-        weighed = samples.posterior.draws if samples.posterior else None
-        indices = pipeline.sensitivity(samples.ensemble, weighed)
+        indices = pipeline.sensitivity(samples.ensemble, samples.given_draws)
     most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
     target = None if most.kind == "list" else most.path
     frame, at = _indices(indices), given.judged_entries(options)

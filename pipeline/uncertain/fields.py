@@ -98,6 +98,11 @@ class SampleField:
         return InferredScatter(self.draws.scatters, self.draws.by_scatter, self.weights, worded)
 
     @property
+    def given_draws(self) -> Draws | None:
+        """Draws that the tests leave; None for those of the inputs as the scene has them."""
+        return self.posterior.draws if self.posterior else None
+
+    @property
     def rig_scatter(self) -> Array | float:
         """Scatter of friction between tests by draw (n,); 0 where no test tells it."""
         return self.posterior.rig_scatter if self.posterior else 0.0
