@@ -1,20 +1,19 @@
 """The next run: candidates, ranked by what each run of them tells of a target.
 
 A single test costs one run, a search for a transition as many as bisection takes. A test at each of
-the truths that are drawn from the posterior updates a filter (`pipeline.uncertain.learning`); the
-spread that is left is averaged over them. No truth is among the draws that it is compared with, so
-the promise also holds for many tests.
+the truths that are drawn from the posterior weighs all its draws (`pipeline.uncertain.learning`);
+the spread that is left is averaged over the truths.
 """
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +21,11 @@ import numpy as np
 from scipy.special import ndtri
 
 from pipeline.scene.units import UnitError, in_si, to_si
-from pipeline.sweep.unknown import OF_90
+from pipeline.sweep.unknown import OF_90, Unknown
 from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.evidence import Truths, distances_of
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION
-from pipeline.uncertain.learning import Features, Knowledge, Observable
+from pipeline.uncertain.learning import Knowledge, Observable
 from pipeline.uncertain.posterior import Posterior
 from tribo import InputError
 from tribo.types import Array
@@ -40,6 +39,7 @@ _VELOCITIES = 9  # velocities of tests at a load and bulk temperature, even in p
 _BETTER = 0.2  # share of a spread by which a plan is to be better than runs in turn
 _STEP = math.log(1.2)  # of a staircase, in ln(velocity)
 _LEAST = 1e-12  # share of a spread
+_FRICTIONS = 4  # runs whose friction is learnt: that of more tells little
 _WARMER = (1 / 3, 2 / 3)  # shares of the way from the bulk to the critical temperature
 
 
@@ -85,8 +85,9 @@ class Candidate:
     def _compare(self, other: float) -> str:
         """What as many runs by another rule do, given the spread that they leave."""
         more = other / self.spread - 1
-        is_like = more < _BETTER / (1 - _BETTER)
-        return "do about as well" if is_like else f"leave {100 * more:.0f} % more"
+        if 1 - _BETTER < 1 + more < 1 / (1 - _BETTER):
+            return "do about as well"
+        return f"leave {100 * abs(more):.0f} % {'more' if more > 0 else 'less'}"
 
 
 def load_of_target(posterior: Posterior, target: str) -> float:
@@ -166,70 +167,70 @@ def plan_tests(
 
 
 class _Plan:
-    """Truths drawn from what is known today, what each has learnt so far, and the target."""
+    """Truths and draws of what is known today, and what each truth has learnt so far."""
 
     def __init__(
         self, posterior: Posterior, target: str | None, bulks: Sequence[float | str]
     ) -> None:
         self._posterior, self._ensemble = posterior, posterior.ensemble
-        self._chance = np.random.default_rng(self._ensemble.design.seed)
+        self._seed = self._ensemble.design.seed
+        self._chance = np.random.default_rng(self._seed)
         draws = posterior.draws
         kept = self._chance.choice(len(draws.weights), _TRUTHS, p=draws.weights)
-        # Boundaries are powers of the distance from the bulk to the critical temperature.
-        bulk = self._ensemble.conditions.bulk_temperature
-        origins = {one.path: bulk for one in posterior.unknown if one.path.startswith(CRITICAL)}
-        self._features = Features(posterior.unknown, draws, draws.inputs[kept], origins)
-        self._count = len(posterior.ensemble.unknown)
-        self._scatters = self._scatters_of_truths()
+        truths = draws.inputs[kept]
+        self._inputs = np.concatenate([truths, draws.inputs])
+        self._sweep_inputs = self._inputs[:, : len(self._ensemble.unknown)]
+        self._scatters = self._scatters_of_all()
         self._bulks = [in_si("bulk_temperature", bulk, "60 degC") for bulk in bulks]
-        self._target = self._slopes_of_target(target)
-        self._known = Knowledge.of(self._features)
         self._path = target
-        self.before = self.spread
+        values = self._values_of_target()
+        self._target = values - draws.mean(values.T)[:, None]
+        self._known = Knowledge.of(truths, draws.inputs, draws.weights)
+        self.before = math.sqrt(float(draws.mean(self._target.T**2).mean()))
         self.tests, self.others = tuple(self._tests()), tuple(self._others())
 
-    def _sweep_inputs(self, inputs: Array) -> Array:
-        """Inputs of the sweep whose tests are planned, among all."""
-        return np.asarray(inputs[:, : self._count])
-
-    def _slopes_of_target(self, target: str | None) -> Array:
-        """Slopes of the target by the features at each truth, shape (n_target, n, n_feature)."""
-        loads = self._ensemble.loads
+    def _values_of_target(self) -> Array:
+        """Values of the target by draw, logarithms if relative, shape (n_target, n_draw)."""
         for number, quantity in enumerate(self._posterior.unknown):
-            if quantity.path == target and quantity.kind != "list":
-                return self._features.input_slopes(number)[None]
-        wanted = loads if target is None else np.array([load_of_target(self._posterior, target)])
-        return self._features.slopes(
-            lambda inputs: log_boundary(self._ensemble, self._sweep_inputs(inputs), wanted)[0].T
-        )[1]
+            if quantity.path == self._path and quantity.kind != "list":
+                return _coordinate(quantity, self._inputs[_TRUTHS:, number])[None]
+        loads = self._ensemble.loads
+        if self._path is not None:
+            loads = np.array([load_of_target(self._posterior, self._path)])
+        return log_boundary(self._ensemble, self._sweep_inputs[_TRUTHS:], loads)[0].T
 
-    def _scatters_of_truths(self) -> Array:
-        """Scatter of each truth, which all its tests share, unless the log gives it, shape (n,)."""
+    def _scatters_of_all(self) -> Array:
+        """Scatter of each truth and draw, which all its tests share, unless the log gives it."""
         tests = [judged.test for judged in self._posterior.judged]
         said = [t["velocity_scatter"] / t["velocity"] for t in tests if "velocity_scatter" in t]
         if said:
-            return np.full(_TRUTHS, np.mean(said))
+            return np.full(len(self._inputs), np.mean(said))
         low, middle, high = self._posterior.inferred_scatter
-        scores = ndtri((self._chance.permutation(_TRUTHS) + 0.5) / _TRUTHS) / _SCORES_APART
+        scores = np.concatenate(
+            [
+                ndtri((self._chance.permutation(count) + 0.5) / count) / _SCORES_APART
+                for count in (_TRUTHS, len(self._inputs) - _TRUTHS)
+            ]
+        )
         return np.asarray(middle * (high / low) ** scores)
 
-    @property
-    def spread(self) -> float:
-        """Spread of the target by what is known so far."""
-        return self._known.spread(self._target)
-
-    def _left(self, measurement: Observable) -> float:
-        """Spread of the target that a measurement is expected to leave."""
-        return self._known.expected(measurement, self._target)
+    def _with_friction(self, known: Knowledge, run: int = 0) -> Knowledge:
+        """What is known once a run has told its friction."""
+        if self._friction is None or run >= _FRICTIONS:
+            return known
+        return known.after(self._friction, np.random.default_rng((self._seed, run)))
 
     def best(self) -> Iterator[Candidate]:
         """Runs without end, each the best beside those before it, of which each truth learns."""
-        runs = [test for test in self.tests if test.runs == 1]
+        tests = [*itertools.chain(*self._single_tests())]
         others = zip(self._in_turn(self._known), self._staircase(self._known), strict=True)
-        while True:
-            test = min(runs, key=self._left)
-            self._known = self._known.after(test, self._chance)
-            yield Candidate(test.what, self.spread, self.before, test.test, 1, *next(others))
+        for run in itertools.count():
+            known = self._with_friction(self._known, run)
+            left = known.expected(tests, self._target)
+            test = tests[best := int(left.argmin())]
+            self._known = known.after(test, self._chance)
+            spread = float(left[best])
+            yield Candidate(test.what, spread, self.before, test.test, 1, *next(others))
 
     def _single_tests(self) -> list[list[Observable]]:
         """Single tests at each load and bulk temperature, by velocity."""
@@ -245,9 +246,9 @@ class _Plan:
 
         At each the velocity is the one at which the transition is as likely above as below.
         """
-        chance = np.random.default_rng(self._ensemble.design.seed + 1)
-        for tests in itertools.cycle(self._single_tests()):
-            known = known.after(tests[len(tests) // 2], chance)
+        chance = np.random.default_rng(self._seed + 1)
+        for run, tests in enumerate(itertools.cycle(self._single_tests())):
+            known = self._with_friction(known, run).after(tests[len(tests) // 2], chance)
             yield known.spread(self._target)
 
     def _staircase(self, known: Knowledge) -> Iterator[float]:
@@ -255,15 +256,17 @@ class _Plan:
 
         The velocity of each truth goes up after a mild test, and down after a severe one.
         """
-        chance = np.random.default_rng(self._ensemble.design.seed + 2)
+        chance = np.random.default_rng(self._seed + 2)
         low, high = np.log(self._ensemble.velocities)
         at = [np.full(_TRUTHS, (low + high) / 2) for _ in self._single_tests()]
-        for number, (first, *_) in itertools.cycle(enumerate(self._single_tests())):
+        places = itertools.cycle(enumerate(self._single_tests()))
+        for run, (number, (first, *_)) in enumerate(places):
             test = first._replace(low=at[number], high=at[number])
             scores = chance.standard_normal(_TRUTHS)
-            steps = np.where(test.values + test.deviation * scores < at[number], -_STEP, _STEP)
-            known = known.after(test, chance, scores)
-            at[number] = (at[number] + steps).clip(low, high)
+            result = test.values[:_TRUTHS] + test.deviation[:_TRUTHS] * scores
+            is_mild = result >= at[number]
+            known = self._with_friction(known, run).after(test, chance, scores)
+            at[number] = (at[number] + np.where(is_mild, _STEP, -_STEP)).clip(low, high)
             yield known.spread(self._target)
 
     def ranked(self, measurements: Iterable[Observable]) -> list[Candidate]:
@@ -271,13 +274,17 @@ class _Plan:
 
         Of single tests at a load and a bulk temperature it is the one at the best velocity.
         """
-        ranked = [
-            Candidate(m.what, self._left(m), self.before, m.test, m.runs) for m in measurements
-        ]
+        after, ranked = self._with_friction(self._known), list[Candidate]()
+        for m in measurements:
+            known = after if m.test else self._known
+            if m.test and m.runs == 1:
+                left = float(known.expected([m], self._target)[0])
+            else:  # with the same errors, so that measurements compare
+                left = known.after(m, np.random.default_rng(self._seed)).spread(self._target)
+            ranked.append(Candidate(m.what, left, self.before, m.test, m.runs))
         for number, quantity in enumerate(self._posterior.unknown):
             if quantity.kind == "list":
-                known = self._known.knowing(self._features.numbers(number))
-                left = known.spread(self._target)
+                left = self._known.knowing(self._inputs[_TRUTHS:, number], self._target)
                 ranked.append(Candidate(f"{quantity.path} itself", left, self.before))
         best = dict[Any, Candidate]()
         for one in sorted(ranked, key=lambda candidate: -candidate.told):
@@ -287,98 +294,78 @@ class _Plan:
 
     def _others(self) -> Iterator[Observable]:
         """What could be measured beside tests: worn widths, and inputs."""
-        truths, loads = self._sweep_inputs(self._features.truths), self._ensemble.loads
-        boundary, _ = log_boundary(self._ensemble, truths, loads)
-        for load, column in zip(loads.tolist(), boundary.T, strict=True):
+        ensemble, draws = self._ensemble, self._posterior.draws
+        boundary, _ = log_boundary(ensemble, self._sweep_inputs[:_TRUTHS], ensemble.loads)
+        for load, column in zip(ensemble.loads.tolist(), boundary.T, strict=True):
             middle = math.exp(float(np.median(column)))
-            velocity = float(np.clip(middle, *self._ensemble.velocities))
-            error = self._ensemble.width(truths, load, velocity).error
-            values, slopes = self._features.slopes(partial(self._log_width, load, velocity))
+            velocity = float(np.clip(middle, *ensemble.velocities))
+            width = ensemble.width(self._sweep_inputs, load, velocity)
             what = f"the worn width at {load:g} N, {velocity:.3g} m/s"
-            yield Observable(what, values[0], slopes[0], np.hypot(WIDTH_SCATTER, error))
-        for number, quantity in enumerate(self._posterior.unknown):
-            if quantity.kind == "list" or number >= self._count or quantity.path == self._path:
+            yield Observable(what, width.values, np.hypot(WIDTH_SCATTER, width.error))
+        for number, quantity in enumerate(ensemble.unknown):
+            if quantity.kind == "list" or quantity.path == self._path:
                 continue  # what is sought is no measurement of itself
             name = "friction" if quantity.path == FRICTION else quantity.path
-            place = self._features.numbers(number).start
-            values, slopes = self._features.of_truths[:, place], np.zeros_like(self._known.mean)
-            slopes[:, place] = 1.0
+            values = _coordinate(quantity, self._inputs[:, number])
             what = f"{name}, to a tenth of its spread today"
-            yield Observable(what, values, slopes, np.full(_TRUTHS, _KNOWN))
-
-    def _log_width(self, load: float, velocity: float, inputs: Array) -> Array:
-        """Logarithm of the contact's width at a point, shape (1, n)."""
-        return self._ensemble.width(self._sweep_inputs(inputs), load, velocity).values[None]
+            deviation = np.full(len(values), _KNOWN * draws.spread(values[_TRUTHS:]))
+            yield Observable(what, values, deviation)
 
     def _tests(self) -> Iterator[Observable]:
         """Searches for a transition, and single tests, at each load and bulk temperature."""
-        ensemble, inputs = self._ensemble, self._sweep_inputs(self._features.truths)
-        bulks = self._bulks
+        ensemble, bulks = self._ensemble, self._bulks
         if not bulks:
-            bulk = float(np.median(ensemble.values(BULK, inputs)))
-            critical = float(np.median(ensemble.values(CRITICAL, inputs)))
+            truths = self._sweep_inputs[:_TRUTHS]
+            bulk = float(np.median(ensemble.values(BULK, truths)))
+            critical = float(np.median(ensemble.values(CRITICAL, truths)))
             bulks = [bulk, *(bulk + share * (critical - bulk) for share in _WARMER)]
-        about = self._friction_of_tests(inputs)
-        friction = self._friction_measured(about)
         low, high = ensemble.velocities
         middle = math.sqrt(low * high)
         for load, bulk in itertools.product(ensemble.loads.tolist(), bulks):
             test = {"normal_load": load, "velocity": middle, "bulk_temperature": bulk}
-            judged = test | about
+            judged = test | self._about
             if bulk == ensemble.conditions.bulk_temperature:
                 del judged["bulk_temperature"]  # which may be unknown
-            log_velocity, deviation, slopes = self._transition(judged)
+            log_velocity, deviation = self._transition(judged)
             where = f"{load:g} N, bulk {bulk - 273.15:.3g} °C"
-            likely = math.exp(float(np.median(log_velocity)))
+            likely = math.exp(float(np.median(log_velocity[:_TRUTHS])))
             if low <= likely <= high:
                 ends = math.log(low), math.log(high)
-                halved = (ends[1] - ends[0]) / float(np.median(deviation))
+                halved = (ends[1] - ends[0]) / float(np.median(deviation[:_TRUTHS]))
                 runs = 1 + math.ceil(math.log2(max(halved, 2.0)))
                 what = f"the transition at {where}, about {likely:.3g} m/s, in {runs} runs"
                 at_likely = test | {"velocity": likely}
-                yield Observable(
-                    what, log_velocity, slopes, deviation, *ends, at_likely, friction, runs
-                )
+                yield Observable(what, log_velocity, deviation, *ends, at_likely, runs)
             shares = (np.arange(_VELOCITIES) + 0.5) / _VELOCITIES
-            velocities = np.exp(np.quantile(log_velocity, shares)).clip(low, high)
+            velocities = np.exp(np.quantile(log_velocity[:_TRUTHS], shares)).clip(low, high)
             for velocity in np.unique(velocities).tolist():
                 what = f"a test at {where}, {velocity:.3g} m/s"
-                ends, place = (math.log(velocity),) * 2, test | {"velocity": velocity}
-                yield Observable(what, log_velocity, slopes, deviation, *ends, place, friction)
+                end, place = math.log(velocity), test | {"velocity": velocity}
+                yield Observable(what, log_velocity, deviation, end, end, place)
 
-    def _transition(self, test: Mapping[str, Any]) -> tuple[Array, Array, Array]:
-        """Logarithm of each truth's critical velocity, its deviation in a test, and its slopes."""
-        place = math.log(test["velocity"])
+    def _transition(self, test: Mapping[str, Any]) -> tuple[Array, Array]:
+        """Logarithm of each one's critical velocity, and its deviation in a test."""
+        distances = distances_of(self._ensemble, [test], Truths(self._sweep_inputs))
+        log_velocity = math.log(test["velocity"]) - distances.values[0]
+        return log_velocity, np.hypot(np.sqrt(distances.variance[0]), self._scatters)
 
-        def critical(inputs: Array) -> Array:
-            truths = Truths(self._sweep_inputs(inputs))
-            distances = distances_of(self._ensemble, [test], truths)
-            return np.stack([place - distances.values[0], distances.variance[0]])
-
-        (log_velocity, variance), (slopes, _) = self._features.slopes(critical)
-        return log_velocity, np.hypot(np.sqrt(variance), self._scatters), slopes
-
-    def _friction_measured(self, about: Mapping[str, float]) -> Observable | None:
+    @functools.cached_property
+    def _friction(self) -> Observable | None:
         """What the friction that a test measures tells of the rig's; None where it is known."""
-        rig = self._posterior.rig
-        if not rig or "friction" not in about:
+        if not self._posterior.rig or "friction" not in self._about:
             return None
-        friction, scatter = rig
+        friction, scatter = self._inputs[:, self._posterior.rig].T
+        by_error = self._about["friction_scatter"] / self._about["friction"]
+        log_friction = np.log(np.maximum(friction, LEAST_FRICTION))
+        return Observable("friction", log_friction, np.hypot(scatter, by_error))
 
-        def log_friction(inputs: Array) -> Array:
-            return np.log(np.maximum(inputs[:, friction], LEAST_FRICTION))[None]
-
-        values, slopes = self._features.slopes(log_friction)
-        by_error = about["friction_scatter"] / about["friction"]
-        deviation = np.hypot(self._features.truths[:, scatter], by_error)
-        return Observable("friction", values[0], slopes[0], deviation)
-
-    def _friction_of_tests(self, inputs: Array) -> dict[str, float]:
+    @functools.cached_property
+    def _about(self) -> dict[str, float]:
         """Friction of the next test and its scatter, by the log; neither if that has no friction.
 
         Before the first test friction is taken to be measured, only as well as it is known today.
         """
-        values = self._ensemble.values(FRICTION, inputs)
+        values = self._ensemble.values(FRICTION, self._sweep_inputs[:_TRUTHS])
         tests = [judged.test for judged in self._posterior.judged]
         measured = [test for test in tests if test.get("friction") is not None]
         if tests and not measured:
@@ -389,6 +376,11 @@ class _Plan:
             "friction": float(np.median(frictions)),
             "friction_scatter": float(np.mean(scatters)),
         }
+
+
+def _coordinate(quantity: Unknown, values: Array) -> Array:
+    """Values of an input, or their logarithms if it is relative."""
+    return np.log(values) if quantity.is_relative else values
 
 
 def ranking_command(

@@ -79,4 +79,8 @@ def test_a_plan_says_where_other_rules_do_as_well():
     assert other.comparison.endswith(
         "in turn do about as well, by a staircase there they leave 30 % more"
     )
+    late = Candidate("a test", 0.01, 0.05, in_turn=0.03, staircase=0.0079)
+    assert late.comparison.endswith(
+        "in turn leave 200 % more, by a staircase there they leave 21 % less"
+    )
     assert not Candidate("a test", 0.01, 0.05).comparison
