@@ -214,7 +214,7 @@ class _Plan:
         )
         return np.asarray(middle * (high / low) ** scores)
 
-    def _with_friction(self, known: Knowledge, run: int = 0) -> Knowledge:
+    def _learn_friction(self, known: Knowledge, run: int = 0) -> Knowledge:
         """What is known once a run has told its friction."""
         if self._friction is None or run >= _FRICTIONS:
             return known
@@ -225,7 +225,7 @@ class _Plan:
         tests = [*itertools.chain(*self._single_tests())]
         others = zip(self._in_turn(self._known), self._staircase(self._known), strict=True)
         for run in itertools.count():
-            known = self._with_friction(self._known, run)
+            known = self._learn_friction(self._known, run)
             left = known.expected(tests, self._target)
             test = tests[best := int(left.argmin())]
             self._known = known.after(test, self._chance)
@@ -248,7 +248,7 @@ class _Plan:
         """
         chance = np.random.default_rng(self._seed + 1)
         for run, tests in enumerate(itertools.cycle(self._single_tests())):
-            known = self._with_friction(known, run).after(tests[len(tests) // 2], chance)
+            known = self._learn_friction(known, run).after(tests[len(tests) // 2], chance)
             yield known.spread(self._target)
 
     def _staircase(self, known: Knowledge) -> Iterator[float]:
@@ -265,7 +265,7 @@ class _Plan:
             scores = chance.standard_normal(_TRUTHS)
             result = test.values[:_TRUTHS] + test.deviation[:_TRUTHS] * scores
             is_mild = result >= at[number]
-            known = self._with_friction(known, run).after(test, chance, scores)
+            known = self._learn_friction(known, run).after(test, chance, scores)
             at[number] = (at[number] + np.where(is_mild, _STEP, -_STEP)).clip(low, high)
             yield known.spread(self._target)
 
@@ -274,7 +274,7 @@ class _Plan:
 
         Of single tests at a load and a bulk temperature it is the one at the best velocity.
         """
-        after, ranked = self._with_friction(self._known), list[Candidate]()
+        after, ranked = self._learn_friction(self._known), list[Candidate]()
         for m in measurements:
             known = after if m.test else self._known
             if m.test and m.runs == 1:
@@ -323,7 +323,7 @@ class _Plan:
         middle = math.sqrt(low * high)
         for load, bulk in itertools.product(ensemble.loads.tolist(), bulks):
             test = {"normal_load": load, "velocity": middle, "bulk_temperature": bulk}
-            judged = test | self._about
+            judged = test | self._logged_friction
             if bulk == ensemble.conditions.bulk_temperature:
                 del judged["bulk_temperature"]  # which may be unknown
             log_velocity, deviation = self._transition(judged)
@@ -352,15 +352,15 @@ class _Plan:
     @functools.cached_property
     def _friction(self) -> Observable | None:
         """What the friction that a test measures tells of the rig's; None where it is known."""
-        if not self._posterior.rig or "friction" not in self._about:
+        if not self._posterior.rig or "friction" not in self._logged_friction:
             return None
         friction, scatter = self._inputs[:, self._posterior.rig].T
-        by_error = self._about["friction_scatter"] / self._about["friction"]
+        by_error = self._logged_friction["friction_scatter"] / self._logged_friction["friction"]
         log_friction = np.log(np.maximum(friction, LEAST_FRICTION))
         return Observable("friction", log_friction, np.hypot(scatter, by_error))
 
     @functools.cached_property
-    def _about(self) -> dict[str, float]:
+    def _logged_friction(self) -> dict[str, float]:
         """Friction of the next test and its scatter, by the log; neither if that has no friction.
 
         Before the first test friction is taken to be measured, only as well as it is known today.
