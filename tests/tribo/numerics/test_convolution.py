@@ -97,5 +97,5 @@ def test_single_precision_is_taken_only_where_it_holds_the_influence(influence):
 
 
 def test_a_spectrum_of_the_wrong_shape_is_refused():
-    with pytest.raises(InputError, match="shape"):
+    with pytest.raises(InputError, match=r"shape \(4, 4\); this grid needs \(7, 3\)"):
         Convolution(Grid((4, 4), (1.0, 1.0)), np.ones((4, 4)))
