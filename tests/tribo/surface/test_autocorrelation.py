@@ -37,6 +37,17 @@ def test_a_turned_surface_keeps_its_shortest_and_longest():
     assert found.shortest < found.along_y < found.along_x < found.longest
 
 
+def test_a_patch_is_known_to_the_same_share_of_its_length_along_both_axes():
+    """Waves of 100 pixels fall to the threshold after 19 of them, in 400 pixels but not in 20."""
+    waves = np.cos(2 * np.pi * np.arange(400) / 100)
+    for shape in ((400, 20), (20, 400)):
+        along_x = shape[0] > shape[1]
+        heights = np.broadcast_to(waves[:, None] if along_x else waves, shape)
+        found = autocorrelation_lengths(heights, (PIXEL, PIXEL))
+        lengths = (found.along_x, found.along_y)[:: 1 if along_x else -1]
+        assert lengths == (pytest.approx(19 * PIXEL, rel=0.1), np.inf)
+
+
 def test_the_threshold_and_unequal_pixels_count():
     heights = gaussian(12e-6, 12e-6)
     found = autocorrelation_lengths(heights, (PIXEL, PIXEL), threshold=0.2)

@@ -3,6 +3,7 @@ import pytest
 
 from tribo import Grid, InputError, Wear
 from tribo.contact import ElasticHalfSpace, solve_contact
+from tribo.wear.archard import WEAR_SCHEMES, Stage
 
 GRID = Grid((12, 10), (1e-6, 1e-6))
 
@@ -22,6 +23,19 @@ def test_yielding_solid_displaces_by_elasticity_and_wear(pattern):
     pressure = 1e9 * np.random.default_rng(1).uniform(size=GRID.shape)
     expected = solid(pressure) + wear.depth(pressure, 0.0625)
     assert wear.yielding(solid, 0.0625)(pressure) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("scheme", WEAR_SCHEMES.values(), ids=WEAR_SCHEMES)
+def test_a_load_that_falls_to_nothing_wears_at_its_mean_and_ends_without_wear(scheme):
+    first, last = scheme.stages((80.0, 0.0), mean_load=400.0, distance=3.0)
+    assert first == Stage(400.0, 3.0, 3.0 if scheme.implicitness else 0.0)
+    assert last == Stage(0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("scheme", WEAR_SCHEMES.values(), ids=WEAR_SCHEMES)
+def test_a_step_that_carries_no_load_wears_nothing(scheme):
+    for stage in scheme.stages((0.0, 0.0), mean_load=0.0, distance=3.0):
+        assert stage == Stage(0.0, 0.0, 0.0)
 
 
 def test_implicit_step_ends_where_the_worn_shape_carries_the_pressure():
