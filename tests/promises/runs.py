@@ -103,6 +103,8 @@ def main():
     add_rig_options(parser)
     parser.add_argument("--truths", type=int, default=300)
     parser.add_argument("--tests", type=int, choices=_MOST, default=8)
+    laws = tuple(law_scatters(0))
+    parser.add_argument("--laws", nargs="+", choices=laws, default=laws, help="of the scatter")
     parser.add_argument("--minutes", type=float, default=120.0, help="begin no truth later")
     parser.add_argument("--file", type=Path, help="results/runs_TESTS.jsonl")
     options = parser.parse_args()
@@ -115,8 +117,9 @@ def main():
     for number in range(len({row["truth"] for row in rows}), options.truths):
         if time.monotonic() - began > 60 * options.minutes:
             break
-        rig, new = rig_of(number), []
-        for law, scatter in law_scatters(number).items():
+        rig, scatters, new = rig_of(number), law_scatters(number), []
+        for law in options.laws:
+            scatter = scatters[law]
             true = judged(ensemble, rig, scatter, options.tests, bulk)
             new.append({"truth": number, "law": law, "scatter": scatter, "true": true})
         rows += new
