@@ -63,6 +63,22 @@ def test_a_check_takes_what_a_run_takes(check, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("loads", "velocities", "is_small"),
+    [
+        ('["200 N", "750 N"]', '["1 m/s", "2 m/s", "3 m/s", "4 m/s"]', False),
+        ('["200 N"]', '["1 m/s"]', True),
+    ],
+)
+def test_the_space_that_a_sweep_takes_is_said_in_megabytes(check, loads, velocities, is_small):
+    sweep = "--preset", "draft", "--set", f"sweep.loads={loads}"
+    sweep += "--set", f"sweep.velocities={velocities}"
+    size = check(*sweep, "--json")["disk_bytes"] / 1e6
+    (said,) = (line for line in check(*sweep).splitlines() if line.startswith("disk"))
+    assert said.split(None, 1)[1] == ("less than 1 MB" if is_small else f"about {size:.0f} MB")
+    assert (size < 1) == is_small
+
+
+@pytest.mark.parametrize(
     ("setting", "said"),
     [
         ('sweep.loads=["75 kN"]', "sweep.loads: 75000 N is more than the window carries"),
