@@ -177,6 +177,31 @@ def test_friction_is_that_of_the_rule_by_hand(fzg):
     assert gears.friction_coefficient(fzg, light[0]) == gears.friction_coefficient(fzg, light[1])
 
 
+def test_flashes_are_those_of_the_rule_by_hand():
+    """Eqs. (10) to (19) and (41) for steel of Eq. (11), by radii of curvature at the tip, in mm."""
+    rig = gears.read_pair(FZG, {"friction.coefficient": 0.07}).changed(materials=(STEEL, STEEL))
+    end, toothing = place_named(gears.mesh(rig), "E"), rig.gears
+    duty = stage_duty(rig, 9)
+    first, second = 1e3 * end.radius_1, 1e3 * end.radius_2
+    u, working, pressure = 24 / 16, toothing.working_angle, math.radians(20)
+    geometry = 0.51 * math.sqrt(u + 1) * (math.sqrt(first) - math.sqrt(second / u))
+    geometry /= (first * second) ** 0.25
+    angle = 1.22 * (math.sin(working) * math.cos(pressure)) ** 0.25
+    angle /= math.sqrt(math.cos(working) * math.cos(pressure))
+    radius = 4.5 * 16 / 2  # of the pinion's reference circle [mm]
+    load, speed = 1e3 * duty.torque / radius / 20, duty.speed * radius / 1e3
+    e1, e2 = (abs(length) / toothing.base_pitch for length in (toothing.path.e, toothing.path.a))
+    assert e2 < 1 < e1 < e1 + e2 < 2
+    approach, relief = min(1.4 - 4 / 15 * e2 / e1, 1.0), 1 + 0.06 * e1 + 0.02 * e1**2
+    tip = 0.07 * 50.0 * geometry * angle * load**0.75 * math.sqrt(speed) / 91.5**0.25
+    tip /= approach * relief
+    share = 0.18 * e1**2 + 0.70 * e2**2 + 0.82 * e1 - 0.52 * e2 - 0.30 * e1 * e2
+    share /= 2 * (e1 + e2) * e1
+    found = gears.integral_temperature(rig, duty)
+    assert found.tip_flash == pytest.approx(tip, rel=5e-3)  # 50.0 has three digits
+    assert found.mean_flash == pytest.approx(share * found.tip_flash, rel=1e-9)
+
+
 def test_a_scene_of_the_mesh_says_the_same_in_its_own_words(fzg, mesh, tmp_path):
     (tmp_path / "mesh.toml").write_text(gears.scene_toml([mesh]), encoding="utf-8")
     sweep = pipeline.load_scene(tmp_path / "mesh.toml")
