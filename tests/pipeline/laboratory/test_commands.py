@@ -39,7 +39,9 @@ def test_two_columns_of_outcomes_are_asked_about_and_units_doubted(tmp_path, irg
     assert "the test of 400 N at 1.2 m/s: the bulk temperature is 333 °C, where" in said
 
 
-@pytest.mark.parametrize(("step", "words"), [(0.15, "at 30 s"), (0.0, "no transition")])
+@pytest.mark.parametrize(
+    ("step", "words"), [(0.15, "at 30 s, at a load of 300 N"), (0.0, "no transition")]
+)
 def test_a_trace_of_friction_gives_its_transition(tmp_path, irg, step, words):
     time = np.arange(0.0, 60.0, 0.5)
     friction = 0.1 + 0.002 * np.sin(7 * time) + step * (time >= 30)
