@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -142,6 +142,23 @@ def _around(test: Test, ends: Array) -> tuple[float, ...]:
     return float(low), float(high)
 
 
+def fix_varying(unknown: Sequence[Unknown], inputs: Array) -> Array:
+    """Draws (n, n_unknown) with medians in place of what varies from part to part."""
+    medians = [one.quantile(np.array([0.5]))[0] for one in unknown]
+    return np.where([one.varies for one in unknown], medians, inputs)
+
+
+def part_scatter(
+    unknown: Sequence[Unknown], distances: Callable[[Array], Distances], seed: int
+) -> tuple[Array, Array]:
+    """Mean and variance (n_test, 1) that what varies from part to part adds to distances."""
+    if not any(one.varies for one in unknown):
+        return np.zeros((1, 1)), np.zeros((1, 1))
+    inputs = prior(unknown, seed, _VARIED).inputs
+    apart = distances(inputs).values - distances(fix_varying(unknown, inputs)).values
+    return apart.mean(axis=1)[:, None], apart.var(axis=1)[:, None]
+
+
 class Runs(NamedTuple):
     """Runs beside draws and scatters, each (n_run, n, n_scatter).
 
@@ -242,12 +259,11 @@ class Joint:
 
     def judged(self, inputs: Array) -> JudgedTests:
         """Tests beside draws of all inputs, shape (n, n_unknown)."""
-        distances = self._distances(self._fix_varying(inputs))
-        if self._varied is not None:
-            shift, variance = self._varied
-            distances = distances._replace(
-                values=distances.values + shift, variance=distances.variance + variance
-            )
+        shift, variance = self._part_scatter
+        distances = self._distances(fix_varying(self.unknown, inputs))
+        distances = distances._replace(
+            values=distances.values + shift, variance=distances.variance + variance
+        )
         runs = self._weigh_runs(distances)
         return JudgedTests(distances, runs, runs.log_likelihoods.sum(axis=0) + _LOG_PRIOR)
 
@@ -276,20 +292,9 @@ class Joint:
                 likelihoods[run] += distances.told[measured].mean(axis=0)[:, None]
         return Runs(low, high, likelihoods)
 
-    def _fix_varying(self, inputs: Array) -> Array:
-        """Draws with medians in place of what varies from part to part."""
-        medians = [one.quantile(np.array([0.5]))[0] for one in self.unknown]
-        return np.where([one.varies for one in self.unknown], medians, inputs)
-
     @functools.cached_property
-    def _varied(self) -> tuple[Array, Array] | None:
-        """Mean and variance (n_test, 1) that what varies from part to part adds to distances."""
-        if not any(one.varies for one in self.unknown):
-            return None
-        inputs = prior(self.unknown, self.ensemble.design.seed, _VARIED).inputs
-        own, fixed = map(self._distances, (inputs, self._fix_varying(inputs)))
-        apart = own.values - fixed.values
-        return apart.mean(axis=1)[:, None], apart.var(axis=1)[:, None]
+    def _part_scatter(self) -> tuple[Array, Array]:
+        return part_scatter(self.unknown, self._distances, self.ensemble.design.seed)
 
     def _distances(self, inputs: Array) -> Distances:
         truths = Truths(

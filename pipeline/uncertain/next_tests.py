@@ -23,7 +23,13 @@ from scipy.special import ndtri
 from pipeline.scene.units import UnitError, in_si, to_si
 from pipeline.sweep.unknown import OF_90, Unknown
 from pipeline.uncertain.answers import log_boundary
-from pipeline.uncertain.evidence import Truths, distances_of
+from pipeline.uncertain.evidence import (
+    Distances,
+    Truths,
+    distances_of,
+    fix_varying,
+    part_scatter,
+)
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION
 from pipeline.uncertain.learning import Knowledge, Observable
 from pipeline.uncertain.posterior import Posterior
@@ -64,7 +70,7 @@ class Candidate:
     @property
     def narrows(self) -> float:
         """Share of today's spread that the measurement takes away."""
-        return round(1 - self.spread / self.before, 12)
+        return round(max(1 - self.spread / self.before, 0.0), 12)
 
     @property
     def told(self) -> float:
@@ -283,7 +289,7 @@ class _Plan:
                 left = known.after(m, np.random.default_rng(self._seed)).spread(self._target)
             ranked.append(Candidate(m.what, left, self.before, m.test, m.runs))
         for number, quantity in enumerate(self._posterior.unknown):
-            if quantity.kind == "list":
+            if quantity.kind == "list" and not quantity.varies:
                 left = self._known.knowing(self._inputs[_TRUTHS:, number], self._target)
                 ranked.append(Candidate(f"{quantity.path} itself", left, self.before))
         best = dict[Any, Candidate]()
@@ -303,8 +309,8 @@ class _Plan:
             what = f"the worn width at {load:g} N, {velocity:.3g} m/s"
             yield Observable(what, width.values, np.hypot(WIDTH_SCATTER, width.error))
         for number, quantity in enumerate(ensemble.unknown):
-            if quantity.kind == "list" or quantity.path == self._path:
-                continue  # what is sought is no measurement of itself
+            if quantity.kind == "list" or quantity.varies or quantity.path == self._path:
+                continue  # what is sought is no measurement of itself, nor a part of the next one
             name = "friction" if quantity.path == FRICTION else quantity.path
             values = _coordinate(quantity, self._inputs[:, number])
             what = f"{name}, to a tenth of its spread today"
@@ -345,9 +351,15 @@ class _Plan:
 
     def _transition(self, test: Mapping[str, Any]) -> tuple[Array, Array]:
         """Logarithm of each one's critical velocity, and its deviation in a test."""
-        distances = distances_of(self._ensemble, [test], Truths(self._sweep_inputs))
-        log_velocity = math.log(test["velocity"]) - distances.values[0]
-        return log_velocity, np.hypot(np.sqrt(distances.variance[0]), self._scatters)
+        unknown = self._ensemble.unknown
+
+        def distances(inputs: Array) -> Distances:
+            return distances_of(self._ensemble, [test], Truths(inputs))
+
+        found = distances(fix_varying(unknown, self._sweep_inputs))
+        (shift,), (variance,) = part_scatter(unknown, distances, self._seed)
+        log_velocity = math.log(test["velocity"]) - found.values[0] - shift
+        return log_velocity, np.sqrt(found.variance[0] + variance + self._scatters**2)
 
     @functools.cached_property
     def _friction(self) -> Observable | None:

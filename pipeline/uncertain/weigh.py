@@ -190,7 +190,8 @@ def basis_of(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
         if weighed.draws.misfit:
             yield f"warning: {weighed.draws.misfit}"
         for path, before, after, within in weighed.in_words():
-            yield f"{path}: {after}, 90 % within {within} (before the tests {before})"
+            interval = f", 90 % within {within}" if within else ""
+            yield f"{path}: {after}{interval} (before the tests {before})"
     else:
         yield from map(str, ensemble.unknown)
     yield from map(str, ensemble.fixed)

@@ -2,6 +2,7 @@
 
 import math
 import shlex
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -68,6 +69,19 @@ def test_a_search_costs_the_runs_of_a_bisection_and_a_plan_is_made_of_single_run
     before = plan[0].before
     assert before > plan[0].in_turn > plan[-1].in_turn
     assert before > plan[0].staircase > plan[-1].staircase
+
+
+def test_no_run_tells_of_what_varies_from_part_to_part():
+    part = replace(CRITICAL, varies=True)
+    posterior = pipeline.posterior(ensemble((part, FRICTION)))
+    assert max(one.narrows for one in candidates(posterior, part.path)) < 0.01
+    names = [one.what.split(",")[0] for one in candidates(posterior)]
+    assert part.path not in names
+    assert "friction" in names
+    *_, last = pipeline.plan_tests(posterior, 8)
+    known = pipeline.posterior(ensemble((replace(FRICTION, parameters=(0.1, 1e-6)), part)))
+    *_, least = pipeline.plan_tests(known, 1)
+    assert last.spread > 0.98 * least.before  # that of the parts alone
 
 
 def test_a_plan_says_where_other_rules_do_as_well():
