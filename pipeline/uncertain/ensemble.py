@@ -235,7 +235,8 @@ class Ensemble:
 
     def rise(self, draws: Array, load: Axis | float, velocity: Axis | float) -> Excess:
         """Logarithm of the rise at friction 1 [K] in place of the excess, likewise."""
-        return self._emulated(self._rise, draws, load, velocity)
+        heat = self._emulated(self._rise, draws, load, velocity)
+        return heat._replace(values=heat.values + self._log_friction_table(velocity))
 
     def width(self, draws: Array, load: float, velocity: float) -> Excess:
         """Logarithm of the contact's width [m] in place of the excess, likewise."""
@@ -298,9 +299,14 @@ class Ensemble:
             for hold, rises in self.rises_by_hold.items()
         }
 
+    def _log_friction_table(self, velocity: Axis | float) -> Array:
+        """Logarithm of the factor of friction by velocity, which is known and may bend at will."""
+        return np.log(self.conditions.friction_factor(np.asarray(velocity, float)))
+
     @functools.cached_property
     def _rise(self) -> Emulator:
-        return self._fitted(self.rises)
+        table = self.conditions.friction_factor(self.sample_velocities)
+        return self._fitted(self.rises / table[:, None])
 
     @functools.cached_property
     def _width(self) -> Emulator:

@@ -376,6 +376,22 @@ def test_a_shorter_hold_is_that_of_the_steps_of_the_samples():
         pipeline.posterior(pipeline.Ensemble.of(dataset(longer)))
 
 
+def test_friction_by_velocity_is_known_however_it_bends():
+    """Samples tell the heat; the table, which jumps by 2 between two of its rows, acts on it."""
+    bent = Friction(by_velocity=((1.0, 1.6), (1.6, 0.7), (3.0, 1.2), (4.0, 0.5)))
+    plain = ensemble((CRITICAL,))
+    conditions = dataclasses.replace(plain.conditions, corrections=Corrections(friction=bent))
+    factor = conditions.friction_factor(plain.sample_velocities)
+    corrected = dataclasses.replace(
+        plain, conditions=conditions, rises=plain.rises * factor[:, None]
+    )
+    velocities = np.geomspace(1.0, 5.0, 40)
+    draws = np.full((1, 1), CRITICAL.parameters[0])
+    own, table = (one.excess(draws, 400.0, velocities).values[0] for one in (plain, corrected))
+    expected = own + np.log(conditions.friction_factor(velocities))
+    assert table == pytest.approx(expected, abs=0.01)
+
+
 def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
     falling = Corrections(friction=Friction(by_velocity=((1.0, 1.2), (4.0, 0.8))))
     entry = {"normal_load": 400.0, "velocity": 1.2, "outcome": "mild"}  # which tells nothing new
