@@ -36,7 +36,7 @@ from pipeline.analysis.decisive import (
 from pipeline.analysis.model_error import Scatter, severe_share
 from pipeline.analysis.rise_error import RiseError, RisePlane, add_counted, grids_of, rise_error
 from pipeline.analysis.scenes import scenes
-from pipeline.analysis.transition import UNITS, Line, Turns, range_of
+from pipeline.analysis.transition import LEAST_SLOPE, UNITS, Line, Turns, range_of
 from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE
 from pipeline.sweep.accuracy import velocity_error
@@ -47,6 +47,7 @@ from tribo import InputError
 from tribo.types import Array, Mask
 
 _USUAL = COORDINATES.keys() - {VARIANT, "realization"}
+_FAR, _PLACES = 30.0, 1024  # ratio to which a line goes on with its friction, and places of it
 _PARTS = 64  # parts of an interval of velocities, in each of which friction is taken as it is there
 
 
@@ -288,9 +289,11 @@ class PointField:
                 x = np.insert(x, number_there, along)
                 going_on = np.insert(going_on, number_there, rise)
             going_on[number_there] = rise
+        continued = None
         if has_curve and axis == "velocity":
+            continued = continued_friction(x, going_on, factor)
             x, going_on = along_friction(x, going_on, factor)
-        return Line(Curve(x, going_on), limit, self.ends[axis], done, missing)
+        return Line(Curve(x, going_on), limit, self.ends[axis], done, missing, continued)
 
 
 def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array, Array]:
@@ -304,6 +307,19 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
     between = Curve(velocities, rises / factor(velocities))(places) * factor(places)
     between[::_PARTS] = rises
     return places, between
+
+
+def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve | None:
+    """Rises [K] far beyond the velocities [m/s] that are known: only the heat is a power there."""
+    is_moving = velocities > 0
+    heat = Curve(velocities[is_moving], (rises / factor(velocities))[is_moving])
+    if not (heat.x.size and (heat.y > 0).all()):
+        return None
+    if len(heat.x) == 1:  # as the velocity, at most
+        heat = Curve(np.append(heat.x, 2 * heat.x), np.append(heat.y, 2 * heat.y))
+    far = np.geomspace(heat.x[0] / _FAR, heat.x[-1] * _FAR, _PLACES)
+    places = np.union1d(np.append(far, np.linspace(heat.x[0], heat.x[-1], _PLACES)), heat.x)
+    return Curve(places, heat(places, True, LEAST_SLOPE) * factor(places))
 
 
 def fields(ds: xr.Dataset | PathLike) -> list[Field]:

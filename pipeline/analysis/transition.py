@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -55,6 +55,8 @@ class Line:
     ends: tuple[float, float]  # of the sweep's own range
     done: Array  # places that are done, ascending
     missing: Array  # places that are not
+    #: The curve far beyond its ends, where it is no power law: friction by velocity is known there.
+    continued: Curve | None = None
 
     @functools.cached_property
     def places(self) -> tuple[float, ...]:
@@ -78,9 +80,12 @@ class Line:
             return CROSSES if len(self.places) == 1 and not self.begins_severe else SEVERAL
         if not self.done.size:
             return UNKNOWN
+        is_whole = (self.computed[0] <= self.ends[0], self.computed[1] >= self.ends[1])
+        if self.continued:  # friction by velocity may turn wear at either end
+            is_whole = (all(is_whole),) * 2
         if self.begins_severe:
-            return SEVERE if self.computed[0] <= self.ends[0] else BELOW
-        return MILD if self.computed[1] >= self.ends[1] else ABOVE
+            return SEVERE if is_whole[0] else BELOW
+        return MILD if is_whole[1] else ABOVE
 
     @property
     def place(self) -> float:
@@ -111,6 +116,8 @@ class Line:
 
         They begin at 0, or go on to infinity, where it has no such law.
         """
+        if self.continued:
+            return replace(self, curve=self.continued, continued=None).severe()
         x, y = self.curve.x, self.curve.y
         turns = [0.0] * self.begins_severe + [*self.places]
         tops = [*turns[1::2], *[math.inf] * (len(turns) % 2)]

@@ -502,12 +502,10 @@ def rows_along(
         return rises, fine
     positive = fine[fine > 0]
     nodes = np.concatenate([[positive[0] / _FAR], positive, [positive[-1] * _FAR]])
-    strip_friction = rises / factor(velocities)[:, None, None]
-    if not conditions.has_friction_curve and velocities[0] > 0:
-        return along(strip_friction, velocities, nodes, -3, continued=True), nodes
-    within = along(strip_friction, velocities, fine, -3)[..., fine > 0, :, :]
-    within *= factor(positive)[:, None, None]
-    return along(within, positive, nodes, -3, continued=True), nodes
+    heat = rises / factor(velocities)[:, None, None]
+    if not velocities[0] > 0:
+        heat, velocities = along(heat, velocities, fine, -3)[..., fine > 0, :, :], positive
+    return along(heat, velocities, nodes, -3, continued=True) * factor(nodes)[:, None, None], nodes
 
 
 def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import rise_limit, worst_rises
 from pipeline.sweep.variants import Variant
 from tribo import InputError, Scene
+from tribo.types import Array
 
 _EXPONENT = 0.6  # exponent of the rise over velocity, until it is known
 _TREND = -0.8  # exponent of the boundary's velocity over load, until it is known
@@ -30,6 +31,11 @@ _WIDEST = 0.35  # largest h
 _NEAR = 0.1  # share of h: how near to a node a crossing must be expected to ask beyond it
 _FINEST = 12  # halvings of the axis
 _ROUNDING = 1e-5  # relative, of a velocity in round figures, and more
+_EXPECTED = 512  # velocities among which turns are expected
+
+Row = list[tuple[float, float]]
+"""Velocities and rises at a load."""
+Rows = Mapping[float, Row]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +48,8 @@ class BoundarySearch:
     limit: float
     tolerance: float
     scale: float = 1.0
+    #: Factor of the friction by velocity, with which wear may turn several times.
+    factor: Callable[[Array], Array] | None = None
 
     def __post_init__(self) -> None:
         if not 0 < self.tolerance < 1:
@@ -63,17 +71,20 @@ class BoundarySearch:
                 f"there is no boundary to look for where sweep.velocities are {listed} m/s; give "
                 "two or more above 0"
             )
-        # Friction by velocity bends the rise where its table has a node, which points beside do
-        # not tell.
-        if sweep.conditions.has_friction_curve:
-            tolerance /= 10
-        return cls(sweep.plane.loads, moving[0], moving[-1], limit, tolerance, scale)
+        factor = sweep.conditions.friction_factor if sweep.conditions.has_friction_curve else None
+        return cls(sweep.plane.loads, moving[0], moving[-1], limit, tolerance, scale, factor)
 
     def wanted(
         self, rises: Mapping[Point, float], hopeless: Iterable[Point] = ()
     ) -> tuple[Point, ...]:
         """Points to compute next by known rises [K], but failed ones; none once all is known."""
         rows = {load: self._row(rises, load) for load in self.loads}
+        asked = self._asked_turns(rows) if self.factor else self._asked(rows)
+        fresh = asked - set(rises) - set(hopeless)
+        return tuple(sorted(fresh, key=lambda point: (point.velocity, point.load)))
+
+    def _asked(self, rows: Rows) -> set[Point]:
+        """Points about the one transition of each load."""
         curvature = self._curvature(rows)
         guesses = self._guesses(rows)
         asked = set()
@@ -82,8 +93,38 @@ class BoundarySearch:
             asked = {Point(load, self._first_node(load)) for load in ends}
         for load, guess in guesses.items():
             asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature)}
-        fresh = asked - set(rises) - set(hopeless)
-        return tuple(sorted(fresh, key=lambda point: (point.velocity, point.load)))
+        return asked
+
+    def _asked_turns(self, rows: Rows) -> set[Point]:
+        """Points about all turns of each load, or at its ends.
+
+        The heat, which is all that points tell, passes at each the one value that turns wear there.
+        """
+        asked = set()
+        for load, row in rows.items():
+            if not row:
+                asked.add(Point(load, self._first_node(load)))
+                continue
+            turns = self._turns(row)
+            for turn, heat in turns.items():
+                search = replace(self, limit=heat, factor=None)
+                nodes = search._next(row, turn, search._curvature(rows))
+                asked |= {Point(load, velocity) for velocity in nodes}
+            if not turns:
+                asked |= {Point(load, self.lowest), Point(load, self.highest)}
+        return asked
+
+    def _turns(self, row: Row) -> dict[float, float]:
+        """Logarithms of the velocities at which wear is expected to turn, with the heat there."""
+        assert self.factor  # for the type checker
+        x, y = np.log(np.array(row)).T
+        if len(x) == 1:
+            x, y = np.append(x, x + 1.0), np.append(y, y + _EXPONENT)
+        fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
+        limits = self.limit / self.factor(np.exp(fine))
+        is_severe = make_interp_spline(x, y, k=1)(fine) > np.log(limits)
+        before = np.flatnonzero(is_severe[1:] != is_severe[:-1])
+        return dict(zip(fine[before].tolist(), limits[before].tolist(), strict=True))
 
     def _first_node(self, load: float) -> float:
         """The velocity of the axis to begin with: in its middle at the middle load."""
@@ -91,21 +132,24 @@ class BoundarySearch:
         number = round(self._intervals() / 2 + (above + math.log(self.scale)) / self._span())
         return self._node(number, 0)
 
-    def _row(self, rises: Mapping[Point, float], load: float) -> list[tuple[float, float]]:
-        """Velocities and rises that are known at a load, in the range."""
+    def _row(self, rises: Mapping[Point, float], load: float) -> Row:
+        """Velocities and rises that are known at a load, in the range, without their friction."""
         return sorted(
-            (point.velocity, rise)
+            (
+                point.velocity,
+                rise / (float(self.factor(np.array(point.velocity))) if self.factor else 1.0),
+            )
             for point, rise in rises.items()
             if point.load == load and self.lowest <= point.velocity <= self.highest and rise > 0
         )
 
-    def _bracket(self, row: list[tuple[float, float]]) -> tuple[float | None, float | None]:
+    def _bracket(self, row: Row) -> tuple[float | None, float | None]:
         """Velocities next to the first crossing: mild and severe, None where there is none."""
         high = next((velocity for velocity, rise in row if rise >= self.limit), None)
         mild = [velocity for velocity, _ in row if high is None or velocity < high]
         return (mild[-1] if mild else None), high
 
-    def _curvature(self, rows: Mapping[float, list[tuple[float, float]]]) -> float:
+    def _curvature(self, rows: Rows) -> float:
         """The greatest κ by three velocities about a crossing, with a margin."""
         curvatures = []
         for row in rows.values():
@@ -124,7 +168,7 @@ class BoundarySearch:
             return _CURVATURE
         return min(max(_LEAST_CURVATURE, 1.5 * max(curvatures)), 100.0)
 
-    def _guesses(self, rows: Mapping[float, list[tuple[float, float]]]) -> dict[float, float]:
+    def _guesses(self, rows: Rows) -> dict[float, float]:
         """Logarithm of the critical velocity at each load, as far as can be told."""
         by_load = {load: self._guess(row) for load, row in rows.items() if row}
         if not by_load:
@@ -135,7 +179,7 @@ class BoundarySearch:
         line = make_interp_spline(x, y, k=1)  # which goes on beyond its ends
         return {load: by_load.get(load, float(line(math.log(load)))) for load in self.loads}
 
-    def _guess(self, row: list[tuple[float, float]]) -> float:
+    def _guess(self, row: Row) -> float:
         """Logarithm of the critical velocity, by the straight line through the nearest two."""
         x, y = np.log(np.array(row)).T
         y = y - math.log(self.limit)
@@ -145,9 +189,7 @@ class BoundarySearch:
         slope = (y[k] - y[k - 1]) / (x[k] - x[k - 1])
         return float(x[k] - y[k] / min(max(slope, 0.2), 3.0))
 
-    def _next(
-        self, row: list[tuple[float, float]], guess: float, curvature: float
-    ) -> Iterable[float]:
+    def _next(self, row: Row, guess: float, curvature: float) -> Iterable[float]:
         """Velocities to look at next at one load."""
         low, high = self._bracket(row)
         log_ends = math.log(low or self.lowest), math.log(high or self.highest)

@@ -9,6 +9,7 @@ import pipeline
 import tribo
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import compared, own_conditions
+from pipeline.analysis.transition import MILD, SEVERE
 from pipeline.figures.plot import plot
 from pipeline.sweep.about import Measurement
 from tests.helpers import javascript, synthetic
@@ -52,6 +53,22 @@ def test_boundary_margin_page_and_figure_cross_at_one_velocity():
     np.testing.assert_allclose(on_page, whole, rtol=2e-3)
     axes = plot(ds, "temperature", load="600 N").axes[0]
     assert f"transition, {crossings[1]:.3g} m/s" in [line.get_label() for line in axes.lines]
+
+
+@pytest.mark.parametrize("corrections", [FALLING, BACK], ids=("falling", "back"))
+def test_beyond_done_points_only_the_heat_goes_on_and_friction_stays_known(corrections):
+    """Margins of a part are those of the whole, whose heat is a power of the velocity."""
+    whole = synthetic.sweep(
+        velocities=[0.5, 1.0, 2.0, 4.5, 6.0], measured=(),
+        conditions=replace(synthetic.conditions(), corrections=corrections),
+    )  # fmt: skip
+    part = whole.where((whole["velocity"] >= 1.0) & (whole["velocity"] <= 2.0))
+    for load, velocity in ((600.0, 0.6), (600.0, 0.8), (500.0, 3.0), (600.0, 5.0), (600.0, 6.0)):
+        all_of, some = (pipeline.margin(ds, load, velocity) for ds in (whole, part))
+        assert some.decisive_temperature == pytest.approx(all_of.decisive_temperature, abs=0.2)
+        assert some.probability == pytest.approx(all_of.probability, abs=0.01)
+    outcomes = {*pipeline.boundary(part)["outcome_at_load"].values.tolist()}
+    assert not {MILD, SEVERE} & outcomes  # throughout what nobody computed
 
 
 def test_a_test_is_compared_at_the_friction_that_it_measured():

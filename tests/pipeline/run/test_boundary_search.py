@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.analysis.curve import Curve
+from pipeline.analysis.field import along_friction
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.sweep.model import Point
 from tests.helpers import synthetic
@@ -111,5 +112,29 @@ def test_friction_that_bends_between_two_velocities_hides_no_boundary():
     factors = falling.friction.at(fine)
     for load in loads:
         rising = factors * [bent(load, velocity) for velocity in fine]
-        true, *_ = Curve(fine, np.array(rising)).crossings(LIMIT)
-        assert boundary_of(rises, load) == pytest.approx(true, rel=0.01)
+        row = np.array(sorted((at.velocity, rise) for at, rise in rises.items() if at.load == load))
+        found = Curve(*along_friction(*row.T, falling.friction.at)).crossings(LIMIT)
+        assert found == pytest.approx(Curve(fine, rising).crossings(LIMIT), rel=0.01)
+
+
+def test_bands_are_found_whose_ends_no_first_crossing_tells():
+    """Severe, mild, severe and mild again; and a low load that is severe within the range alone."""
+    bands = Friction(by_velocity=((0.8, 2.0), (1.6, 0.8), (3.0, 1.2), (4.5, 0.4)))
+    sweep = synthetic.scene(
+        conditions=replace(synthetic.conditions(), corrections=Corrections(friction=bands)),
+        loads=(200.0, 400.0, 750.0),
+        velocities=(0.8, 4.5),
+    )
+    search, rises = BoundarySearch.of(sweep, 0.01), {}
+    while asked := search.wanted(rises):
+        rises |= {p: bent(*p[:2]) * float(bands.at(np.array(p.velocity))) for p in asked}
+    assert len(rises) < 40
+    fine = np.geomspace(0.8, 4.5, 4000)
+    turns = {}
+    for load in sweep.plane.loads:
+        rising = bands.at(fine) * [bent(load, velocity) for velocity in fine]
+        turns[load] = Curve(fine, rising).crossings(LIMIT)
+        row = np.array(sorted((at.velocity, rise) for at, rise in rises.items() if at.load == load))
+        found = Curve(*along_friction(*row.T, bands.at)).crossings(LIMIT)
+        assert found == pytest.approx(turns[load], rel=0.01)
+    assert max(map(len, turns.values())) > 1
