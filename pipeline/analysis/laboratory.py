@@ -72,16 +72,21 @@ def model_error(ds: xr.Dataset, field: Field) -> Scatter:
 def _distance(ds: xr.Dataset, field: PointField, test: Measurement) -> tuple[float, bool] | None:
     """ln(measured/computed) of a test at its own conditions, and if its outcome is wrong there.
 
-    None beyond the sweep.
+    None beyond the loads of the sweep.
     """
     try:
         own = field.under(own_conditions(ds, test))
-        is_severe = np.mean(own.temperatures(test.normal_load, test.velocity).is_severe) > 0.5
+        is_severe = np.mean(own.temperatures(*_nearest_place(own, test)).is_severe) > 0.5
     except InputError:
         return None
     critical = clipped_velocity(own, test)
     is_wrong = test.outcome is None or (test.outcome == "severe") != is_severe
     return (math.log(test.velocity / critical), is_wrong) if critical > 0 else None
+
+
+def _nearest_place(field: PointField, test: Measurement) -> tuple[float, float]:
+    """Load [N] and velocity [m/s] of a test, or the end of the sweep's velocities before it."""
+    return test.normal_load, float(np.clip(test.velocity, *field.ends["velocity"]))
 
 
 def _residual(run: Sequence[tuple[str | None, float, bool]]) -> float | None:
@@ -167,6 +172,8 @@ def _rows(ds: xr.Dataset) -> Iterator[tuple[Any, ...]]:
             own = own_conditions(ds, test)
             at = own.friction, own.bulk_temperature
             computed, temperature, agrees = _answer(test, under(own))
+            if (end := _nearest_place(field, test)) != place:
+                note = f"computed at {end[1]:g} m/s, where the sweep ends"
         except InputError as error:
             computed, temperature, agrees, note = NOT_KNOWN, None, NOT_KNOWN, str(error)
         kind = test.outcome or "transition"
@@ -179,7 +186,7 @@ def _answer(test: Measurement, field: PointField) -> tuple[str, float, str]:
     The numerical error and the scatter of the measurement count, and not the model's own error,
     which the tests have made.
     """
-    place = test.normal_load, test.velocity
+    place = _nearest_place(field, test)
     here, error = field.temperatures(*place), field.error(*place).total
     temperature = quantile(here.values, field.weights, 0.5)
     rises = np.array([*map(field.conditions.temperature_error, here.values.tolist())])

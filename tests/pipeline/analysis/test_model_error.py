@@ -98,10 +98,19 @@ def test_a_transition_counts_at_its_own_conditions():
     assert scatter_of(ds).residuals == pytest.approx([math.log(1.2 / critical)])
 
 
-def test_a_line_beyond_the_sweep_counts_with_its_end_and_a_test_beyond_it_not_at_all():
+def test_a_line_beyond_the_sweep_counts_with_its_end_and_a_load_beyond_it_not_at_all():
     cold = {"critical_temperature": 1200.0}  # nothing is severe up to 4 m/s
     ds = pipeline.at(swept_with((600.0, 2.0, "severe"), (9e3, 2.0, None)), **cold)
     assert scatter_of(ds).residuals == pytest.approx([math.log(2.0 / 4.0)])
+
+
+@pytest.mark.parametrize(("velocity", "outcome"), [(0.1, "severe"), (30.0, "mild"), (30.0, None)])
+def test_a_test_at_a_velocity_beyond_the_sweep_counts_where_the_line_is_known(velocity, outcome):
+    ds = swept_with((600.0, velocity, outcome))
+    assert scatter_of(ds).residuals == pytest.approx([math.log(velocity / CRITICAL)], abs=0.01)
+    (row,) = compared(ds).to_dict("records")
+    assert row["agrees"] == "no"
+    assert "where the sweep ends" in row["note"]
 
 
 @pytest.mark.parametrize("velocity", [0.6, 1.0, 1.2, 1.6, 2.2, 2.6, 3.5])
