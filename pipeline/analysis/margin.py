@@ -27,6 +27,7 @@ NOT_DECIDED = "not decided"
 """Verdict on a place whose next run is neither mild nor severe with 95 % probability."""
 DECIDED = (0.05, 0.5, 0.95)
 """Probabilities of severe wear: mild up to the first, severe from the last on."""
+_ROUNDS, _ALIKE = 6, 1e-3  # in which an end of a band is found with the error at it
 _LEAST = 1e-4  # probability that is told as a number; nearer to 0 or 1 nothing is known of tails
 
 
@@ -249,15 +250,37 @@ def error_band(
 ) -> tuple[float, float]:
     """Velocities below which wear is mild and above which it is severe; NaN where unknown.
 
-    Velocities ascend; the numerical error is that at the transition.
+    Velocities ascend. The numerical error is that at each end itself, as a margin there has it.
     """
     ends = field.ends["velocity"]
     here = math.sqrt(max(ends[0], 1e-3 * ends[1]) * ends[1])
-    place = quantile(field.turns("velocity", load, here).nearest, field.weights, 0.5)
+    turns = field.turns("velocity", load, here)
+    place = quantile(turns.nearest, field.weights, 0.5)
     if math.isnan(place) or field.misfit:
         return math.nan, math.nan
     place = float(np.clip(place, max(ends[0], velocities[0]), ends[1]))
-    error = field.error(load, place)
+
+    def end(side: int) -> float:
+        # Between points the error may be unknown, where at the outermost ones it is known.
+        start = place if field.error(load, place).total is not None else turns.computed[side]
+        found = at = start
+        for _ in range(_ROUNDS):
+            error = field.error(load, at)
+            if error.total is None:
+                return start if at != start and start != place else math.nan
+            found = _decided_ends(field, load, velocities, scatter, error)[side]
+            if not 0 < found < math.inf or abs(found / at - 1) < _ALIKE:
+                break
+            at = float(np.clip(found, velocities[0], velocities[-1]))
+        return found
+
+    return end(0), end(1)
+
+
+def _decided_ends(
+    field: Field, load: float, velocities: Array, scatter: Scatter, error: RiseError
+) -> tuple[float, float]:
+    """The same at one numerical error."""
     lowest, _, highest = probabilities(field, load, velocities, scatter, error)
     (open_,), (shut,) = np.nonzero(highest > DECIDED[0]), np.nonzero(lowest < DECIDED[-1])
     below = math.inf if not open_.size else math.nan

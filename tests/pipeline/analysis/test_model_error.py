@@ -185,3 +185,24 @@ def test_the_answer_begins_with_a_sentence_for_those_who_decide():
     assert words[0] == found.verdict.capitalize()
     assert words[1].startswith(f"{likely}, {found.distance:.3g} K below the critical temperature")
     assert "conductivity" in words[1]  # inputs that are taken as exact
+
+
+@pytest.mark.parametrize("velocities", [[0.4, 0.6, 1.0, 1.8, 3.0, 5.0], [0.4, 0.8, 5.0]])
+def test_the_band_ends_where_the_verdict_changes_at_the_error_of_that_place(velocities):
+    ds, ends = synthetic.sweep(velocities=velocities, measured=()), (0.41, 4.9)
+    found = pipeline.boundary(ds)
+    seen = []
+    for load in ds["load"].values.tolist():
+        for name, verdict, inwards in (
+            ("mild_below", "mild", 0.99),
+            ("severe_above", "severe", 1.01),
+        ):
+            end = float(found[name].sel(load=load))
+            if ends[0] < end < ends[1]:
+                inside, outside = (
+                    pipeline.margin(ds, load, end * factor).verdict
+                    for factor in (inwards, 1 / inwards)
+                )
+                assert (inside, outside) == (verdict, NOT_DECIDED)
+                seen.append(name)
+    assert {*seen} == {"mild_below", "severe_above"}
