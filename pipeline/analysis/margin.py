@@ -261,18 +261,21 @@ def error_band(
     place = float(np.clip(place, max(ends[0], velocities[0]), ends[1]))
 
     def end(side: int) -> float:
-        # Between points the error may be unknown, where at the outermost ones it is known.
-        start = place if field.error(load, place).total is not None else turns.computed[side]
-        found = at = start
-        for _ in range(_ROUNDS):
-            error = field.error(load, at)
-            if error.total is None:
-                return start if at != start and start != place else math.nan
-            found = _decided_ends(field, load, velocities, scatter, error)[side]
-            if not 0 < found < math.inf or abs(found / at - 1) < _ALIKE:
-                break
-            at = float(np.clip(found, velocities[0], velocities[-1]))
-        return found
+        for start in (place, turns.computed[side]):
+            found = at = start
+            for _ in range(_ROUNDS):
+                error = field.error(load, at)
+                if error.total is None:
+                    break
+                found = _decided_ends(field, load, velocities, scatter, error)[side]
+                if not 0 < found < math.inf or abs(found / at - 1) < _ALIKE:
+                    return found
+                at = float(np.clip(found, velocities[0], velocities[-1]))
+            else:
+                return found
+            if at != start != place:  # between points the error is unknown, and not at this one
+                return start
+        return math.nan
 
     return end(0), end(1)
 

@@ -187,22 +187,23 @@ def test_the_answer_begins_with_a_sentence_for_those_who_decide():
     assert "conductivity" in words[1]  # inputs that are taken as exact
 
 
-@pytest.mark.parametrize("velocities", [[0.4, 0.6, 1.0, 1.8, 3.0, 5.0], [0.4, 0.8, 5.0]])
-def test_the_band_ends_where_the_verdict_changes_at_the_error_of_that_place(velocities):
-    ds, ends = synthetic.sweep(velocities=velocities, measured=()), (0.41, 4.9)
-    found = pipeline.boundary(ds)
-    seen = []
+@pytest.mark.parametrize("done", [(0.4, 0.6, 1.0, 1.8, 3.0, 5.0), (1.0, 1.8), (0.6, 3.0)])
+def test_the_band_ends_where_the_verdict_changes_at_the_error_of_that_place(done):
+    """Also where the error is known beyond two points that are far apart, and not between them."""
+    ds = synthetic.sweep(velocities=[0.4, 0.6, 1.0, 1.8, 3.0, 5.0], measured=())
+    ds = ds.where(ds["velocity"].isin(done))
+    found, seen = pipeline.boundary(ds), []
     for load in ds["load"].values.tolist():
         for name, verdict, inwards in (
             ("mild_below", "mild", 0.99),
             ("severe_above", "severe", 1.01),
         ):
             end = float(found[name].sel(load=load))
-            if ends[0] < end < ends[1]:
+            if 0.41 < end < 4.9:
                 inside, outside = (
                     pipeline.margin(ds, load, end * factor).verdict
                     for factor in (inwards, 1 / inwards)
                 )
                 assert (inside, outside) == (verdict, NOT_DECIDED)
                 seen.append(name)
-    assert {*seen} == {"mild_below", "severe_above"}
+    assert min(map(seen.count, ("mild_below", "severe_above"))) > 5
