@@ -1,11 +1,13 @@
 """What is said of points, inputs, surfaces and durations, in the words that users read."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
+import pandas as pd
 import pytest
 
 from pipeline.sweep.accuracy import error_in_words, velocity_error
 from pipeline.sweep.model import Point
+from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import duration
 from pipeline.sweep.unknown import Fixed, Unit, Unknown
 from tests.helpers import synthetic
@@ -54,3 +56,18 @@ def test_a_store_errs_as_its_preset_whatever_its_heat_model_or_as_was_measured()
     assert error_in_words(draft) == (
         "boundary velocities may err by up to 8 %, which preset draft keeps to on most scenes"
     )
+
+
+def test_an_answer_counts_the_rows_of_its_frames():
+    @shown
+    @dataclass
+    class Answer:
+        title: str
+        tests: pd.DataFrame
+        error: float
+
+    for rows, words in ((0, ""), (1, "1 row"), (2, "2 rows")):
+        told = str(Answer("two oils", pd.DataFrame({"load": [1.0] * rows}), float("nan")))
+        counted = [line.split("tests")[1].strip() for line in told.splitlines() if "tests" in line]
+        assert counted == ([words] if words else [])
+        assert "not known" in told

@@ -13,7 +13,7 @@ from pipeline.tradeoff import trade as tradeoff
 from pipeline.tradeoff.trade import trade
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.scenes import SCENE
-from tribo import PRESETS, Grid, SelfAffineRoughness
+from tribo import PRESETS, ConvergenceError, Grid, SelfAffineRoughness
 
 SMALL = PAPER.changed(
     pixels=Grid((48, 24), (8e-6, 8e-6)),
@@ -46,6 +46,21 @@ def test_errors_and_costs_go_opposite_ways_from_draft_to_reference(measured):
     assert presets[0].saving > 10
     assert presets[1].saving > 5
     assert presets[2].saving > 2
+
+
+def test_a_choice_that_does_not_converge_is_named_and_left_out(monkeypatch):
+    def probe(sweep, fidelity, *arguments, **options):
+        if fidelity.increments == PRESETS["draft"].increments:
+            raise ConvergenceError("the contact did not converge", None)
+        return tried(sweep, fidelity, *arguments, **options)
+
+    tried = tradeoff.probe
+    monkeypatch.setattr(tradeoff, "probe", probe)
+    table = trade(SMALL, presets=("draft", "standard"), base=None, loads=(200.0,))
+    assert table.not_converged == ("draft: the contact did not converge",)
+    assert {"standard", "reference"} < {choice.name for choice in table.choices}
+    assert "draft" not in {choice.name for choice in table.choices}
+    assert "draft: the contact did not converge" in str(table)
 
 
 def test_every_choice_says_what_it_costs_and_where_it_errs(measured):
