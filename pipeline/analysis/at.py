@@ -182,15 +182,15 @@ def _si_value(path: str, value: Any) -> Any:
         case "friction" if isinstance(value, str):
             raise InputError(f"friction is {value!r}; give a number such as 0.1, or several")
         case "bulk_temperature" if isinstance(value, Mapping):
-            return {body: _kelvin(name, one) for body, one in value.items()}
+            return {body: oil_temperature(name, one) for body, one in value.items()}
         case "bulk_temperature" | "critical_temperature":
-            return _kelvin(name, value)
+            return oil_temperature(name, value)
         case "share":
             return share_of(value)
     return value
 
 
-def _kelvin(name: str, value: float | str) -> float:
+def oil_temperature(name: str, value: float | str) -> float:
     """Read a temperature [K], and refuse one at which no oil works."""
     kelvin = in_si(name, value, "80 degC")
     hottest = HOTTEST_OIL if name == "bulk_temperature" else math.inf

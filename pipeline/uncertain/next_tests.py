@@ -20,7 +20,8 @@ from typing import Any
 import numpy as np
 from scipy.special import ndtri
 
-from pipeline.scene.units import UnitError, in_si, to_si
+from pipeline.analysis.at import oil_temperature
+from pipeline.scene.units import UnitError, to_si
 from pipeline.sweep.unknown import OF_90, Unknown
 from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.evidence import (
@@ -187,7 +188,7 @@ class _Plan:
         self._inputs = np.concatenate([truths, draws.inputs])
         self._sweep_inputs = self._inputs[:, : len(self._ensemble.unknown)]
         self._scatters = self._scatters_of_all()
-        self._bulks = [in_si("bulk_temperature", bulk, "60 degC") for bulk in bulks]
+        self._bulks = [oil_temperature("bulk_temperature", bulk) for bulk in bulks]
         self._path = target
         values = self._values_of_target()
         self._target = values - draws.mean(values.T)[:, None]

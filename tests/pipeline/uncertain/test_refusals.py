@@ -69,10 +69,10 @@ def weighed(loads=3, unknown=ALL, load=400.0, velocity=2.0, **told):
     return build
 
 
-def planned(target=None, count=1):
+def planned(target=None, count=1, bulks=()):
     test = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1}
     found = pipeline.posterior(ensemble(tests=[test]), 0.05)
-    return pipeline.plan_tests(found, count, target)
+    return pipeline.plan_tests(found, count, target, bulks)
 
 
 def sought(path, **changes):
@@ -250,6 +250,7 @@ REFUSALS = {
     "weighed rows": (weighed_rows, "the tests weigh conditions as they were drawn"),
     "target": (partial(planned, "pin.radius"), 'target is "pin.radius"; give one of'),
     "count": (partial(planned, count=0), "count is 0; it must be at least 1"),
+    "bulk": (partial(planned, bulks=["-300 degC"]), "is -300 °C (-26.85 K), at which no oil"),
     "range": (sought(RATE.path), "a design needs a range: give one of"),
     "fixed": (fixed, "leave that out to seek its value"),
     # commands
