@@ -33,7 +33,7 @@ Test = Mapping[str, Any]
 
 SIGNS = {"severe": 1.0, "mild": -1.0}
 """Sign of the distances that agree with an outcome."""
-_NODES = 9  # velocities at which rises are emulated
+_NODES, _FINE = 9, 65  # velocities at which rises are looked at, and where friction bends them
 _SPAN = 1.05  # ratio of loads between which a slope is taken
 
 
@@ -89,7 +89,8 @@ def distances_of(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> D
 def _hold_distances(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
     """Distances of draws from tests that held the load as the ensemble does."""
     inputs, rig, slopes, oils = truths
-    nodes = np.geomspace(*ensemble.velocities, _NODES)
+    count = _FINE if ensemble.conditions.has_friction_curve else _NODES
+    nodes = np.geomspace(*ensemble.velocities, count)
     ends = ensemble.loads[[0, -1]]
     loads = sorted({load for test in tests for load in (test["normal_load"], *_around(test, ends))})
     excess = ensemble.excess(inputs, loads, nodes)
@@ -115,7 +116,7 @@ def _hold_distances(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -
             factor = np.interp(log_velocity, x, table) + ensemble.log_friction_factor(hot)
             acted, by_friction, by_rig = learnt(rig, test, factor)
             friction = np.exp(acted)
-        place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, _NODES - 2))
+        place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, count - 2))
         slope = (rise[:, place + 1] - rise[:, place]) / (x[place + 1] - x[place])
         variance = excess.error[:, number, place] ** 2
         if around := _around(test, ends):

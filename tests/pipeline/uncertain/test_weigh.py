@@ -390,6 +390,13 @@ def test_friction_by_velocity_is_known_however_it_bends():
     own, table = (one.excess(draws, 400.0, velocities).values[0] for one in (plain, corrected))
     expected = own + np.log(conditions.friction_factor(velocities))
     assert table == pytest.approx(expected, abs=0.01)
+    fine = np.geomspace(*plain.velocities, 2000)
+    rising = plain.excess(draws, 400.0, fine).values[0] + np.log(conditions.friction_factor(fine))
+    first = fine[np.argmax(rising > 0)]
+    (test,) = pipeline.posterior(
+        dataclasses.replace(corrected, tests=({"normal_load": 400.0, "velocity": first},)), 0.001
+    ).judged
+    assert test.critical_velocity[1] == pytest.approx(first, rel=0.01)
 
 
 def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
