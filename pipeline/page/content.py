@@ -172,22 +172,13 @@ def _tests(ds: xr.Dataset, loads: Array, velocities: Array, first: int) -> list[
             _told(test)
             | {"own": {name: there[name] for name in names if name in there}}
             | {"node": (k, j)}
-            | {"isInside": _is_inside(ds, test)}
+            | {"isInside": bool(loads[0] <= test.normal_load <= loads[-1])}
         )
     return told
 
 
 def _nearest_of(places: Array, place: float) -> int:
     return int(np.abs(places - place).argmin())
-
-
-def _is_inside(ds: xr.Dataset, test: Measurement) -> bool:
-    """A test lies within the sweep."""
-    places = {"load": test.normal_load, "velocity": test.velocity}
-    return all(
-        place > 0 and ds[name].values[0] <= place <= ds[name].values[-1]
-        for name, place in places.items()
-    )
 
 
 def _outside(loads: Array, velocities: Array) -> str:
