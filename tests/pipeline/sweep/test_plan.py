@@ -1,5 +1,6 @@
 """Points, tasks and the computation of one point (pipeline/sweep/plan.py)."""
 
+import time
 from dataclasses import replace
 from itertools import groupby
 
@@ -182,6 +183,16 @@ def test_the_moments_of_a_hold_are_stored_on_reaching_the_load_and_at_the_end():
     assert held["time"].tolist() == [250 / 150, 250 / 150 + 1.0]
     every = run_point(sweep.changed(steps="course"), 250.0, 1.0).columns
     assert every["normal_load"].tolist() == [125.0, 250.0, 250.0, 250.0]
+
+
+def test_points_of_one_contact_share_its_time_evenly():
+    oils = rows("oil", {"a": {}, "b": {"disk.thermal_conductivity": 30.0}})
+    sweep, began = tiny.sweep(variants=oils), time.perf_counter()
+    both = run_points(sweep, [Point(250.0, 1.0, name) for name in sweep.variants.names])
+    elapsed = time.perf_counter() - began
+    assert len(both) == 2
+    assert both[0].wall_time == both[1].wall_time
+    assert 0 < sum(one.wall_time for one in both) <= elapsed
 
 
 def test_the_hold_of_each_test_is_stored():
