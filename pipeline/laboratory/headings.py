@@ -34,7 +34,7 @@ _TRACK = re.compile(
 )
 _WORDS = {
     "load": (
-        r"\b(load|force|normalkraft|kraft|last|belastung|f ?n|f ?z|f)\b",
+        r"\b(load|force|(normal|prüf)?(kraft|last)|belastung|f ?n|f ?z|f)\b",
         r"\b(friction|reib\w*|tangential\w*|cell|step|stage|stufe|rate|limit|f ?[rtxy])\b",
     ),
     "velocity": (

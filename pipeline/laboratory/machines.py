@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from pipeline.scene.format import TEST
-from pipeline.scene.headings import Heading, Row, Sheet
+from pipeline.scene.headings import Heading, Row, Sheet, usual_unit
 from pipeline.scene.library import library
 from pipeline.scene.units import TURNS, UnitError, to_si
 
@@ -127,6 +127,7 @@ class Form:
     standard: str = ""
     fixed: tuple[str, ...] = ()
     has_units: bool = False  #: Loads are usual in several units, of which none is guessed.
+    hint: str = "$^"  #: Words that tell it only where none is of another rig.
 
 
 def _signs(*sets: str) -> tuple[frozenset[str], ...]:
@@ -168,7 +169,7 @@ FORMS = (
     ),
     Form(
         "four-ball", (),
-        r"four.?ball|4.?ball|vierkugel|\bvka\b|(load|last).*\b(kgf?|kp)\b|\bweld|non.?seizure",
+        r"four.?ball|4.?ball|vierkugel|\bvka\b|\bweld\w* ?(load|last|point)|non.?seizure",
         {
             "load": ((("load",), _ball_force), (("passed",), _ball_force),
                      (("seized",), _ball_force)),
@@ -176,6 +177,7 @@ FORMS = (
         },
         "load is that of one contact, 1/√6 of the applied one; velocity that of its circle",
         has_stages=False, standard=r"d ?2783", fixed=("speed",), has_units=True,
+        hint=r"(load|last).*\b(kgf?|kp)\b",
     ),
     Form(
         "twin disc", _signs("ratio", "first second"), r"twin.?disc|zwei.?scheiben",
@@ -193,8 +195,12 @@ _MACHINE = re.compile(
     r"\b(fzg|a 83 90|srv|timken|(four|4) ball|vierkugel|vka|(astm|din|iso|en|ip)( [a-z]?\d+)+)\b"
 )
 """Names of machines and standards before a quantity in a title, in small letters without signs."""
+_ANOTHER = (
+    r"\bm?m/s\b|track|spur|(lauf|reib)(bahn|kreis)"
+    r"|(pin|ball|block|cylinder|stift|kugel|klotz|zylinder)\W*(on|auf|scheibe|platte|ring)"
+)
+"""Words of a rig whose load is that of its contact."""
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\S.*)|(\d[\d.]*)\s*\+")
-_ALIASES = {"Nm": "N m", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf"}
 _ENDS = ("failed", "seized", "passed")
 _TARGETS = {"load": "N", "velocity": "m/s"}
 _CONTACT = ("N", "kN", "m/s", "mm/s")
@@ -214,7 +220,7 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") ->
 
 
 def _is_named(words: str, headings: Sequence[Heading], stem: str) -> bool:
-    said = (stem, *(heading.text for heading in headings))
+    said = (stem, *(heading.label for heading in headings))
     return any(re.search(words, text, re.IGNORECASE) for text in said)
 
 
@@ -230,7 +236,9 @@ def form_of(headings: Sequence[Heading], stem: str = "") -> Form | None:
         return None
     found = _columns(headings)
     for form in FORMS:
-        is_told = _is_named(form.words, headings, stem)
+        is_told = _is_named(form.words, headings, stem) or (
+            _is_named(form.hint, headings, stem) and not _is_named(_ANOTHER, headings, stem)
+        )
         is_load = any(name in found for name in ("load", "torque", "stage", *_ENDS))
         if any(signs <= found.keys() for signs in form.signs) or (is_told and is_load):
             return form
@@ -315,7 +323,7 @@ def _columns(headings: Sequence[Heading]) -> dict[str, int]:
 
 def _fits(heading: Heading, title: str, quantity: Quantity) -> bool:
     """True if the unit of a heading is one of a quantity; a lone letter needs one."""
-    unit = _ALIASES.get(heading.unit, heading.unit)
+    unit = heading.unit
     if not unit:
         return "" in quantity.units or len(title) > 2
     if unit in TURNS:
@@ -331,8 +339,7 @@ def _value(name: str, cell: str, heading: Heading) -> float:
     """Value of a cell, a rotation in turns a second [SI]; NaN of one that is no number."""
     match, usual = _BEYOND.fullmatch(cell), COLUMNS[name].units[0]
     number, _, own = ((match[1] or match[2]) if match else cell).strip().partition(" ")
-    unit = own or heading.unit or usual
-    unit = _ALIASES.get(unit, unit)
+    unit = usual_unit(own) or heading.unit or usual
     try:
         if name == "ratio":
             value = float(number)

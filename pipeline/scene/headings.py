@@ -28,6 +28,10 @@ from tribo.errors import require_file
 
 _IN_BRACKETS = re.compile(r"(?P<title>.*?)\s*\[(?P<unit>[^\[\]]*)\]")
 _EXPONENT = re.compile(r"(?<=[A-Za-z])(-\d)")
+_MEANT = {
+    "C": "°C", "F": "°F", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf", "Nm": "N m",
+}  # fmt: skip
+"""Units meant by others: no log is of charges or capacitances, and a mass there is a weight."""
 UNITS = {
     "load": "N", "velocity": "m/s", "friction": "", "bulk_temperature": "K", "hold": "s",
     "time": "s", "friction_force": "N", "critical_temperature": "K",
@@ -88,8 +92,7 @@ def usual_unit(unit: str) -> str:
     unit = unit.strip()
     if unit.startswith("(") and unit.endswith(")"):
         unit = unit[1:-1]
-    if unit in ("C", "F"):  # no log is of charges or capacitances
-        return f"°{unit}"
+    unit = _MEANT.get(unit, unit)
     return "" if unit in ("-", "–", "–", "1") else _EXPONENT.sub(r"^\1", unit)
 
 

@@ -1,0 +1,35 @@
+"""Which rig a log is of, and what its cells say: what must come out of its text."""
+
+import pytest
+
+from pipeline.laboratory.logs import read_log
+from tests.pipeline.laboratory.test_machines import rows
+
+
+def contacts(tmp_path, text, **given):
+    return [pytest.approx(row[:2], rel=1e-4) for row in rows(tmp_path, text, **given)]
+
+
+def faults(tmp_path, text, **given):
+    path = tmp_path / "log.csv"
+    path.write_text(text, encoding="utf-8")
+    return read_log(path, {"given": given}).faults
+
+
+TRACK = "Test,Load [kg],Speed [rpm],Track diameter [mm],Result\n1,5,500,40,pass\n"
+PIN = "Pin on disc\nNormal load (kg),Velocity (m/s),Result\n5,1,pass\n"
+SEAM = "Load [N],Speed [m/s],Result,Weld seam\n5,1,ok,none\n"
+POND = "Prüflast / kp;Gleitgeschw. / m/s;Ergebnis\n5;1;ok\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "contact"),
+    [(TRACK, (49.03325, 1.0472)), (PIN, (49.03325, 1)), (SEAM, (5, 1)), (POND, (49.03325, 1))],
+)
+def test_a_load_in_kilograms_alone_makes_no_four_balls(tmp_path, text, contact):
+    assert contacts(tmp_path, text) == [contact]
+
+
+def test_a_load_in_kilograms_that_nothing_contradicts_is_of_four_balls(tmp_path):
+    found = contacts(tmp_path, "Prüflast / kp;Ergebnis\n5;ok\n", speed="1760 rpm")
+    assert found == [(20.0177, 0.675701)]
