@@ -136,7 +136,9 @@ def _signs(*sets: str) -> tuple[frozenset[str], ...]:
 
 FORMS = (
     Form(
-        "FZG A/8.3/90", _signs("torque", "failed"), r"\bfzg\b|kraftstufe",
+        "FZG A/8.3/90", _signs("torque stage", "failed"),
+        r"\bfzg\b|kraftstufe|(pinion|ritzel).*(torque|moment)|torque on pinion"
+        r"|\bt ?1\b.*\bn ?m\b",
         {
             "load": ((("torque",), _tooth_force), (("stage",), _stage_force),
                      (("failed",), _stage_force)),
@@ -235,12 +237,14 @@ def form_of(headings: Sequence[Heading], stem: str = "") -> Form | None:
     if {"load", "velocity"} <= exact:
         return None
     found = _columns(headings)
+    # A torque beside a load is that of friction.
+    seen = found.keys() - ({"torque"} if "load" in found else set())
     for form in FORMS:
         is_told = _is_named(form.words, headings, stem) or (
             _is_named(form.hint, headings, stem) and not _is_named(_ANOTHER, headings, stem)
         )
         is_load = any(name in found for name in ("load", "torque", "stage", *_ENDS))
-        if any(signs <= found.keys() for signs in form.signs) or (is_told and is_load):
+        if any(signs <= seen for signs in form.signs) or (is_told and is_load):
             return form
     return None
 

@@ -33,3 +33,23 @@ def test_a_load_in_kilograms_alone_makes_no_four_balls(tmp_path, text, contact):
 def test_a_load_in_kilograms_that_nothing_contradicts_is_of_four_balls(tmp_path):
     found = contacts(tmp_path, "Prüflast / kp;Ergebnis\n5;ok\n", speed="1760 rpm")
     assert found == [(20.0177, 0.675701)]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Normalkraft [N];Gleitgeschwindigkeit [m/s];Drehmoment [Nm];Ergebnis\n400;2;1;ok\n",
+        "Load [N],Speed [m/s],Torque [N m],Step,Result\n400,2,1,1,ok\n",
+    ],
+)
+def test_a_torque_of_friction_makes_no_gears(tmp_path, text):
+    assert contacts(tmp_path, text) == [(400, 2)]
+
+
+@pytest.mark.parametrize(
+    "head", ["Ritzelmoment [Nm]", "T1 [N m]", "FZG torque [Nm]", "Step;Torque [Nm]"]
+)
+def test_a_torque_of_the_pinion_or_beside_a_stage_makes_gears(tmp_path, head):
+    cells = ";".join(["239.25"] * (1 + head.count(";")))
+    found = contacts(tmp_path, f"{head};Result\n{cells};ok\n", velocity="5 m/s")
+    assert found == [(7072.33, 5)]
