@@ -26,6 +26,7 @@ _UNIT_AT_END = (
     re.compile(r"(?P<title>.*?)\s*,\s*(?P<unit>\S.*)"),
 )
 """Ways to write a unit. They count only if what stands there is one."""
+_NUMBER = re.compile(r"[<>≥+-]?\s*\d[\d.,]*(\s|\+|$)")
 _ROUND = re.compile(r"(?:[^.]*\b)?\w*(radius|diameter|durchmesser)", re.IGNORECASE)
 _TRACK = re.compile(
     r"track|spur|lauf(bahn|kreis|radius|durchmesser)|reib(bahn|kreis|radius|durchmesser|spur)"
@@ -116,14 +117,15 @@ def _words(heading: Heading) -> str:
 
 
 def tidy(sheet: Sheet, stem: str, given: Mapping[str, Any] | None) -> None:
-    """Take units from a first row that holds nothing else, and a velocity from a rotation.
+    """Take units from a first row that holds no number, and a velocity from a rotation.
 
     Of tests, where quantities may be given, load and velocity are taken from a machine's form.
     """
     first = sheet.rows[0].cells if sheet.rows else []
     units = [split_heading(f"x [{cell.strip('[]()')}]").unit for cell in first]
-    if any(units) and all(is_unit(unit) for unit in units if unit):
-        pairs = zip(sheet.headings, units, strict=True)
+    known = [unit if unit == "%" or is_unit(unit) else "" for unit in units]
+    if any(known) and not any(map(_NUMBER.match, first)):
+        pairs = zip(sheet.headings, known, strict=True)
         sheet.headings = [replace(one, unit=one.unit or unit) for one, unit in pairs]
         del sheet.rows[0]
     has_runs = any(is_named(heading, "run") for heading in sheet.headings)

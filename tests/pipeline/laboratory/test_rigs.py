@@ -53,3 +53,15 @@ def test_a_torque_of_the_pinion_or_beside_a_stage_makes_gears(tmp_path, head):
     cells = ";".join(["239.25"] * (1 + head.count(";")))
     found = contacts(tmp_path, f"{head};Result\n{cells};ok\n", velocity="5 m/s")
     assert found == [(7072.33, 5)]
+
+
+@pytest.mark.parametrize("units", [";kN;Hz;mm;%;", "-;(kN);[Hz];mm;rel. %;ok/fail"])
+def test_a_row_of_units_may_have_one_that_is_unknown(tmp_path, units):
+    text = f"SRV\nRun;Load;Frequency;Stroke;Humidity;Result\n{units}\n1;0,1;50;1;40;ok\n"
+    assert contacts(tmp_path, text) == [(100, 0.1)]
+    assert read_log(tmp_path / "log.csv").left_out == []
+
+
+def test_a_row_with_a_number_is_none_of_units(tmp_path):
+    found = contacts(tmp_path, "oil,load [N],velocity [m/s],outcome\nA,400,2,ok\n")
+    assert found == [(400, 2)]
