@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from pipeline.scene.format import TEST
-from pipeline.scene.headings import Heading, Row, Sheet, usual_unit
+from pipeline.scene.headings import CellFault, Heading, Row, Sheet, listed_faults, usual_unit
 from pipeline.scene.library import library
 from pipeline.scene.units import TURNS, UnitError, to_si
 
@@ -216,6 +216,7 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") ->
             sheet.of_rows.append(f"given.{name}: no such quantity; give one of {allowed}")
             continue
         number, _, unit = str(value).partition(" ")
+        sheet.sure.add(len(sheet.headings))
         sheet.headings.append(Heading(f"{name}, {origin}", name, unit.strip()))
         for row in sheet.rows:
             row.cells.append(number)
@@ -293,7 +294,9 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
             cells += [outcome] * bool(ends) + [label] * makes_runs
             rows.append(Row(row.number, [*row.cells, *cells]))
     used = {found[one] for one in (*inputs, *ends, "stage") if one in found}
+    sheet.of_rows += listed_faults(_cell_faults(sheet, used))
     appended = _TARGETS | ({"outcome": ""} if ends else {}) | ({"run": ""} if makes_runs else {})
+    sheet.sure |= {*range(len(sheet.headings), len(sheet.headings) + len(appended))}
     sheet.headings = [
         *(replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)),
         *(Heading(f"{name} of {form.name}", name, unit) for name, unit in appended.items()),
@@ -301,6 +304,14 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     sheet.rows, sheet.made_of = rows, used
     sheet.form.append(f"form of {form.name}: {form.says}")
     return True
+
+
+def _cell_faults(sheet: Sheet, used: set[int]) -> Iterator[CellFault]:
+    """What is wrong with cells of which others are made."""
+    for number, cells in sheet.rows:
+        for k in sorted(used - sheet.sure):
+            if doubt := sheet.doubt(cells[k].lstrip("<>≥ ")):
+                yield CellFault(number, sheet.headings[k].text, doubt)
 
 
 def _is_bare(sheet: Sheet, found: Mapping[str, int], name: str) -> bool:

@@ -179,6 +179,7 @@ class Sheet:
     decimal: str = "."  # mark of decimals in the file
     form: list[str] = field(default_factory=list)  # words on separators, decimals and encoding
     made_of: set[int] = field(default_factory=set)  # columns of which others were made
+    sure: set[int] = field(default_factory=set)  # columns that are made, or given beside the file
     above: str = ""  # text of the lines above the headings
 
     @property
@@ -220,7 +221,7 @@ class Sheet:
                     table[name] = words.get(cell, cell)
                     continue
                 table[name] = as_entry(cell, self.headings[place].unit)
-                if doubt := self.doubt(cell):
+                if place not in self.sure and (doubt := self.doubt(cell)):
                     wrong.note(name, doubt)
             if "number" in row_of.keys:
                 table.setdefault("number", f"row {row.number}")

@@ -65,3 +65,13 @@ def test_a_row_of_units_may_have_one_that_is_unknown(tmp_path, units):
 def test_a_row_with_a_number_is_none_of_units(tmp_path):
     found = contacts(tmp_path, "oil,load [N],velocity [m/s],outcome\nA,400,2,ok\n")
     assert found == [(400, 2)]
+
+
+EP_TEST = "Four-ball EP test ASTM D2783\nLoad [kgf];Scar [mm];Remarks\n63;0,41;non-seizure\n"
+
+
+def test_a_number_that_a_form_makes_is_never_doubted_but_those_it_is_made_of_are(tmp_path):
+    text = EP_TEST + "80;0,9;weld\n"
+    assert contacts(tmp_path, text) == [(252.224, 0.675701), (320.284, 0.675701)]
+    (fault,) = faults(tmp_path, text.replace("80;", "1.250;"))
+    assert 'row 4, Load [kgf]: "1.250" beside decimal commas is 1.25 or 1250' in fault
