@@ -270,9 +270,9 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
         )
     ways = {name: _way(form, name, found, ends) for name in _TARGETS}
     inputs = [one for ins, _ in ways.values() for one in ins]
-    known = (one for one in inputs if one in found)
-    turning = [one for one in known if sheet.headings[found[one]].unit in TURNS]
-    inputs += ["diameter"] if {*turning} & {"first", "second"} else []
+    rims = [one for one in ("first", "second") if one in inputs and one in found]
+    turning = [one for one in rims if _turns_of(sheet.headings[found[one]].unit)]
+    inputs += ["diameter"] if turning else []
     inputs += ["seized"] if ends == ["passed"] and form.after is None else []
     if missing := [one for one in inputs if one not in found]:
         _ask(sheet, form, missing)
@@ -282,8 +282,7 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     for row in sheet.rows:
         values = {name: _value(name, row.cells[k], sheet.headings[k]) for name, k in found.items()}
         for one in turning:
-            if one != "speed":
-                values[one] *= math.pi * values["diameter"]
+            values[one] *= math.pi * values["diameter"]
         for outcome, load in _outcomes(form, row, found, values, ends):
             stage = values | {ways["load"][0][0]: load} if ends else values
             made = [make(*(stage[one] for one in ins)) for ins, make in ways.values()]
@@ -350,6 +349,15 @@ def _fits(heading: Heading, title: str, quantity: Quantity) -> bool:
     return False
 
 
+def _turns_of(unit: str) -> float | None:
+    """Turns in a second of one of a unit, if it is of a rotation."""
+    if unit in TURNS:
+        return 1 / 60
+    with suppress(UnitError):
+        return to_si(f"1 {unit}", "1 Hz") / (2 * math.pi if "rad" in unit else 1)
+    return None
+
+
 def _value(name: str, cell: str, heading: Heading) -> float:
     """Value of a cell, a rotation in turns a second [SI]; NaN of one that is no number."""
     match, usual = _BEYOND.fullmatch(cell), COLUMNS[name].units[0]
@@ -361,7 +369,8 @@ def _value(name: str, cell: str, heading: Heading) -> float:
             return value / 100 if own == "%" or heading.unit == "%" or abs(value) > 2 else value
         if not usual:
             return float(number)
-        return float(number) / 60 if unit in TURNS else to_si(f"{number} {unit}", f"1 {usual}")
+        turns = _turns_of(unit)
+        return float(number) * turns if turns else to_si(f"{number} {unit}", f"1 {usual}")
     except (ValueError, UnitError):
         return math.nan
 

@@ -75,3 +75,12 @@ def test_a_number_that_a_form_makes_is_never_doubted_but_those_it_is_made_of_are
     assert contacts(tmp_path, text) == [(252.224, 0.675701), (320.284, 0.675701)]
     (fault,) = faults(tmp_path, text.replace("80;", "1.250;"))
     assert 'row 4, Load [kgf]: "1.250" beside decimal commas is 1.25 or 1250' in fault
+
+
+def test_a_rotation_in_radians_is_no_number_of_turns(tmp_path):
+    text = "four-ball\nLoad [kgf],Speed [rad/s],Result\n100,125.664,ok\n"
+    assert contacts(tmp_path, text) == [(400.355, 0.460704)]
+    discs = "Load [N],n1 [rad/s],n2 [rad/s],Result\n500,100,80,ok\n"
+    assert contacts(tmp_path, discs, diameter="80 mm") == [(500, 0.8)]
+    (fault,) = faults(tmp_path, discs)
+    assert "does not say diameter" in fault
