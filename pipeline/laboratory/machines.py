@@ -277,6 +277,8 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     if missing := [one for one in inputs if one not in found]:
         _ask(sheet, form, missing)
         return True
+    if "ratio" in found:
+        _take_percent(sheet, found["ratio"])
     rows, last, run = list[Row](), math.inf, 0
     makes_runs = form.has_stages and not has_runs
     for row in sheet.rows:
@@ -311,6 +313,14 @@ def _cell_faults(sheet: Sheet, used: set[int]) -> Iterator[CellFault]:
         for k in sorted(used - sheet.sure):
             if doubt := sheet.doubt(cells[k].lstrip("<>≥ ")):
                 yield CellFault(number, sheet.headings[k].text, doubt)
+
+
+def _take_percent(sheet: Sheet, place: int) -> None:
+    """Take ratios without a unit for percent if any is above 2, which none of two surfaces is."""
+    heading = sheet.headings[place]
+    values = (_value("ratio", row.cells[place], heading) for row in sheet.rows)
+    if not heading.unit and any(abs(value) > 2 for value in values):
+        sheet.headings[place] = replace(heading, unit="%")
 
 
 def _is_bare(sheet: Sheet, found: Mapping[str, int], name: str) -> bool:
@@ -366,7 +376,7 @@ def _value(name: str, cell: str, heading: Heading) -> float:
     try:
         if name == "ratio":
             value = float(number)
-            return value / 100 if own == "%" or heading.unit == "%" or abs(value) > 2 else value
+            return value / 100 if own == "%" or heading.unit == "%" else value
         if not usual:
             return float(number)
         turns = _turns_of(unit)

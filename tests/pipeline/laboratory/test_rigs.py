@@ -84,3 +84,10 @@ def test_a_rotation_in_radians_is_no_number_of_turns(tmp_path):
     assert contacts(tmp_path, discs, diameter="80 mm") == [(500, 0.8)]
     (fault,) = faults(tmp_path, discs)
     assert "does not say diameter" in fault
+
+
+@pytest.mark.parametrize(("ratios", "velocities"), [("1.5 20", (0.075, 1)), ("0.2 1.5", (1, 7.5))])
+def test_a_column_of_slip_is_all_in_percent_or_none_of_it(tmp_path, ratios, velocities):
+    lines = "".join(f"500,{ratio},5,ok\n" for ratio in ratios.split())
+    found = contacts(tmp_path, f"Load [N],SRR,Rolling speed [m/s],Result\n{lines}")
+    assert found == [(500, velocity) for velocity in velocities]
