@@ -32,6 +32,7 @@ _MEASURED_WEAR = re.compile(r"brugger|\b(area|scar)\b|fläche|kalotte|narbe", re
 _TRANSITIONS = re.compile(
     r"transition|critical|kritisch|übergang|scuff|fress|seiz|fail|limit|grenz", re.IGNORECASE
 )
+_TELLING = "number", "run", "friction"  # entries by which a row is told from a repeat of it
 _YES, _NO = "yes ja y j true wahr 1 x", "no nein n false falsch 0"
 
 
@@ -119,7 +120,10 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
 
 
 def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> list[int]:
-    """Keep the rows asked for, each once; return the numbers of those that stand there twice."""
+    """Keep the rows asked for, each once; return the numbers of those that stand there twice.
+
+    Rows that say nothing but what was set and what came out are repeats, and all count.
+    """
     heads = [heading.text for heading in sheet.headings]
     for head, value in where.items():
         if head not in heads:
@@ -131,11 +135,14 @@ def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> lis
             listed = ", ".join(filter(None, found))
             faults.append(f'where: no row has "{wanted}" as {head}; give one of {listed}')
         sheet.rows = [row for row in sheet.rows if row.cells[column] == wanted]
+    varied = {k for k in sheet.others if len({row.cells[k] for row in sheet.rows}) > 1}
+    telling = varied | {sheet.places[name] for name in _TELLING if name in sheet.places}
     first = dict[tuple[str, ...], int]()
     twice = [
         row.number
         for row in sheet.rows
-        if first.setdefault((*row.cells,), row.number) != row.number
+        if any(row.cells[k] for k in telling)
+        and first.setdefault((*row.cells,), row.number) != row.number
     ]
     sheet.rows = [row for row in sheet.rows if row.number not in twice]
     return twice

@@ -91,3 +91,23 @@ def test_a_column_of_slip_is_all_in_percent_or_none_of_it(tmp_path, ratios, velo
     lines = "".join(f"500,{ratio},5,ok\n" for ratio in ratios.split())
     found = contacts(tmp_path, f"Load [N],SRR,Rolling speed [m/s],Result\n{lines}")
     assert found == [(500, velocity) for velocity in velocities]
+
+
+REPEATS = "load [N],velocity [m/s],outcome,rig\n" + "400,2,mild,A\n" * 3
+
+
+@pytest.mark.parametrize(
+    ("text", "twice"),
+    [
+        (REPEATS, []),
+        (REPEATS.replace("outcome,rig", "outcome,friction").replace("A", "0.1"), [3, 4]),
+        (REPEATS.replace("rig", "date") + "400,2,mild,B\n", [3, 4]),
+        ("ASTM D2783 last non-seizure load [kgf],Weld load [kgf]\n" + "80,200\n" * 2, []),
+    ],
+)
+def test_equal_rows_are_copies_only_where_one_tells_a_test(tmp_path, text, twice):
+    path = tmp_path / "log.csv"
+    path.write_text(text, encoding="utf-8")
+    log = read_log(path)
+    assert (log.twice, log.faults) == (twice, [])
+    assert len(log.tests) + len(twice) == 3 + ("B" in text) + text.startswith("ASTM")
