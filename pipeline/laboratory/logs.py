@@ -276,7 +276,10 @@ def read_trace(path: Path, given: Mapping[str, Any] | None = None) -> Trace | No
     force = columns.pop("friction_force", None)
     if force is not None and "friction" not in columns:
         with np.errstate(divide="ignore", invalid="ignore"):
-            columns["friction"] = np.abs(force) / columns["load"]
+            columns["friction"] = force / columns["load"]
+    for name in ("friction", "velocity"):  # whose signs turn with the stroke
+        if name in columns:
+            columns[name] = np.abs(columns[name])
     known = np.logical_and.reduce([np.isfinite(column) for column in columns.values()])
     columns = {name: column[known] for name, column in columns.items()}
     return Trace(**columns) if known.sum() >= _LEAST_ROWS else None

@@ -1,8 +1,9 @@
 """Which rig a log is of, and what its cells say: what must come out of its text."""
 
+import numpy as np
 import pytest
 
-from pipeline.laboratory.logs import read_log
+from pipeline.laboratory.logs import read_log, read_trace
 from tests.pipeline.laboratory.test_machines import rows
 
 
@@ -111,3 +112,19 @@ def test_equal_rows_are_copies_only_where_one_tells_a_test(tmp_path, text, twice
     log = read_log(path)
     assert (log.twice, log.faults) == (twice, [])
     assert len(log.tests) + len(twice) == 3 + ("B" in text) + text.startswith("ASTM")
+
+
+def traced(tmp_path, load, velocity, friction):
+    columns = zip(range(len(friction)), load, velocity, friction, strict=True)
+    text = "\n".join(";".join(f"{cell:.4f}" for cell in cells) for cells in columns)
+    path = tmp_path / "trace.csv"
+    path.write_text(f"time [s];load [N];velocity [m/s];COF\n{text}\n", encoding="utf-8")
+    return read_trace(path)
+
+
+def test_a_trace_of_strokes_counts_by_its_magnitude(tmp_path):
+    turning = np.resize([1, -1], 200)
+    friction = np.where(np.arange(200) < 120, 0.1, 0.2) * turning
+    trace = traced(tmp_path, [400] * 200, 0.1 * turning, friction)
+    assert trace.row == 120
+    assert [*trace.toml()][1:4] == ['load = "400 N"', 'velocity = "0.1 m/s"', "friction = 0.1"]
