@@ -207,30 +207,22 @@ class Trace:
         )
 
     @cached_property
-    def steps(self) -> Array | None:
-        """Step of the load of each row [N], if it rises in steps and not all the time."""
-        if self.load is None or not np.isfinite(self.load).all():
-            return None
-        order, number = np.argsort(self.load, kind="stable"), np.empty(len(self.load), int)
-        apart = np.diff(self.load[order], prepend=self.load[order[0]])
-        number[order] = np.cumsum(apart > _STEP_APART * self.load.max())
-        counts = np.bincount(number)
-        if len(counts) < 2 or counts.min() < _LEAST_OF_STEP:
-            return None
-        levels = [float(np.median(self.load[number == k])) for k in range(len(counts))]
-        return np.array(levels)[number]
+    def stepped(self) -> tuple[str, Array | None]:
+        """What rises in steps, the load, or at a constant load the velocity; the step of a row."""
+        load, velocity = _steps_of(self.load), _steps_of(self.velocity)
+        return ("velocity", velocity) if load is None else ("load", load)
 
     def _stages(self) -> Iterator[str]:
         """Highest step that stayed mild, and the one that turned severe."""
-        steps = self.steps
+        name, steps = self.stepped
         if steps is None:
             return
         end = len(steps) if self.row is None else self.row
         severe = math.inf if self.row is None else steps[self.row]
-        if (mild := steps[:end][steps[:end] < severe]).size:
-            yield f'mild_up_to = "{mild.max():.4g} N"'
+        if (mild := steps[:end][steps[:end] < severe]).any():  # not at rest
+            yield f'mild_up_to = "{mild.max():.4g} {UNITS[name]}"'
         if self.row is not None:
-            yield f'severe_at = "{severe:.4g} N"'
+            yield f'severe_at = "{severe:.4g} {UNITS[name]}"'
 
     def toml(self) -> Iterator[str]:
         """Lines of a scene: a run by its steps, a transition, or a test that stayed mild."""
@@ -240,7 +232,7 @@ class Trace:
         yield from stages
         for name, unit in (("load", "N"), ("velocity", "m/s")):
             column = getattr(self, name)
-            if stages and name == "load":
+            if stages and name == self.stepped[0]:
                 continue
             if column is None:
                 yield f'{name} = "... {unit}"  # not in the trace'
@@ -249,6 +241,19 @@ class Trace:
         yield f"friction = {float(np.median(self.friction[: end or None])):.3g}"
         if self.row is None and not stages:
             yield 'outcome = "mild"'
+
+
+def _steps_of(column: Array | None) -> Array | None:
+    """Step of each row of a load or a velocity, if it rises in steps and not all the time."""
+    if column is None or not np.isfinite(column).all():
+        return None
+    order, number = np.argsort(column, kind="stable"), np.empty(len(column), int)
+    apart = np.diff(column[order], prepend=column[order[0]])
+    number[order] = np.cumsum(apart > _STEP_APART * column.max())
+    counts = np.bincount(number)
+    levels = np.array([np.median(column[number == k]) for k in range(len(counts))])
+    is_rest = levels <= _STEP_APART * column.max()
+    return levels[number] if (~is_rest).sum() > 1 and counts.min() >= _LEAST_OF_STEP else None
 
 
 def read_trace(path: Path, given: Mapping[str, Any] | None = None) -> Trace | None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import pipeline
 from pipeline.laboratory.logs import read_log, read_trace
 from tests.pipeline.laboratory.test_machines import rows
 
@@ -128,3 +129,21 @@ def test_a_trace_of_strokes_counts_by_its_magnitude(tmp_path):
     trace = traced(tmp_path, [400] * 200, 0.1 * turning, friction)
     assert trace.row == 120
     assert [*trace.toml()][1:4] == ['load = "400 N"', 'velocity = "0.1 m/s"', "friction = 0.1"]
+
+
+@pytest.mark.parametrize("rises", [True, False])
+def test_a_trace_by_steps_of_the_velocity_is_a_run(tmp_path, rises):
+    velocity = np.repeat([0.5, 1, 1.5, 2], 50)
+    friction = np.where(rises & (velocity > 1.5), 0.2, 0.1)
+    toml = "\n".join(traced(tmp_path, [400] * 200, velocity, friction).toml())
+    stages = 'mild_up_to = "1.5 m/s"\nsevere_at = "2 m/s"' if rises else 'mild_up_to = "2 m/s"'
+    assert toml == f'[[tested]]\n{stages}\nload = "400 N"\nfriction = 0.1'
+    (tmp_path / "lab.toml").write_text(f'extends = "first_try"\nwithout = ["measured"]\n{toml}\n')
+    tested = pipeline.load_scene(tmp_path / "lab.toml").about.tested
+    assert [test.velocity for test in tested] == ([1.5, 2] if rises else [2])
+
+
+def test_a_start_from_rest_is_no_step(tmp_path):
+    velocity, friction = np.repeat([0, 2], [20, 180]), np.repeat([0.1, 0.2], [120, 80])
+    toml = [*traced(tmp_path, [400] * 200, velocity, friction).toml()]
+    assert toml[:3] == ["[[measured]]", 'load = "400 N"', 'velocity = "2 m/s"']
