@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.laboratory.machines import STAGES
 from pipeline.scene.compounds import Table
 from pipeline.scene.format import OUTCOMES, TEST
 from pipeline.scene.headings import UNITS, CellFault, Sheet, listed_faults, read_sheet
@@ -111,6 +112,7 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
         for word in dict.fromkeys(row.cells[places["outcome"]] for row in tested):
             if word not in OUTCOMES and (outcome := own.get(word) or outcome_of(word, title)):
                 words[word] = outcome
+    _part_runs(sheet, words)
     tests, in_si, wrong = sheet.entries(row_of, words)
     return Log(
         path, sheet, words, left_out, tests, [*faults, *listed_faults(map(_hinted, wrong))],
@@ -146,6 +148,19 @@ def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> lis
     ]
     sheet.rows = [row for row in sheet.rows if row.number not in twice]
     return twice
+
+
+def _part_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
+    """Begin a run of a form's stages anew with another oil, and after a severe row."""
+    if "run" not in sheet.places or not sheet.heading("run").text.startswith(STAGES):
+        return
+    place, run, before = sheet.places["run"], 0, list[str]()
+    for _, cells in sheet.rows:
+        now = [cells[sheet.places[name]] for name in ("run", "oil") if name in sheet.places]
+        run += now != before
+        cells[place] = str(run)
+        outcome = cells[sheet.places["outcome"]] if "outcome" in sheet.places else ""
+        before = [] if words.get(outcome, outcome) == "severe" else now
 
 
 def _hinted(fault: CellFault) -> CellFault:

@@ -204,6 +204,7 @@ _ANOTHER = (
 """Words of a rig whose load is that of its contact."""
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\S.*)|(\d[\d.]*)\s*\+")
 _ENDS = ("failed", "seized", "passed")
+STAGES = "stages"  # in the heading of runs that end where the load falls, or a row is severe
 _TARGETS = {"load": "N", "velocity": "m/s"}
 _CONTACT = ("N", "kN", "m/s", "mm/s")
 
@@ -302,6 +303,8 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
         *(replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)),
         *(Heading(f"{name} of {form.name}", name, unit) for name, unit in appended.items()),
     ]
+    if makes_runs and not ends:
+        sheet.headings[-1] = Heading(f"{STAGES} of {form.name}", "run", "")
     sheet.rows, sheet.made_of = rows, used
     sheet.form.append(f"form of {form.name}: {form.says}")
     return True

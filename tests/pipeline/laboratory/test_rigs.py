@@ -147,3 +147,26 @@ def test_a_start_from_rest_is_no_step(tmp_path):
     velocity, friction = np.repeat([0, 2], [20, 180]), np.repeat([0.1, 0.2], [120, 80])
     toml = [*traced(tmp_path, [400] * 200, velocity, friction).toml()]
     assert toml[:3] == ["[[measured]]", 'load = "400 N"', 'velocity = "2 m/s"']
+
+
+def test_a_run_of_stages_has_one_oil_and_ends_where_a_row_is_severe(tmp_path):
+    heads = "Oil,Load [N],Frequency [Hz],Stroke [mm],Result\n"
+    text = heads + "A,100,50,1,ok\nA,200,50,1,seizure\nB,300,50,1,ok\n"
+    assert [row[3] for row in rows(tmp_path, text)] == [1, 1, 2]
+    assert [row[3] for row in rows(tmp_path, text.replace("seizure", "ok"))] == [1, 1, 2]
+    stages = ["8;ok", "9;fail", "10;ok", "11;fail"]
+    text = "\n".join(["FZG load stage;Result", *stages])
+    assert [row[3] for row in rows(tmp_path, text, velocity="5 m/s")] == [1, 1, 2, 2]
+
+
+@pytest.mark.parametrize(
+    ("lines", "row", "problem"),
+    [
+        ("1,A,400,2,mild\n1,B,500,2,mild\n", 3, "1 has two oils"),
+        ("1,A,400,2,severe\n1,A,500,2,mild\n", 2, "1 is severe at 400 N"),
+    ],
+)
+def test_a_run_that_no_specimen_is_is_named_by_file_and_row(tmp_path, irg, lines, row, problem):
+    path = tmp_path / "log.csv"
+    path.write_text(f"run,oil,load [N],velocity [m/s],outcome\n{lines}", encoding="utf-8")
+    assert f"log.csv, row {row}, run: {problem}" in irg("tests", path, code=2)
