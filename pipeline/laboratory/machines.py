@@ -203,24 +203,45 @@ _ANOTHER = (
 )
 """Words of a rig whose load is that of its contact."""
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\S.*)|(\d[\d.]*)\s*\+")
+_PARTS = re.compile(r"([+-]?[\d.]+(?:[eE][+-]?\d+)?(?::1)?)\s*((?<=\s)\S.*|[^\d\s.,:].*)?")
+"""Number, or ratio to one, and unit."""
 _ENDS = ("failed", "seized", "passed")
 STAGES = "stages"  # in the heading of runs that end where the load falls, or a row is severe
 _TARGETS = {"load": "N", "velocity": "m/s"}
 _CONTACT = ("N", "kN", "m/s", "mm/s")
 
 
-def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") -> None:
-    """Append a column for each quantity that the file does not say."""
+def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") -> list[str]:
+    """Append a column for each quantity that the file does not say; return those in error."""
+    wrong = []
     for name, value in given.items():
         if name not in COLUMNS and name not in TEST.keys:
             allowed = ", ".join(dict.fromkeys([*TEST.keys, *COLUMNS]))
             sheet.of_rows.append(f"given.{name}: no such quantity; give one of {allowed}")
+            wrong.append(name)
             continue
         number, _, unit = str(value).partition(" ")
+        if name in COLUMNS and (match := _PARTS.fullmatch(str(value))):
+            number, unit = match[1], match[2] or ""
+        heading = Heading(f"{name}, {origin}", name, unit.strip())
+        if name in COLUMNS and not _is_readable(name, number, heading):
+            units = " or ".join(filter(None, COLUMNS[name].units))
+            like = f"a number in {units}" if units else "a number"
+            sheet.of_rows.append(
+                f'given.{name}: "{value}" is no {name}; give {like}, with a decimal point'
+            )
+            wrong.append(name)
+            continue
         sheet.sure.add(len(sheet.headings))
-        sheet.headings.append(Heading(f"{name}, {origin}", name, unit.strip()))
+        sheet.headings.append(heading)
         for row in sheet.rows:
             row.cells.append(number)
+    return wrong
+
+
+def _is_readable(name: str, cell: str, heading: Heading) -> bool:
+    is_fit = _fits(heading, name, COLUMNS[name])
+    return is_fit and not math.isnan(_value(name, cell, heading))
 
 
 def _is_named(words: str, headings: Sequence[Heading], stem: str) -> bool:
@@ -253,7 +274,7 @@ def form_of(headings: Sequence[Heading], stem: str = "") -> Form | None:
 
 def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool) -> bool:
     """Put load, velocity, outcome and run in place of what a machine reports, if it is one."""
-    _add_given(sheet, given)
+    wrong = _add_given(sheet, given)
     form = form_of(sheet.headings, stem)
     if form is None:
         return False
@@ -275,11 +296,15 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     turning = [one for one in rims if _turns_of(sheet.headings[found[one]].unit)]
     inputs += ["diameter"] if turning else []
     inputs += ["seized"] if ends == ["passed"] and form.after is None else []
-    if missing := [one for one in inputs if one not in found]:
+    missing = [one for one in inputs if one not in found and one not in wrong]
+    if missing or wrong:
         _ask(sheet, form, missing)
         return True
     if "ratio" in found:
         _take_percent(sheet, found["ratio"])
+    faults = [*_cell_faults(sheet, {one: found[one] for one in (*inputs, *ends)})]
+    sheet.of_rows += listed_faults(faults)
+    faulty = {fault.row for fault in faults}
     rows, last, run = list[Row](), math.inf, 0
     makes_runs = form.has_stages and not has_runs
     for row in sheet.rows:
@@ -289,6 +314,8 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
         for outcome, load in _outcomes(form, row, found, values, ends):
             stage = values | {ways["load"][0][0]: load} if ends else values
             made = [make(*(stage[one] for one in ins)) for ins, make in ways.values()]
+            if row.number in faulty and math.isnan(sum(made)):
+                continue
             run += not made[0] > last
             last = made[0]
             label = str(row.number if ends else run)
@@ -296,7 +323,6 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
             cells += [outcome] * bool(ends) + [label] * makes_runs
             rows.append(Row(row.number, [*row.cells, *cells]))
     used = {found[one] for one in (*inputs, *ends, "stage") if one in found}
-    sheet.of_rows += listed_faults(_cell_faults(sheet, used))
     appended = _TARGETS | ({"outcome": ""} if ends else {}) | ({"run": ""} if makes_runs else {})
     sheet.sure |= {*range(len(sheet.headings), len(sheet.headings) + len(appended))}
     sheet.headings = [
@@ -310,12 +336,23 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     return True
 
 
-def _cell_faults(sheet: Sheet, used: set[int]) -> Iterator[CellFault]:
+def _cell_faults(sheet: Sheet, used: Mapping[str, int]) -> Iterator[CellFault]:
     """What is wrong with cells of which others are made."""
     for number, cells in sheet.rows:
-        for k in sorted(used - sheet.sure):
-            if doubt := sheet.doubt(cells[k].lstrip("<>≥ ")):
-                yield CellFault(number, sheet.headings[k].text, doubt)
+        for name, k in used.items():
+            value = _value(name, cells[k], sheet.headings[k])
+            # That nothing failed may be said in words.
+            is_word = name in _ENDS and not re.search(r"\d", cells[k])
+            if k in sheet.sure or not cells[k] or is_word:
+                continue
+            problem = sheet.doubt(cells[k].lstrip("<>≥ "))
+            if math.isnan(value):
+                problem = f'"{cells[k]}" cannot be read; write a number, or leave the cell empty'
+            elif name in ("stage", "failed") and math.isnan(_stage_force(value)):
+                last = len(_fixed("FZG", "stages"))
+                problem = f'"{cells[k]}" is no load stage; give 1 to {last}, or > {last}'
+            if problem:
+                yield CellFault(number, sheet.headings[k].text, problem)
 
 
 def _take_percent(sheet: Sheet, place: int) -> None:
@@ -374,7 +411,10 @@ def _turns_of(unit: str) -> float | None:
 def _value(name: str, cell: str, heading: Heading) -> float:
     """Value of a cell, a rotation in turns a second [SI]; NaN of one that is no number."""
     match, usual = _BEYOND.fullmatch(cell), COLUMNS[name].units[0]
-    number, _, own = ((match[1] or match[2]) if match else cell).strip().partition(" ")
+    parts = _PARTS.fullmatch(((match[1] or match[2]) if match else cell).strip())
+    if parts is None:
+        return math.nan
+    number, own = parts[1].removesuffix(":1" * (name == "lever")), parts[2] or ""
     unit = usual_unit(own) or heading.unit or usual
     try:
         if name == "ratio":
@@ -421,15 +461,16 @@ def _outcomes(
 
 
 def _ask(sheet: Sheet, form: Form, missing: Sequence[str]) -> None:
-    """Say in a line what a form does not."""
+    """Say in a line what a form does not, if anything; then there are no rows."""
     names = dict.fromkeys(missing)
     values = [f"{name}=... {COLUMNS[name].units[0]}".strip() for name in names]
     options = " ".join(f'--given "{value}"' for value in values)
     entry = ", ".join(value.replace("=", ' = "', 1) + '"' for value in values)
-    sheet.of_rows.append(
-        f"the form of {form.name} ({form.says}) does not say {' or '.join(names)}; give {options}, "
-        f"in a scene given = {{ {entry} }}"
-    )
+    if names:
+        sheet.of_rows.append(
+            f"the form of {form.name} ({form.says}) does not say {' or '.join(names)}; give "
+            f"{options}, in a scene given = {{ {entry} }}"
+        )
     used = {*_columns(sheet.headings).values()}
     sheet.headings = [
         *(replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)),

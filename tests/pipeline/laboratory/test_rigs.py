@@ -170,3 +170,31 @@ def test_a_run_that_no_specimen_is_is_named_by_file_and_row(tmp_path, irg, lines
     path = tmp_path / "log.csv"
     path.write_text(f"run,oil,load [N],velocity [m/s],outcome\n{lines}", encoding="utf-8")
     assert f"log.csv, row {row}, run: {problem}" in irg("tests", path, code=2)
+
+
+STROKES = "SRV\nLoad [N],Frequency [Hz],Result\n100,50,ok\n"
+
+
+@pytest.mark.parametrize("stroke", ["1 mm", "1mm", "0.1cm", "1"])
+def test_a_clear_quantity_is_read_as_it_is_given(tmp_path, stroke):
+    assert contacts(tmp_path, STROKES, stroke=stroke) == [(100, 0.1)]
+
+
+@pytest.mark.parametrize("stroke", ["1,5 mm", "abc", "1 N", "10:1", ""])
+def test_a_given_quantity_that_cannot_be_read_is_named(tmp_path, stroke):
+    said = f'given.stroke: "{stroke}" is no stroke; give a number in mm, with a decimal point'
+    assert faults(tmp_path, STROKES, stroke=stroke) == [said]
+
+
+def test_a_lever_may_be_a_ratio(tmp_path):
+    text = "Timken\nLoad [lb],Result\n40,ok\n"
+    assert contacts(tmp_path, text, lever="10:1") == [(1779.29, 2.06194)]
+
+
+def test_a_cell_of_a_form_that_cannot_be_read_is_named_by_row_and_heading(tmp_path):
+    (fault,) = faults(tmp_path, STROKES + "n/a,50,ok\n", stroke="1 mm")
+    assert fault.startswith('row 4, Load [N]: "n/a" cannot be read; write a number')
+    for cell in ("13", "> 13"):
+        found = faults(tmp_path, f"Failure load stage\tOil\n9\tA\n{cell}\tA\n", velocity="5 m/s")
+        said = f'row 3, Failure load stage: "{cell}" is no load stage; give 1 to 12, or > 12'
+        assert found == [said]
