@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.laboratory.machines import STAGES
 from pipeline.scene.compounds import Table
 from pipeline.scene.format import OUTCOMES, TEST
 from pipeline.scene.headings import UNITS, CellFault, Sheet, listed_faults, read_sheet
@@ -137,8 +136,8 @@ def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> lis
             listed = ", ".join(filter(None, found))
             faults.append(f'where: no row has "{wanted}" as {head}; give one of {listed}')
         sheet.rows = [row for row in sheet.rows if row.cells[column] == wanted]
-    varied = {k for k in sheet.others if len({row.cells[k] for row in sheet.rows}) > 1}
-    telling = varied | {sheet.places[name] for name in _TELLING if name in sheet.places}
+    telling = {sheet.places[name] for name in _TELLING if name in sheet.places}
+    telling |= {k for k in sheet.others if len({row.cells[k] for row in sheet.rows}) > 1}
     first = dict[tuple[str, ...], int]()
     twice = [
         row.number
@@ -152,7 +151,9 @@ def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> lis
 
 def _part_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
     """Begin a run of a form's stages anew with another oil, and after a severe row."""
-    if "run" not in sheet.places or not sheet.heading("run").text.startswith(STAGES):
+    made = [name for name in ("run", "outcome") if sheet.places.get(name) in sheet.sure]
+    # With outcomes of its own a form makes a run of each row.
+    if made != ["run"] or sheet.heading("run").text == "run, given":
         return
     place, run, before = sheet.places["run"], 0, list[str]()
     for _, cells in sheet.rows:

@@ -206,7 +206,6 @@ _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\S.*)|(\d[\d.]*)\s*\+")
 _PARTS = re.compile(r"([+-]?[\d.]+(?:[eE][+-]?\d+)?(?::1)?)\s*((?<=\s)\S.*|[^\d\s.,:].*)?")
 """Number, or ratio to one, and unit."""
 _ENDS = ("failed", "seized", "passed")
-STAGES = "stages"  # in the heading of runs that end where the load falls, or a row is severe
 _TARGETS = {"load": "N", "velocity": "m/s"}
 _CONTACT = ("N", "kN", "m/s", "mm/s")
 
@@ -220,16 +219,13 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") ->
             sheet.of_rows.append(f"given.{name}: no such quantity; give one of {allowed}")
             wrong.append(name)
             continue
-        number, _, unit = str(value).partition(" ")
-        if name in COLUMNS and (match := _PARTS.fullmatch(str(value))):
-            number, unit = match[1], match[2] or ""
+        match = _PARTS.fullmatch(str(value)) if name in COLUMNS else None
+        number, unit = match.groups("") if match else str(value).partition(" ")[::2]
         heading = Heading(f"{name}, {origin}", name, unit.strip())
-        if name in COLUMNS and not _is_readable(name, number, heading):
-            units = " or ".join(filter(None, COLUMNS[name].units))
-            like = f"a number in {units}" if units else "a number"
-            sheet.of_rows.append(
-                f'given.{name}: "{value}" is no {name}; give {like}, with a decimal point'
-            )
+        read = (_value(one, number, heading) for one in _columns([heading]))
+        if name in COLUMNS and all(map(math.isnan, read)):
+            like = f"1.5 {COLUMNS[name].units[0]}".strip()
+            sheet.of_rows.append(f'given.{name}: "{value}" is no {name}; give one like "{like}"')
             wrong.append(name)
             continue
         sheet.sure.add(len(sheet.headings))
@@ -237,11 +233,6 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") ->
         for row in sheet.rows:
             row.cells.append(number)
     return wrong
-
-
-def _is_readable(name: str, cell: str, heading: Heading) -> bool:
-    is_fit = _fits(heading, name, COLUMNS[name])
-    return is_fit and not math.isnan(_value(name, cell, heading))
 
 
 def _is_named(words: str, headings: Sequence[Heading], stem: str) -> bool:
@@ -329,8 +320,6 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
         *(replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)),
         *(Heading(f"{name} of {form.name}", name, unit) for name, unit in appended.items()),
     ]
-    if makes_runs and not ends:
-        sheet.headings[-1] = Heading(f"{STAGES} of {form.name}", "run", "")
     sheet.rows, sheet.made_of = rows, used
     sheet.form.append(f"form of {form.name}: {form.says}")
     return True

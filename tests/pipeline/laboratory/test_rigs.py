@@ -182,7 +182,7 @@ def test_a_clear_quantity_is_read_as_it_is_given(tmp_path, stroke):
 
 @pytest.mark.parametrize("stroke", ["1,5 mm", "abc", "1 N", "10:1", ""])
 def test_a_given_quantity_that_cannot_be_read_is_named(tmp_path, stroke):
-    said = f'given.stroke: "{stroke}" is no stroke; give a number in mm, with a decimal point'
+    said = f'given.stroke: "{stroke}" is no stroke; give one like "1.5 mm"'
     assert faults(tmp_path, STROKES, stroke=stroke) == [said]
 
 
