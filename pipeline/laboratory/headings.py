@@ -47,7 +47,7 @@ _WORDS = {
         r"(\b(force|torque|work|power|energy)\b|kraft|moment)",
     ),
     "bulk_temperature": (
-        r"(\b(temp|temperature|bulk|t)\b|temperatur)",
+        r"(temp\b|\b(temperature|bulk|t)\b|temperatur)",
         r"(\b(contact|flash|room|ambient|crit\w*|krit\w*|max)\b"
         r"|raum|umgebung|kontakt|blitz|grenz)",
     ),

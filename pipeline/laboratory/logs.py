@@ -23,7 +23,7 @@ _MILD = (
 )
 _SEVERE = (
     "severe fresser gefressen fressen scuff scuffed scuffing seizure seized fail failed nio schwer "
-    "notok niok weld welded welding verschweißt "
+    "notok niok weld welded welding verschweisst verschweissung "
     "incipientseizure immediateseizure initialseizure score scored scoring"
 )
 _NEGATION = re.compile(r"^\s*(not|no|non|nicht|keine?r?|ohne|without)[\s_-]+")
@@ -44,7 +44,7 @@ def outcome_of(word: str, heading: str) -> str | None:
     elif re.search(r"pass|bestanden", asked):
         mild, severe = mild | set(_YES.split()), severe | set(_NO.split())
     said = _NEGATION.sub("", word.lower())
-    plain = re.sub(r"[\W_]+", "", said).replace("freß", "fress")
+    plain = re.sub(r"[\W_]+", "", said).replace("ß", "ss")
     found = "mild" if plain in mild else "severe" if plain in severe else None
     if said == word.lower() or found is None:
         return found

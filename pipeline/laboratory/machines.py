@@ -33,7 +33,8 @@ _SPEED = r"(speed|velocity|rpm|drehzahl|geschw\w*|[nuv])"
 _TURNING = "m/s", "rpm"
 COLUMNS = {
     "failed": Quantity(
-        r"(fail\w*|scuff\w*)( load)? stage|fls|(schaden\w*|fress\w*)(kraft|last)stufe|sks", ("",)
+        r"(fail\w*|scuff\w*)( load)? stage|fls|(schaden\w*|fress\w*)(kraft|last)stufe( sks)?|sks",
+        ("",),
     ),
     "stage": Quantity(r"(load |test )?(stage|step)( no)?|(kraft|last)stufe|ks|ls", ("",)),
     "torque": Quantity(
@@ -137,7 +138,7 @@ def _signs(*sets: str) -> tuple[frozenset[str], ...]:
 FORMS = (
     Form(
         "FZG A/8.3/90", _signs("torque stage", "failed"),
-        r"\bfzg\b|kraftstufe|(pinion|ritzel).*(torque|moment)|torque on pinion"
+        r"(?<![a-z])fzg(?![a-z])|kraftstufe|(pinion|ritzel).*(torque|moment)|torque on pinion"
         r"|\bt ?1\b.*\bn ?m\b",
         {
             "load": ((("torque",), _tooth_force), (("stage",), _stage_force),
@@ -149,7 +150,7 @@ FORMS = (
         before=lambda stage: stage - 1,
     ),
     Form(
-        "SRV", _signs("frequency", "stroke"), r"\bsrv\b",
+        "SRV", _signs("frequency", "stroke"), r"(?<![a-z])srv(?![a-z])",
         {
             "load": ((("load",), float), (("passed",), float), (("seized",), float)),
             "velocity": ((("frequency", "stroke"), lambda f, s: 2 * f * s),),
@@ -171,7 +172,8 @@ FORMS = (
     ),
     Form(
         "four-ball", (),
-        r"four.?ball|4.?ball|vierkugel|\bvka\b|\bweld\w* ?(load|last|point)|non.?seizure",
+        r"(four|4).?ball|vierkugel|(?<![a-z])vka(?![a-z])|non.?seizure"
+        r"|\bweld\w* ?(load|last|point)",
         {
             "load": ((("load",), _ball_force), (("passed",), _ball_force),
                      (("seized",), _ball_force)),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.laboratory.logs import read_log, read_trace
+from pipeline.laboratory.logs import outcome_of, read_log, read_trace
 from tests.pipeline.laboratory.test_machines import rows
 
 
@@ -198,3 +198,20 @@ def test_a_cell_of_a_form_that_cannot_be_read_is_named_by_row_and_heading(tmp_pa
         found = faults(tmp_path, f"Failure load stage\tOil\n9\tA\n{cell}\tA\n", velocity="5 m/s")
         said = f'row 3, Failure load stage: "{cell}" is no load stage; give 1 to 12, or > 12'
         assert found == [said]
+
+
+@pytest.mark.parametrize("name", ["fzg_stages.csv", "fzg4.txt", "4FZG-b.csv"])
+def test_the_name_of_a_machine_in_that_of_a_file_ends_at_a_digit_or_a_line(tmp_path, name):
+    path = tmp_path / name
+    path.write_text("Stage;Result\n9;ok\n", encoding="utf-8")
+    (test,) = read_log(path, {"given": {"velocity": "5 m/s"}}).tests
+    assert test["load"].startswith("8927")
+
+
+def test_usual_words_of_german_logs_are_known(tmp_path):
+    for word, outcome in (("Verschweißung", "severe"), ("keine Verschweißung", "mild")):
+        assert outcome_of(word, "Befund") == outcome
+    text = "Schadenskraftstufe SKS;Öltemp. (°C)\n9;90\n"
+    assert [row[2] for row in rows(tmp_path, text, velocity="5 m/s")] == ["mild", "severe"]
+    (first, _) = read_log(tmp_path / "log.csv", {"given": {"velocity": "5 m/s"}}).in_si
+    assert first["bulk_temperature"] == pytest.approx(363.15)
