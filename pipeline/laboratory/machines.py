@@ -255,7 +255,11 @@ def form_of(headings: Sequence[Heading], stem: str = "") -> Form | None:
     found = _columns(headings)
     # A torque beside a load is that of friction.
     seen = found.keys() - ({"torque"} if "load" in found else set())
+    contact = {name for name, k in found.items() if headings[k].unit in _CONTACT}
     for form in FORMS:
+        is_made = any("load" in inputs for inputs, _ in form.makes["load"])
+        if {"load", "velocity"} <= contact and not is_made:
+            continue
         is_told = _is_named(form.words, headings, stem) or (
             _is_named(form.hint, headings, stem) and not _is_named(_ANOTHER, headings, stem)
         )
@@ -329,18 +333,19 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
 
 def _cell_faults(sheet: Sheet, used: Mapping[str, int]) -> Iterator[CellFault]:
     """What is wrong with cells of which others are made."""
+    own = {name: k for name, k in used.items() if k not in sheet.sure}
+    last = len(_fixed("FZG", "stages"))
     for number, cells in sheet.rows:
-        for name, k in used.items():
-            value = _value(name, cells[k], sheet.headings[k])
+        values = {name: _value(name, cells[k], sheet.headings[k]) for name, k in own.items()}
+        if all(map(math.isnan, values.values())):  # a remark, which is left out
+            continue
+        for name, k in own.items():
             # That nothing failed may be said in words.
             is_word = name in _ENDS and not re.search(r"\d", cells[k])
-            if k in sheet.sure or not cells[k] or is_word:
-                continue
             problem = sheet.doubt(cells[k].lstrip("<>≥ "))
-            if math.isnan(value):
+            if math.isnan(values[name]) and cells[k] and not is_word:
                 problem = f'"{cells[k]}" cannot be read; write a number, or leave the cell empty'
-            elif name in ("stage", "failed") and math.isnan(_stage_force(value)):
-                last = len(_fixed("FZG", "stages"))
+            elif name in ("stage", "failed") and values[name] > last:
                 problem = f'"{cells[k]}" is no load stage; give 1 to {last}, or > {last}'
             if problem:
                 yield CellFault(number, sheet.headings[k].text, problem)

@@ -42,6 +42,7 @@ def test_a_load_in_kilograms_that_nothing_contradicts_is_of_four_balls(tmp_path)
     [
         "Normalkraft [N];Gleitgeschwindigkeit [m/s];Drehmoment [Nm];Ergebnis\n400;2;1;ok\n",
         "Load [N],Speed [m/s],Torque [N m],Step,Result\n400,2,1,1,ok\n",
+        "Rig FZG\nLoad [kN],Speed [m/s],Torque [N m],Result\n0.4,2,1,ok\n",
     ],
 )
 def test_a_torque_of_friction_makes_no_gears(tmp_path, text):
@@ -192,7 +193,7 @@ def test_a_lever_may_be_a_ratio(tmp_path):
 
 
 def test_a_cell_of_a_form_that_cannot_be_read_is_named_by_row_and_heading(tmp_path):
-    (fault,) = faults(tmp_path, STROKES + "n/a,50,ok\n", stroke="1 mm")
+    (fault,) = faults(tmp_path, STROKES + "n/a,50,ok\nMean,,\n", stroke="1 mm")
     assert fault.startswith('row 4, Load [N]: "n/a" cannot be read; write a number')
     for cell in ("13", "> 13"):
         found = faults(tmp_path, f"Failure load stage\tOil\n9\tA\n{cell}\tA\n", velocity="5 m/s")
