@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from pipeline.laboratory.logs import outcome_of
-from pipeline.laboratory.machines import form_of as form_of
-from pipeline.laboratory.machines import read_form
+from pipeline.laboratory.machines import form_of, read_form
 from pipeline.laboratory.spreadsheet import may_be_thousands as may_be_thousands
 from pipeline.laboratory.spreadsheet import read_rows as read_rows
 from pipeline.scene.headings import UNITS, Heading, Sheet, is_unit, listed, misfit, usual_unit
@@ -114,6 +113,13 @@ def may_be(heading: Heading, name: str) -> bool:
 def _words(heading: Heading) -> str:
     """Words of a title, without signs and digits between them."""
     return re.sub(r"[\W_\d]+", " ", heading.title.lower()).strip()
+
+
+def is_rig(headings: Sequence[Heading], stem: str) -> bool:
+    """True of headings of a machine's form, or of a rotation beside its track."""
+    is_turning = any(heading.unit in TURNS for heading in headings)
+    has_track = any(_TRACK.search(heading.title) for heading in headings)
+    return (is_turning and has_track) or form_of(headings, stem) is not None
 
 
 def tidy(sheet: Sheet, stem: str, given: Mapping[str, Any] | None) -> None:

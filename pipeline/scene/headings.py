@@ -287,7 +287,7 @@ def read_sheet(
         headings = [*map(heading_of, cells)]
         places, faults = columns_for(headings, wanted, named)
         said = f"{path.stem} {above}"
-        is_form = given is not None and laboratory.form_of(headings, said) is not None
+        is_form = given is not None and laboratory.is_rig(headings, said)
         return is_form or (is_log(places) and not (named and faults))
 
     needs_more = decimal or sheet_name or given is not None or path.suffix.lower() != ".csv"

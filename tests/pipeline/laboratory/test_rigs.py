@@ -26,7 +26,13 @@ POND = "Prüflast / kp;Gleitgeschw. / m/s;Ergebnis\n5;1;ok\n"
 
 @pytest.mark.parametrize(
     ("text", "contact"),
-    [(TRACK, (49.03325, 1.0472)), (PIN, (49.03325, 1)), (SEAM, (5, 1)), (POND, (49.03325, 1))],
+    [
+        (TRACK, (49.03325, 1.0472)),
+        (f"Rig 2\n{TRACK}", (49.03325, 1.0472)),
+        (PIN, (49.03325, 1)),
+        (SEAM, (5, 1)),
+        (POND, (49.03325, 1)),
+    ],
 )
 def test_a_load_in_kilograms_alone_makes_no_four_balls(tmp_path, text, contact):
     assert contacts(tmp_path, text) == [contact]
