@@ -201,7 +201,8 @@ _MACHINE = re.compile(
 """Names of machines and standards before a quantity in a title, in small letters without signs."""
 _ANOTHER = (
     r"\bm?m/s\b|track|spur|(lauf|reib)(bahn|kreis)"
-    r"|(pin|ball|block|cylinder|stift|kugel|klotz|zylinder)\W*(on|auf|scheibe|platte|ring)"
+    r"|(pin|ball|block|cylinder|stift|kugel|klotz|zylinder)[\W_]*"
+    r"(on|auf|dis[ck]|plate|scheibe|platte|ring)"
 )
 """Words of a rig whose load is that of its contact."""
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\S.*)|(\d[\d.]*)\s*\+")

@@ -5,6 +5,8 @@ import pytest
 
 import pipeline
 from pipeline.laboratory.logs import outcome_of, read_log, read_trace
+from pipeline.laboratory.machines import form_of
+from pipeline.scene.headings import heading_of
 from tests.pipeline.laboratory.test_machines import rows
 
 
@@ -36,6 +38,13 @@ POND = "Prüflast / kp;Gleitgeschw. / m/s;Ergebnis\n5;1;ok\n"
 )
 def test_a_load_in_kilograms_alone_makes_no_four_balls(tmp_path, text, contact):
     assert contacts(tmp_path, text) == [contact]
+
+
+@pytest.mark.parametrize("rig", ["pin_on_disc", "Block-on-ring", "Stift-Scheibe", "ball/disk"])
+def test_the_name_of_another_rig_makes_no_four_balls(rig):
+    headings = [heading_of("Load [kg]"), heading_of("Speed [rpm]")]
+    assert form_of(headings, rig) is None
+    assert form_of(headings, "rig 3").name == "four-ball"
 
 
 def test_a_load_in_kilograms_that_nothing_contradicts_is_of_four_balls(tmp_path):
