@@ -18,6 +18,7 @@ from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.format import TEST, TRANSITION
 from pipeline.scene.headings import numbered
+from pipeline.scene.runs import run_faults
 from tribo import InputError
 
 
@@ -62,6 +63,9 @@ def tests(options: argparse.Namespace) -> Result:
             )
             log.tests.clear()
     found, faults = log.tests, log.faults
+    if row_of is TEST and not faults:  # else rows are left out, and places are not those of tests
+        for place, problem in run_faults(log.in_si):
+            faults.append(f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}")
     toml = list(_toml(log, taken, row_of is TEST)) if found else []
     document = {
         "file": str(path), "form": log.sheet.form,

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from pipeline.laboratory.logs import outcome_of
-from pipeline.laboratory.machines import form_of as form_of
-from pipeline.laboratory.machines import read_form
+from pipeline.laboratory.machines import form_of, read_form
 from pipeline.laboratory.spreadsheet import may_be_thousands as may_be_thousands
 from pipeline.laboratory.spreadsheet import read_rows as read_rows
 from pipeline.scene.headings import UNITS, Heading, Sheet, is_unit, listed, misfit, usual_unit
@@ -26,6 +25,7 @@ _UNIT_AT_END = (
     re.compile(r"(?P<title>.*?)\s*,\s*(?P<unit>\S.*)"),
 )
 """Ways to write a unit. They count only if what stands there is one."""
+_NUMBER = re.compile(r"[<>≥+-]?\s*\d[\d.,]*(\s|\+|$)")
 _ROUND = re.compile(r"(?:[^.]*\b)?\w*(radius|diameter|durchmesser)", re.IGNORECASE)
 _TRACK = re.compile(
     r"track|spur|lauf(bahn|kreis|radius|durchmesser)|reib(bahn|kreis|radius|durchmesser|spur)"
@@ -34,7 +34,7 @@ _TRACK = re.compile(
 )
 _WORDS = {
     "load": (
-        r"\b(load|force|normalkraft|kraft|last|belastung|f ?n|f ?z|f)\b",
+        r"\b(load|force|(normal|prüf)?(kraft|last)|belastung|f ?n|f ?z|f)\b",
         r"\b(friction|reib\w*|tangential\w*|cell|step|stage|stufe|rate|limit|f ?[rtxy])\b",
     ),
     "velocity": (
@@ -46,7 +46,7 @@ _WORDS = {
         r"(\b(force|torque|work|power|energy)\b|kraft|moment)",
     ),
     "bulk_temperature": (
-        r"(\b(temp|temperature|bulk|t)\b|temperatur)",
+        r"(temp\b|\b(temperature|bulk|t)\b|temperatur)",
         r"(\b(contact|flash|room|ambient|crit\w*|krit\w*|max)\b"
         r"|raum|umgebung|kontakt|blitz|grenz)",
     ),
@@ -115,15 +115,23 @@ def _words(heading: Heading) -> str:
     return re.sub(r"[\W_\d]+", " ", heading.title.lower()).strip()
 
 
+def is_rig(headings: Sequence[Heading], stem: str) -> bool:
+    """True of headings of a machine's form, or of a rotation beside its track."""
+    is_turning = any(heading.unit in TURNS for heading in headings)
+    has_track = any(_TRACK.search(heading.title) for heading in headings)
+    return (is_turning and has_track) or form_of(headings, stem) is not None
+
+
 def tidy(sheet: Sheet, stem: str, given: Mapping[str, Any] | None) -> None:
-    """Take units from a first row that holds nothing else, and a velocity from a rotation.
+    """Take units from a first row that holds no number, and a velocity from a rotation.
 
     Of tests, where quantities may be given, load and velocity are taken from a machine's form.
     """
     first = sheet.rows[0].cells if sheet.rows else []
     units = [split_heading(f"x [{cell.strip('[]()')}]").unit for cell in first]
-    if any(units) and all(is_unit(unit) for unit in units if unit):
-        pairs = zip(sheet.headings, units, strict=True)
+    known = [unit if unit == "%" or is_unit(unit) else "" for unit in units]
+    if any(known) and not any(map(_NUMBER.match, first)):
+        pairs = zip(sheet.headings, known, strict=True)
         sheet.headings = [replace(one, unit=one.unit or unit) for one, unit in pairs]
         del sheet.rows[0]
     has_runs = any(is_named(heading, "run") for heading in sheet.headings)

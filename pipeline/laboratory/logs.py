@@ -23,7 +23,7 @@ _MILD = (
 )
 _SEVERE = (
     "severe fresser gefressen fressen scuff scuffed scuffing seizure seized fail failed nio schwer "
-    "notok niok weld welded welding verschweißt "
+    "notok niok weld welded welding verschweisst verschweissung "
     "incipientseizure immediateseizure initialseizure score scored scoring"
 )
 _NEGATION = re.compile(r"^\s*(not|no|non|nicht|keine?r?|ohne|without)[\s_-]+")
@@ -32,6 +32,7 @@ _MEASURED_WEAR = re.compile(r"brugger|\b(area|scar)\b|fläche|kalotte|narbe", re
 _TRANSITIONS = re.compile(
     r"transition|critical|kritisch|übergang|scuff|fress|seiz|fail|limit|grenz", re.IGNORECASE
 )
+_TELLING = "number", "run", "friction"  # entries by which a row is told from a repeat of it
 _YES, _NO = "yes ja y j true wahr 1 x", "no nein n false falsch 0"
 
 
@@ -43,7 +44,7 @@ def outcome_of(word: str, heading: str) -> str | None:
     elif re.search(r"pass|bestanden", asked):
         mild, severe = mild | set(_YES.split()), severe | set(_NO.split())
     said = _NEGATION.sub("", word.lower())
-    plain = re.sub(r"[\W_]+", "", said).replace("freß", "fress")
+    plain = re.sub(r"[\W_]+", "", said).replace("ß", "ss")
     found = "mild" if plain in mild else "severe" if plain in severe else None
     if said == word.lower() or found is None:
         return found
@@ -110,6 +111,7 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
         for word in dict.fromkeys(row.cells[places["outcome"]] for row in tested):
             if word not in OUTCOMES and (outcome := own.get(word) or outcome_of(word, title)):
                 words[word] = outcome
+    _part_runs(sheet, words)
     tests, in_si, wrong = sheet.entries(row_of, words)
     return Log(
         path, sheet, words, left_out, tests, [*faults, *listed_faults(map(_hinted, wrong))],
@@ -119,7 +121,10 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
 
 
 def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> list[int]:
-    """Keep the rows asked for, each once; return the numbers of those that stand there twice."""
+    """Keep the rows asked for, each once; return the numbers of those that stand there twice.
+
+    Rows that say nothing but what was set and what came out are repeats, and all count.
+    """
     heads = [heading.text for heading in sheet.headings]
     for head, value in where.items():
         if head not in heads:
@@ -131,14 +136,32 @@ def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> lis
             listed = ", ".join(filter(None, found))
             faults.append(f'where: no row has "{wanted}" as {head}; give one of {listed}')
         sheet.rows = [row for row in sheet.rows if row.cells[column] == wanted]
+    telling = {sheet.places[name] for name in _TELLING if name in sheet.places}
+    telling |= {k for k in sheet.others if len({row.cells[k] for row in sheet.rows}) > 1}
     first = dict[tuple[str, ...], int]()
     twice = [
         row.number
         for row in sheet.rows
-        if first.setdefault((*row.cells,), row.number) != row.number
+        if any(row.cells[k] for k in telling)
+        and first.setdefault((*row.cells,), row.number) != row.number
     ]
     sheet.rows = [row for row in sheet.rows if row.number not in twice]
     return twice
+
+
+def _part_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
+    """Begin a run of a form's stages anew with another oil, and after a severe row."""
+    made = [name for name in ("run", "outcome") if sheet.places.get(name) in sheet.sure]
+    # With outcomes of its own a form makes a run of each row.
+    if made != ["run"] or sheet.heading("run").text == "run, given":
+        return
+    place, run, before = sheet.places["run"], 0, list[str]()
+    for _, cells in sheet.rows:
+        now = [cells[sheet.places[name]] for name in ("run", "oil") if name in sheet.places]
+        run += now != before
+        cells[place] = str(run)
+        outcome = cells[sheet.places["outcome"]] if "outcome" in sheet.places else ""
+        before = [] if words.get(outcome, outcome) == "severe" else now
 
 
 def _hinted(fault: CellFault) -> CellFault:
@@ -200,30 +223,22 @@ class Trace:
         )
 
     @cached_property
-    def steps(self) -> Array | None:
-        """Step of the load of each row [N], if it rises in steps and not all the time."""
-        if self.load is None or not np.isfinite(self.load).all():
-            return None
-        order, number = np.argsort(self.load, kind="stable"), np.empty(len(self.load), int)
-        apart = np.diff(self.load[order], prepend=self.load[order[0]])
-        number[order] = np.cumsum(apart > _STEP_APART * self.load.max())
-        counts = np.bincount(number)
-        if len(counts) < 2 or counts.min() < _LEAST_OF_STEP:
-            return None
-        levels = [float(np.median(self.load[number == k])) for k in range(len(counts))]
-        return np.array(levels)[number]
+    def stepped(self) -> tuple[str, Array | None]:
+        """What rises in steps, the load, or at a constant load the velocity; the step of a row."""
+        load, velocity = _steps_of(self.load), _steps_of(self.velocity)
+        return ("velocity", velocity) if load is None else ("load", load)
 
     def _stages(self) -> Iterator[str]:
         """Highest step that stayed mild, and the one that turned severe."""
-        steps = self.steps
+        name, steps = self.stepped
         if steps is None:
             return
         end = len(steps) if self.row is None else self.row
         severe = math.inf if self.row is None else steps[self.row]
-        if (mild := steps[:end][steps[:end] < severe]).size:
-            yield f'mild_up_to = "{mild.max():.4g} N"'
+        if (mild := steps[:end][steps[:end] < severe]).any():  # not at rest
+            yield f'mild_up_to = "{mild.max():.4g} {UNITS[name]}"'
         if self.row is not None:
-            yield f'severe_at = "{severe:.4g} N"'
+            yield f'severe_at = "{severe:.4g} {UNITS[name]}"'
 
     def toml(self) -> Iterator[str]:
         """Lines of a scene: a run by its steps, a transition, or a test that stayed mild."""
@@ -233,7 +248,7 @@ class Trace:
         yield from stages
         for name, unit in (("load", "N"), ("velocity", "m/s")):
             column = getattr(self, name)
-            if stages and name == "load":
+            if stages and name == self.stepped[0]:
                 continue
             if column is None:
                 yield f'{name} = "... {unit}"  # not in the trace'
@@ -242,6 +257,19 @@ class Trace:
         yield f"friction = {float(np.median(self.friction[: end or None])):.3g}"
         if self.row is None and not stages:
             yield 'outcome = "mild"'
+
+
+def _steps_of(column: Array | None) -> Array | None:
+    """Step of each row of a load or a velocity, if it rises in steps and not all the time."""
+    if column is None or not np.isfinite(column).all():
+        return None
+    order, number = np.argsort(column, kind="stable"), np.empty(len(column), int)
+    apart = np.diff(column[order], prepend=column[order[0]])
+    number[order] = np.cumsum(apart > _STEP_APART * column.max())
+    counts = np.bincount(number)
+    levels = np.array([np.median(column[number == k]) for k in range(len(counts))])
+    is_rest = levels <= _STEP_APART * column.max()
+    return levels[number] if (~is_rest).sum() > 1 and counts.min() >= _LEAST_OF_STEP else None
 
 
 def read_trace(path: Path, given: Mapping[str, Any] | None = None) -> Trace | None:
@@ -269,7 +297,10 @@ def read_trace(path: Path, given: Mapping[str, Any] | None = None) -> Trace | No
     force = columns.pop("friction_force", None)
     if force is not None and "friction" not in columns:
         with np.errstate(divide="ignore", invalid="ignore"):
-            columns["friction"] = np.abs(force) / columns["load"]
+            columns["friction"] = force / columns["load"]
+    for name in ("friction", "velocity"):  # whose signs turn with the stroke
+        if name in columns:
+            columns[name] = np.abs(columns[name])
     known = np.logical_and.reduce([np.isfinite(column) for column in columns.values()])
     columns = {name: column[known] for name, column in columns.items()}
     return Trace(**columns) if known.sum() >= _LEAST_ROWS else None

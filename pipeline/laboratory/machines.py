@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from pipeline.scene.format import TEST
-from pipeline.scene.headings import Heading, Row, Sheet
+from pipeline.scene.headings import CellFault, Heading, Row, Sheet, listed_faults, usual_unit
 from pipeline.scene.library import library
 from pipeline.scene.units import TURNS, UnitError, to_si
 
@@ -33,7 +33,8 @@ _SPEED = r"(speed|velocity|rpm|drehzahl|geschw\w*|[nuv])"
 _TURNING = "m/s", "rpm"
 COLUMNS = {
     "failed": Quantity(
-        r"(fail\w*|scuff\w*)( load)? stage|fls|(schaden\w*|fress\w*)(kraft|last)stufe|sks", ("",)
+        r"(fail\w*|scuff\w*)( load)? stage|fls|(schaden\w*|fress\w*)(kraft|last)stufe( sks)?|sks",
+        ("",),
     ),
     "stage": Quantity(r"(load |test )?(stage|step)( no)?|(kraft|last)stufe|ks|ls", ("",)),
     "torque": Quantity(
@@ -127,6 +128,7 @@ class Form:
     standard: str = ""
     fixed: tuple[str, ...] = ()
     has_units: bool = False  #: Loads are usual in several units, of which none is guessed.
+    hint: str = "$^"  #: Words that tell it only where none is of another rig.
 
 
 def _signs(*sets: str) -> tuple[frozenset[str], ...]:
@@ -135,7 +137,9 @@ def _signs(*sets: str) -> tuple[frozenset[str], ...]:
 
 FORMS = (
     Form(
-        "FZG A/8.3/90", _signs("torque", "failed"), r"\bfzg\b|kraftstufe",
+        "FZG A/8.3/90", _signs("torque stage", "failed"),
+        r"(?<![a-z])fzg(?![a-z])|kraftstufe|(pinion|ritzel).*(torque|moment)|torque on pinion"
+        r"|\bt ?1\b.*\bn ?m\b",
         {
             "load": ((("torque",), _tooth_force), (("stage",), _stage_force),
                      (("failed",), _stage_force)),
@@ -146,7 +150,7 @@ FORMS = (
         before=lambda stage: stage - 1,
     ),
     Form(
-        "SRV", _signs("frequency", "stroke"), r"\bsrv\b",
+        "SRV", _signs("frequency", "stroke"), r"(?<![a-z])srv(?![a-z])",
         {
             "load": ((("load",), float), (("passed",), float), (("seized",), float)),
             "velocity": ((("frequency", "stroke"), lambda f, s: 2 * f * s),),
@@ -168,7 +172,8 @@ FORMS = (
     ),
     Form(
         "four-ball", (),
-        r"four.?ball|4.?ball|vierkugel|\bvka\b|(load|last).*\b(kgf?|kp)\b|\bweld|non.?seizure",
+        r"(four|4).?ball|vierkugel|(?<![a-z])vka(?![a-z])|non.?seizure"
+        r"|\bweld\w* ?(load|last|point)",
         {
             "load": ((("load",), _ball_force), (("passed",), _ball_force),
                      (("seized",), _ball_force)),
@@ -176,6 +181,7 @@ FORMS = (
         },
         "load is that of one contact, 1/√6 of the applied one; velocity that of its circle",
         has_stages=False, standard=r"d ?2783", fixed=("speed",), has_units=True,
+        hint=r"(load|last).*\b(kgf?|kp)\b",
     ),
     Form(
         "twin disc", _signs("ratio", "first second"), r"twin.?disc|zwei.?scheiben",
@@ -193,28 +199,47 @@ _MACHINE = re.compile(
     r"\b(fzg|a 83 90|srv|timken|(four|4) ball|vierkugel|vka|(astm|din|iso|en|ip)( [a-z]?\d+)+)\b"
 )
 """Names of machines and standards before a quantity in a title, in small letters without signs."""
+_ANOTHER = (
+    r"\bm?m/s\b|track|spur|(lauf|reib)(bahn|kreis)"
+    r"|(pin|ball|block|cylinder|stift|kugel|klotz|zylinder)[\W_]*"
+    r"(on|auf|dis[ck]|plate|scheibe|platte|ring)"
+)
+"""Words of a rig whose load is that of its contact."""
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\S.*)|(\d[\d.]*)\s*\+")
-_ALIASES = {"Nm": "N m", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf"}
+_PARTS = re.compile(r"([+-]?[\d.]+(?:[eE][+-]?\d+)?(?::1)?)\s*((?<=\s)\S.*|[^\d\s.,:].*)?")
+"""Number, or ratio to one, and unit."""
 _ENDS = ("failed", "seized", "passed")
 _TARGETS = {"load": "N", "velocity": "m/s"}
 _CONTACT = ("N", "kN", "m/s", "mm/s")
 
 
-def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") -> None:
-    """Append a column for each quantity that the file does not say."""
+def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") -> list[str]:
+    """Append a column for each quantity that the file does not say; return those in error."""
+    wrong = []
     for name, value in given.items():
         if name not in COLUMNS and name not in TEST.keys:
             allowed = ", ".join(dict.fromkeys([*TEST.keys, *COLUMNS]))
             sheet.of_rows.append(f"given.{name}: no such quantity; give one of {allowed}")
+            wrong.append(name)
             continue
-        number, _, unit = str(value).partition(" ")
-        sheet.headings.append(Heading(f"{name}, {origin}", name, unit.strip()))
+        match = _PARTS.fullmatch(str(value)) if name in COLUMNS else None
+        number, unit = match.groups("") if match else str(value).partition(" ")[::2]
+        heading = Heading(f"{name}, {origin}", name, unit.strip())
+        read = (_value(one, number, heading) for one in _columns([heading]))
+        if name in COLUMNS and all(map(math.isnan, read)):
+            like = f"1.5 {COLUMNS[name].units[0]}".strip()
+            sheet.of_rows.append(f'given.{name}: "{value}" is no {name}; give one like "{like}"')
+            wrong.append(name)
+            continue
+        sheet.sure.add(len(sheet.headings))
+        sheet.headings.append(heading)
         for row in sheet.rows:
             row.cells.append(number)
+    return wrong
 
 
 def _is_named(words: str, headings: Sequence[Heading], stem: str) -> bool:
-    said = (stem, *(heading.text for heading in headings))
+    said = (stem, *(heading.label for heading in headings))
     return any(re.search(words, text, re.IGNORECASE) for text in said)
 
 
@@ -229,17 +254,25 @@ def form_of(headings: Sequence[Heading], stem: str = "") -> Form | None:
     if {"load", "velocity"} <= exact:
         return None
     found = _columns(headings)
+    # A torque beside a load is that of friction.
+    seen = found.keys() - ({"torque"} if "load" in found else set())
+    contact = {name for name, k in found.items() if headings[k].unit in _CONTACT}
     for form in FORMS:
-        is_told = _is_named(form.words, headings, stem)
+        is_made = any("load" in inputs for inputs, _ in form.makes["load"])
+        if {"load", "velocity"} <= contact and not is_made:
+            continue
+        is_told = _is_named(form.words, headings, stem) or (
+            _is_named(form.hint, headings, stem) and not _is_named(_ANOTHER, headings, stem)
+        )
         is_load = any(name in found for name in ("load", "torque", "stage", *_ENDS))
-        if any(signs <= found.keys() for signs in form.signs) or (is_told and is_load):
+        if any(signs <= seen for signs in form.signs) or (is_told and is_load):
             return form
     return None
 
 
 def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool) -> bool:
     """Put load, velocity, outcome and run in place of what a machine reports, if it is one."""
-    _add_given(sheet, given)
+    wrong = _add_given(sheet, given)
     form = form_of(sheet.headings, stem)
     if form is None:
         return False
@@ -257,23 +290,30 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
         )
     ways = {name: _way(form, name, found, ends) for name in _TARGETS}
     inputs = [one for ins, _ in ways.values() for one in ins]
-    known = (one for one in inputs if one in found)
-    turning = [one for one in known if sheet.headings[found[one]].unit in TURNS]
-    inputs += ["diameter"] if {*turning} & {"first", "second"} else []
+    rims = [one for one in ("first", "second") if one in inputs and one in found]
+    turning = [one for one in rims if _turns_of(sheet.headings[found[one]].unit)]
+    inputs += ["diameter"] if turning else []
     inputs += ["seized"] if ends == ["passed"] and form.after is None else []
-    if missing := [one for one in inputs if one not in found]:
+    missing = [one for one in inputs if one not in found and one not in wrong]
+    if missing or wrong:
         _ask(sheet, form, missing)
         return True
+    if "ratio" in found:
+        _take_percent(sheet, found["ratio"])
+    faults = [*_cell_faults(sheet, {one: found[one] for one in (*inputs, *ends)})]
+    sheet.of_rows += listed_faults(faults)
+    faulty = {fault.row for fault in faults}
     rows, last, run = list[Row](), math.inf, 0
     makes_runs = form.has_stages and not has_runs
     for row in sheet.rows:
         values = {name: _value(name, row.cells[k], sheet.headings[k]) for name, k in found.items()}
         for one in turning:
-            if one != "speed":
-                values[one] *= math.pi * values["diameter"]
+            values[one] *= math.pi * values["diameter"]
         for outcome, load in _outcomes(form, row, found, values, ends):
             stage = values | {ways["load"][0][0]: load} if ends else values
             made = [make(*(stage[one] for one in ins)) for ins, make in ways.values()]
+            if row.number in faulty and math.isnan(sum(made)):
+                continue
             run += not made[0] > last
             last = made[0]
             label = str(row.number if ends else run)
@@ -282,6 +322,7 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
             rows.append(Row(row.number, [*row.cells, *cells]))
     used = {found[one] for one in (*inputs, *ends, "stage") if one in found}
     appended = _TARGETS | ({"outcome": ""} if ends else {}) | ({"run": ""} if makes_runs else {})
+    sheet.sure |= {*range(len(sheet.headings), len(sheet.headings) + len(appended))}
     sheet.headings = [
         *(replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)),
         *(Heading(f"{name} of {form.name}", name, unit) for name, unit in appended.items()),
@@ -289,6 +330,34 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     sheet.rows, sheet.made_of = rows, used
     sheet.form.append(f"form of {form.name}: {form.says}")
     return True
+
+
+def _cell_faults(sheet: Sheet, used: Mapping[str, int]) -> Iterator[CellFault]:
+    """What is wrong with cells of which others are made."""
+    own = {name: k for name, k in used.items() if k not in sheet.sure}
+    last = len(_fixed("FZG", "stages"))
+    for number, cells in sheet.rows:
+        values = {name: _value(name, cells[k], sheet.headings[k]) for name, k in own.items()}
+        if all(map(math.isnan, values.values())):  # a remark, which is left out
+            continue
+        for name, k in own.items():
+            # That nothing failed may be said in words.
+            is_word = name in _ENDS and not re.search(r"\d", cells[k])
+            problem = sheet.doubt(cells[k].lstrip("<>≥ "))
+            if math.isnan(values[name]) and cells[k] and not is_word:
+                problem = f'"{cells[k]}" cannot be read; write a number, or leave the cell empty'
+            elif name in ("stage", "failed") and values[name] > last:
+                problem = f'"{cells[k]}" is no load stage; give 1 to {last}, or > {last}'
+            if problem:
+                yield CellFault(number, sheet.headings[k].text, problem)
+
+
+def _take_percent(sheet: Sheet, place: int) -> None:
+    """Take ratios without a unit for percent if any is above 2, which none of two surfaces is."""
+    heading = sheet.headings[place]
+    values = (_value("ratio", row.cells[place], heading) for row in sheet.rows)
+    if not heading.unit and any(abs(value) > 2 for value in values):
+        sheet.headings[place] = replace(heading, unit="%")
 
 
 def _is_bare(sheet: Sheet, found: Mapping[str, int], name: str) -> bool:
@@ -315,7 +384,7 @@ def _columns(headings: Sequence[Heading]) -> dict[str, int]:
 
 def _fits(heading: Heading, title: str, quantity: Quantity) -> bool:
     """True if the unit of a heading is one of a quantity; a lone letter needs one."""
-    unit = _ALIASES.get(heading.unit, heading.unit)
+    unit = heading.unit
     if not unit:
         return "" in quantity.units or len(title) > 2
     if unit in TURNS:
@@ -327,19 +396,31 @@ def _fits(heading: Heading, title: str, quantity: Quantity) -> bool:
     return False
 
 
+def _turns_of(unit: str) -> float | None:
+    """Turns in a second of one of a unit, if it is of a rotation."""
+    if unit in TURNS:
+        return 1 / 60
+    with suppress(UnitError):
+        return to_si(f"1 {unit}", "1 Hz") / (2 * math.pi if "rad" in unit else 1)
+    return None
+
+
 def _value(name: str, cell: str, heading: Heading) -> float:
     """Value of a cell, a rotation in turns a second [SI]; NaN of one that is no number."""
     match, usual = _BEYOND.fullmatch(cell), COLUMNS[name].units[0]
-    number, _, own = ((match[1] or match[2]) if match else cell).strip().partition(" ")
-    unit = own or heading.unit or usual
-    unit = _ALIASES.get(unit, unit)
+    parts = _PARTS.fullmatch(((match[1] or match[2]) if match else cell).strip())
+    if parts is None:
+        return math.nan
+    number, own = parts[1].removesuffix(":1" * (name == "lever")), parts[2] or ""
+    unit = usual_unit(own) or heading.unit or usual
     try:
         if name == "ratio":
             value = float(number)
-            return value / 100 if own == "%" or heading.unit == "%" or abs(value) > 2 else value
+            return value / 100 if own == "%" or heading.unit == "%" else value
         if not usual:
             return float(number)
-        return float(number) / 60 if unit in TURNS else to_si(f"{number} {unit}", f"1 {usual}")
+        turns = _turns_of(unit)
+        return float(number) * turns if turns else to_si(f"{number} {unit}", f"1 {usual}")
     except (ValueError, UnitError):
         return math.nan
 
@@ -377,15 +458,16 @@ def _outcomes(
 
 
 def _ask(sheet: Sheet, form: Form, missing: Sequence[str]) -> None:
-    """Say in a line what a form does not."""
+    """Say in a line what a form does not, if anything; then there are no rows."""
     names = dict.fromkeys(missing)
     values = [f"{name}=... {COLUMNS[name].units[0]}".strip() for name in names]
     options = " ".join(f'--given "{value}"' for value in values)
     entry = ", ".join(value.replace("=", ' = "', 1) + '"' for value in values)
-    sheet.of_rows.append(
-        f"the form of {form.name} ({form.says}) does not say {' or '.join(names)}; give {options}, "
-        f"in a scene given = {{ {entry} }}"
-    )
+    if names:
+        sheet.of_rows.append(
+            f"the form of {form.name} ({form.says}) does not say {' or '.join(names)}; give "
+            f"{options}, in a scene given = {{ {entry} }}"
+        )
     used = {*_columns(sheet.headings).values()}
     sheet.headings = [
         *(replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)),

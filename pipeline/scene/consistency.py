@@ -249,7 +249,8 @@ def _test_faults(tables: dict[str, Any]) -> Misfits:
                 key = f"{table}[{number}].friction_scatter"
                 yield key, f"{entry['friction_scatter']:g} {problem}"
     if None not in (tables["tested"] or ()):
-        yield from run_faults(tables["tested"] or ())
+        for number, problem in run_faults(tables["tested"] or ()):
+            yield f"tested[{number}].run", problem
 
 
 def _oil_faults(sound: Sound) -> Misfits:

@@ -28,6 +28,10 @@ from tribo.errors import require_file
 
 _IN_BRACKETS = re.compile(r"(?P<title>.*?)\s*\[(?P<unit>[^\[\]]*)\]")
 _EXPONENT = re.compile(r"(?<=[A-Za-z])(-\d)")
+_MEANT = {
+    "C": "°C", "F": "°F", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf", "Nm": "N m",
+}  # fmt: skip
+"""Units meant by others: no log is of charges or capacitances, and a mass there is a weight."""
 UNITS = {
     "load": "N", "velocity": "m/s", "friction": "", "bulk_temperature": "K", "hold": "s",
     "time": "s", "friction_force": "N", "critical_temperature": "K",
@@ -88,8 +92,7 @@ def usual_unit(unit: str) -> str:
     unit = unit.strip()
     if unit.startswith("(") and unit.endswith(")"):
         unit = unit[1:-1]
-    if unit in ("C", "F"):  # no log is of charges or capacitances
-        return f"°{unit}"
+    unit = _MEANT.get(unit, unit)
     return "" if unit in ("-", "–", "–", "1") else _EXPONENT.sub(r"^\1", unit)
 
 
@@ -176,6 +179,7 @@ class Sheet:
     decimal: str = "."  # mark of decimals in the file
     form: list[str] = field(default_factory=list)  # words on separators, decimals and encoding
     made_of: set[int] = field(default_factory=set)  # columns of which others were made
+    sure: set[int] = field(default_factory=set)  # columns that are made, or given beside the file
     above: str = ""  # text of the lines above the headings
 
     @property
@@ -217,7 +221,7 @@ class Sheet:
                     table[name] = words.get(cell, cell)
                     continue
                 table[name] = as_entry(cell, self.headings[place].unit)
-                if doubt := self.doubt(cell):
+                if place not in self.sure and (doubt := self.doubt(cell)):
                     wrong.note(name, doubt)
             if "number" in row_of.keys:
                 table.setdefault("number", f"row {row.number}")
@@ -283,7 +287,7 @@ def read_sheet(
         headings = [*map(heading_of, cells)]
         places, faults = columns_for(headings, wanted, named)
         said = f"{path.stem} {above}"
-        is_form = given is not None and laboratory.form_of(headings, said) is not None
+        is_form = given is not None and laboratory.is_rig(headings, said)
         return is_form or (is_log(places) and not (named and faults))
 
     needs_more = decimal or sheet_name or given is not None or path.suffix.lower() != ".csv"

@@ -60,8 +60,8 @@ def tested_holds(tables: Mapping[str, Any]) -> tuple[float, ...]:
     return tuple(sorted({test["hold"] for test in tests if test and test["hold"]}))
 
 
-def run_faults(tests: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
-    """Tests of a run that cannot be of one specimen."""
+def run_faults(tests: Sequence[Mapping[str, Any]]) -> Iterator[tuple[int, str]]:
+    """Places of tests of a run that cannot be of one specimen, and why."""
     runs = dict[str, list[tuple[int, Mapping[str, Any]]]]()
     for index, test in enumerate(tests):
         if test["run"] is not None:
@@ -69,13 +69,13 @@ def run_faults(tests: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
     for run, members in runs.items():
         for (_, one), (index, other) in itertools.permutations(members, 2):
             if str(one["oil"]) != str(other["oil"]):
-                yield f"tested[{index}].run", f"{run} has two oils; give each oil its own run"
+                yield index, f"{run} has two oils; give each oil its own run"
                 break
             is_harder = all(one[name] >= other[name] for name in _KINDS if one[name] is not None)
             is_against = (one["outcome"], other["outcome"]) == ("mild", "severe")
             if is_against and is_harder and one["bulk_temperature"] == other["bulk_temperature"]:
                 yield (
-                    f"tested[{index}].run",
+                    index,
                     f"{run} is severe at {other['load']:g} N and {other['velocity']:g} m/s, and "
                     f"mild at {one['load']:g} N and {one['velocity']:g} m/s, which no specimen is; "
                     "give them runs of their own",
