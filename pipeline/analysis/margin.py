@@ -71,7 +71,8 @@ class Margin:
     is_continued: bool  #: Temperature extrapolated beyond the computed points.
     members: int  #: Surfaces, or draws of unknown inputs, that it rests on.
     counts_inputs: bool  #: The members are draws of unknown inputs, and not surfaces.
-    #: Of these numbers that 5 and 95 % stay below, where there are several members.
+    #: Of these numbers that 5 and 95 % stay below, where there are several members; 0 and infinite
+    #: critical ones where these members are severe or mild at all that is known.
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     tested: tuple[str, ...] = ()  #: Tests of the scene at or beside the place, in words.
     misfit: str = ""  #: Why the tests contradict the model, which then decides nothing.
@@ -168,8 +169,8 @@ def answer(
     spread = {
         "decisive_temperature": here.values,
         "distance": here.critical - here.values,
-        "critical_velocity": turns["velocity"].nearest,
-        "critical_load": turns["load"].nearest,
+        "critical_velocity": _ranked(turns["velocity"]),
+        "critical_load": _ranked(turns["load"]),
     }
     ends_and_middles: list[dict[str, Any]] = [
         {name: quantile(values, weights, share) for name, values in spread.items()}
@@ -177,6 +178,10 @@ def answer(
     ]
     low, middles, high = ends_and_middles
     intervals = {name: (low[name], high[name]) for name in spread if len(weights) > 1}
+    for axis in turns:
+        name = f"critical_{axis}"
+        intervals |= {name: tuple(max(end, 0.0) for end in intervals[name])} if intervals else {}
+        middles[name] = middles[name] if math.isfinite(middles[name]) else math.nan
     scale = field.conditions.temperature_error(middles["decisive_temperature"])
     told: dict[str, Any] = {
         f"{axis}_{name}": value
@@ -188,9 +193,6 @@ def answer(
             ("bridged", one.bridged),
         )
     }
-    for axis in turns:
-        if not math.isfinite(middles[f"critical_{axis}"]) or middles[f"critical_{axis}"] == 0:
-            middles[f"critical_{axis}"] = math.nan
     return Margin(
         load=load,
         velocity=velocity,
@@ -211,6 +213,11 @@ def answer(
         **middles,
         **told,
     )
+
+
+def _ranked(turns: Turns) -> Array:
+    """Nearest turns, of which a quantile beside a member without any is none, and no place."""
+    return np.where(turns.nearest == 0, -math.inf, turns.nearest)
 
 
 def probabilities(
