@@ -61,8 +61,13 @@ class Margin:
     critical_load: float  #: The nearest at this velocity [N]; NaN if the sweep has none.
     velocity_outcome: str  #: One of `pipeline.analysis.transition.outcomes`.
     load_outcome: str  #: Likewise, along the load.
-    velocity_turns: tuple[float, ...]  #: All velocities at which wear turns at this load [m/s].
-    load_turns: tuple[float, ...]  #: All loads at which it turns at this velocity [N].
+    #: All velocities at which wear turns at this load [m/s]; none if members turn unlike.
+    velocity_turns: tuple[float, ...]
+    load_turns: tuple[float, ...]  #: All loads at which it turns at this velocity [N]; likewise.
+    velocity_member_turns: tuple[tuple[float, ...], ...]  #: Those of each surface.
+    load_member_turns: tuple[tuple[float, ...], ...]  #: Likewise.
+    velocity_begins_severe: bool  #: Wear is severe below the first of these turns.
+    load_begins_severe: bool  #: Likewise.
     velocity_range: tuple[float, float]  #: Lowest and highest velocity computed there [m/s].
     load_range: tuple[float, float]  #: Lowest and highest load computed there [N].
     velocity_bridged: int  #: Points not done that the critical velocity is interpolated across.
@@ -166,11 +171,12 @@ def answer(
     error = field.error(load, velocity)
     lowest, middle, highest = probabilities(field, load, np.array([velocity]), scatter, error)
     turns = {axis: field.turns(axis, load, velocity) for axis in ("velocity", "load")}
+    alike = {axis: field.alike_turns(axis, load, velocity) for axis in turns}
     spread = {
         "decisive_temperature": here.values,
         "distance": here.critical - here.values,
-        "critical_velocity": _ranked(turns["velocity"]),
-        "critical_load": _ranked(turns["load"]),
+        "critical_velocity": _ranked(turns["velocity"], alike["velocity"][0], velocity),
+        "critical_load": _ranked(turns["load"], alike["load"][0], load),
     }
     ends_and_middles: list[dict[str, Any]] = [
         {name: quantile(values, weights, share) for name, values in spread.items()}
@@ -188,7 +194,9 @@ def answer(
         for axis, one in turns.items()
         for name, value in (
             ("outcome", outcome_in_words(one, axis)),
-            ("turns", tuple(one.places[0]) if len(one.places) == 1 else ()),
+            ("turns", tuple(quantile(each, weights, 0.5) for each in alike[axis][0].T)),
+            ("member_turns", one.places),
+            ("begins_severe", alike[axis][1]),
             ("range", one.computed),
             ("bridged", one.bridged),
         )
@@ -215,8 +223,14 @@ def answer(
     )
 
 
-def _ranked(turns: Turns) -> Array:
-    """Nearest turns, of which a quantile beside a member without any is none, and no place."""
+def _ranked(turns: Turns, alike: Array, here: float) -> Array:
+    """Nearest turns, of which a quantile beside a member without any is none, and no place.
+
+    Of members alike the same turn of each.
+    """
+    if alike.size:
+        away = np.abs(np.log(np.median(alike, axis=0) / here))
+        return np.asarray(alike[:, away.argmin()])
     return np.where(turns.nearest == 0, -math.inf, turns.nearest)
 
 

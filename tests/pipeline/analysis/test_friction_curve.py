@@ -88,6 +88,7 @@ def test_wear_that_is_mild_again_at_a_higher_velocity_turns_at_all_places_of_the
         for velocity in (0.51, 1.0, 2.5, 4.0, 5.9):
             margin = pipeline.margin(ds, load, velocity)
             assert margin.velocity_turns == pytest.approx(turns, rel=1e-3)
+            assert margin.velocity_begins_severe == severe[0]
             if np.abs(np.log(turns / velocity)).min() > 0.1:
                 is_severe = temperature(BACK, load, velocity) > 418.15
                 assert margin.verdict == ("severe" if is_severe else "mild")
