@@ -10,7 +10,7 @@ import tribo
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import compared, own_conditions
 from pipeline.figures.plot import plot
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.about import Measurement, judged_by
 from tests.helpers import javascript, synthetic
 from tests.helpers.sweeps import with_fields
 
@@ -92,3 +92,15 @@ def test_wear_that_is_mild_again_at_a_higher_velocity_turns_at_all_places_of_the
             if np.abs(np.log(turns / velocity)).min() > 0.1:
                 is_severe = temperature(BACK, load, velocity) > 418.15
                 assert margin.verdict == ("severe" if is_severe else "mild")
+
+
+def test_a_coefficient_in_the_scene_and_one_given_afterwards_are_told_apart():
+    table = [{"velocity": "1 m/s", "coefficient": 0.12}, {"velocity": "4 m/s", "coefficient": 0.06}]
+    entries = {"friction.by_velocity": table}
+    scaled = pipeline.load_scene("first_try", overrides=entries).conditions.changed(friction=0.12)
+    kept = pipeline.load_scene("first_try", overrides=entries | {"friction.coefficient": 0.12})
+    assert scaled.friction_at(4.0) == pytest.approx(0.072)
+    assert kept.conditions.friction_at(4.0) == pytest.approx(0.06)
+    for conditions, factors in ((scaled, "0.6 to 1.2"), (kept.conditions, "0.5 to 1")):
+        said = f"friction by velocity, measured, {factors} times the coefficient"
+        assert judged_by([conditions]).endswith(said)
