@@ -138,7 +138,7 @@ def _turning_surfaces(boundaries: xr.Dataset) -> Iterator[pd.DataFrame]:
             )
             dims = [*entry_dims(outcome), "realization", axis]
             heads = heads_of(boundaries, dims[:-2]) | {axis: f"{axis} [{UNITS[axis]}]"}
-            frame = rows.to_dataframe(dims).reset_index()
+            frame = rows.reset_coords(drop=True).to_dataframe(dims).reset_index()
             yield frame.rename(columns=heads | {"realization": "surface"})
 
 
