@@ -33,7 +33,7 @@ from pipeline.analysis.dataset import (
 from pipeline.analysis.scenes import scenes, value_text
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import OIL_WORKS
-from pipeline.scene.reference import all_keys, find_entry
+from pipeline.scene.reference import acts_later, all_keys, find_entry, needed_beside
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
@@ -294,7 +294,18 @@ def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
     if not (find_entry(path) or find_entry(path.rpartition(".")[0])):  # or a part of an entry
         return f"{path} is no entry of a scene{did_you_mean(path, dict(all_keys()))}"
     sweep = whole_sweep(ds)
-    scene = (sweep.about.arguments or (f"{sweep.about.name}.toml",))[0]
+    scene, *words = sweep.about.arguments or (f"{sweep.about.name}.toml",)
+    turns_pin = path.startswith("pin.") and sweep.scene.motion  # its wear spreads over its track
+    if acts_later(path) and not turns_pin:
+        changed, store = f"--set={path}=", ds.encoding.get("source", "STORE")
+        kept = [word for word in words if not word.startswith(changed)]
+        command = shlex.join(["irg", "run", scene, *kept, f"{changed}{value}", "-o", store])
+        beside = needed_beside(path)
+        also = f" (with {', '.join(beside)}, too, if the scene has none)" if beside else ""
+        return (
+            f"{path} acts after the simulation, but --at does not take it: run {command}{also}, "
+            "which computes no point anew and judges the store by it"
+        )
     command = shlex.join(["irg", "run", scene, "--set", f"{path}={value}", "-o", "OTHER.zarr"])
     has = f"; it has several of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""
     if unknown := open_inputs(sweep):

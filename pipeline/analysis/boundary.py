@@ -34,6 +34,7 @@ from pipeline.analysis.transition import (
     BELOW,
     CROSSES,
     MILD,
+    SEVERAL,
     SEVERE,
     UNITS,
     Line,
@@ -94,6 +95,7 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
           and around its track turns severe, if the surfaces' velocities are log-normal.
         - ``critical_velocity_mean``, ``critical_velocity_spread`` (standard deviation): NaN unless
           every surface crosses.
+        - ``turns_at_load_median(load, turn)``: median of each turn, if all surfaces turn alike.
         - ``crossing_at_load``: number of surfaces that cross; ``known_at_load``: number of those
           known to cross or not.
 
@@ -293,7 +295,7 @@ def add_band(boundaries: xr.Dataset, patches: float = 1.0) -> xr.Dataset:
             vectorize=True,
         )
         crossing = (outcome == CROSSES).sum("realization")
-        certain = outcome.isin((CROSSES, MILD, SEVERE)).sum("realization")
+        certain = outcome.isin((CROSSES, MILD, SEVERE, SEVERAL)).sum("realization")
         quantiles = quantiles.transpose(..., "quantile", axis)
         columns = {
             f"{name}_mean": (mean, unit, "mean over the surfaces"),
@@ -306,7 +308,19 @@ def add_band(boundaries: xr.Dataset, patches: float = 1.0) -> xr.Dataset:
         for column, (values, units, words) in columns.items():
             attrs = {"units": units, "long_name": words}
             with_quantiles[column] = values.dims, values.values, attrs
+        with_quantiles[f"turns_at_{axis}_median"] = _median_turns(boundaries, axis).assign_attrs(
+            units=unit, long_name="median of each turn, where all surfaces turn alike"
+        )
     return with_quantiles.assign_attrs(patches=patches)
+
+
+def _median_turns(boundaries: xr.Dataset, axis: str) -> xr.DataArray:
+    """Median of each turn over the surfaces; NaN where they turn unlike each other."""
+    turns, begins = boundaries[f"turns_at_{axis}"], boundaries[f"begins_severe_at_{axis}"]
+    is_turn = turns.notnull()
+    alike = (is_turn == is_turn.isel(realization=0)).all(("realization", "turn"))
+    alike &= (begins == begins.isel(realization=0)).all("realization")
+    return turns.median("realization", skipna=False).where(alike)
 
 
 def _band_of(
@@ -315,7 +329,8 @@ def _band_of(
     """Mean, spread, first and quantiles of the transitions of several surfaces along one line."""
     low, high = _ends(places, outcomes, first, last)
     quantiles = np.array([quantile(low, high, share) for share in BAND])
-    if not np.isfinite(low).all() or (low != high).any():  # not all that are known cross
+    # Not all that are known cross, or some not only once.
+    if not np.isfinite(low).all() or (low != high).any() or (outcomes == SEVERAL).any():
         return math.nan, math.nan, math.nan, quantiles
     if len(low) == 1:
         return float(low[0]), math.nan, math.nan, quantiles
@@ -329,6 +344,9 @@ def _ends(places: Array, outcomes: Array, first: Array, last: Array) -> tuple[Ar
     is_kind = [outcomes == kind for kind in (CROSSES, MILD, SEVERE, ABOVE, BELOW)]
     low = np.select(is_kind, [places, np.inf, -np.inf, last, -np.inf], math.nan)
     high = np.select(is_kind, [places, np.inf, -np.inf, np.inf, first], math.nan)
+    is_several = outcomes == SEVERAL  # the first turn to severe wear, which may lie anywhere else
+    low = np.where(is_several, np.nan_to_num(places, nan=-np.inf), low)
+    high = np.where(is_several, np.nan_to_num(places, nan=np.inf), high)
     is_known = ~np.isnan(low)
     return (low[is_known], high[is_known]) if is_known.any() else (np.array([math.nan]),) * 2
 

@@ -404,13 +404,18 @@ def corrected_field(point: xr.Dataset, rise: Array, conditions: Conditions) -> A
     return field
 
 
+def require_variables(ds: xr.Dataset, *names: str) -> None:
+    """Raise an `InputError` if a dataset lacks any of these variables."""
+    if missing := [name for name in names if name not in ds.variables]:
+        raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
+
+
 def keep_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
     """The dataset with steps along a dimension, also where it was taken at one of them.
 
     Raise an `InputError` if it lacks any of these variables.
     """
-    if missing := [name for name in names if name not in ds.variables]:
-        raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
+    require_variables(ds, *names)
     if "step" in ds.dims:
         return ds
     stepped = [name for name in ds.data_vars if name in STEPPED or name in MADE]

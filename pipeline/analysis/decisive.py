@@ -24,6 +24,7 @@ from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import columns_needed, failed_fraction, rise_limit, worst_rises
 from tribo import Criterion, InputError
+from tribo.simulation.corrections import NEEDED
 from tribo.types import Array, Mask
 
 
@@ -50,7 +51,8 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
             "such as by ds.sel(step=0)"
         )
     column = conditions.decisive.column
-    ds = keep_steps(ds, "status", "normal_load", column, "cooler_share")
+    corrected = NEEDED if conditions.corrections else ()
+    ds = keep_steps(ds, "status", "normal_load", column, "cooler_share", *corrected)
     names = ["normal_load", column, *columns_needed(conditions)]
     columns = {name: values_of(ds, name) for name in dict.fromkeys(names) if name in ds}
     columns["quantile"] = ds["cooler_share"].values

@@ -106,6 +106,12 @@ class Field(Protocol):
     def turns(self, axis: str, load: float, velocity: float) -> Turns:
         """Where wear turns severe along an axis through a place."""
 
+    def alike_turns(self, axis: str, load: float, velocity: float) -> tuple[Array, bool]:
+        """Places (m, k) at which wear of each member turns, and if it begins severe.
+
+        Without places, (m, 0), where the members turn unlike each other.
+        """
+
     def probability(
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
     ) -> Array:
@@ -227,6 +233,13 @@ class PointField:
         """See `Field`."""
         here = velocity if axis == "velocity" else load
         return Turns.of(self.lines(axis, load, velocity), here)
+
+    def alike_turns(self, axis: str, load: float, velocity: float) -> tuple[Array, bool]:
+        """See `Field`."""
+        lines = self.lines(axis, load, velocity)
+        if len({(len(line.places), line.begins_severe) for line in lines}) > 1:
+            return np.empty((len(lines), 0)), False
+        return np.array([line.places for line in lines]), lines[0].begins_severe
 
     def probability(
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0

@@ -11,7 +11,7 @@ import xarray as xr
 from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.scenes import attribute_values, heads_of, parts_of
 from pipeline.analysis.tables import frame_of, short
-from pipeline.analysis.transition import CROSSES, UNITS, in_words, outcomes
+from pipeline.analysis.transition import CROSSES, SEVERAL, UNITS, in_words, outcomes
 from pipeline.sweep.conditions import FIELDS
 from tribo.material import BOUNDARY, FULL_FILM
 
@@ -31,7 +31,7 @@ def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
     """Frames of `pipeline.boundary`: critical velocities by load, critical loads by velocity."""
     if "critical_velocity" not in boundaries:
         return (_along(boundaries, "critical_velocity", "load"),)
-    return tuple(_along(boundaries, *ends) for ends in BOUNDARIES)
+    return *(_along(boundaries, *ends) for ends in BOUNDARIES), *_turning_surfaces(boundaries)
 
 
 def boundary_parts(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
@@ -128,6 +128,37 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
     yield "points not done beside it", bridged.where(bridged > 0)
 
 
+def _turning_surfaces(boundaries: xr.Dataset) -> Iterator[pd.DataFrame]:
+    """Each of several surfaces in a row, along an axis on which wear of any turns several times."""
+    for name, axis in BOUNDARIES:
+        outcome = boundaries[f"outcome_at_{axis}"]
+        if "realization" in outcome.dims and (outcome == SEVERAL).any():
+            rows = xr.Dataset(
+                {head: one.drop_attrs() for head, one in _surface(boundaries, name, axis)}
+            )
+            dims = [*entry_dims(outcome), "realization", axis]
+            heads = heads_of(boundaries, dims[:-2]) | {axis: f"{axis} [{UNITS[axis]}]"}
+            frame = rows.reset_coords(drop=True).to_dataframe(dims).reset_index()
+            yield frame.rename(columns=heads | {"realization": "surface"})
+
+
+def _median_ranges(boundaries: xr.Dataset, other: str, axis: str) -> xr.DataArray:
+    """Ranges of severe wear between the medians of several turns, in words."""
+    begins = boundaries[f"begins_severe_at_{axis}"].isel(realization=0)
+    turns = boundaries[f"turns_at_{axis}_median"]
+    worded = np.vectorize(
+        lambda begins, turns: (
+            in_words(outcomes(other)[SEVERAL], (), other, turns, begins)
+            if np.isfinite(turns).any()
+            else None
+        ),
+        otypes=[object],
+        signature="(),(n)->()",
+    )
+    words: xr.DataArray = xr.apply_ufunc(worded, begins, turns, input_core_dims=[[], ["turn"]])
+    return words
+
+
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
     """Median, ends of the band, mean and spread of several surfaces, and how many of them cross.
 
@@ -153,5 +184,7 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
     for code, outcome in outcomes(other).items():
         if code == CROSSES or (codes == code).any():
             yield "cross" if code == CROSSES else outcome, (codes == code).sum(surfaces)
+    if (codes == SEVERAL).any():
+        yield "turns, median", _median_ranges(boundaries, other, axis)
     bridged = (boundaries[f"bridged_at_{axis}"] > 0).sum(surfaces)
     yield "of them across points not done", bridged.where(bridged > 0)

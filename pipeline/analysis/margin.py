@@ -62,8 +62,13 @@ class Margin:
     critical_load: float  #: The nearest at this velocity [N]; NaN if the sweep has none.
     velocity_outcome: str  #: One of `pipeline.analysis.transition.outcomes`.
     load_outcome: str  #: Likewise, along the load.
-    velocity_turns: tuple[float, ...]  #: All velocities at which wear turns at this load [m/s].
-    load_turns: tuple[float, ...]  #: All loads at which it turns at this velocity [N].
+    #: All velocities at which wear turns at this load [m/s]; none if members turn unlike.
+    velocity_turns: tuple[float, ...]
+    load_turns: tuple[float, ...]  #: All loads at which it turns at this velocity [N]; likewise.
+    velocity_member_turns: tuple[tuple[float, ...], ...]  #: Those of each surface.
+    load_member_turns: tuple[tuple[float, ...], ...]  #: Likewise.
+    velocity_begins_severe: bool  #: Wear is severe below the first of these turns.
+    load_begins_severe: bool  #: Likewise.
     velocity_range: tuple[float, float]  #: Lowest and highest velocity computed there [m/s].
     load_range: tuple[float, float]  #: Lowest and highest load computed there [N].
     velocity_bridged: int  #: Points not done that the critical velocity is interpolated across.
@@ -72,7 +77,8 @@ class Margin:
     is_continued: bool  #: Temperature extrapolated beyond the computed points.
     members: int  #: Surfaces, or draws of unknown inputs, that it rests on.
     counts_inputs: bool  #: The members are draws of unknown inputs, and not surfaces.
-    #: Of these numbers that 5 and 95 % stay below, where there are several members.
+    #: Of these numbers that 5 and 95 % stay below, where there are several members; 0 and infinite
+    #: critical ones where these members are severe or mild at all that is known.
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     tested: tuple[str, ...] = ()  #: Tests of the scene at or beside the place, in words.
     misfit: str = ""  #: Why the tests contradict the model, which then decides nothing.
@@ -166,11 +172,12 @@ def answer(
     error = field.error(load, velocity)
     lowest, middle, highest = probabilities(field, load, np.array([velocity]), scatter, error)
     turns = {axis: field.turns(axis, load, velocity) for axis in ("velocity", "load")}
+    alike = {axis: field.alike_turns(axis, load, velocity) for axis in turns}
     spread = {
         "decisive_temperature": here.values,
         "distance": here.critical - here.values,
-        "critical_velocity": turns["velocity"].nearest,
-        "critical_load": turns["load"].nearest,
+        "critical_velocity": _ranked(turns["velocity"], alike["velocity"][0], velocity),
+        "critical_load": _ranked(turns["load"], alike["load"][0], load),
     }
     ends_and_middles: list[dict[str, Any]] = [
         {name: quantile(values, weights, share) for name, values in spread.items()}
@@ -178,20 +185,23 @@ def answer(
     ]
     low, middles, high = ends_and_middles
     intervals = {name: (low[name], high[name]) for name in spread if len(weights) > 1}
+    for axis in turns:
+        name = f"critical_{axis}"
+        intervals |= {name: tuple(max(end, 0.0) for end in intervals[name])} if intervals else {}
+        middles[name] = middles[name] if math.isfinite(middles[name]) else math.nan
     scale = field.conditions.temperature_error(middles["decisive_temperature"])
     told: dict[str, Any] = {
         f"{axis}_{name}": value
         for axis, one in turns.items()
         for name, value in (
             ("outcome", outcome_in_words(one, axis)),
-            ("turns", tuple(one.places[0]) if len(one.places) == 1 else ()),
+            ("turns", tuple(quantile(each, weights, 0.5) for each in alike[axis][0].T)),
+            ("member_turns", one.places),
+            ("begins_severe", alike[axis][1]),
             ("range", one.computed),
             ("bridged", one.bridged),
         )
     }
-    for axis in turns:
-        if not math.isfinite(middles[f"critical_{axis}"]) or middles[f"critical_{axis}"] == 0:
-            middles[f"critical_{axis}"] = math.nan
     return Margin(
         load=load,
         velocity=velocity,
@@ -212,6 +222,17 @@ def answer(
         **middles,
         **told,
     )
+
+
+def _ranked(turns: Turns, alike: Array, here: float) -> Array:
+    """Nearest turns, of which a quantile beside a member without any is none, and no place.
+
+    Of members alike the same turn of each.
+    """
+    if alike.size:
+        away = np.abs(np.log(np.median(alike, axis=0) / here))
+        return np.asarray(alike[:, away.argmin()])
+    return np.where(turns.nearest == 0, -math.inf, turns.nearest)
 
 
 def probabilities(

@@ -21,6 +21,7 @@ from pipeline.analysis.dataset import (
     dataset_of,
     judged_dims,
     read_conditions,
+    require_variables,
     stored_sweep,
     sweep_kind,
 )
@@ -119,6 +120,7 @@ def warned(ds: xr.Dataset | PathLike) -> Warned:
 
 def warnings_of(ds: xr.Dataset) -> xr.DataArray:
     """Sum of the `WarningKind` of each done point: its own, and what its neighbours tell."""
+    require_variables(ds, "status", "warning_flags")
     flags = ds["warning_flags"].where(ds["status"] == DONE, 0).astype(int)
     flags = flags | _marked(ds, _rises_slowly) * int(WarningKind.SLOW_RISE)
     all_flags: xr.DataArray = flags.transpose(..., "load", "velocity", missing_dims="ignore")

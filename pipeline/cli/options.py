@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -21,6 +22,15 @@ class Option:
     def but(self, **settings: Any) -> Option:
         """The option with some settings replaced."""
         return Option(*self.names, **self.settings | settings)
+
+
+class _Once(argparse.Action):
+    """Keep the value of an option, and refuse a second one."""
+
+    def __call__(self, parser: Any, namespace: Any, value: Any, option: str | None = None) -> None:
+        if getattr(namespace, self.dest) is not None:
+            parser.error(f"{option} is given more than once; give it once")
+        setattr(namespace, self.dest, value)
 
 
 class Group(NamedTuple):
@@ -190,8 +200,9 @@ _THRESHOLD = (
     ),
     CRITERION,
 )  # fmt: skip
-CONDITIONS = Group("conditions, instead of the scene's", (FRICTION, BULK, *_THRESHOLD))
-CONDITIONS_AT_FRICTIONS = CONDITIONS._replace(options=(FRICTIONS, BULK, *_THRESHOLD))
+_ONE_EACH = tuple(option.but(action=_Once) for option in (FRICTION, BULK, *_THRESHOLD))
+CONDITIONS = Group("conditions, instead of the scene's", _ONE_EACH)
+CONDITIONS_AT_FRICTIONS = CONDITIONS._replace(options=(FRICTIONS, *_ONE_EACH[1:]))
 
 OVER = Option(
     "--over", metavar="KEY=VALUE,VALUE", type=values.settings, action="append", default=[],

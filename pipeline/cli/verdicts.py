@@ -28,7 +28,15 @@ from pipeline.analysis.margin import NOT_DECIDED, Margin
 from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
 from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import as_dict, notes_of, short, upright
-from pipeline.analysis.transition import BEYOND, CROSSES, UNITS, UNKNOWN, in_words, outcomes
+from pipeline.analysis.transition import (
+    BEYOND,
+    CROSSES,
+    SEVERAL,
+    UNITS,
+    UNKNOWN,
+    in_words,
+    outcomes,
+)
 from pipeline.cli.given import dataset_in, operating_points_in, table_in, values_in
 from pipeline.cli.next_steps import after_boundary, command_that_decides, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted, working
@@ -132,9 +140,9 @@ def _margin_lines(here: Margin) -> list[str]:
         lines.append(f"warning: {here.misfit}")
     for name in UNITS:
         outcome = getattr(here, f"{name}_outcome")
-        turns = getattr(here, f"{name}_turns")
-        said = in_words(outcome, getattr(here, f"{name}_range"), name, turns)
-        if said != outcome:
+        turns, begins = getattr(here, f"{name}_turns"), getattr(here, f"{name}_begins_severe")
+        said = in_words(outcome, getattr(here, f"{name}_range"), name, turns, begins)
+        if said != outcome and (turns or outcome != outcomes(name)[SEVERAL]):
             lines.append(f"in {name}: {said}")
     return lines
 

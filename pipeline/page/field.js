@@ -92,9 +92,10 @@ function transitions(axis, node, conditions) {
 }
 
 /** Least and greatest place that a transition may have. @param {Transition} transition @returns {Ends} */
-function endsOf({ places: [place], outcome, computed: [from, to] }) {
-  if (outcome === UNKNOWN || outcome === SEVERAL) return [NaN, NaN];
-  if (outcome === CROSSES) return [place, place];
+function endsOf({ severe, outcome, computed: [from, to] }) {
+  if (outcome === UNKNOWN) return [NaN, NaN];
+  const first = severe.map(([begin]) => begin).find((begin) => begin > 0); // turn to severe wear
+  if (outcome === CROSSES || outcome === SEVERAL) return [first ?? -Infinity, first ?? Infinity];
   if (outcome === MILD || outcome === ABOVE) return [outcome === MILD ? Infinity : to, Infinity];
   return [-Infinity, outcome === SEVERE ? -Infinity : from];
 }

@@ -60,10 +60,10 @@ function marginRows() {
 function wayText(axis, node, now, unit) {
   const all = transitions(axis, node, chosen.conditions);
   const words = outcomeText({ transitions: all }, unit);
-  const ratio = nearestTurn(all, now) / now;
-  if (!Number.isFinite(ratio) || !ratio) return words;
+  const places = all.map((one) => nearestTurn([one], now) || -Infinity); // no median beside one without any
+  const ratio = quantileOf(places, 0.5) / now;
+  if (!Number.isFinite(ratio)) return words;
   const ranges = all.length === 1 && all[0].outcome === SEVERAL ? `; ${words}` : "";
-  const places = all.map((one) => nearestTurn([one], now) || Infinity);
   return `${banded(places, unit)}, ${shown(ratio, 3)} times${ranges}`;
 }
 

@@ -218,8 +218,12 @@ def _answer(boundaries: xr.Dataset) -> str:
         velocities, crosses = velocities.median(axis), crosses.all(axis)
     crossings = velocities.where(crosses, drop=True)
     codes = sorted(set(boundaries["outcome_at_load"].values.ravel().tolist()))
+    frame = frames_of(boundaries)[0].iloc[[0, -1]]
+    if axis and SEVERAL in codes and frame["turns, median"].notna().all():
+        ends = frame["turns, median"] + frame["load [N]"].map(" at {:g} N".format)
+        many = f", the medians of {boundaries.sizes[axis]} surfaces"
+        return f"wear is {' and '.join(dict.fromkeys(ends))}{many}"
     if SEVERAL in codes and not axis:
-        frame = frames_of(boundaries)[0].iloc[[0, -1]]
         once = frame["critical velocity [m/s]"].map("severe from {:.3g} m/s on".format)
         words = frame["outcome"].where(frame["outcome"] != outcomes("velocity")[CROSSES], once)
         ends = words + frame["load [N]"].map(" at {:g} N".format)

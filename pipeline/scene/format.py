@@ -332,7 +332,9 @@ OIL = Table({
 })
 
 FRICTION_TABLE = Table({
-    "coefficient": Entry(FRICTION, "Coefficient of friction."),
+    "coefficient": Entry(FRICTION,
+        "Coefficient of friction. Another one given afterwards (`--at`, `--friction`) scales what "
+        "`by_velocity` and `by_temperature` tell; one in the scene (`--set`) leaves their values."),
     "band": Optional(List(FRICTION, length=2),
         "Lowest and highest coefficient, drawn as a band in the diagram."),
     "same_rig": Optional(Flag(),
@@ -342,7 +344,7 @@ FRICTION_TABLE = Table({
         "velocity": Entry(SPEED, "Sliding velocity."),
         "coefficient": Entry(FRICTION, "Coefficient of friction."),
     })), "Friction by sliding velocity, smooth between the given values and constant beyond them. "
-         f"Another coefficient scales it. {LATER}", default=()),
+         f"A coefficient given afterwards scales it. {LATER}", default=()),
     "by_temperature": Optional(List(Table({
         "temperature": Entry(TEMPERATURE, "Temperature of the contact."),
         "coefficient": Entry(Number(above=0), "Coefficient of friction."),

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import tribo
-from pipeline.scene.compounds import Either, Entry, List, Range, Table, Tables
+from pipeline.scene.compounds import Either, Entry, List, Optional, Range, Table, Tables
 from pipeline.scene.document import as_toml
 from pipeline.scene.faults import did_you_mean, entry_at
-from pipeline.scene.format import SCENE, UNKNOWN
+from pipeline.scene.format import LATER, SCENE, UNKNOWN
 from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError
@@ -105,6 +105,31 @@ def find_entry(path: str) -> Entry | None:
     if parts[0] == "materials" and len(parts) > 2:
         parts[1] = "NAME"
     return dict(all_keys()).get(".".join(parts))
+
+
+def _table_of(path: str) -> Entry | None:
+    """The entry of the table that a key is in; None if there is none."""
+    return {one.path: one.entry for one in sections()}.get(path.rpartition(".")[0])
+
+
+def acts_later(path: str) -> bool:
+    """An entry, or the table that it is in, acts after the simulation."""
+    entries = find_entry(path), _table_of(path)
+    return any(LATER in entry.meaning for entry in entries if entry)
+
+
+def needed_beside(path: str) -> list[str]:
+    """Paths of the entries without which an optional table is not sound, beside one of its own."""
+    table, _, key = path.rpartition(".")
+    entry = _table_of(path)
+    forms = forms_of(entry.kind) if isinstance(entry, Optional) else ()
+    return [
+        f"{table}.{other}"
+        for form in forms
+        if key in form.keys
+        for other, one in form.keys.items()
+        if other != key and not isinstance(one, Optional)
+    ]
 
 
 def quantity_in(kind: Kind) -> Quantity | None:

@@ -15,6 +15,7 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.dataset import scene_sweep
 from pipeline.analysis.laboratory import model_error
+from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.tables import frame_of
 from pipeline.cli import given
 from pipeline.cli.output import Result, working
@@ -64,15 +65,14 @@ def design(options: argparse.Namespace) -> Result:
         points = zip(limit.values, limit.probabilities, strict=True)
         frame = frame_of((f"{path} [{limit.entry.unit}]", "probability"), points)
         answer, text = limit.as_dict(), [_word_limit(limit)]
-    fits = not samples.misfit
     is_known = samples.ensemble.velocity_error is not None
-    confirmed = bool(fits and is_known and direct and direct.confirms(goal.risk))
+    confirmed = bool(is_known and direct and direct.confirms(goal.risk))
     document = basis | answer | {
         "model_error": scatter.worded,
         "numerical_error": math.expm1(chances.numerical) if is_known else None,
         "direct": direct and asdict(direct) | {"highest": direct.highest}, "confirmed": confirmed,
     }  # fmt: skip
-    if fits and limit.value is not None:
+    if limit.value is not None:
         reason = reason or ("" if is_known else "the error of the samples' fidelity is not known")
         text.append(_describe_check(limit, direct, reason))
     if is_known:
@@ -172,6 +172,8 @@ def _word_limit(limit: Limit) -> str:
     where = f"{_wanted(goal)} at {where}"
     if len(goal.places) > 1:
         where += f", the worst of {len(goal.places)} points"
+    if limit.side == NOT_DECIDED:
+        return f"{path} is not decided for {where}: the tests contradict the model"
     if limit.side == "none":
         best = _percent(limit.best[1], goal.risk)
         return f"not by {path} alone: {best} with {value}, the least, for {where}"

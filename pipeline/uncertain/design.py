@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from pipeline.analysis.at import COLDEST_OIL, HOTTEST_OIL
+from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import ModelError, Scatter
 from pipeline.analysis.rise_error import error_of_point
 from pipeline.analysis.transition import LEAST_SLOPE
@@ -81,7 +82,7 @@ class Limit:
     entry: Unknown  #: The entry, with its range.
     goal: Goal  #: What is to be reached.
     #: Values that reach it: ``"at most"`` or ``"at least"`` the limit, ``"between"`` two of them,
-    #: ``"any"`` or ``"none"``.
+    #: ``"any"`` or ``"none"``; not decided where the tests contradict the model.
     side: str
     value: float | None  #: The limit [SI]; the upper one of two.
     #: Ends between which it lies with 90 % probability, as far as samples and draws tell [SI].
@@ -273,6 +274,8 @@ class Chances:
             slope = (off(min(value + step, high)) - off(max(value - step, low))) / (2 * step)
             apart = OF_90 * error / max(chance, _LEAST) / max(abs(slope), 1e-300)
             interval = max(value - apart, low), min(value + apart, high)
+        if self._weighed.misfit:
+            side, value, interval, ends = NOT_DECIDED, None, None, None
         return Limit(
             entry, self.goal, side, value, interval, ends, (float(values[best]), chances.min()),
             _moved(places[number], {**at, over: float(at_place)}),

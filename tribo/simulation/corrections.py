@@ -24,7 +24,7 @@ import numpy as np
 from tribo.errors import InputError, require_positive
 from tribo.loading import MeasuredLoad, Ramp
 from tribo.material import Material
-from tribo.simulation.friction import Friction
+from tribo.simulation.friction import Curve, Friction
 from tribo.simulation.motion import Motion
 from tribo.simulation.pins import Pin
 from tribo.simulation.scene import Scene
@@ -133,7 +133,7 @@ class Corrections:
     --------
     >>> falling = Corrections(friction=Friction(by_velocity=((1.0, 1.03), (4.0, 0.94))))
     >>> falling.worded
-    'friction by velocity, measured'
+    'friction by velocity, measured, 0.94 to 1.03 times the coefficient'
     """
 
     friction: Friction = field(default_factory=Friction)
@@ -196,8 +196,8 @@ class Corrections:
         """The corrections in words."""
         film = f"{self.film_resistance:.3g} m² K/W" if self.film_resistance else ""
         parts = {
-            "friction by velocity": self.friction.by_velocity and "measured",
-            "friction by temperature": self.friction.by_temperature and "measured",
+            "friction by velocity": _worded_curve(self.friction.by_velocity),
+            "friction by temperature": _worded_curve(self.friction.by_temperature),
             **{
                 f"{'disc of' if track and track.disc else 'earlier turns of'} the {body}": track
                 for body, track in (("pin", self.pin_track), ("disk", self.track))
@@ -333,6 +333,13 @@ class _Moment(NamedTuple):
             np.append(peak * shares[earlier], loads[now]),
             width,
         )
+
+
+def _worded_curve(curve: Curve) -> str:
+    """A measured friction in words, with its factors, which may rest on another coefficient."""
+    ends = (f"{end(factor for _, factor in curve):.3g}" for end in (min, max) if curve)
+    factors = " to ".join(dict.fromkeys(ends))
+    return factors and f"measured, {factors} times the coefficient"
 
 
 def _stem_resistance(stem: Stem | None, moments: Sequence[_Moment]) -> Array | float:

@@ -2,6 +2,8 @@
 
 import json
 import re
+import shlex
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,9 +12,11 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.dataset import read_conditions, stored_sweep
 from tests.helpers import synthetic
+from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
 HOT = {"friction": 0.12, "bulk_temperature": "60 degC"}
+FEW = {"sweep.loads": ["400 N"], "sweep.velocities": ["1 m/s", "4 m/s"]}
 
 
 @pytest.fixture(scope="module")
@@ -95,3 +99,20 @@ def test_what_needs_a_run_names_the_values_that_the_sweep_has():
         pipeline.at(synthetic.sweep(), **{"window.pixel_size": "5 um"})
     assert re.search(r"--set 'window.pixel_size=5 um'", str(refused.value))
     assert stored_sweep(synthetic.sweep()).about.name == "synthetic"
+
+
+def test_what_acts_later_and_is_not_taken_is_refused_with_a_command_that_works(irg, tmp_path):
+    store, arguments = tmp_path / "s.zarr", ("first_try", "--preset=draft")
+    sweep = pipeline.load_scene("first_try", overrides={"fidelity.preset": "draft", **FEW})
+    commit_all(store, replace(sweep, about=replace(sweep.about, arguments=arguments)))
+    said = irg("boundary", store, "--at", "disk.film.thickness=50 nm", code=2)
+    assert "acts after the simulation, but --at does not take it" in said
+    assert "(with disk.film.thermal_conductivity, too, if the scene has none)" in said
+    said = irg("boundary", store, "--at", "disk.track_length=100 mm", code=2)
+    _, *command = shlex.split(said.split(": run ")[1].split(", which")[0])
+    few = [f"--set={path}={json.dumps(value)}" for path, value in FEW.items()]
+    assert "computed" not in irg(*command, *few, "--workers=1")
+    assert "earlier turns of the disk, 0.1 m" in irg("boundary", store)
+    assert "run irg run first_try --set" in irg(
+        "boundary", store, "--at", "pin.radius=1 mm", code=2
+    )

@@ -11,7 +11,7 @@ from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import compared, own_conditions
 from pipeline.analysis.transition import MILD, SEVERE
 from pipeline.figures.plot import plot
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.about import Measurement, judged_by
 from tests.helpers import javascript, synthetic
 from tests.helpers.sweeps import with_fields
 
@@ -105,6 +105,19 @@ def test_wear_that_is_mild_again_at_a_higher_velocity_turns_at_all_places_of_the
         for velocity in (0.51, 1.0, 2.5, 4.0, 5.9):
             margin = pipeline.margin(ds, load, velocity)
             assert margin.velocity_turns == pytest.approx(turns, rel=1e-3)
+            assert margin.velocity_begins_severe == severe[0]
             if np.abs(np.log(turns / velocity)).min() > 0.1:
                 is_severe = temperature(BACK, load, velocity) > 418.15
                 assert margin.verdict == ("severe" if is_severe else "mild")
+
+
+def test_a_coefficient_in_the_scene_and_one_given_afterwards_are_told_apart():
+    table = [{"velocity": "1 m/s", "coefficient": 0.12}, {"velocity": "4 m/s", "coefficient": 0.06}]
+    entries = {"friction.by_velocity": table}
+    scaled = pipeline.load_scene("first_try", overrides=entries).conditions.changed(friction=0.12)
+    kept = pipeline.load_scene("first_try", overrides=entries | {"friction.coefficient": 0.12})
+    assert scaled.friction_at(4.0) == pytest.approx(0.072)
+    assert kept.conditions.friction_at(4.0) == pytest.approx(0.06)
+    for conditions, factors in ((scaled, "0.6 to 1.2"), (kept.conditions, "0.5 to 1")):
+        said = f"friction by velocity, measured, {factors} times the coefficient"
+        assert judged_by([conditions]).endswith(said)

@@ -60,6 +60,26 @@ def test_the_members_that_cross_are_counted():
     assert outcome_in_words(several, "velocity") == "crosses on 2 of 3"
 
 
+def surfaces(*rises, **told):
+    """A sweep of surfaces, each with its own rise."""
+    several = [synthetic.sweep(rise=rise, **told) for rise in rises]
+    labels = xr.Variable("realization", range(len(rises)))
+    return xr.concat(several, labels, combine_attrs="override")
+
+
+@pytest.mark.parametrize("hot", [1, 2, 3])
+def test_a_median_over_surfaces_some_of_which_never_turn_is_none_and_not_between(hot):
+    def hotter(*place):
+        return 3.0 * synthetic.rise(*place)
+
+    found = margin(surfaces(*[hotter] * hot, *[synthetic.rise] * (4 - hot)), 400.0, 2.2)
+    critical = synthetic.critical_load(2.2, LIMIT)
+    assert found.load_outcome == f"crosses on {4 - hot} of 4"
+    expected = critical if hot == 1 else np.nan
+    assert found.critical_load == pytest.approx(expected, rel=1e-9, nan_ok=True)
+    assert found.intervals["critical_load"] == pytest.approx((0.0, critical), rel=1e-9)
+
+
 def wavy(load, velocity, quantile=1.0):
     return synthetic.rise(load, velocity, quantile) * (1 + 0.02 * np.sin(3 * velocity + load / 90))
 

@@ -1,5 +1,6 @@
 """All refusals of answers: what causes each, and what its message says."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from tests.helpers.refusals import Refusals
 from tests.helpers.samples import dataset, ensemble
 from tests.helpers.sweeps import with_fields
 from tests.helpers.unknowns import ALL
-from tribo import Motion
+from tribo import Bulk, Corrections, Motion
 
 plane = cache(synthetic.sweep)
 
@@ -34,6 +35,11 @@ def made(**values):
     with writing("some.zarr", tiny.sweep(**values)):
         pass
     return pipeline.open_sweep("some.zarr")
+
+
+def warming():
+    bulk = Corrections(disk_bulk=Bulk(650.0))
+    return synthetic.sweep(conditions=replace(synthetic.conditions(), corrections=bulk))
 
 
 def places():
@@ -123,6 +129,10 @@ REFUSALS = {
     "surface": (lambda: select_surface(plane(), 3), "realization is 3, which the sweep does not"),
     # datasets
     "variables": (lambda: pipeline.boundary(plane()[["max_rise"]]), "the dataset has no status"),
+    "no flags": (lambda: pipeline.margin(plane().drop_vars("warning_flags"), 400.0, 2.0),
+                 "the dataset has no warning_flags; take all of its variables"),
+    "no rise": (lambda: pipeline.boundary(warming().drop_vars("mean_rise")),
+                "the dataset has no mean_rise; take all of its variables"),
     "no sweep": (lambda: pipeline.boundary(plane().drop_attrs()), "has no attribute sweep"),
     "one load": (lambda: pipeline.boundary(plane().isel(load=0)), "the dataset has a single load"),
     "no plane": (lambda: pipeline.boundary(places()), "so there is no plane"),

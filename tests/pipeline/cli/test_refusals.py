@@ -41,6 +41,8 @@ REFUSALS = {
     "count": (irg("run", "first_try", "--workers", "-1"), '"-1": give a whole number of at least'),
     "no count": (irg("run", "first_try", "--workers", "x"), '"x": give a whole number of at least'),
     "friction": (irg("boundary", "a.zarr", "--friction", "0,12"), '"0,12": give a number such as'),
+    "frictions": (irg("explore", "a.zarr", "--friction", "0.1", "--friction", "0.2"),
+                  "--friction is given more than once; give it once"),
     "share": (irg("run", "first_try", "--accuracy", "200%"), '"200%": give a share between'),
     "no share": (irg("run", "--boundary-only", "s.toml"), '"s.toml": give a share between'),
     "failing share": (irg("boundary", "a.zarr", "--share", "0,1"), '"0,1": give a share such as'),

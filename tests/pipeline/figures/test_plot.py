@@ -100,7 +100,7 @@ def test_a_diagram_says_what_acts_beside_its_conditions():
     varied = synthetic.sweep(conditions=replace(synthetic.conditions(), corrections=falling))
     (legend,) = pipeline.plot(varied).legends
     title = " ".join(legend.get_title().get_text().split())
-    assert "bulk 25 °C; friction by velocity, measured" in title
+    assert "bulk 25 °C; friction by velocity, measured, 0.55 to 1.6 times the" in title
 
 
 def test_boundary_in_the_diagram_is_the_known_one(drawn):

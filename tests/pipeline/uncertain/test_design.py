@@ -15,7 +15,7 @@ from pipeline.uncertain import answer_design, design
 from pipeline.uncertain.answers import run_probability
 from pipeline.uncertain.design import Chances, Direct, Goal
 from pipeline.uncertain.ensemble import Excess
-from pipeline.uncertain.inputs import BULK
+from pipeline.uncertain.inputs import BULK, prior
 from tests.helpers.samples import EXPONENT, ensemble, rise
 from tests.helpers.unknowns import CRITICAL, FRICTION, LENGTH, RATE
 from tribo import InputError
@@ -46,6 +46,18 @@ def test_the_limit_is_where_direct_draws_have_the_risk(samples, risk):
     assert limit.interval[0] < limit.value < limit.interval[1]
     assert limit.safe == (limit.value, limit.values[-1])
     assert limit.as_dict()["limit"]["unit"] == "K"
+
+
+def test_tests_that_contradict_the_model_leave_a_design_undecided(samples):
+    draws = replace(prior(UNKNOWN, 5), faults=("the tests scatter by 40 %",))
+    limit = pipeline.design(samples, Goal((HERE,), 0.3), WIDE.path, draws, **CERTAIN)
+    told = limit.as_dict()
+    assert (told["side"], told["limit"], told["safe"]) == ("not decided", None, None)
+    said = answer_design._word_limit(limit)
+    assert said.startswith("temperature.critical is not decided for a risk of 30 % at 400 N")
+    assert said.endswith("the tests contradict the model")
+    free = pipeline.design(samples, Goal((HERE,), 0.3), WIDE.path, prior(UNKNOWN, 5), **CERTAIN)
+    assert free.value is not None
 
 
 @pytest.mark.parametrize(("usual", "between"), [(0.1, 0.0), (0.1, 0.08), (0.0, 0.08)])
