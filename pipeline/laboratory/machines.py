@@ -48,7 +48,7 @@ COLUMNS = {
     ),
     "seized": Quantity(
         r"((initial|first) )?(fail\w*|seizure|scor\w*|scuff\w*|fress|weld\w*) ?"
-        r"(load|value|last|point)|isl|wl", ("N", "kgf"),
+        r"(load|value|last|point)|schwei(ß|ss)(kraft|last)|isl|wl", ("N", "kgf"),
     ),
     "load": Quantity(
         r"((applied|test|normal|axial|lever|pan) )?(load|force)|(prüf|normal)?(last|kraft)|f ?n",
@@ -173,7 +173,7 @@ FORMS = (
     Form(
         "four-ball", (),
         r"(four|4).?ball|vierkugel|(?<![a-z])vka(?![a-z])|non.?seizure"
-        r"|\bweld\w* ?(load|last|point)",
+        r"|\bweld\w* ?(load|last|point)|schwei(ß|ss)(kraft|last)",
         {
             "load": ((("load",), _ball_force), (("passed",), _ball_force),
                      (("seized",), _ball_force)),
@@ -346,7 +346,7 @@ def _cell_faults(sheet: Sheet, used: Mapping[str, int]) -> Iterator[CellFault]:
             problem = sheet.doubt(cells[k].lstrip("<>≥ "))
             if math.isnan(values[name]) and cells[k] and not is_word:
                 problem = f'"{cells[k]}" cannot be read; write a number, or leave the cell empty'
-            elif name in ("stage", "failed") and values[name] > last:
+            elif name in ("stage", "failed") and (values[name] < 1 or values[name] > last):
                 problem = f'"{cells[k]}" is no load stage; give 1 to {last}, or > {last}'
             if problem:
                 yield CellFault(number, sheet.headings[k].text, problem)

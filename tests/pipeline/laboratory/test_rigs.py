@@ -210,7 +210,7 @@ def test_a_lever_may_be_a_ratio(tmp_path):
 def test_a_cell_of_a_form_that_cannot_be_read_is_named_by_row_and_heading(tmp_path):
     (fault,) = faults(tmp_path, STROKES + "n/a,50,ok\nMean,,\n", stroke="1 mm")
     assert fault.startswith('row 4, Load [N]: "n/a" cannot be read; write a number')
-    for cell in ("13", "> 13"):
+    for cell in ("13", "> 13", "0"):
         found = faults(tmp_path, f"Failure load stage\tOil\n9\tA\n{cell}\tA\n", velocity="5 m/s")
         said = f'row 3, Failure load stage: "{cell}" is no load stage; give 1 to 12, or > 12'
         assert found == [said]
@@ -231,3 +231,6 @@ def test_usual_words_of_german_logs_are_known(tmp_path):
     assert [row[2] for row in rows(tmp_path, text, velocity="5 m/s")] == ["mild", "severe"]
     (first, _) = read_log(tmp_path / "log.csv", {"given": {"velocity": "5 m/s"}}).in_si
     assert first["bulk_temperature"] == pytest.approx(363.15)
+    text = "Schweißkraft [N]\n1600\n"
+    ((load, _, outcome, _),) = rows(tmp_path, text, speed="1450 rpm")
+    assert (load, outcome) == (pytest.approx(1600 / 6**0.5), "severe")
