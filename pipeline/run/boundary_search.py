@@ -31,7 +31,9 @@ _WIDEST = 0.35  # largest h
 _NEAR = 0.1  # share of h: how near to a node a crossing must be expected to ask beyond it
 _FINEST = 12  # halvings of the axis
 _ROUNDING = 1e-5  # relative, of a velocity in round figures, and more
+_CLOSER = 10.0  # factor on the tolerance where friction may turn wear several times
 _EXPECTED = 512  # velocities among which turns are expected
+_LEAST_STEEP = 0.1  # slope of a rise over that of its heat, below which no turn is sought closer
 
 Row = list[tuple[float, float]]
 """Velocities and rises at a load."""
@@ -72,6 +74,7 @@ class BoundarySearch:
                 "two or more above 0"
             )
         factor = sweep.conditions.friction_factor if sweep.conditions.has_friction_curve else None
+        tolerance /= _CLOSER if factor else 1.0
         return cls(sweep.plane.loads, moving[0], moving[-1], limit, tolerance, scale, factor)
 
     def wanted(
@@ -106,25 +109,33 @@ class BoundarySearch:
                 asked.add(Point(load, self._first_node(load)))
                 continue
             turns = self._turns(row)
-            for turn, heat in turns.items():
+            for turn, heat, steepness in turns:
                 search = replace(self, limit=heat, factor=None)
-                nodes = search._next(row, turn, search._curvature(rows))
+                nodes = search._next(row, turn, search._curvature(rows) / steepness)
                 asked |= {Point(load, velocity) for velocity in nodes}
             if not turns:
                 asked |= {Point(load, self.lowest), Point(load, self.highest)}
         return asked
 
-    def _turns(self, row: Row) -> dict[float, float]:
-        """Logarithms of the velocities at which wear is expected to turn, with the heat there."""
+    def _turns(self, row: Row) -> list[tuple[float, float, float]]:
+        """Logarithms of the velocities at which wear is expected to turn, with the heat there.
+
+        Last the slope of the rise over that of the heat, by which an error of the heat counts less
+        or more.
+        """
         assert self.factor  # for the type checker
         x, y = np.log(np.array(row)).T
         if len(x) == 1:
             x, y = np.append(x, x + 1.0), np.append(y, y + _EXPONENT)
         fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
         limits = self.limit / self.factor(np.exp(fine))
-        is_severe = make_interp_spline(x, y, k=1)(fine) > np.log(limits)
-        before = np.flatnonzero(is_severe[1:] != is_severe[:-1])
-        return dict(zip(fine[before].tolist(), limits[before].tolist(), strict=True))
+        heat = make_interp_spline(x, y, k=1)(fine)
+        excess = heat - np.log(limits)
+        before = np.flatnonzero((excess[1:] > 0) != (excess[:-1] > 0))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            steepness = np.abs(np.diff(excess) / np.diff(heat)).clip(_LEAST_STEEP, 1.0)
+        columns = fine[before], limits[before], steepness[before]
+        return [*zip(*(column.tolist() for column in columns), strict=True)]
 
     def _first_node(self, load: float) -> float:
         """The velocity of the axis to begin with: in its middle at the middle load."""

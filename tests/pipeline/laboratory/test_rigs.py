@@ -231,6 +231,6 @@ def test_usual_words_of_german_logs_are_known(tmp_path):
     assert [row[2] for row in rows(tmp_path, text, velocity="5 m/s")] == ["mild", "severe"]
     (first, _) = read_log(tmp_path / "log.csv", {"given": {"velocity": "5 m/s"}}).in_si
     assert first["bulk_temperature"] == pytest.approx(363.15)
-    text = "Schweißkraft [N]\n1600\n"
+    text = "Öl;Schweißkraft [N]\nA;1600\n"
     ((load, _, outcome, _),) = rows(tmp_path, text, speed="1450 rpm")
     assert (load, outcome) == (pytest.approx(1600 / 6**0.5), "severe")
