@@ -106,12 +106,6 @@ class Field(Protocol):
     def turns(self, axis: str, load: float, velocity: float) -> Turns:
         """Where wear turns severe along an axis through a place."""
 
-    def alike_turns(self, axis: str, load: float, velocity: float) -> tuple[Array, bool]:
-        """Places (m, k) at which wear of each member turns, and if it begins severe.
-
-        Without places, (m, 0), where the members turn unlike each other.
-        """
-
     def probability(
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
     ) -> Array:
@@ -234,13 +228,6 @@ class PointField:
         here = velocity if axis == "velocity" else load
         return Turns.of(self.lines(axis, load, velocity), here)
 
-    def alike_turns(self, axis: str, load: float, velocity: float) -> tuple[Array, bool]:
-        """See `Field`."""
-        lines = self.lines(axis, load, velocity)
-        if len({(len(line.places), line.begins_severe) for line in lines}) > 1:
-            return np.empty((len(lines), 0)), False
-        return np.array([line.places for line in lines]), lines[0].begins_severe
-
     def probability(
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
     ) -> Array:
@@ -332,7 +319,7 @@ def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve | 
         heat = Curve(np.append(heat.x, 2 * heat.x), np.append(heat.y, 2 * heat.y))
     far = np.geomspace(heat.x[0] / _FAR, heat.x[-1] * _FAR, _PLACES)
     places = np.union1d(np.append(far, np.linspace(heat.x[0], heat.x[-1], _PLACES)), heat.x)
-    return Curve(places, heat(places, True, LEAST_SLOPE) * factor(places))
+    return Curve(places, heat(places, continued=True, least_slope=LEAST_SLOPE) * factor(places))
 
 
 def fields(ds: xr.Dataset | PathLike) -> list[Field]:

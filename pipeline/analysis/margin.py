@@ -172,12 +172,11 @@ def answer(
     error = field.error(load, velocity)
     lowest, middle, highest = probabilities(field, load, np.array([velocity]), scatter, error)
     turns = {axis: field.turns(axis, load, velocity) for axis in ("velocity", "load")}
-    alike = {axis: field.alike_turns(axis, load, velocity) for axis in turns}
     spread = {
         "decisive_temperature": here.values,
         "distance": here.critical - here.values,
-        "critical_velocity": _ranked(turns["velocity"], alike["velocity"][0], velocity),
-        "critical_load": _ranked(turns["load"], alike["load"][0], load),
+        "critical_velocity": _ranked(turns["velocity"], velocity),
+        "critical_load": _ranked(turns["load"], load),
     }
     ends_and_middles: list[dict[str, Any]] = [
         {name: quantile(values, weights, share) for name, values in spread.items()}
@@ -195,9 +194,9 @@ def answer(
         for axis, one in turns.items()
         for name, value in (
             ("outcome", outcome_in_words(one, axis)),
-            ("turns", tuple(quantile(each, weights, 0.5) for each in alike[axis][0].T)),
+            ("turns", tuple(quantile(each, weights, 0.5) for each in one.alike.T)),
             ("member_turns", one.places),
-            ("begins_severe", alike[axis][1]),
+            ("begins_severe", bool(one.alike.size) and one.begins_severe[0]),
             ("range", one.computed),
             ("bridged", one.bridged),
         )
@@ -224,12 +223,12 @@ def answer(
     )
 
 
-def _ranked(turns: Turns, alike: Array, here: float) -> Array:
+def _ranked(turns: Turns, here: float) -> Array:
     """Nearest turns, of which a quantile beside a member without any is none, and no place.
 
     Of members alike the same turn of each.
     """
-    if alike.size:
+    if (alike := turns.alike).size:
         away = np.abs(np.log(np.median(alike, axis=0) / here))
         return np.asarray(alike[:, away.argmin()])
     return np.where(turns.nearest == 0, -math.inf, turns.nearest)
@@ -281,22 +280,25 @@ def error_band(
         return math.nan, math.nan
     place = float(np.clip(place, max(ends[0], velocities[0]), ends[1]))
 
+    def end_beside(side: int, at: float) -> float | None:
+        """The end by the error at a place, and then at itself; None where that is unknown."""
+        for _ in range(_ROUNDS):
+            error = field.error(load, at)
+            if error.total is None:
+                return None
+            found = _decided_ends(field, load, velocities, scatter, error)[side]
+            if not 0 < found < math.inf or abs(found / at - 1) < _ALIKE:
+                break
+            at = float(np.clip(found, velocities[0], velocities[-1]))
+        return found
+
     def end(side: int) -> float:
-        for start in (place, turns.computed[side]):
-            found = at = start
-            for _ in range(_ROUNDS):
-                error = field.error(load, at)
-                if error.total is None:
-                    break
-                found = _decided_ends(field, load, velocities, scatter, error)[side]
-                if not 0 < found < math.inf or abs(found / at - 1) < _ALIKE:
-                    return found
-                at = float(np.clip(found, velocities[0], velocities[-1]))
-            else:
+        # Between points the error may be unknown, where it is known at the outermost one.
+        outermost = turns.computed[side]
+        for start in (place, outermost):
+            if (found := end_beside(side, start)) is not None:
                 return found
-            if at != start != place:  # between points the error is unknown, and not at this one
-                return start
-        return math.nan
+        return math.nan if field.error(load, outermost).total is None else outermost
 
     return end(0), end(1)
 

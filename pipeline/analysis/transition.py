@@ -182,7 +182,15 @@ class Turns(NamedTuple):
     outcome: Array  # keys of `outcomes`
     computed: tuple[float, float]  # lowest and highest place computed
     bridged: int  # most points not done that one of them is interpolated across
-    places: tuple[tuple[float, ...], ...] = ()  # all places of each, where more than one is known
+    places: tuple[tuple[float, ...], ...] = ()  # all places of each, where they are known
+    begins_severe: tuple[bool, ...] = ()  # below the first of them, likewise
+
+    @property
+    def alike(self) -> Array:
+        """Places (m, k) of members that turn alike; none, (m, 0), of others."""
+        if len({*zip(map(len, self.places), self.begins_severe, strict=True)}) == 1:
+            return np.array(self.places)
+        return np.empty((len(self.nearest), 0))
 
     @classmethod
     def of(cls, lines: Sequence[Line], here: float) -> Turns:
@@ -198,4 +206,5 @@ class Turns(NamedTuple):
             ),
             max(map(Line.bridged, lines, nearest)),
             tuple(line.places for line in lines),
+            tuple(line.begins_severe for line in lines),
         )

@@ -192,10 +192,6 @@ class SampleField:
         none = np.where(is_severe, 0.0, math.inf)
         return Turns(np.where(count > 0, np.exp(nearest), none), outcome, ends, 0)
 
-    def alike_turns(self, axis: str, load: float, velocity: float) -> tuple[Array, bool]:
-        """See `Field`: draws are not told one by one."""
-        return np.empty((len(self.weights), 0)), False
-
     def probability(
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
     ) -> Array:
