@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +36,12 @@ def surface(options: argparse.Namespace) -> Result:
     return Result(scan.as_dict(), text)
 
 
+def _run_faults(log: Log) -> Iterator[str]:
+    """Rows of a run that cannot be of one specimen."""
+    for place, problem in run_faults(log.in_si):
+        yield f"{log.path.name}, row {log.sheet.rows[place].number}, run: {problem}"
+
+
 def tests(options: argparse.Namespace) -> Result:
     """Print what is understood of a log or a trace, and the lines of a scene for it."""
     path = Path(options.log)
@@ -64,8 +70,7 @@ def tests(options: argparse.Namespace) -> Result:
             log.tests.clear()
     found, faults = log.tests, log.faults
     if row_of is TEST and not faults:  # else rows are left out, and places are not those of tests
-        for place, problem in run_faults(log.in_si):
-            faults.append(f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}")
+        faults += _run_faults(log)
     toml = list(_toml(log, taken, row_of is TEST)) if found else []
     document = {
         "file": str(path), "form": log.sheet.form,

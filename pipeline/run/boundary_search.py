@@ -8,7 +8,7 @@ velocities, which is halved where need be.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,9 +31,8 @@ _WIDEST = 0.35  # largest h
 _NEAR = 0.1  # share of h: how near to a node a crossing must be expected to ask beyond it
 _FINEST = 12  # halvings of the axis
 _ROUNDING = 1e-5  # relative, of a velocity in round figures, and more
-_CLOSER = 10.0  # factor on the tolerance where friction may turn wear several times
+_CLOSER = 10.0  # divides the tolerance where friction by velocity may nearly balance the heat
 _EXPECTED = 512  # velocities among which turns are expected
-_LEAST_STEEP = 0.1  # slope of a rise over that of its heat, below which no turn is sought closer
 
 Row = list[tuple[float, float]]
 """Velocities and rises at a load."""
@@ -82,8 +81,9 @@ class BoundarySearch:
     ) -> tuple[Point, ...]:
         """Points to compute next by known rises [K], but failed ones; none once all is known."""
         rows = {load: self._row(rises, load) for load in self.loads}
-        asked = self._asked_turns(rows) if self.factor else self._asked(rows)
-        fresh = asked - set(rises) - set(hopeless)
+        past = set(rises) | set(hopeless)
+        asked = self._asked_turns(rows, past) if self.factor else self._asked(rows)
+        fresh = asked - past
         return tuple(sorted(fresh, key=lambda point: (point.velocity, point.load)))
 
     def _asked(self, rows: Rows) -> set[Point]:
@@ -98,44 +98,37 @@ class BoundarySearch:
             asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature)}
         return asked
 
-    def _asked_turns(self, rows: Rows) -> set[Point]:
+    def _asked_turns(self, rows: Rows, past: Set[Point]) -> set[Point]:
         """Points about all turns of each load, or at its ends.
 
         The heat, which is all that points tell, passes at each the one value that turns wear there.
         """
         asked = set()
         for load, row in rows.items():
-            if not row:
-                asked.add(Point(load, self._first_node(load)))
+            first = Point(load, self._first_node(load))
+            if not row and first not in past:
+                asked.add(first)
                 continue
-            turns = self._turns(row)
-            for turn, heat, steepness in turns:
+            turns = self._turns(row) if row else {}
+            for turn, heat in turns.items():
                 search = replace(self, limit=heat, factor=None)
-                nodes = search._next(row, turn, search._curvature(rows) / steepness)
+                nodes = search._next(row, turn, search._curvature(rows))
                 asked |= {Point(load, velocity) for velocity in nodes}
             if not turns:
                 asked |= {Point(load, self.lowest), Point(load, self.highest)}
         return asked
 
-    def _turns(self, row: Row) -> list[tuple[float, float, float]]:
-        """Logarithms of the velocities at which wear is expected to turn, with the heat there.
-
-        Last the slope of the rise over that of the heat, by which an error of the heat counts less
-        or more.
-        """
+    def _turns(self, row: Row) -> dict[float, float]:
+        """Logarithms of the velocities at which wear is expected to turn, with the heat there."""
         assert self.factor  # for the type checker
         x, y = np.log(np.array(row)).T
         if len(x) == 1:
             x, y = np.append(x, x + 1.0), np.append(y, y + _EXPONENT)
         fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
         limits = self.limit / self.factor(np.exp(fine))
-        heat = make_interp_spline(x, y, k=1)(fine)
-        excess = heat - np.log(limits)
-        before = np.flatnonzero((excess[1:] > 0) != (excess[:-1] > 0))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            steepness = np.abs(np.diff(excess) / np.diff(heat)).clip(_LEAST_STEEP, 1.0)
-        columns = fine[before], limits[before], steepness[before]
-        return [*zip(*(column.tolist() for column in columns), strict=True)]
+        is_severe = make_interp_spline(x, y, k=1)(fine) > np.log(limits)
+        before = np.flatnonzero(is_severe[1:] != is_severe[:-1])
+        return dict(zip(fine[before].tolist(), limits[before].tolist(), strict=True))
 
     def _first_node(self, load: float) -> float:
         """The velocity of the axis to begin with: in its middle at the middle load."""

@@ -46,7 +46,7 @@ _VELOCITIES = 9  # velocities of tests at a load and bulk temperature, even in p
 _BETTER = 0.2  # share of a spread by which a plan is to be better than runs in turn
 _STEP = math.log(1.2)  # of a staircase, in ln(velocity)
 _LEAST = 1e-12  # share of a spread
-_FRICTIONS = 4  # runs whose friction is learnt: that of more tells little
+_FRICTIONS = 4  # runs whose friction is learnt: that of more tells little, and uses up the draws
 _WARMER = (1 / 3, 2 / 3)  # shares of the way from the bulk to the critical temperature
 
 

@@ -117,6 +117,20 @@ def test_friction_that_bends_between_two_velocities_hides_no_boundary():
         assert found == pytest.approx(Curve(fine, rising).crossings(LIMIT), rel=0.01)
 
 
+def test_a_first_point_that_fails_leaves_its_load_the_ends_of_the_range():
+    bands = Friction(by_velocity=((0.5, 1.2), (5.0, 0.8)))
+    sweep = synthetic.scene(
+        conditions=replace(synthetic.conditions(), corrections=Corrections(friction=bands)),
+        loads=(200.0, 400.0, 750.0),
+        velocities=(0.5, 5.0),
+    )
+    search = BoundarySearch.of(sweep, 0.01)
+    failed = [point for point in search.wanted({}) if point.load == 400.0]
+    assert len(failed) == 1
+    asked = [point.velocity for point in search.wanted({}, failed) if point.load == 400.0]
+    assert asked == [0.5, 5.0]
+
+
 def test_bands_are_found_whose_ends_no_first_crossing_tells():
     """Severe, mild, severe and mild again; and a low load that is severe within the range alone."""
     bands = Friction(by_velocity=((0.8, 2.0), (1.6, 0.8), (3.0, 1.2), (4.5, 0.4)))
