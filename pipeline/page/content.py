@@ -208,7 +208,7 @@ def _point_states(ds: xr.Dataset) -> dict[str, Any]:
         "messages": {
             str(place): str(message)
             for place, message in enumerate(values_of(ds, "message").ravel())
-            if message
+            if isinstance(message, str) and message  # NaN at points that were masked
         },
     }
 
@@ -421,8 +421,8 @@ def _nearest(
 
 
 def digits(values: Any) -> str:
-    """An array of codes from 0 to 9 as the text of them."""
-    return "".join(map(str, np.asarray(values, dtype=int).ravel().tolist()))
+    """An array of codes from 0 to 9 as the text of them; 0 for points that were masked."""
+    return "".join(f"{code:.0f}" for code in np.nan_to_num(np.asarray(values, float)).flat)
 
 
 def packed_array(values: Any, dtype: str) -> str:

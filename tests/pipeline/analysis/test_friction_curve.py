@@ -21,6 +21,15 @@ FALLING = tribo.Corrections(
 BACK = tribo.Corrections(friction=tribo.Friction(by_velocity=((0.5, 4.0), (2.0, 0.9), (6.0, 0.2))))
 
 
+BESIDE = """
+const [k, j] = nearestNode(argument);
+const { rises, verdict } = marginAt([k, j], chosen.conditions);
+const place = [content.fine.load[k], content.fine.velocity[j]];
+return { place, temperature: temperature(rises[0]), verdict };
+"""
+"""What the page says at its node that is nearest to a place."""
+
+
 def swept(corrections):
     conditions = replace(synthetic.conditions(), corrections=corrections)
     return synthetic.sweep(velocities=[0.5, 2.0, 6.0], measured=(), conditions=conditions)
@@ -67,6 +76,10 @@ def test_beyond_done_points_only_the_heat_goes_on_and_friction_stays_known(corre
         all_of, some = (pipeline.margin(ds, load, velocity) for ds in (whole, part))
         assert some.decisive_temperature == pytest.approx(all_of.decisive_temperature, abs=0.2)
         assert some.probability == pytest.approx(all_of.probability, abs=0.01)
+        node = javascript.run(part, BESIDE, {"load": load, "velocity": velocity})
+        here = pipeline.margin(part, *node["place"])
+        assert node["temperature"] == pytest.approx(here.decisive_temperature, abs=0.2)
+        assert node["verdict"] == here.verdict
     outcomes = {*pipeline.boundary(part)["outcome_at_load"].values.tolist()}
     assert not {MILD, SEVERE} & outcomes  # throughout what nobody computed
 

@@ -229,3 +229,12 @@ def test_straight_lines_err_by_no_more_than_the_page_says(kind):
     assert np.isfinite(off).sum() > 3
     assert np.nanmax(off) <= max(said, 1e-6)
     assert said < 0.01
+
+
+def test_points_that_were_masked_are_not_done_and_say_nothing():
+    whole = synthetic.sweep()
+    told = content(whole.where(whole["velocity"] < 2.0), 0)
+    is_done = np.broadcast_to(whole["velocity"] < 2.0, whole["status"].shape)
+    assert told["status"] == "".join("01"[int(one)] for one in is_done.flat)
+    assert told["done"] == is_done.sum()
+    assert told["messages"] == {}
