@@ -42,6 +42,19 @@ def test_an_error_that_one_surface_does_not_know_decides_nothing():
         assert (found.temperature_error, found.verdict) == (None, NOT_DECIDED)
 
 
+@pytest.mark.parametrize("hotter", [1, 2])
+def test_surfaces_that_a_test_finds_severe_are_counted_and_not_the_mild_ones(hotter):
+    tests = (Measurement(400.0, critical(400.0), outcome="severe"),)
+    factors = (0.7, 1.4, 1.4)[: hotter + 1] + (0.7,) * (2 - hotter)
+    surfaces = [
+        synthetic.sweep(measured=tests, rise=lambda *place, f=f: f * synthetic.rise(*place))
+        for f in factors
+    ]
+    ds = xr.concat(surfaces, xr.Variable("realization", range(3)), combine_attrs="override")
+    (row,) = compared(ds).to_dict("records")
+    assert row["computed"] == f"severe on {hotter} of 3 surfaces"
+
+
 def test_a_film_that_is_counted_afterwards_errs():
     conditions = synthetic.conditions()
     filmed = replace(conditions, corrections=Corrections(film_resistance=1e-9))
