@@ -7,7 +7,7 @@ was computed; a mean, which this would bias, is given only if every surface has 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import ndtri
 
+from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import (
     Kind,
     dataset_of,
@@ -32,12 +33,15 @@ from pipeline.analysis.scenes import map_scenes
 from pipeline.analysis.transition import (
     ABOVE,
     BELOW,
+    BEYOND,
     CROSSES,
     MILD,
     SEVERAL,
     SEVERE,
     UNITS,
+    UNKNOWN,
     Line,
+    Turns,
     outcomes,
 )
 from pipeline.store.place import PathLike
@@ -95,12 +99,14 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
           and around its track turns severe, if the surfaces' velocities are log-normal.
         - ``critical_velocity_mean``, ``critical_velocity_spread`` (standard deviation): NaN unless
           every surface crosses.
-        - ``turns_at_load_median(load, turn)``: median of each turn, if all surfaces turn alike.
+        - ``turns_at_load_median(load, turn)``: velocities at which wear of half of the surfaces
+          turns, to mild wear first where ``begins_severe_at_load_median``.
         - ``crossing_at_load``: number of surfaces that cross; ``known_at_load``: number of those
           known to cross or not.
 
-        For samples there are only the band and ``critical_velocity_quantile``, the velocities at
-        which the next run is severe with a probability of 5, 50 and 95 %.
+        For samples there are only the band, ``critical_velocity_quantile``, the first velocities at
+        which the next run is severe with a probability of 5, 50 and 95 %, and
+        ``turns_at_load_median``, all at which that passes 50 %.
 
     Raises
     ------
@@ -201,9 +207,12 @@ def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dic
         name: (dims, values.reshape(shape), {"units": units, "long_name": words})
         for name, (values, units, words) in columns.items()
     }
-    padded = each(lambda one: (one.places + (np.nan,) * _TURNS)[:_TURNS])
+    padded = each(lambda one: _padded(one.places))
     attrs = {"units": unit, "long_name": f"{noun} at which wear turns"}
     result[f"turns_at_{line}"] = [*dims, "turn"], padded.reshape(*shape, _TURNS), attrs
+    if "realization" in dims:
+        half = [_half(several, here) for several in zip(*members, strict=True)]
+        result |= _turn_variables(half, f"{noun} at which wear of half of the surfaces turns", line)
     if axis == "velocity":
         slopes = each(lambda one: one.curve.exponent(one.place)).reshape(shape)
         attrs = {"units": "1", "long_name": "d ln(rise) / d ln(velocity) at the crossing"}
@@ -216,6 +225,32 @@ def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dic
     codes = each(lambda one: one.outcome).reshape(shape)
     result[f"outcome_at_{line}"] = dims, codes.astype(np.int8), meanings
     return result
+
+
+def _padded(places: tuple[float, ...]) -> tuple[float, ...]:
+    return (places + (math.nan,) * _TURNS)[:_TURNS]
+
+
+def _half(lines: Sequence[Line], here: float) -> tuple[tuple[float, ...], bool]:
+    """Turns of half of the surfaces that are known, if no more points could tell others."""
+    known = [line for line in lines if line.outcome != UNKNOWN]
+    if not known or any(line.outcome in BEYOND for line in known):
+        return (), False
+    return Turns.of(known, here).shared()
+
+
+def _turn_variables(
+    half: Sequence[tuple[tuple[float, ...], bool]], words: str, line: str
+) -> dict[str, Any]:
+    """Turns of half of the members, at each load or velocity, and if they begin severe."""
+    turns = np.array([_padded(places) for places, _ in half])
+    begins = [begins for _, begins in half]
+    attrs = {"units": UNITS["load" if line == "velocity" else "velocity"], "long_name": words}
+    said = {"units": "1", "long_name": "half is severe below the first of these turns"}
+    return {
+        f"turns_at_{line}_median": ([line, "turn"], turns, attrs),
+        f"begins_severe_at_{line}_median": (line, begins, said),
+    }
 
 
 _STEPS = 241  # velocities among which the ends of a band are sought
@@ -254,6 +289,9 @@ def _band_alone(ds: xr.Dataset) -> xr.Dataset:
     words = "velocity at which the next run is severe with a probability"
     attrs = {"units": "m/s", "long_name": words}
     result["critical_velocity_quantile"] = ("quantile", "load"), np.transpose(lines), attrs
+    half = [(Curve(grid, row).crossings(DECIDED[1]), row[0] > DECIDED[1]) for row in rows]
+    words = "velocity at which the next run turns likelier to be severe than not, or back"
+    result = result.assign(_turn_variables(half, words, "load"))
     return _add_errors(result, field, ds)
 
 
@@ -308,19 +346,7 @@ def add_band(boundaries: xr.Dataset, patches: float = 1.0) -> xr.Dataset:
         for column, (values, units, words) in columns.items():
             attrs = {"units": units, "long_name": words}
             with_quantiles[column] = values.dims, values.values, attrs
-        with_quantiles[f"turns_at_{axis}_median"] = _median_turns(boundaries, axis).assign_attrs(
-            units=unit, long_name="median of each turn, where all surfaces turn alike"
-        )
     return with_quantiles.assign_attrs(patches=patches)
-
-
-def _median_turns(boundaries: xr.Dataset, axis: str) -> xr.DataArray:
-    """Median of each turn over the surfaces; NaN where they turn unlike each other."""
-    turns, begins = boundaries[f"turns_at_{axis}"], boundaries[f"begins_severe_at_{axis}"]
-    is_turn = turns.notnull()
-    alike = (is_turn == is_turn.isel(realization=0)).all(("realization", "turn"))
-    alike &= (begins == begins.isel(realization=0)).all("realization")
-    return turns.median("realization", skipna=False).where(alike)
 
 
 def _band_of(

@@ -11,7 +11,7 @@ import xarray as xr
 from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.scenes import attribute_values, heads_of, parts_of
 from pipeline.analysis.tables import frame_of, short
-from pipeline.analysis.transition import CROSSES, SEVERAL, UNITS, in_words, outcomes
+from pipeline.analysis.transition import CROSSES, SEVERAL, UNITS, in_words, outcomes, severe_ranges
 from pipeline.sweep.conditions import FIELDS
 from tribo.material import BOUNDARY, FULL_FILM
 
@@ -142,20 +142,17 @@ def _turning_surfaces(boundaries: xr.Dataset) -> Iterator[pd.DataFrame]:
             yield frame.rename(columns=heads | {"realization": "surface"})
 
 
-def _median_ranges(boundaries: xr.Dataset, other: str, axis: str) -> xr.DataArray:
-    """Ranges of severe wear between the medians of several turns, in words."""
-    begins = boundaries[f"begins_severe_at_{axis}"].isel(realization=0)
-    turns = boundaries[f"turns_at_{axis}_median"]
+def _half_ranges(boundaries: xr.Dataset, other: str, axis: str) -> xr.DataArray:
+    """Ranges in which half of the members are severe, in words."""
+    given = [boundaries[f"{part}_at_{axis}_median"] for part in ("turns", "begins_severe")]
     worded = np.vectorize(
-        lambda begins, turns: (
-            in_words(outcomes(other)[SEVERAL], (), other, turns, begins)
-            if np.isfinite(turns).any()
-            else None
+        lambda turns, begins: (
+            severe_ranges(turns, begins, other) if np.isfinite(turns).any() else None
         ),
         otypes=[object],
-        signature="(),(n)->()",
+        signature="(n),()->()",
     )
-    words: xr.DataArray = xr.apply_ufunc(worded, begins, turns, input_core_dims=[[], ["turn"]])
+    words: xr.DataArray = xr.apply_ufunc(worded, *given, input_core_dims=[["turn"], []])
     return words
 
 
@@ -170,6 +167,9 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
         for place, share in enumerate(band["quantile"].values.tolist()):
             velocity = band.isel(quantile=place, drop=True)
             yield f"velocity of {100 * share:g} % [{unit}]", velocity.where(velocity > 0, -np.inf)
+        begins = boundaries["begins_severe_at_load_median"]
+        if (boundaries["turns_at_load_median"].count("turn") + begins > 1).any():
+            yield "likelier than not", _half_ranges(boundaries, other, axis)
         return
     heads = [f"{100 * share:g} %" for share in band["quantile"].values]
     heads[1] = f"critical {other}, median"
@@ -185,6 +185,6 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
         if code == CROSSES or (codes == code).any():
             yield "cross" if code == CROSSES else outcome, (codes == code).sum(surfaces)
     if (codes == SEVERAL).any():
-        yield "turns, median", _median_ranges(boundaries, other, axis)
+        yield "half of them", _half_ranges(boundaries, other, axis)
     bridged = (boundaries[f"bridged_at_{axis}"] > 0).sum(surfaces)
     yield "of them across points not done", bridged.where(bridged > 0)

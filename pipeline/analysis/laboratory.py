@@ -107,8 +107,7 @@ def critical_velocity(own: PointField, test: Measurement) -> float:
 
     It is 0 or infinite where wear does not turn among the computed points [m/s].
     """
-    turns = own.turns("velocity", test.normal_load, test.velocity)
-    return quantile(turns.nearest, own.weights, 0.5)
+    return own.turns("velocity", test.normal_load, test.velocity).nearest(test.velocity)
 
 
 def clipped_velocity(own: PointField, test: Measurement) -> float:

@@ -19,7 +19,7 @@ import numpy as np
 from pipeline.analysis.field import Field, quantile
 from pipeline.analysis.model_error import Scatter, severe_share
 from pipeline.analysis.rise_error import RiseError
-from pipeline.analysis.transition import CROSSES, Turns, outcomes
+from pipeline.analysis.transition import CROSSES, SEVERAL, Turns, outcomes
 from pipeline.sweep.shown import shown
 from tribo.types import Array
 
@@ -62,9 +62,9 @@ class Margin:
     critical_load: float  #: The nearest at this velocity [N]; NaN if the sweep has none.
     velocity_outcome: str  #: One of `pipeline.analysis.transition.outcomes`.
     load_outcome: str  #: Likewise, along the load.
-    #: All velocities at which wear turns at this load [m/s]; none if members turn unlike.
+    #: All velocities at which wear of half of the members turns at this load [m/s].
     velocity_turns: tuple[float, ...]
-    load_turns: tuple[float, ...]  #: All loads at which it turns at this velocity [N]; likewise.
+    load_turns: tuple[float, ...]  #: All loads at which it turns at this velocity [N].
     velocity_member_turns: tuple[tuple[float, ...], ...]  #: Those of each surface.
     load_member_turns: tuple[tuple[float, ...], ...]  #: Likewise.
     velocity_begins_severe: bool  #: Wear is severe below the first of these turns.
@@ -171,32 +171,29 @@ def answer(
     here, weights = field.temperatures(load, velocity), field.weights
     error = field.error(load, velocity)
     lowest, middle, highest = probabilities(field, load, np.array([velocity]), scatter, error)
-    turns = {axis: field.turns(axis, load, velocity) for axis in ("velocity", "load")}
-    spread = {
-        "decisive_temperature": here.values,
-        "distance": here.critical - here.values,
-        "critical_velocity": _ranked(turns["velocity"], velocity),
-        "critical_load": _ranked(turns["load"], load),
-    }
+    place = {"velocity": velocity, "load": load}
+    turns = {axis: field.turns(axis, load, velocity) for axis in place}
+    spread = {"decisive_temperature": here.values, "distance": here.critical - here.values}
     ends_and_middles: list[dict[str, Any]] = [
         {name: quantile(values, weights, share) for name, values in spread.items()}
+        | {f"critical_{axis}": one.nearest(place[axis], share) for axis, one in turns.items()}
         for share in DECIDED
     ]
     low, middles, high = ends_and_middles
-    intervals = {name: (low[name], high[name]) for name in spread if len(weights) > 1}
-    for axis in turns:
-        name = f"critical_{axis}"
-        intervals |= {name: tuple(max(end, 0.0) for end in intervals[name])} if intervals else {}
-        middles[name] = middles[name] if math.isfinite(middles[name]) else math.nan
+    intervals = {}
+    if len(weights) > 1:  # where wear turns mild, the 95 % lie below the 5 %
+        intervals = {name: tuple(sorted((low[name], high[name]))) for name in low}
+    for name in ("critical_velocity", "critical_load"):
+        middles[name] = middles[name] if 0 < middles[name] < math.inf else math.nan
     scale = field.conditions.temperature_error(middles["decisive_temperature"])
     told: dict[str, Any] = {
         f"{axis}_{name}": value
         for axis, one in turns.items()
         for name, value in (
             ("outcome", outcome_in_words(one, axis)),
-            ("turns", tuple(quantile(each, weights, 0.5) for each in one.alike.T)),
-            ("member_turns", one.places),
-            ("begins_severe", bool(one.alike.size) and one.begins_severe[0]),
+            ("turns", one.shared()[0]),
+            ("member_turns", one.by_member),
+            ("begins_severe", one.shared()[1]),
             ("range", one.computed),
             ("bridged", one.bridged),
         )
@@ -221,17 +218,6 @@ def answer(
         **middles,
         **told,
     )
-
-
-def _ranked(turns: Turns, here: float) -> Array:
-    """Nearest turns, of which a quantile beside a member without any is none, and no place.
-
-    Of members alike the same turn of each.
-    """
-    if (alike := turns.alike).size:
-        away = np.abs(np.log(np.median(alike, axis=0) / here))
-        return np.asarray(alike[:, away.argmin()])
-    return np.where(turns.nearest == 0, -math.inf, turns.nearest)
 
 
 def probabilities(
@@ -275,7 +261,7 @@ def error_band(
     ends = field.ends["velocity"]
     here = math.sqrt(max(ends[0], 1e-3 * ends[1]) * ends[1])
     turns = field.turns("velocity", load, here)
-    place = quantile(turns.nearest, field.weights, 0.5)
+    place = turns.nearest(here)
     if math.isnan(place) or field.misfit:
         return math.nan, math.nan
     place = float(np.clip(place, max(ends[0], velocities[0]), ends[1]))
@@ -323,10 +309,13 @@ def _decided_ends(
 
 
 def outcome_in_words(turns: Turns, axis: str) -> str:
-    """Outcome of a line, or on how many of several members wear turns."""
+    """Outcome of a line, or that of half of its members, or on how many of them wear turns."""
     codes = np.unique(turns.outcome)
     words = outcomes(axis)
     if len(codes) == 1:
         return words[int(codes[0])]
+    places, begins = turns.shared()
+    if len(places) + begins > 1:
+        return words[SEVERAL]
     crossing = int(np.sum(turns.outcome == CROSSES))
     return f"crosses on {crossing} of {len(turns.outcome)}"

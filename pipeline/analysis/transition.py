@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -149,19 +150,26 @@ def in_words(
 
     Of several turns the ranges in which wear is severe instead.
     """
-    words, unit = outcomes(along), UNITS[along]
+    words = outcomes(along)
     if outcome == words[SEVERAL]:
-        places = [f"{place:.3g}" for place in turns if math.isfinite(place)]
-        begins = [None, *places] if begins_severe else places
-        ends = [*begins[1::2], None][: len(begins[::2])]
-        parts = [
-            f"up to {end}" if begin is None else f"from {begin} {f'to {end}' if end else 'on'}"
-            for begin, end in zip(begins[::2], ends, strict=True)
-        ]
-        return f"severe {' and '.join(parts)} {unit}"
-    low, high = (f"{end:.4g} {unit}" for end in computed)
+        return severe_ranges(turns, begins_severe, along)
+    low, high = (f"{end:.4g} {UNITS[along]}" for end in computed)
     reached = {words[ABOVE]: f" (to {high})", words[BELOW]: f" (from {low})"}
     return outcome + reached.get(outcome, "")
+
+
+def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> str:
+    """Ranges of severe wear between its turns, of which those that are NaN are none, in words."""
+    places = [f"{place:.3g}" for place in turns if math.isfinite(place)]
+    begins = ["", *places] if begins_severe else places
+    ends = [*begins[1::2], ""][: len(begins[::2])]
+    unit = UNITS[along]
+    parts = [
+        f"from {begin} to {end} {unit}" if begin and end
+        else f"from {begin} {unit} on" if begin else f"up to {end} {unit}"
+        for begin, end in zip(begins[::2], ends, strict=True)
+    ]  # fmt: skip
+    return f"severe {' and '.join(parts)}"
 
 
 def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
@@ -174,37 +182,79 @@ def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
 
 
 class Turns(NamedTuple):
-    """Transitions of the members of a field along an axis through a place, shape (m,)."""
+    """Where wear turns on the members of a field, along an axis through a place."""
 
-    #: Nearest place at which wear turns; infinite where wear is mild at all that is known, 0 where
-    #: severe, and NaN where nothing is known.
-    nearest: Array
-    outcome: Array  # keys of `outcomes`
+    outcome: Array  # of each member, (m,): keys of `outcomes`
     computed: tuple[float, float]  # lowest and highest place computed
     bridged: int  # most points not done that one of them is interpolated across
-    places: tuple[tuple[float, ...], ...] = ()  # all places of each, where they are known
-    begins_severe: tuple[bool, ...] = ()  # below the first of them, likewise
+    places: Array  # places at which any member turns, (n,)
+    steps: Array  # weights of these members, negative where they turn to mild wear, (n,)
+    begins: float  # share of the members that are severe below all of them
+    by_member: tuple[tuple[float, ...], ...] = ()  # the places of each, where members are few
 
-    @property
-    def alike(self) -> Array:
-        """Places (m, k) of members that turn alike; none, (m, 0), of others."""
-        if len({*zip(map(len, self.places), self.begins_severe, strict=True)}) == 1:
-            return np.array(self.places)
-        return np.empty((len(self.nearest), 0))
+    def shared(self, share: float = 0.5) -> tuple[tuple[float, ...], bool]:
+        """Places at which more than a share of the members turns severe, or mild, ascending.
+
+        And whether it is severe below the first of them. Of members that turn once these are their
+        quantiles.
+        """
+        order = np.argsort(self.places, kind="stable")
+        places, steps = self.places[order], self.steps[order]
+        after = self.begins + np.cumsum(steps)
+        # From one turn to the next of its kind the share changes steadily, and else at turns alone.
+        is_other = np.diff(steps > 0, prepend=np.nan, append=np.nan) != 0
+        is_node = np.column_stack([is_other[:-1], np.ones_like(places, dtype=bool), is_other[1:]])
+        shares = np.column_stack([after - steps, after - steps / 2, after])[is_node]
+        x = np.repeat(places, 3)[is_node.ravel()]
+        signs = np.sign((shares - share).round(12))
+        (known,) = signs.nonzero()
+        found = []
+        for low, high in itertools.pairwise(known.tolist()):
+            if signs[low] == signs[high]:
+                continue
+            if high == low + 1:
+                part = (share - shares[low]) / (shares[high] - shares[low])
+                found.append(float(x[low] + part * (x[high] - x[low])))
+            else:  # in the middle, where exactly this share is severe
+                found.append(float(x[low + 1] + x[high - 1]) / 2)
+        return tuple(found), bool(signs[known[0]] > 0 if known.size else self.begins >= share)
+
+    def nearest(self, here: float, share: float = 0.5) -> float:
+        """The place nearest by its ratio at which half turns, or of another share beside that.
+
+        It is infinite where the share is mild at all that is known, 0 where it is severe, and NaN
+        where that of a member is not known.
+        """
+        if (self.outcome == UNKNOWN).any():
+            return math.nan
+        places, begins = self.shared(share)
+        half, half_begins = self.shared()
+        if half:
+            here = min(half, key=lambda place: abs(math.log(place / here)))
+            to_severe = half.index(here) % 2 == half_begins
+            places = places[int(begins == to_severe) :: 2]
+        none = 0.0 if begins else math.inf
+        return min(places, key=lambda place: abs(math.log(place / here)), default=none)
 
     @classmethod
     def of(cls, lines: Sequence[Line], here: float) -> Turns:
         """Turns of lines about a velocity [m/s] or a load [N]."""
-        nearest = [line.nearest(here) for line in lines]
         known = [line for line in lines if line.outcome != UNKNOWN]
+        weight = 1 / len(lines)
+        steps = [
+            weight if number % 2 == line.begins_severe else -weight
+            for line in lines
+            for number in range(len(line.places))
+        ]
         return cls(
-            np.array(nearest),
             np.array([line.outcome for line in lines]),
             (
                 min((line.computed[0] for line in known), default=math.nan),
                 max((line.computed[1] for line in known), default=math.nan),
             ),
-            max(map(Line.bridged, lines, nearest)),
+            max(line.bridged(line.nearest(here)) for line in lines),
+            np.array([place for line in lines for place in line.places]),
+            np.array(steps),
+            weight * sum(line.begins_severe for line in lines),
             tuple(line.places for line in lines),
-            tuple(line.begins_severe for line in lines),
         )

@@ -118,13 +118,14 @@ def _place_lines(
 
 def _margin_lines(here: Margin) -> list[str]:
     """The sentence for those who decide, and the parts of the error, in lines."""
+    several = "samples" if here.counts_inputs else "surfaces"
     origin = "interpolated between computed points"
     if here.is_computed:
         origin = "computed there"
     elif here.is_continued:
         origin = "extrapolated beyond the computed points, as a power of the velocity"
     elif here.members > 1:
-        origin = f"that of {here.members} {'samples' if here.counts_inputs else 'surfaces'}"
+        origin = f"that of {here.members} {several}"
     inputs = "taken as exact"
     if interval := here.intervals.get("decisive_temperature"):
         low, high = (value - 273.15 for value in interval)
@@ -143,7 +144,8 @@ def _margin_lines(here: Margin) -> list[str]:
         turns, begins = getattr(here, f"{name}_turns"), getattr(here, f"{name}_begins_severe")
         said = in_words(outcome, getattr(here, f"{name}_range"), name, turns, begins)
         if said != outcome and (turns or outcome != outcomes(name)[SEVERAL]):
-            lines.append(f"in {name}: {said}")
+            whose = f", half of the {several}" if turns and here.members > 1 else ""
+            lines.append(f"in {name}{whose}: {said}")
     return lines
 
 

@@ -219,7 +219,7 @@ def temperature(
         critical = style.celsius(conditions.critical_temperature)
         axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
         turns = point_field(row).turns("velocity", load_here, float(velocities[-1]))
-        for transition in turns.places[0]:
+        for transition in turns.shared()[0]:
             label = f"transition, {transition:.3g} m/s"
             axes.axvline(transition, color=VERMILION, lw=1.2, label=label)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")

@@ -20,7 +20,7 @@ from pipeline import extras
 from pipeline.analysis import dataset
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.entries import scene_entries
-from pipeline.analysis.frames import boundary_parts, frames_of
+from pipeline.analysis.frames import boundary_parts
 from pipeline.analysis.laboratory import compared, test_parts
 from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
 from pipeline.analysis.scenes import parts_of, scenes, value_text
@@ -32,7 +32,7 @@ from pipeline.analysis.tables import (
     writable_path,
     write_text,
 )
-from pipeline.analysis.transition import CROSSES, SEVERAL, outcomes
+from pipeline.analysis.transition import outcomes, severe_ranges
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import fit_to_width, svg_of
@@ -211,38 +211,24 @@ def _question_of_rows(ds: xr.Dataset) -> Iterator[Part]:
 
 def _answer(boundaries: xr.Dataset) -> str:
     """Velocities at which wear turns severe at the lowest and the highest load."""
-    axis = "realization" if "realization" in boundaries.dims else ""
-    velocities = boundaries["critical_velocity"]
-    crosses = boundaries["outcome_at_load"] == CROSSES
-    if axis:
-        velocities, crosses = velocities.median(axis), crosses.all(axis)
-    crossings = velocities.where(crosses, drop=True)
-    codes = sorted(set(boundaries["outcome_at_load"].values.ravel().tolist()))
-    frame = frames_of(boundaries)[0].iloc[[0, -1]]
-    if axis and SEVERAL in codes and frame["turns, median"].notna().all():
-        ends = frame["turns, median"] + frame["load [N]"].map(" at {:g} N".format)
-        many = f", the medians of {boundaries.sizes[axis]} surfaces"
-        return f"wear is {' and '.join(dict.fromkeys(ends))}{many}"
-    if SEVERAL in codes and not axis:
-        once = frame["critical velocity [m/s]"].map("severe from {:.3g} m/s on".format)
-        words = frame["outcome"].where(frame["outcome"] != outcomes("velocity")[CROSSES], once)
-        ends = words + frame["load [N]"].map(" at {:g} N".format)
-        return f"wear is {' and '.join(dict.fromkeys(ends))}"
-    if not crossings.size:
-        known = "at no load do all surfaces have one transition alone"
-        if not {CROSSES, SEVERAL} & {*codes}:
-            known = "no transition is known among the points computed"
-        return f"{known}: {' or '.join(outcomes('velocity')[code] for code in codes)}"
-    places = [crossings[0], crossings[-1]] if crossings.size > 1 else [crossings[0]]
-    text = " and ".join(
-        f"from {float(place):.3g} m/s on at {float(place['load']):g} N" for place in places
+    is_band = "realization" in boundaries.dims
+    end = "_median" if is_band else ""
+    turns = boundaries[f"turns_at_load{end}"].dropna("load", how="all")
+    begins, loads = boundaries[f"begins_severe_at_load{end}"], turns["load"].values.tolist()
+    if not loads:
+        codes = sorted(set(boundaries["outcome_at_load"].values.ravel().tolist()))
+        whose = " of half of the surfaces" if is_band else ""
+        reasons = " or ".join(outcomes("velocity")[code] for code in codes)
+        return f"no transition{whose} is known among the points computed: {reasons}"
+    text = "; ".join(
+        f"{severe_ranges(turns.sel(load=load).values, begins.sel(load=load).item(), 'velocity')} "
+        f"at {load:g} N"
+        for load in dict.fromkeys((loads[0], loads[-1]))
     )
-    median = f", the median of {boundaries.sizes[axis]} surfaces" if axis else ""
-    if axis and (others := crosses.size - crossings.size):
-        median += (
-            f"; at {others} of {crosses.size} loads not every surface has one transition alone"
-        )
-    return f"wear is severe {text}{median}"
+    whose = f", on half of {boundaries.sizes['realization']} surfaces" if is_band else ""
+    others = begins.size - len(loads)
+    untold = f"; at {others} of {begins.size} loads no transition is known" if others else ""
+    return f"wear is {text}{whose}{untold}"
 
 
 def _numbers(ds: xr.Dataset) -> Iterator[Part]:

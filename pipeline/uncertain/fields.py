@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -172,25 +171,22 @@ class SampleField:
         """See `Field`."""
         if axis == "velocity":
             x, lines = self._lines(load)
-            here, ends = velocity, self.ensemble.velocities
+            ends = self.ensemble.velocities
         else:
             loads = self.ensemble.loads
-            ends, here = (float(loads[0]), float(loads[-1])), load
-            if len(loads) == 1:
-                unknown = np.full(len(self.weights), math.nan)
-                return Turns(unknown, np.full(len(unknown), MILD), ends, 0)
+            ends = float(loads[0]), float(loads[-1])
             x = np.log(np.geomspace(*ends, STEPS))
             excess = self.ensemble.excess(self.draws.inputs, np.exp(x), velocity)
             lines = self._chance_excess(excess.draw_chance(self.ensemble.design.seed))
         turns, places = _crossings(x, lines)
-        apart = np.where(turns != 0, np.abs(places - math.log(here)), math.inf)
-        nearest = np.take_along_axis(places, apart.argmin(axis=1)[:, None], axis=1)[:, 0]
+        rows, columns = np.nonzero(turns)
         count = (turns != 0).sum(axis=1)
         is_severe = lines[:, 0] > 0
         outcome = np.where(count == 0, np.where(is_severe, SEVERE, MILD), CROSSES)
         outcome = np.where((count > 1) | ((count == 1) & is_severe), SEVERAL, outcome)
-        none = np.where(is_severe, 0.0, math.inf)
-        return Turns(np.where(count > 0, np.exp(nearest), none), outcome, ends, 0)
+        steps = turns[rows, columns] * self.weights[rows]
+        begins = float(self.weights @ is_severe)
+        return Turns(outcome, ends, 0, np.exp(places[rows, columns]), steps, begins)
 
     def probability(
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0

@@ -2,7 +2,6 @@
 
 import itertools
 import json
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ import pipeline
 from pipeline.analysis.margin import outcome_in_words, probabilities_alone
 from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.rise_error import RiseError, error_of_point
-from pipeline.analysis.transition import CROSSES, MILD
+from pipeline.analysis.transition import CROSSES, MILD, Turns
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers import page_sweeps as sweeps
@@ -56,7 +55,8 @@ def test_a_point_alone_decides_nothing_where_its_error_is_unknown_and_else_withi
 
 
 def test_the_members_that_cross_are_counted():
-    several = SimpleNamespace(outcome=np.array([CROSSES, CROSSES, MILD]))
+    third, outcome = np.full(2, 1 / 3), np.array([CROSSES, CROSSES, MILD])
+    several = Turns(outcome, (1.0, 4.0), 0, np.array([2.0, 3.0]), third, 0.0)
     assert outcome_in_words(several, "velocity") == "crosses on 2 of 3"
 
 
