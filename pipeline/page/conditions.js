@@ -1,4 +1,3 @@
-"use strict";
 /* The conditions: sliders and fields, and faults of what was typed. */
 
 /** Fault of a changed condition, or none. @param {Conditions} conditions @param {Control} control */

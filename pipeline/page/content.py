@@ -161,8 +161,9 @@ def _told(test: Measurement) -> dict[str, Any]:
 
 def _tests(ds: xr.Dataset, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
     """Tests with the nearest node, and the friction and bulk that each is judged at."""
-    told = []
-    for test in reachable_tests(ds, laboratory_tests(ds))[0]:
+    told, tests = [], laboratory_tests(ds)
+    drawn, _ = reachable_tests(ds, tests)
+    for test in tests:
         own = own_conditions(ds, test)
         there = _conditions(ds, own) | {"strip_friction": test.friction is not None}
         names = ("friction", "bulk_temperature", "disk_temperature", "strip_friction")
@@ -173,6 +174,7 @@ def _tests(ds: xr.Dataset, loads: Array, velocities: Array, first: int) -> list[
             | {"own": {name: there[name] for name in names if name in there}}
             | {"node": (k, j)}
             | {"isInside": bool(loads[0] <= test.normal_load <= loads[-1])}
+            | {"isDrawn": test in drawn}
         )
     return told
 
@@ -226,8 +228,6 @@ def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
     slowest, fastest = ensemble.velocities
     velocities = np.linspace(slowest, fastest, _VELOCITIES)
     plane = field.plane(loads.tolist(), velocities, scatter)
-    rising = np.maximum.accumulate(plane, axis=1)
-    lines = [np.interp(DECIDED, row, velocities) for row in rising]
     return {
         "title": sweep.about.title,
         "name": sweep.about.name,
@@ -241,7 +241,6 @@ def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
         "picture": coloured(plane[::-1]),
         "scale": coloured(np.linspace([0.0], [1.0], 64).T),
         "shares": list(DECIDED),
-        "lines": np.array(lines).tolist(),
         "table": frames_of(boundary(ds))[0],
         "samples": ds.sizes["variant"],
         "done": int((ds["status"] == DONE).sum()),
@@ -291,8 +290,9 @@ def _planes(
     done = values_of(ds, "status") == DONE
     missing = ~done & (asked(ds).transpose(*POINT, missing_dims="ignore").values == 1)
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
-    fine_loads, first = divided(loads, by_load), int(velocities[0] > 0 and len(velocities) > 1)
+    fine_loads = divided(loads, by_load)
     rows, nodes = rows_along(rises, velocities, by_velocity, conditions)
+    first = int(np.searchsorted(nodes, velocities[0]))
     state = states(done, (by_load, by_velocity), np.arange(len(nodes)) - first)
     is_within = np.isin(state[..., ::by_load, :], (COMPUTED, INTERPOLATED))[..., None, None]
     within = along(np.where(is_within, rows, np.nan), loads, fine_loads, -4)
@@ -434,6 +434,7 @@ _PLACES = np.array([60, 30])  # velocities and loads at least, where there is ro
 _MOST = 400_000  # values of a table, 2 MB of a page
 _FLAT = 0.05  # least exponent of a rise whose crossings are judged
 _FAR = 1e6  # ratio of the velocity of an outermost node to the nearest one of the sweep
+_PARTS_BEYOND = 16  # of an interval between velocities beyond them at which friction is known
 _STEPS, _WIDEST = 241, 7.0  # distances of the model's error, and the widest by its hyperbolic sine
 COMPUTED, INTERPOLATED, BETWEEN, EXTRAPOLATED = 1, 2, 3, 4
 """States of nodes. Between loads one row may go on beyond its points where the other has some."""
@@ -485,14 +486,22 @@ def rows_along(
 ) -> tuple[Array, Array]:
     """Rises along velocity at each load [K], and the nodes that they are at [m/s].
 
-    One node far below the velocities and one far above them have the power laws by which the rise
-    goes on; a velocity of 0 stands far below.
+    Nodes beyond the velocities have the power laws by which the heat goes on, and the friction as
+    it is known there; the outermost lie far beyond. A velocity of 0 stands far below.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     if len(velocities) == 1:
         return rises, fine
     positive = fine[fine > 0]
-    nodes = np.concatenate([[positive[0] / _FAR], positive, [positive[-1] * _FAR]])
+    told = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)
+    known = np.union1d(positive[[0, -1]], told[(velocities[0] > 0) | (told > positive[0])])
+    beyond = divided(known, _PARTS_BEYOND)
+    nodes = np.concatenate(
+        [
+            [known[0] / _FAR], beyond[beyond < positive[0]], positive,
+            beyond[beyond > positive[-1]], [known[-1] * _FAR],
+        ]
+    )  # fmt: skip
     heat = rises / factor(velocities)[:, None, None]
     if not velocities[0] > 0:
         heat, velocities = along(heat, velocities, fine, -3)[..., fine > 0, :, :], positive

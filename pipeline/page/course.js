@@ -1,4 +1,3 @@
-"use strict";
 /* The course of a chosen point, from the first increment of its ramp. */
 
 /** Show the highest temperature while the load grows. @param {Point} point */

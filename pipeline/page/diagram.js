@@ -1,4 +1,3 @@
-"use strict";
 /* The transition diagram: regions, boundary, band, and the marks of points and measurements. */
 
 /** @type {{frame: Frame, root: SVGElement, pointer: SVGElement, choice: SVGElement}} */
@@ -24,7 +23,7 @@ function planeAxes(velocities, loads, tests) {
 
 function drawDiagram() {
   const { velocities, loads, measured } = content;
-  const { root, inside, frame } = planeAxes(velocities, loads, measured);
+  const { root, inside, frame } = planeAxes(velocities, loads, measured.filter(({ isDrawn }) => isDrawn));
   const label = "Points of the sweep by velocity and load; arrow keys move, Enter keeps one";
   const about = { tabindex: 0, role: "application", "aria-label": label, "aria-describedby": "tip" };
   const { left, top, right, bottom } = frame;
@@ -119,6 +118,7 @@ function hasOwnConditions({ own, node: [, j] }) {
 function drawnMeasured(frame) {
   const judged = judgedTests();
   return content.measured.flatMap((test, number) => {
+    if (!test.isDrawn) return [];
     const [x, y] = [frame.x(test.velocity), frame.y(test.load)];
     const expected = frame.x(judged[number].expected);
     const sign = testMark(x, y, test.outcome);
@@ -135,7 +135,7 @@ function showLegend() {
     boundary: isJudged() && !isMany, median: isJudged() && isMany, band: isJudged() && isMany,
     "region-mild": isJudged(), "region-severe": isJudged(), friction: isJudged(),
     ...Object.fromEntries(KINDS.map((kind) => [kind, kinds.has(kind)])),
-    own: isJudged() && content.measured.some(hasOwnConditions),
+    own: isJudged() && content.measured.some((test) => test.isDrawn && hasOwnConditions(test)),
     operating: isInside(chosen, content),
   };
   for (const [name, isThere] of Object.entries(signs)) {

@@ -120,7 +120,8 @@ def explore(
 def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: Sequence[str]) -> str:
     """The page of all scenes, with its own style and scripts, which alone may run on it."""
     style = _text("page.css")
-    script = "\n".join(_text(f"{name}.js") for name in (*_SCRIPTS, *scripts))
+    sources = (_text(f"{name}.js") for name in (*_SCRIPTS, *scripts))
+    script = "\n".join(['"use strict";', *sources])
     templates = "\n".join(f"<template>{body}</template>" for body in bodies)
     return _filled(
         "page.html",
@@ -148,7 +149,7 @@ def _plane_scene(held: dict[str, Any]) -> str:
         "region-severe": not held["chosen"],
         "friction": band is not None,
         "warned": held["has_warnings"],
-        "own": bool(held["measured"]),
+        "own": any(test["isDrawn"] for test in held["measured"]),
     }
     own = {
         "tests": tests,
@@ -183,7 +184,7 @@ def _samples_scene(held: dict[str, Any]) -> str:
 
 def _test_signs(held: dict[str, Any]) -> dict[str, bool]:
     """Whether there are tests of each kind, by the sign of the legend."""
-    kinds = {test.get("outcome") for test in held["measured"]}
+    kinds = {test.get("outcome") for test in held["measured"] if test.get("isDrawn", True)}
     names = {"transition": None, "test-mild": "mild", "test-severe": "severe"}
     return {name: kind in kinds for name, kind in names.items()}
 

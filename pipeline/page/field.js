@@ -1,4 +1,3 @@
-"use strict";
 /* The fine plane of the deciding rise that Python has tabulated, and where it passes a limit. */
 
 const [POINT_DONE, POINT_FAILED] = ["1", "2"];
@@ -100,10 +99,21 @@ function endsOf({ severe, outcome, computed: [from, to] }) {
   return [-Infinity, outcome === SEVERE ? -Infinity : from];
 }
 
-/** Median of the nearest turns: infinite or 0 without any. @param {Transition[]} all @param {number} here */
+/** Nearest turn of half of the surfaces, as pipeline.analysis.transition has it: infinite or 0 without any.
+ * @param {Transition[]} all @param {number} here */
 function nearestTurn(all, here) {
+  if (all.some(({ outcome }) => outcome === UNKNOWN)) return NaN;
+  const turns = all.flatMap(({ severe }) => severe.flatMap(([begin, end]) => [[begin, 2], [end, -2]]));
+  const begins = sum(turns.map(([place, step]) => (place === 0 ? step : 0))) - all.length;
+  let [more, side, tied] = [begins, Math.sign(begins), NaN]; // of severe surfaces than of mild ones
+  const places = turns.sort(([a], [b]) => a - b).flatMap(([place, step]) => {
+    if (place === 0 || place === Infinity) return [];
+    more += step;
+    const [before, from] = [side, Number.isNaN(tied) ? place : tied];
+    tied = more ? NaN : place;
+    if (more) side = Math.sign(more);
+    return before && side !== before ? [(from + place) / 2] : [];
+  });
   const away = (/** @type {number} */ place) => Math.abs(Math.log(place / here));
-  const none = (/** @type {Transition} */ { outcome, severe }) =>
-    (outcome === UNKNOWN ? NaN : severe.length ? 0 : Infinity);
-  return quantileOf(all.map((one) => [...one.places].sort((a, b) => away(a) - away(b))[0] ?? none(one)), 0.5);
+  return places.sort((a, b) => away(a) - away(b))[0] ?? ((side || begins) < 0 ? Infinity : 0);
 }

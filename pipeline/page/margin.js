@@ -1,4 +1,3 @@
-"use strict";
 /* How likely the next run is severe at a node: the severe ranges about it, by the model's own error. */
 
 /** Each test at its own conditions: the nearest turn, ln(measured/computed), and if it is wrong. */

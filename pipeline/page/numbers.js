@@ -1,4 +1,3 @@
-"use strict";
 /* Numbers in lists. Nothing here knows a sweep. */
 
 const BAND = [0.1, 0.5, 0.9];

@@ -1,4 +1,3 @@
-"use strict";
 /* The operating point: its form, and what is said of it. */
 
 /** A place lies within a sweep. @param {Place} place @param {Axes} axes */
@@ -60,19 +59,17 @@ function marginRows() {
 function wayText(axis, node, now, unit) {
   const all = transitions(axis, node, chosen.conditions);
   const words = outcomeText({ transitions: all }, unit);
-  const places = all.map((one) => nearestTurn([one], now) || -Infinity); // no median beside one without any
-  const ratio = quantileOf(places, 0.5) / now;
-  if (!Number.isFinite(ratio)) return words;
+  const place = nearestTurn(all, now) || Infinity;
+  if (!Number.isFinite(place)) return words;
   const ranges = all.length === 1 && all[0].outcome === SEVERAL ? `; ${words}` : "";
-  return `${banded(places, unit)}, ${shown(ratio, 3)} times${ranges}`;
+  return `${shown(place)} ${unit}, ${shown(place / now, 3)} times${ranges}`;
 }
 
-/** Median, and the values that 80 % of the surfaces lie between. @param {number[]} values also infinite ones
- * @param {string} unit @param {number} [digits] */
+/** Median, and the values that 80 % of the surfaces lie between. @param {number[]} values @param {string}
+ * unit @param {number} [digits] */
 function banded(values, unit, digits = 4) {
   const [low, middle, high] = BAND.map((share) => quantileOf(values, share)).map((value) =>
-    Number.isNaN(value) ? "not known"
-      : Number.isFinite(value) ? `${shown(value, digits)} ${unit}` : "beyond the sweep");
+    (Number.isNaN(value) ? "not known" : `${shown(value, digits)} ${unit}`));
   return low === high ? middle : `${middle} (${low} to ${high})`;
 }
 

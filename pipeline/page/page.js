@@ -1,4 +1,3 @@
-"use strict";
 /* The page as a whole: the parts that are shown once, and again whenever the reader sets something. */
 
 /** Show all that follows from the choices of the reader. */

@@ -1,4 +1,3 @@
-"use strict";
 /* Drawing: SVG elements, axes, colours. Nothing here knows a sweep. */
 
 const SVG = "http://www.w3.org/2000/svg";

@@ -1,4 +1,3 @@
-"use strict";
 /* The points of the diagram, by pointer and by keyboard: their numbers, and the one that is kept. */
 
 const tip = html("div", { class: "tip", role: "status", id: "tip", hidden: "" });

@@ -1,4 +1,3 @@
-"use strict";
 /* The page of a sweep of samples: probabilities of severe wear, which Python has tabulated. */
 
 /** @type {Samples} */
@@ -7,8 +6,6 @@ const probability = floats(samples.probability);
 /** The operating point. */
 const operating = { load: NaN, velocity: NaN };
 
-/** Velocities of each of the three probabilities, by load. */
-const columns = samples.shares.map((_, k) => samples.lines.map((row) => row[k]));
 /** Probability at a place, by the table. @param {number} load @param {number} velocity */
 function probabilityAt(load, velocity) {
   const { loads, velocities } = samples;
@@ -17,15 +14,26 @@ function probabilityAt(load, velocity) {
   return linear(loads, rows, load);
 }
 
+/** Velocities at which a probability is passed, in words. @param {number} share @param {number} load */
+function turnsText(share, load) {
+  const { velocities } = samples;
+  const over = velocities.map((velocity) => probabilityAt(load, velocity) - share);
+  const places = velocities.slice(1).flatMap((next, k) => (over[k] > 0 === over[k + 1] > 0 ? []
+    : [next - (over[k + 1] / (over[k + 1] - over[k])) * (next - velocities[k])]));
+  const none = over[0] > 0 ? `below ${shown(velocities[0], 3)}` : `above ${shown(velocities[over.length - 1], 3)}`;
+  return `${places.map((place) => shown(place, 3)).join(", ") || none} m/s`;
+}
+
 /** The probability as colours, and where it has the three values. @param {Frame} frame */
 function drawnBand(frame) {
-  const { loads, velocities, picture } = samples;
+  const { loads, velocities, picture, shares } = samples;
   const [left, right] = [velocities[0], velocities[velocities.length - 1]];
   const [bottom, top] = [loads[0], loads[loads.length - 1]].map(frame.y);
   const size = { x: frame.x(left), y: top, width: frame.x(right) - frame.x(left), height: bottom - top };
-  const lines = columns.map((line, k) => {
-    const within = line.map((place) => (place === left || place === right ? NaN : frame.x(place)));
-    return svg("path", { class: k === 1 ? "boundary" : "own", d: path(within, loads.map(frame.y)) });
+  const [x, y, n] = [velocities.map(frame.x), loads.map(frame.y), velocities.length];
+  const lines = shares.map((share, k) => {
+    const over = loads.map((_, i) => [...probability.subarray(i * n, (i + 1) * n)].map((p) => p - share));
+    return svg("path", { class: k === 1 ? "boundary" : "own", d: contour(x, y, [over], true) });
   });
   const look = { preserveAspectRatio: "none", href: `data:image/png;base64,${picture}` };
   return [svg("image", { ...size, ...look }), ...lines];
@@ -60,17 +68,11 @@ function showTip(frame, load, velocity) {
 /** Take an operating point, and show its probability. @param {number} load @param {number} velocity */
 function judge(load, velocity) {
   Object.assign(operating, { load, velocity });
-  const { loads, velocities, shares } = samples;
   drawSamples();
   if (!isInside(operating, samples)) return showMargin(samples.outside);
   /** @type {[string, string][]} */
   const rows = [["probability of severe wear", percent(probabilityAt(load, velocity))]];
-  columns.forEach((line, k) => {
-    const place = linear(loads, line, load);
-    const [low, high] = [velocities[0], velocities[velocities.length - 1]];
-    const sign = place <= low ? "below " : place >= high ? "above " : "";
-    rows.push([`${shown(100 * shares[k])} % at this load`, `${sign}${shown(place, 3)} m/s`]);
-  });
+  for (const share of samples.shares) rows.push([`${shown(100 * share)} % at this load`, turnsText(share, load)]);
   showMargin(rows);
 }
 

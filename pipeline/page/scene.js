@@ -1,4 +1,3 @@
-"use strict";
 /* The scene that is shown, of those of a sweep over entries: each is a template of its own. */
 
 const sceneNumber = Number(location.hash.slice(1)) || 0;

@@ -1,4 +1,3 @@
-"use strict";
 /* Content of the page, and choices of its reader: in SI, with units on display only. */
 
 const ZERO_CELSIUS = 273.15;

@@ -1,4 +1,3 @@
-"use strict";
 /* Critical velocities and loads: over the surfaces, as tables and as CSV. */
 
 /** Transitions over the surfaces along velocity by load, and along load by velocity. */
@@ -34,9 +33,9 @@ function table(heads, rows, words = 0) {
  * transition @param {"velocity" | "load"} along @param {string} unit */
 function outcomeWords({ outcome, computed, severe }, along, unit) {
   if (outcome === SEVERAL) {
-    const ranges = severe.map(([begin, end]) =>
-      `${begin ? `from ${shown(begin, 3)} ` : "up "}${end < Infinity ? `to ${shown(end, 3)}` : "on"}`);
-    return `severe ${ranges.join(" and ")} ${unit}`;
+    const ranges = severe.map(([begin, end]) => end === Infinity ? `from ${shown(begin, 3)} ${unit} on`
+      : `${begin ? `from ${shown(begin, 3)}` : "up"} to ${shown(end, 3)} ${unit}`);
+    return `severe ${ranges.join(" and ")}`;
   }
   const [from, to] = computed.map((end) => `${shown(end)} ${unit}`);
   const reach = outcome === ABOVE ? ` (to ${to})` : outcome === BELOW ? ` (from ${from})` : "";

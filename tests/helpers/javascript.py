@@ -28,7 +28,9 @@ def run(ds, script, argument=None):
         absent("no node")
     sources = [(_FOLDER / f"{name}.js").read_text("utf-8") for name in _SCRIPTS]
     ask = f"const result = ((argument) => {{ {script} }})(held.argument);"
-    code = "\n".join([_STUB, *sources, ask, "console.log(JSON.stringify(result));"])
+    code = "\n".join(
+        ['"use strict";', _STUB, *sources, ask, "console.log(JSON.stringify(result));"]
+    )
     done = subprocess.run(
         [node, "-e", code],
         input=json.dumps({"content": json.dumps(content(ds, 0)), "argument": argument}),

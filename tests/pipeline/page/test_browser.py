@@ -277,11 +277,11 @@ def test_each_test_has_its_own_transition_and_the_verdict_of_the_command(page):
     assert agreement(expected) in driver.find_element(By.ID, "measured-section").text
 
 
-def test_beyond_the_sweep_there_is_no_unit(page):
+def test_where_wear_does_not_turn_there_are_words_and_no_unit(page):
     driver = page(sweeps.over_surfaces())
-    for name, text in (("at-load", "200"), ("at-velocity", "3")):
+    for name, text in (("at-load", "200"), ("at-velocity", "0.5")):
         typed(driver, name, text + Keys.TAB)
     text = driver.find_element(By.ID, "margin").text
-    assert "beyond the sweep" in text
-    assert "beyond the sweep m/s" not in text
+    assert "5 mild throughout" in text
+    assert "Infinity" not in text
     assert "5 surfaces" in driver.find_element(By.TAG_NAME, "footer").text

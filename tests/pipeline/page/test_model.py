@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline.analysis.dataset import read_conditions
@@ -162,11 +163,47 @@ def test_beyond_the_points_a_run_is_as_likely_severe_as_the_command_says():
     assert beyond > 5
 
 
+def test_beyond_the_sweep_friction_is_what_its_table_says():
+    """Beyond 2 m/s friction falls to a third, and wear is mild again; only the heat is a power."""
+    far = Corrections(friction=Friction(by_velocity=((2.0, 1.0), (3.0, 0.3), (6.0, 2.0))))
+    ds = synthetic.sweep().sel(velocity=slice(None, 2.0))
+    conditions = replace(read_conditions(ds), corrections=far)
+    ds = with_fields(ds, conditions=conditions, model_scatter=0.3)
+    places = [[float(load), float(v)] for load in ds["load"] for v in ds["velocity"]]
+    (told,) = run(ds, MARGINS, [{"conditions": {}, "places": places}])
+    (field,) = fields(ds)
+    scatter = model_error(ds, field)
+    expected = [answer(field, *page["place"], scatter).probability for page in told]
+    assert [page["probabilities"][1] for page in told] == pytest.approx(expected, abs=0.01)
+    plain = with_fields(ds, conditions=replace(conditions, corrections=None))
+    without = [answer(fields(plain)[0], *page["place"], scatter).probability for page in told]
+    assert np.abs(np.subtract(expected, without)).max() > 0.1
+
+
 def banded():
     """Friction that falls with velocity, so that wear is severe, mild and severe again."""
     ds = synthetic.sweep()
     falling = Corrections(friction=Friction(by_velocity=((0.5, 2.6), (1.2, 1.0), (6.0, 0.9))))
     return with_fields(ds, conditions=replace(read_conditions(ds), corrections=falling))
+
+
+@pytest.mark.parametrize(
+    "factors", [(1.0, 1.01, 2.0), (1.0, 2.0), (1.0, 1.05, 0.9, 1.8), (1.0, 0.6)]
+)
+def test_surfaces_that_turn_unlike_turn_where_half_of_them_do(factors):
+    ds = banded()
+    heats = [name for name in ds if name in ("rise_quantile", "mean_rise", "max_rise")]
+    hotter = [ds.assign({name: k * ds[name] for name in heats}) for k in factors]
+    several = xr.concat(
+        hotter, xr.Variable("realization", range(len(factors))), combine_attrs="override"
+    )
+    places = [(float(load), v) for load in several["load"][::3] for v in (0.7, 1.5, 3.0)]
+    (pages,) = run(several, MARGINS, [{"conditions": {}, "places": places}])
+    for page in pages:
+        load, velocity = page["place"]
+        nearest = fields(several)[0].turns("velocity", load, velocity).nearest(velocity)
+        told = nearest if nearest < math.inf else math.nan  # which JSON does not have
+        assert page["velocity"] == pytest.approx(told, rel=5e-3, nan_ok=True)
 
 
 def test_bands_of_severe_wear_have_all_their_ends():

@@ -40,6 +40,7 @@ type Measurement = {
   own: Partial<Conditions>;
   node: [number, number];
   isInside: boolean;
+  isDrawn: boolean;
 };
 
 /** Highest pressure, lowest and highest rise, greatest depth, and the three pictures. */
@@ -128,7 +129,6 @@ type Samples = {
   probability: string;
   picture: string;
   shares: number[];
-  lines: number[][];
 };
 
 /** Ranges of severe wear, and the places at which wear turns. */
