@@ -18,6 +18,7 @@ from pipeline.scene.reference import unit_example
 from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
+from pipeline.sweep.stages import Progress
 from pipeline.tradeoff.choose import choose_accuracy, measure_own_error
 from tribo import InputError
 
@@ -126,8 +127,8 @@ def scene_in(
             unequal_bulks=changed.disk_temperature is not None,
         )
 
-    def tell_probe(line: str) -> None:
-        tell(f"probing: {line}")
+    def tell_probe(progress: Progress) -> None:
+        tell(f"probing: {progress}")
 
     accuracy = getattr(options, "accuracy", None)
     named = ["--preset"] if options.preset else []

@@ -54,7 +54,6 @@ def run(options: argparse.Namespace) -> Result:
             progress=progress,
             retry_failed=options.retry_failed,
             boundary_only=options.boundary_only,
-            tell=tell,
         )
     own = sweep.conditions.own_criterion
     judged = pipeline.at(out, criterion=own.reference if own else None, own_laws=bool(own))
