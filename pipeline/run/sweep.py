@@ -151,7 +151,7 @@ def run_sweep(
                 for asked, store, waiting in itertools.chain([first], rounds):
                     tally.begin(store, link)
                     with Writer(store) as writer:
-                        compute(link, asked, writer, waiting, tally.learn, tally.note)
+                        compute(link, asked, writer, waiting, tally)
         summary = summarized(store)
         store.keep_root()
         note_files(store)

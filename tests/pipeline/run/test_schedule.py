@@ -96,10 +96,11 @@ def compute_sweep(tmp_path, monkeypatch):
 
     def compute_all(client=None, progress=silent):
         ended, learned = [], []
+        tally = SimpleNamespace(learn=learned.extend, note=ended.extend)
         with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
             waiting = tasks(points(SWEEP), SWEEP)
             link = Connection(client or LocalClient(), 1.0, progress)
-            compute(link, SWEEP, writer, waiting, learned.extend, ended.extend)
+            compute(link, SWEEP, writer, waiting, tally)
         assert len(learned) < len(ended)  # the first point of a worker tells of its start, too
         return store, Counter("failed" if point.data is None else "done" for point in ended)
 
