@@ -104,9 +104,9 @@ def point_fields(point: dict[str, Any]) -> dict[str, Any]:
     return point | dict(point.pop("variant"))
 
 
-def tell(message: str | Progress) -> None:
-    """Print a note, or a stage that begins: neither a result nor an error."""
-    if not QUIET.is_set():
+def tell(*messages: str | Progress) -> None:
+    """Print notes, or a stage that begins: neither results nor errors."""
+    for message in messages if not QUIET.is_set() else ():
         complain(str(message))
 
 
