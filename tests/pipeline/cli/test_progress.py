@@ -26,12 +26,15 @@ def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
     with output.run_line() as show:
         for done in range(8):
             show(Progress("", done, 8, 0, 4.0 * done, 4.0 * (8 - done)))
+            show(Progress(f"note {done}"))
         show(Progress("", 8, 8, 0, 32.0, 0.0))
     said = capsys.readouterr().err
     assert "\r" not in said
-    assert said.splitlines()[0] == "irg: 0 of 8 points done, 0 failed, 0 s so far, 32 s to go"
-    assert said.splitlines()[-1] == "irg: 8 of 8 points done, 0 failed, 32 s so far"
-    assert 3 <= len(said.splitlines()) <= 6
+    notes, states = (re.findall(rf"irg: {kind}.*", said) for kind in ("note", r"\d"))
+    assert notes == [f"irg: note {done}" for done in range(8)]  # each, and at once
+    assert states[0] == "irg: 0 of 8 points done, 0 failed, 0 s so far, 32 s to go"
+    assert states[-1] == "irg: 8 of 8 points done, 0 failed, 32 s so far"
+    assert 3 <= len(states) <= 6
 
 
 def test_a_command_that_takes_long_says_how_far_it_is(capsys, monkeypatch):
