@@ -71,8 +71,9 @@ def main(options):
             return print(cluster.job_script())
         threading.Thread(target=keep_up, args=(cluster, options.jobs), daemon=True).start()
         patience = 30 * 86400.0  # [s] that jobs may wait in the queue while there is no worker
-        told = {"progress": print, "tell": print, "patience": patience}
-        outcome = pipeline.run_sweep(sweep, options.store, client=client, **told)
+        outcome = pipeline.run_sweep(
+            sweep, options.store, client=client, progress=print, patience=patience
+        )
     print(f"{outcome.done} of {outcome.total} points done", *outcome.failed, sep="\n")
     return bool(outcome.failed)
 

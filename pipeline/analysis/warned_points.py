@@ -32,6 +32,7 @@ from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
 from pipeline.sweep.shown import shown
 from tribo import CRITERIA, WarningKind
@@ -77,8 +78,7 @@ class Warned:
         else:
             lies = "none beside the boundary"
         carry = "1 point carries" if self.points == 1 else f"{self.points} points carry"
-        yield f"warning: {carry} a warning ({kinds}), {lies}"
-        yield f"warning: at {self.example}"
+        yield from remarks("warning", f"{carry} a warning ({kinds}), {lies}", f"at {self.example}")
 
 
 NO_WARNING = Warned(0, {}, 0)

@@ -24,6 +24,7 @@ import pipeline
 from pipeline import interrupts
 from pipeline.cli.parser import function_of, parse
 from pipeline.run import forkserver
+from pipeline.sweep.remarks import remarks
 
 _LEAST_MEMORY = 700 * 2**20  # [bytes] of addresses, with which the packages can be loaded
 
@@ -71,7 +72,7 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
     safe = "; finished points are safe" if getattr(options, "command", "") == "sweeps:run" else ""
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = lambda message, *_: output.tell(f"note: {message}")
+            warnings.showwarning = lambda message, *_: output.tell(*remarks("note", str(message)))
             result = function(options)
             output.show(options, result)
             if sys.stdout is not None:

@@ -34,7 +34,7 @@ def plot(options: argparse.Namespace) -> Result:
         options.watch,
         kind,
         read=lambda: given.dataset_in(options),
-        progress=lambda state: tell(f"{state.done} of {state.total} points drawn"),
+        progress=tell,
         **look,
     )
     document = {"kind": kind, "file": str(options.watch)}

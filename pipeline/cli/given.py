@@ -17,7 +17,9 @@ from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.reference import unit_example
 from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.remarks import remarks
 from pipeline.sweep.selection import KEPT_FIELDS
+from pipeline.sweep.stages import Progress
 from pipeline.tradeoff.choose import choose_accuracy, measure_own_error
 from tribo import InputError
 
@@ -126,8 +128,8 @@ def scene_in(
             unequal_bulks=changed.disk_temperature is not None,
         )
 
-    def tell_probe(line: str) -> None:
-        tell(f"probing: {line}")
+    def tell_probe(progress: Progress) -> None:
+        tell(f"probing: {progress}")
 
     accuracy = getattr(options, "accuracy", None)
     named = ["--preset"] if options.preset else []
@@ -148,8 +150,7 @@ def scene_in(
 def one_scene_in(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:
     """The scene, for a command that takes one value of each entry; a note says if it has more."""
     sweep = scene_in(options, points)
-    for note in notes_on_first_values(sweep.variants):
-        tell(note)
+    tell(*notes_on_first_values(sweep.variants))
     return sweep
 
 
@@ -176,7 +177,8 @@ def _tell_of_another_law(options: argparse.Namespace, ds: xr.Dataset) -> None:
         return
     digest = changes_of(**given)["own_criterion"].digest
     if digest != stored.digest:
-        tell(
-            f"note: {given['criterion']} here (SHA-256 {digest[:8]}) is not the text that the "
-            f"store was judged by ({stored.digest[:8]})"
+        words = (
+            f"{given['criterion']} here (SHA-256 {digest[:8]}) is not the text that the store was "
+            f"judged by ({stored.digest[:8]})"
         )
+        tell(*remarks("note", words))

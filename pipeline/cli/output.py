@@ -13,18 +13,17 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.sweep.stages import Count, duration
+from pipeline.sweep.stages import Progress, Report, duration
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from pipeline.analysis.warned_points import Warned
-    from pipeline.run.tally import Progress
     from pipeline.store.progress import FailedPoint
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
@@ -105,10 +104,10 @@ def point_fields(point: dict[str, Any]) -> dict[str, Any]:
     return point | dict(point.pop("variant"))
 
 
-def tell(message: str) -> None:
-    """Print a note: neither a result nor an error."""
-    if not QUIET.is_set():
-        complain(message)
+def tell(*messages: str | Progress) -> None:
+    """Print notes, or a stage that begins: neither results nor errors."""
+    for message in messages if not QUIET.is_set() else ():
+        complain(str(message))
 
 
 def complain(message: str) -> None:
@@ -144,76 +143,85 @@ _SOON = 2.0  # [s], before which a command that just works says nothing
 
 
 @contextmanager
-def _line(tells_last: bool = False) -> Iterator[Callable[..., None]]:
-    """Yield a function that shows a text, in place on a terminal, else every few seconds.
-
-    On a terminal it stands beside a bar if there is a total; if quiet, nothing is shown.
-    """
+def _terminal() -> Iterator[Report]:
+    """Yield what shows progress in place, beside a bar if there is a total."""
     bar: Any = None
-    latest, printed, printed_at = "", "", -math.inf
+    with ExitStack() as stack:
 
-    def show(text: str, done: int = 0, total: int = 0) -> None:
-        nonlocal bar, latest, printed, printed_at
-        latest = text
-        if QUIET.is_set():
-            return
-        if sys.stderr.isatty():
+        def show(progress: Progress) -> None:
+            nonlocal bar
             if bar is None:
                 from tqdm import tqdm
 
+                total = progress.total or None
                 form = "{desc} |{bar:20}|" if total else "{desc}"
-                bar = tqdm(total=total or None, bar_format=form, leave=bool(total))
-            bar.n, bar.total = done, total or None
-            bar.set_description_str(text, refresh=False)
+                bar = stack.enter_context(tqdm(total=total, bar_format=form, leave=bool(total)))
+            bar.n, bar.total = progress.done, progress.total or None
+            bar.set_description_str(str(progress), refresh=False)
             bar.update(0)
-        elif text != printed and time.monotonic() - printed_at >= _BETWEEN_LINES:
-            tell(text)
-            printed, printed_at = text, time.monotonic()
+
+        yield show
+
+
+@contextmanager
+def _log(tells_last: bool) -> Iterator[Report]:
+    """Yield what shows progress every few seconds, and at last if so asked."""
+    latest, printed, printed_at = "", "", -math.inf
+
+    def show(progress: Progress) -> None:
+        nonlocal latest, printed, printed_at
+        latest = str(progress)
+        if latest != printed and time.monotonic() - printed_at >= _BETWEEN_LINES:
+            tell(latest)
+            printed, printed_at = latest, time.monotonic()
 
     try:
         yield show
     finally:
-        if bar is not None:
-            bar.close()
-        elif tells_last and latest != printed:
+        if tells_last and latest != printed:
             tell(latest)
 
 
-@contextmanager
-def run_line() -> Iterator[Callable[[Progress], None]]:
-    """Yield a function that shows a state of the run."""
-    with _line(tells_last=True) as line:
-        yield lambda progress: line(str(progress), progress.done, progress.total)
+def _line(tells_last: bool = False) -> AbstractContextManager[Report]:
+    in_place = sys.stderr.isatty() and not QUIET.is_set()
+    return _terminal() if in_place else _log(tells_last)
 
 
 @contextmanager
-def working(task: str) -> Iterator[Count]:
-    """Say after two seconds that a task goes on; yield a function that takes done and total."""
-    latest, began, is_over = [0, 0], time.monotonic(), threading.Event()
+def run_line() -> Iterator[Report]:
+    """Yield what shows the progress of a run."""
+    with _line(tells_last=True) as show:
+        yield lambda progress: (tell if progress.words else show)(progress)
 
-    def count(done: int, total: int) -> None:
-        latest[:] = done, total
+
+@contextmanager
+def working(task: str) -> Iterator[Report]:
+    """Say after two seconds that a task goes on; yield what takes its progress."""
+    latest, began, is_over = Progress(), time.monotonic(), threading.Event()
+
+    def note(progress: Progress) -> None:
+        nonlocal latest
+        latest = progress
 
     def say() -> None:
         pause = _SOON
-        with _line() as line:
+        with _line() as show:
             while not is_over.wait(pause):
-                line(state_of_task(task, time.monotonic() - began, *latest))
+                show(Progress(_words_on(task, time.monotonic() - began, latest)))
                 pause = _BETWEEN_LOOKS
 
     thread = threading.Thread(target=say, name="progress", daemon=True)
     thread.start()
     try:
-        yield count
+        yield note
     finally:
         is_over.set()
         thread.join(_ENDING)
 
 
-def state_of_task(task: str, elapsed: float, done: int, total: int) -> str:
+def _words_on(task: str, elapsed: float, progress: Progress) -> str:
     """State of a task, in words."""
-    so_far = f"{duration(elapsed)} so far"
-    if not done:
-        return f"{task}, {so_far}"
-    to_go = duration(elapsed * (total - done) / done)
-    return f"{task}: {done} of {total} done, {so_far}, {to_go} to go"
+    if not progress.done:
+        return f"{task}, {duration(elapsed)} so far"
+    to_go = elapsed * (progress.total - progress.done) / progress.done
+    return f"{task}: {replace(progress, elapsed=elapsed, time_to_go=to_go)}"

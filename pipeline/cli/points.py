@@ -20,6 +20,7 @@ from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.plan import PointResult
+from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
 from pipeline.sweep.wear_rates import note_on_wear
 from tribo import measures
@@ -122,15 +123,13 @@ def _point_lines(
         )
     block = sweep.scene.pixels.shape[0] // len(result.state.pressure)
     if block > 1 and sweep.scene.roughness is not None:
-        yield (
-            f"note: area and pressure depend on the elements, here {block} × {block} pixels; on "
-            "larger ones more of the surface touches, at lower pressure"
+        yield from remarks(
+            "note",
+            f"area and pressure depend on the elements, here {block} × {block} pixels; on larger "
+            "ones more of the surface touches, at lower pressure",
         )
     if velocity < 0:
-        yield "note: the velocity is negative, so the disk slides towards −x"
-    yield from (f"note: {note}" for note in sweep.about.notes)
-    yield from (f"warning: {text}" for _, text in result.warnings)
-    if document["molten"]:
-        yield f"warning: {MOLTEN}"
-    if cold := document["not_counted"]:
-        yield f"warning: {cold}"
+        yield from remarks("note", "the velocity is negative, so the disk slides towards −x")
+    yield from remarks("note", *sweep.about.notes)
+    warnings = [text for _, text in result.warnings]
+    yield from remarks("warning", *warnings, MOLTEN * document["molten"], document["not_counted"])

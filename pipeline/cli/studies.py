@@ -36,7 +36,6 @@ def vary(options: argparse.Namespace) -> Result:
             over,
             options.preset,
             given.settings_in(options),
-            tell=tell,
             physics=options.physics,
             own_laws=options.own_laws,
             out=options.kept,

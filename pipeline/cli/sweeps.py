@@ -26,6 +26,7 @@ from pipeline.store.schema import require_free_names
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import own_laws, refer
 from pipeline.sweep.physics import note_on_turns
+from pipeline.sweep.remarks import remarks
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import VARIANT
@@ -37,11 +38,9 @@ def run(options: argparse.Namespace) -> Result:
     """Run or resume a sweep, or the part of it that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_in(options, store=out)
-    for note in sweep.about.notes:
-        tell(f"note: {note}")
+    tell(*remarks("note", *sweep.about.notes))
     require_bearable_load(sweep, min(sweep.plane.loads), "sweep.loads")
-    if cold := note_on_turns(sweep):
-        tell(f"warning: {cold}")
+    tell(*remarks("warning", note_on_turns(sweep)))
     is_elsewhere = options.scheduler or options.scheduler_file
     elsewhere = client_of(options.scheduler, options.scheduler_file) if is_elsewhere else None
     with elsewhere or nullcontext() as client, output.run_line() as progress:
@@ -54,7 +53,6 @@ def run(options: argparse.Namespace) -> Result:
             progress=progress,
             retry_failed=options.retry_failed,
             boundary_only=options.boundary_only,
-            tell=tell,
         )
     own = sweep.conditions.own_criterion
     judged = pipeline.at(out, criterion=own.reference if own else None, own_laws=bool(own))

@@ -43,6 +43,7 @@ from pipeline.cli.output import Result, counted, working
 from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.physics import note_on_ends
+from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
 from pipeline.sweep.wear_rates import note_on_wear
@@ -72,10 +73,9 @@ def margin(options: argparse.Namespace) -> Result:
     if open_:
         text += lines_on(commands, by_model=all(one.known().is_open_by_model for one in open_))
     document["not_counted"] = note = _note_on_rows(ds, found)
-    text += [f"warning: {note}"] if note else []
+    is_molten = is_one and any(one.known().decisive_temperature > MELTS for one in known)
+    text += remarks("warning", note, MOLTEN * is_molten)
     if is_one:
-        if any(one.known().decisive_temperature > MELTS for one in known):
-            text.append(f"warning: {MOLTEN}")
         document["command"] = None
         if any(_is_incomplete(one.known()) for one in known):
             own = known[0].field.conditions.as_dict()
@@ -136,9 +136,8 @@ def _margin_lines(here: Margin) -> list[str]:
         f"  numerical error  {here.error.worded}; the decisive temperature is {origin}",
         f"  inputs           {inputs}",
         f"  the model's own  {here.model_error}",
+        *remarks("warning", here.misfit),
     ]
-    if here.misfit:
-        lines.append(f"warning: {here.misfit}")
     for name in UNITS:
         outcome = getattr(here, f"{name}_outcome")
         turns, begins = getattr(here, f"{name}_turns"), getattr(here, f"{name}_begins_severe")
@@ -169,7 +168,7 @@ def _error_lines(known: list[Judged]) -> list[str]:
     misfits = dict.fromkeys(one.known().misfit for one in known)
     return [
         *([f"the model's own error: {' or '.join(errors)}"] if errors else []),
-        *(f"warning: {misfit}" for misfit in misfits if misfit),
+        *remarks("warning", *misfits),
     ]
 
 
@@ -210,7 +209,7 @@ def boundary(options: argparse.Namespace) -> Result:
         # Of several values of a condition none is that of a test which gives none.
         tests = laboratory.compared(ds.isel(dict.fromkeys(judged_dims(ds), 0)))
         text += ["", f"compute more of the boundary with: {command}"] if command else []
-    text += [part for note in filter(None, left_out) for part in ("", f"warning: {note}")]
+    text += [part for warning in remarks("warning", *left_out) for part in ("", warning)]
     if kind is not Kind.SAMPLES:
         text += [] if tests is None else ["", *laboratory.test_parts(tests)]
         text += after_boundary(scene_sweep(ds), options.store)

@@ -22,6 +22,7 @@ from pipeline.figures.tested import measured_over_computed
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.progress import Summary, summary
+from pipeline.sweep.stages import Progress, Report
 from tribo import InputError
 
 _COLUMN = 0.12  # [m], below which panels lie below each other
@@ -135,7 +136,7 @@ def watch(
     out: Path,
     kind: str,
     read: Callable[[], xr.Dataset],
-    progress: Callable[[Summary], None],
+    progress: Report,
     **options: Any,
 ) -> Summary:
     """Draw a figure of a store again, replaced whole, until its run ends; its state then."""
@@ -153,7 +154,8 @@ def watch(
                     raise
             else:
                 drawn = state.done + len(state.failed)
-                progress(state)
+                words = f"{state.done} of {state.total} points drawn"
+                progress(Progress(words, state.done, state.total))
             finally:
                 beside.unlink(missing_ok=True)
         if state.running is None and summary(store).done == state.done:

@@ -7,15 +7,15 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from pathlib import Path
-from typing import Any
 
 import pipeline
 from pipeline.gears.contact import Mesh, MeshPlace
 from pipeline.gears.scene import scene_toml
+from pipeline.sweep.stages import Report, silent
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ def simulate(
     meshes: Sequence[Mesh],
     preset: str | None = None,
     workers: int | None = None,
-    progress: Callable[[Any], None] | None = None,
+    progress: Report = silent,
 ) -> list[Simulated]:
     """Simulate the places that may decide, and take the hottest of each mesh.
 
@@ -58,7 +58,7 @@ def simulate(
     workers : int, optional
         Number of processes; one for each core by default.
     progress : callable, optional
-        Called with a `Progress` of `pipeline.run_sweep`.
+        See `pipeline.run_sweep`.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def simulate(
         file.write_text(scene_toml(chosen), encoding="utf-8")
         sweep = pipeline.load_scene(file, preset)
         store = Path(folder) / "mesh.zarr"
-        outcome = pipeline.run_sweep(sweep, store, workers, progress=progress or _silent)
+        outcome = pipeline.run_sweep(sweep, store, workers, progress=progress)
         if outcome.failed:
             raise pipeline.ExecutionError(f"a place of mesh failed: {outcome.failed[0]}")
         found = _decisive(store)
@@ -91,7 +91,3 @@ def _decisive(store: Path) -> Iterator[tuple[float, float]]:
     temperatures = table["decisive temperature [°C]"].astype(float) + 273.15
     errors = table["temperature error [K]"].astype(float).fillna(math.inf)
     return zip(temperatures.tolist(), errors.tolist(), strict=True)
-
-
-def _silent(_: Any) -> None:
-    """Show no progress."""

@@ -19,6 +19,7 @@ from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.format import TEST, TRANSITION
 from pipeline.scene.headings import numbered
 from pipeline.scene.runs import run_faults
+from pipeline.sweep.remarks import remarks
 from tribo import InputError
 
 
@@ -95,7 +96,7 @@ def tests(options: argparse.Namespace) -> Result:
                 'column with --column "outcome=HEADING")'
             )
         text += ["", *toml, ""]
-        text += (f"warning: {doubt}" for doubt in _doubts(log))
+        text += remarks("warning", *_doubts(log))
     if log.twice:
         text.append(f"{numbered(log.twice)} the same as rows before, and not counted")
     if log.left_out:

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from pipeline.scene.compounds import Table
+from pipeline.scene.faults import Fault
 from pipeline.scene.format import OUTCOMES, TEST
-from pipeline.scene.headings import UNITS, CellFault, Sheet, listed_faults, read_sheet
+from pipeline.scene.headings import UNITS, Sheet, listed_faults, read_sheet
 from pipeline.scene.units import UnitError, to_si
 from tribo.types import Array
 
@@ -164,10 +165,10 @@ def _part_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
         before = [] if words.get(outcome, outcome) == "severe" else now
 
 
-def _hinted(fault: CellFault) -> CellFault:
+def _hinted(fault: Fault) -> Fault:
     """A fault with how to say what an unknown word means."""
     word, is_unknown, _ = fault.problem.partition(" is unknown")
-    if fault.name != "outcome" or not is_unknown:
+    if fault.key != "outcome" or not is_unknown:
         return fault
     problem = _NEAR.sub("", fault.problem) if " " in word else fault.problem
     return fault._replace(

@@ -14,8 +14,9 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
+from pipeline.scene.faults import Fault
 from pipeline.scene.format import TEST
-from pipeline.scene.headings import CellFault, Heading, Row, Sheet, listed_faults, usual_unit
+from pipeline.scene.headings import Heading, Row, Sheet, listed_faults, usual_unit
 from pipeline.scene.library import library
 from pipeline.scene.units import TURNS, UnitError, to_si
 
@@ -332,7 +333,7 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     return True
 
 
-def _cell_faults(sheet: Sheet, used: Mapping[str, int]) -> Iterator[CellFault]:
+def _cell_faults(sheet: Sheet, used: Mapping[str, int]) -> Iterator[Fault]:
     """What is wrong with cells of which others are made."""
     own = {name: k for name, k in used.items() if k not in sheet.sure}
     last = len(_fixed("FZG", "stages"))
@@ -349,7 +350,7 @@ def _cell_faults(sheet: Sheet, used: Mapping[str, int]) -> Iterator[CellFault]:
             elif name in ("stage", "failed") and (values[name] < 1 or values[name] > last):
                 problem = f'"{cells[k]}" is no load stage; give 1 to {last}, or > {last}'
             if problem:
-                yield CellFault(number, sheet.headings[k].text, problem)
+                yield Fault(sheet.headings[k].text, problem, row=number)
 
 
 def _take_percent(sheet: Sheet, place: int) -> None:

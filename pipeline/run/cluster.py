@@ -24,7 +24,7 @@ from distributed.utils import silence_logging_cmgr
 from pipeline.run import forkserver
 from pipeline.run.forkserver import UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
 from pipeline.run.work import SAFE, ExecutionError
-from pipeline.sweep.stages import Tell, duration
+from pipeline.sweep.stages import Progress, Report, duration, silent
 
 PATIENCE = 30.0
 """Time to wait for a scheduler, and for workers if there are none [s]."""
@@ -60,10 +60,6 @@ _START = 120.0  # [s] that the workers may take to start
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
 _WORD = 10.0  # [s] without a worker, after which the user is told
 _OF_DASHBOARD = ["distributed.http.statics"]  # beside its pages, and nothing that gives commands
-
-
-def unheard(line: str) -> None:
-    """Show a line to nobody."""
 
 
 @contextmanager
@@ -107,11 +103,11 @@ def _started(workers: int, dashboard: bool, attempts: int = _STARTS) -> LocalClu
 
 @dataclass(slots=True, eq=False)
 class Connection:
-    """A client of a scheduler, and the user, who is told in lines."""
+    """A client of a scheduler, and the user, who is told of its progress."""
 
     client: Client
     patience: float = PATIENCE  # for answers, and for a worker if there is none [s]
-    tell: Tell = unheard
+    progress: Report = silent
     cluster: LocalCluster | None = None  # if it was started here
     absent: float = 0.0  # time in which there was no worker [s]
     workers: int = 1  # how many there are
@@ -120,13 +116,17 @@ class Connection:
         """Time that does not go on while there is no worker [s]."""
         return time.monotonic() - self.absent
 
+    def tell(self, words: str) -> None:
+        """Tell the user something in a line."""
+        self.progress(Progress(words))
+
 
 @contextmanager
 def connected(
     client: Client | None,
     workers: int,
     patience: float = PATIENCE,
-    tell: Tell = unheard,
+    progress: Report = silent,
     dashboard: bool = False,
 ) -> Iterator[Connection]:
     """Use a client, or start workers here and end them; `ExecutionError` if they do not start."""
@@ -141,9 +141,9 @@ def connected(
             stack.enter_context(silence_logging_cmgr(logging.CRITICAL))  # it logs tracebacks
         stack.enter_context(client.as_current())
         if dashboard:
-            tell(f"dashboard: {client.dashboard_link}")
+            progress(Progress(f"dashboard: {client.dashboard_link}"))
         try:
-            yield Connection(client, patience, tell, cluster)
+            yield Connection(client, patience, progress, cluster)
         except KeyboardInterrupt:  # in the middle of a call to Dask
             warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
             raise

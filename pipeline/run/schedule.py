@@ -15,7 +15,7 @@ import pickle
 import threading
 import uuid
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, field
 
@@ -23,7 +23,7 @@ from distributed import Future
 from distributed.scheduler import KilledWorker
 
 from pipeline.run.cluster import LOST, Connection, threads_of
-from pipeline.run.tally import Reports
+from pipeline.run.tally import Reports, Tally
 from pipeline.run.work import (
     SAFE,
     ExecutionError,
@@ -80,33 +80,28 @@ class _Running:
 
 
 def compute(
-    connection: Connection,
-    sweep: Sweep,
-    writer: Writer,
-    waiting: Iterable[Task],
-    learn: Callable[[Iterable[PointRecord]], None],
-    report: Callable[[list[PointRecord]], None],
+    connection: Connection, sweep: Sweep, writer: Writer, waiting: Iterable[Task], tally: Tally
 ) -> None:
     """Compute tasks, until the writer has written each of their points as done or failed.
 
-    `learn` is called with records as they come from a worker, but not with its first, `report` with
-    those written. `StoreError` if points cannot be written, `ExecutionError` if nothing moves.
+    The tally learns from records as they come from a worker, except its first, and notes those
+    written. `StoreError` if points cannot be written, `ExecutionError` if nothing moves.
     """
     news, label = threading.Event(), uuid.uuid4().hex[:8]  # a scheduler may know other runs
     asked = sweep.changed(chosen=None, stations=writer.store.sweep.record.stations)
     parcel = pickle.dumps((asked, "pressure" in writer.store.arrays))
     with Reports(connection, news, label, parcel) as reports:
-        run = _Run(connection, label, writer, reports, learn, waiting)
+        run = _Run(connection, label, writer, reports, tally, waiting)
         silence = _Silence(connection)
         while run.is_under_way():
             moved = run.look()
             run.submit()
-            report(writer.written())
+            tally.note(writer.written())
             silence.watch(moved, run.computes, run.running)
             news.wait(_POLL)
             news.clear()
     writer.flush()
-    report(writer.written())
+    tally.note(writer.written())
 
 
 class _Run:
@@ -121,11 +116,11 @@ class _Run:
         label: str,
         writer: Writer,
         reports: Reports,
-        learn: Callable[[Iterable[PointRecord]], None],
+        tally: Tally,
         waiting: Iterable[Task],
     ) -> None:
         self._connection, self._writer, self._reports = connection, writer, reports
-        self._label, self._learn, self._waiting = label, learn, HandOut(waiting)
+        self._label, self._tally, self._waiting = label, tally, HandOut(waiting)
         self._numbers = itertools.count()
         self._losses: dict[Point, int] = {}  # losses of each suspect while it was tried alone
         self._workers: Counter[str] = Counter()
@@ -255,7 +250,7 @@ class _Run:
                 records = pickle.loads(content)
                 self._settle(records)
                 if worker in self._warm:
-                    self._learn(records)
+                    self._tally.learn(records)
                 self._warm.add(worker)
         for task in self.running:
             if task.future.key == answer.now:

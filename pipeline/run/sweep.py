@@ -8,17 +8,16 @@ import threading
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from dask.system import CPU_COUNT
 from distributed import Client
 
 from pipeline.run.boundary_search import boundary_search
-from pipeline.run.cluster import PATIENCE, connected, require_dashboard, unheard
+from pipeline.run.cluster import PATIENCE, connected, require_dashboard
 from pipeline.run.forkserver import UNGUARDED, end_if_imported
 from pipeline.run.schedule import compute
-from pipeline.run.tally import Progress, Tally, shown_progress
+from pipeline.run.tally import Tally, shown_progress
 from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
@@ -34,6 +33,7 @@ from pipeline.sweep.codec import differences
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, tasks
 from pipeline.sweep.shown import shown
+from pipeline.sweep.stages import Progress, Report, silent
 from tribo import InputError
 
 _SHARE = 10  # velocities, of which the coarse pass takes one
@@ -60,10 +60,9 @@ def run_sweep(
     out: PathLike,
     workers: int | None = None,
     client: Client | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Report | None = None,
     retry_failed: bool = False,
     boundary_only: float | None = None,
-    tell: Callable[[str], None] | None = None,
     patience: float = PATIENCE,
     dashboard: bool = False,
     own_laws: bool = False,
@@ -84,8 +83,8 @@ def run_sweep(
         Client of any Dask cluster to compute on instead. Its workers need this package; they need
         not see the store. Each computes one point at a time, however many threads it has.
     progress : callable, optional
-        Called with a `Progress` at the start and after each point; in a notebook a bar shows it
-        if not given.
+        Called with a `Progress` at the start, after each point, and with words for the user, such
+        as a note on a store that is resumed; in a notebook a line shows how far it is if not given.
     retry_failed : bool, optional
         True to try the points again that failed in an earlier run.
     boundary_only : float, optional
@@ -93,8 +92,6 @@ def run_sweep(
         that of the scene's fidelity, such as 0.01: a few points at velocities that a search chooses
         between the sweep's lowest and highest, for each of several surfaces. It begins with what is
         in the store, which can be completed to the whole sweep later.
-    tell : callable, optional
-        Called with a line for the user, such as a note on a store that is resumed.
     patience : float, optional
         Time to wait for an answer of the scheduler, and for workers if there are none [s]; long for
         workers that wait in a queue.
@@ -128,15 +125,19 @@ def run_sweep(
     require_free_names(sweep)  # before a folder is made
     further = None if boundary_only is None else boundary_search(sweep, boundary_only)
     began = time.monotonic()
-    tell = tell or unheard
-    restore_root(out, sweep, tell)
+    told = progress or silent
+    restore_root(out, sweep, told)
     before = find_sweep(out)
     if further:
         sweep = further(opened(out) if before else None, retry_failed)
-    repair = partial(_repair, tell)
+
+    def repair(store: Store) -> None:
+        for note in _repair(store):
+            told(Progress(note))
+
     with writing(out, sweep, repair) as store:
         for note in _notes(store, before) if before else ():
-            tell(note)
+            told(Progress(note))
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
         tally = Tally(store, shown_progress(progress), began)
@@ -145,12 +146,12 @@ def run_sweep(
             # More tasks may come later than those that wait now.
             most = len(first[2]) if further is None else CPU_COUNT
             count = min(workers or CPU_COUNT, most)
-            with connected(client, count, patience, tell, dashboard) as link:
+            with connected(client, count, patience, told, dashboard) as link:
                 threading.Thread(target=_import_readers, daemon=True).start()
                 for asked, store, waiting in itertools.chain([first], rounds):
                     tally.begin(store, link)
                     with Writer(store) as writer:
-                        compute(link, asked, writer, waiting, tally.learn, tally.note)
+                        compute(link, asked, writer, waiting, tally)
         summary = summarized(store)
         store.keep_root()
         note_files(store)
@@ -203,21 +204,21 @@ def _rounds(
         sweep, store = following, grown(store.place, following, store.lock)
 
 
-def _repair(tell: Callable[[str], None], store: Store) -> None:
+def _repair(store: Store) -> Iterator[str]:
     """Make damaged points pending, of what differs from the last run's end; none of a bucket."""
     place = store.place
     if isinstance(place, Bucket):
         return
     changed = changed_chunks(store)
     if changed is None:
-        tell(f"all points of {place} are checked: no run has ended well since it was changed")
+        yield f"all points of {place} are checked: no run has ended well since it was changed"
     elif changed:
-        tell(
+        yield (
             f"{len(changed)} chunks of points of {place} are checked, whose files differ from "
             "those that the last run left; irg verify checks all"
         )
     if damaged := repaired(store, changed):
-        tell(
+        yield (
             f"{damaged} damaged points of {place} are computed again; what is replaced is kept in "
             f"{place}/{DAMAGED}"
         )

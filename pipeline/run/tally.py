@@ -7,10 +7,9 @@ import sys
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,42 +19,17 @@ from pipeline.run.work import INSTALL, ExecutionError, WorkerReport, records_her
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord
-from pipeline.sweep.stages import duration
+from pipeline.sweep.stages import Progress, Report
 
 _SEVERAL = 4  # points on each worker that tell the pace
 _ALIKE = 20  # points that fail alike before any is done, after which a run stops
 _NUMBER = re.compile(r"\d[\d.e+-]*")
 
 
-@dataclass(frozen=True, slots=True)
-class Progress:
-    """Progress of a run."""
-
-    #: Points that are done, that have failed, and all of the sweep, earlier runs included.
-    done: int
-    failed: int
-    total: int
-    elapsed: float  #: Time since this run began [s].
-    #: Estimated time until the end [s]; None until enough points are done.
-    time_to_go: float | None
-
-    def __str__(self) -> str:
-        parts = [
-            f"{self.done} of {self.total} points done",
-            f"{self.failed} failed",
-            f"{duration(self.elapsed)} so far",
-        ]
-        if self.time_to_go:
-            parts.append(f"{duration(self.time_to_go)} to go")
-        return ", ".join(parts)
-
-
 class Tally:
     """Counts written points, and estimates the remaining time from the work done [s]."""
 
-    def __init__(
-        self, store: Store, progress: Callable[[Progress], None] | None, began: float
-    ) -> None:
+    def __init__(self, store: Store, progress: Report | None, began: float) -> None:
         self._progress, self._began = progress, began
         self._connection: Connection | None = None
         self._ended = 0  # points since the first ones
@@ -121,10 +95,10 @@ class Tally:
                 slowness = max(1.0, self._offered / self._worked)
             time_to_go = slowness * float(rounds * np.nanmean(self._durations))
         total, elapsed = int(np.count_nonzero(asked)), now - self._began
-        self._progress(Progress(done, failed, total, elapsed, time_to_go))
+        self._progress(Progress("", done, total, failed, elapsed, time_to_go))
 
 
-def shown_progress(progress: Callable[[Any], None] | None) -> Callable[[Any], None] | None:
+def shown_progress(progress: Report | None) -> Report | None:
     """What shows progress: the callable that was given; in a notebook a line below the cell."""
     ipython = sys.modules.get("IPython")
     in_notebook = ipython is not None and hasattr(ipython.get_ipython(), "kernel")
@@ -135,11 +109,7 @@ def shown_progress(progress: Callable[[Any], None] | None) -> Callable[[Any], No
     line = display(  # type: ignore[no-untyped-call]
         {"text/plain": "starting workers"}, raw=True, display_id=True
     )
-
-    def show(progress: Any) -> None:
-        line.update({"text/plain": str(progress)}, raw=True)
-
-    return show
+    return lambda progress: line.update({"text/plain": str(progress)}, raw=True)
 
 
 _THREADS = 8  # requests at a time, of some milliseconds each

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -15,7 +15,6 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.transition import outcomes
 from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
 from pipeline.run.sweep import run_sweep
-from pipeline.run.tally import Progress
 from pipeline.scene.over import notes_on_first_values, scale_friction
 from pipeline.scene.scenefile import load_scene, scene_entry
 from pipeline.store.place import PathLike
@@ -24,6 +23,7 @@ from pipeline.store.write import opened, stored
 from pipeline.sweep.model import PART_OF, Sweep, differing_inputs
 from pipeline.sweep.physics import Effect, physics_of
 from pipeline.sweep.shown import shown
+from pipeline.sweep.stages import Progress, Report
 from pipeline.sweep.variants import Label, rows
 from tribo import InputError
 from tribo.types import Array
@@ -115,13 +115,12 @@ def vary(
     preset: str | None = None,
     overrides: Mapping[str, Any] | None = None,
     tolerance: float = 0.01,
-    tell: Callable[[str], None] | None = None,
     physics: bool = False,
     own_laws: bool = False,
     out: PathLike | None = None,
     workers: int | None = None,
     client: Client | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Report | None = None,
 ) -> Variations:
     """Find the boundary of a scene, and of the same with single entries changed.
 
@@ -143,16 +142,13 @@ def vary(
         See `pipeline.load_scene`.
     tolerance : float
         Relative error of the critical velocity, in addition to that of the scene's fidelity.
-    tell : callable, optional
-        Called with a line for the user, such as a note if the scene has several values of an
-        entry.
     physics : bool
         Add the physics beside the half-spaces: each effect that the scene counts left out, each
         other one with a usual size.
     out : path, optional
         Store of the points, which is resumed if it is there, and kept; none is kept if not given.
     workers, client, progress : optional
-        See `pipeline.run_sweep`.
+        See `pipeline.run_sweep`; words note, too, if the scene has several values of an entry.
 
     Raises
     ------
@@ -170,9 +166,9 @@ def vary(
     """
     overrides = overrides or {}
     sweep = load_scene(scene, preset, overrides, own_laws)
-    if tell:
+    if progress:
         for note in notes_on_first_values(sweep.variants):
-            tell(note)
+            progress(Progress(note))
     others = {
         (key, str(value)): scale_friction(
             load_scene(scene, preset, {**overrides, key: value}, own_laws), sweep, [key]
@@ -186,7 +182,7 @@ def vary(
     scenes = [sweep, *others.values()]
     varied = _varied(sweep.variant(), variations, scenes)
     with stored(out) as path:
-        run_sweep(varied, path, workers, client, progress, boundary_only=tolerance, tell=tell)
+        run_sweep(varied, path, workers, client, progress, boundary_only=tolerance)
         store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {(*varied.contact_of(point), point.load) for point in done}

@@ -42,15 +42,18 @@ _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 
 def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
     """Probable slips, and limits to know of before the simulation; a line each."""
-    return (
+    found = (
         *_unusual(sweep, facts),
+        note_on_wear(sweep),
         *_wear_doubts(sweep, facts),
         *_test_doubts(sweep),
+        note_on_turns(sweep),
         *_motion_doubts(sweep),
         *(_surface_doubts(sweep, facts.surface) if facts.surface else ()),
         *_contact_doubts(sweep, facts),
         *_heat_doubts(sweep, facts),
     )
+    return tuple(filter(None, found))
 
 
 def _unusual(sweep: Sweep, facts: Facts) -> Iterator[str]:
@@ -106,9 +109,7 @@ def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
 
 
 def _wear_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
-    """A pin that keeps its shape, turns too seldom to wear evenly, or wears as at another bulk."""
-    if note := note_on_wear(sweep):
-        yield note
+    """A pin that keeps its shape, or turns too seldom to wear evenly."""
     scene = sweep.scene
     if scene.wear is None:
         yield (
@@ -127,8 +128,6 @@ def _wear_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
 
 
 def _motion_doubts(sweep: Sweep) -> Iterator[str]:
-    if note := note_on_turns(sweep):
-        yield note
     speeds = [sweep.scene.velocities_at(velocity) for velocity in sweep.plane.velocities]
     for body, track in tracks_of(sweep).items():
         if not any(getattr(speed, body) for speed in speeds):

@@ -21,13 +21,15 @@ _SHOWN = 100  # faults, at most, where there are thousands
 class Fault(NamedTuple):
     """Key path of an entry, and in one line what is wrong, the value, what is allowed, the cure.
 
-    The file is given if the key does not tell it; the rival is an entry that excludes this one.
+    The file is given if the key does not tell it, the row if it is one of a table, whose column is
+    the key; the rival is an entry that excludes this one.
     """
 
     key: str
     problem: str
     file: Path | None = None
     rival: str = ""
+    row: int = 0
 
     @property
     def is_unknown(self) -> bool:

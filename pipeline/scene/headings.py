@@ -19,7 +19,7 @@ import numpy as np
 
 from pipeline import extras
 from pipeline.scene.compounds import Table
-from pipeline.scene.faults import Faults, did_you_mean, quoted
+from pipeline.scene.faults import Fault, Faults, did_you_mean, quoted
 from pipeline.scene.kinds import OneOf
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.conditions import PATHS
@@ -159,14 +159,6 @@ def misfit(heading: Heading, name: str) -> str:
     return ""
 
 
-class CellFault(NamedTuple):
-    """What is wrong with an entry of a row."""
-
-    row: int
-    name: str
-    problem: str
-
-
 @dataclass(slots=True)
 class Sheet:
     """Rows of a file or of columns, and the columns for wanted quantities."""
@@ -209,9 +201,9 @@ class Sheet:
 
     def entries(
         self, row_of: Table, words: Mapping[str, str]
-    ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[CellFault]]:
+    ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[Fault]]:
         """Sound rows as tables of a scene, with outcomes for words; the same in SI; and faults."""
-        tables, read, faults = [], [], list[CellFault]()
+        tables, read, faults = [], [], list[Fault]()
         for row in self.rows:
             table, wrong = dict[str, Any](), Faults()
             for name, place in self.places.items():
@@ -234,7 +226,7 @@ class Sheet:
                 hint = f"; or the unit of the column in its heading, {unit}"
                 problem += hint * ("has no unit" in problem)
                 if name in self.places or name not in row_of.keys:  # a missing one is said once
-                    faults.append(CellFault(row.number, name, problem))
+                    faults.append(Fault(name, problem, row=row.number))
         return tables, read, faults
 
 
@@ -246,14 +238,14 @@ def as_entry(cell: str, unit: str = "") -> str | float:
     return f"{cell} {unit}".strip()
 
 
-def listed_faults(faults: Iterable[CellFault]) -> list[str]:
+def listed_faults(faults: Iterable[Fault]) -> list[str]:
     """Faults of rows, those of one kind in one line."""
-    alike = dict[tuple[str, str], list[CellFault]]()
+    alike = dict[tuple[str, str], list[Fault]]()
     for one in faults:
         kind = re.sub(r'"(\\.|[^"\\])*"|[\d.]+', "", one.problem)
-        alike.setdefault((one.name, kind), []).append(one)
+        alike.setdefault((one.key, kind), []).append(one)
     return [
-        f"{numbered([one.row for one in some])}, {some[0].name}: {some[0].problem}"
+        f"{numbered([one.row for one in some])}, {some[0].key}: {some[0].problem}"
         for some in alike.values()
     ]
 

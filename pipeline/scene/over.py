@@ -18,6 +18,7 @@ from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep, differing_inputs
+from pipeline.sweep.remarks import remarks
 from pipeline.sweep.variants import VARIANT, Column, Variants, combinations
 from tribo import InputError
 
@@ -60,16 +61,16 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
 def notes_on_first_values(table: Variants) -> Iterator[str]:
     """Notes that a command prints which computes one value of each entry alone."""
     for column in table.chosen:
+        words = (
+            f"sweep.over is ignored here; {column.name} is the scene's own or the first listed: "
+            f'--set "{column.name}=..." takes another'
+        )
         if column.name == VARIANT:
-            yield (
-                "note: sweep.along is ignored here; the scene's own values are taken, or those of "
-                "its first row: --set takes others"
+            words = (
+                "sweep.along is ignored here; the scene's own values are taken, or those of its "
+                "first row: --set takes others"
             )
-        else:
-            yield (
-                f"note: sweep.over is ignored here; {column.name} is the scene's own or the first "
-                f'listed: --set "{column.name}=..." takes another'
-            )
+        yield from remarks("note", words)
 
 
 def column_of(path: str, values: Sequence[Any], owner: str) -> Column:

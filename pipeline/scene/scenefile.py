@@ -36,7 +36,7 @@ from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Plane, Record, Sweep
 from pipeline.sweep.own_laws import Laws, Own
-from pipeline.sweep.stages import Count
+from pipeline.sweep.stages import Report, silent
 from pipeline.sweep.variants import surfaces
 from tribo.simulation.pins import sizes_of
 
@@ -318,7 +318,7 @@ def run_point(
     velocity: float | str,
     realization: int | None = None,
     sample: int | None = None,
-    progress: Count | None = None,
+    progress: Report | None = None,
     own_laws: bool = False,
 ) -> plan.PointResult:
     """Simulate one point.
@@ -337,7 +337,7 @@ def run_point(
     sample : int, optional
         Number of the sample whose inputs stand in place of the sweep's own.
     progress : callable, optional
-        Called after each step with how many of the point's steps are done, and how many there are.
+        Called with a `Progress` after each of the point's steps.
     own_laws : bool
         See `pipeline.load_scene`.
 
@@ -358,4 +358,4 @@ def run_point(
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
     named = {"realization": realization, "variant": sample}
     variant = tuple((name, value) for name, value in named.items() if value is not None)
-    return plan.run_point(sweep_of(sweep, own_laws), *place, variant, progress)
+    return plan.run_point(sweep_of(sweep, own_laws), *place, variant, progress or silent)

@@ -69,7 +69,7 @@ from pipeline.store.write import Store
 from pipeline.sweep.codec import Arrays, sweep_text
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.stages import Tell
+from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.sweep.stored import join, misfits
 
 _T = TypeVar("_T")
@@ -244,17 +244,17 @@ def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
                 (beside.path / key).hardlink_to(file)
 
 
-def restore_root(path: PathLike, sweep: Sweep, tell: Tell | None = None) -> bool:
+def restore_root(path: PathLike, sweep: Sweep, progress: Report = silent) -> bool:
     """Make a lost root again from the scene and the files of the arrays; True if it was lost.
 
     A root that does not belong to its arrays counts as lost, except in a bucket, which is not
     searched. Raise a `StoreMismatchError`, and write nothing, if the checksums of the points say
     that another sweep made the store: each includes the hash of what was simulated.
     """
-    place, tell = place_of(path, to_write=True), tell or (lambda _: None)
+    place = place_of(path, to_write=True)
     try:
         for fault in _faults_beside_root(place):
-            tell(f"{fault}; irg verify {path} --repair writes it again")
+            progress(Progress(f"{fault}; irg verify {path} --repair writes it again"))
     except LostRootError:
         with held(place):
             try:
@@ -264,7 +264,7 @@ def restore_root(path: PathLike, sweep: Sweep, tell: Tell | None = None) -> bool
                 with writes(place):
                     keep_beside(place, [ROOT])
                     place.put({ROOT: root_document(root)})
-        tell(f"the root of {path} was lost or damaged, and is made again")
+        progress(Progress(f"the root of {path} was lost or damaged, and is made again"))
         return True
     return False
 

@@ -44,7 +44,7 @@ from pipeline.store.schema import AT_END, DONE, MADE, PENDING, RECORDS, STEPPED,
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 from pipeline.sweep.shown import shown
-from pipeline.sweep.stages import Count
+from pipeline.sweep.stages import Progress, Report, silent
 from tribo import InputError
 from tribo.types import Mask
 
@@ -77,7 +77,7 @@ class Verification:
 
 
 def verify_store(
-    path: PathLike, repair: bool = False, progress: Count | None = None
+    path: PathLike, repair: bool = False, progress: Report | None = None
 ) -> Verification:
     """Read everything in a store and name what is damaged.
 
@@ -89,7 +89,7 @@ def verify_store(
         True to make damaged points pending, and to restore shared data. What is replaced is kept in
         the folder ``damaged`` of the store.
     progress : callable, optional
-        Called now and then with how many points are read, and how many there are.
+        Called now and then with a `Progress`, whose parts are the points that are read.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def verify_store(
 
     def read(place: StorePlace, lock: Lock | None = None) -> Verification:
         store = Store(place, read_root(place), lock, is_damaged=True)
-        found = _found(store, progress)
+        found = _found(store, progress or silent)
         done = found.sound(store) - (0 if repair else len(found.complete))
         if repair:
             _repair(store, found)
@@ -156,7 +156,7 @@ class _Found:
 
 def _found(
     store: Store,
-    progress: Count | None = None,
+    progress: Report = silent,
     chunks: Container[_Index] | None = None,
     root_may_be_wrong: bool = True,
 ) -> _Found:
@@ -187,8 +187,7 @@ def _found(
             ]
             _judge(store, found, block, values)
             count += int(np.count_nonzero(store.flags[block] == DONE))
-            if progress:
-                progress(count, total)
+            progress(Progress(done=count, total=total))
         if chunks is None and root_may_be_wrong:
             _require_right_root(store, found)
         return found

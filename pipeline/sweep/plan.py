@@ -22,7 +22,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import verdict
 from pipeline.sweep.shown import Line, shown
-from pipeline.sweep.stages import Count
+from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Variant
 from tribo import QUANTILES, Scene, State, TriboError, Verdict, measures, warnings
@@ -150,7 +150,7 @@ def step_count(scene: Scene, load: float) -> int:
 
 
 def run_point(
-    sweep: Sweep, load: float, velocity: float, variant: Variant = (), progress: Count | None = None
+    sweep: Sweep, load: float, velocity: float, variant: Variant = (), progress: Report = silent
 ) -> PointResult:
     """Simulate one point; see `pipeline.run_point`, which takes text, too."""
     return run_points(sweep, (Point(load, velocity, variant),), progress=progress)[0]
@@ -160,12 +160,12 @@ def run_points(
     sweep: Sweep,
     points: Sequence[Point],
     trunks: Trunks | None = None,
-    progress: Count | None = None,
+    progress: Report = silent,
 ) -> tuple[PointResult, ...]:
     """Simulate points of one contact: one point, or variants that share it, at one load.
 
-    They begin on ramps of other points, if given, and lengthen these. `progress` is called with the
-    steps done and their number.
+    They begin on ramps of other points, if given, and lengthen these. `progress` is told of
+    each step.
     """
     began = time.perf_counter()
     load, stations = points[0].load, choose_stations(sweep)
@@ -185,8 +185,7 @@ def run_points(
     for contact in contacts(lead, load, first, trunks, asked, note):
         if contact.index in own:
             hot.append([_heated(*place, contact) for place in different])
-        if progress:
-            progress(contact.index, kept[-1].index)
+        progress(Progress(done=contact.index, total=kept[-1].index))
     duration = (time.perf_counter() - began) / len(points)
     results = []
     for point, variant, place in zip(points, variants, places, strict=True):

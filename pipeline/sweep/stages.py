@@ -1,40 +1,70 @@
-"""Stages of a long computation: which one begins, of how many, and the time to go."""
+"""Progress of a long computation: the stage that begins, how much is done, and the time to go."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from typing import TypeVar
 
 T = TypeVar("T")
-Tell = Callable[[str], None]
-"""Takes a line on what goes on."""
-Count = Callable[[int, int], None]
-"""Takes how many of a task's parts are done, and how many there are."""
 
 _YEAR = 365.25 * 24 * 3600  # [s]
 _SOON = 2.0  # [s] before which no time is predicted
 
 
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Progress of a long computation: a line for the user if it has words, else its state."""
+
+    words: str = ""  #: The stage that begins, or a note.
+    #: Parts that are done, and all of them; those of a sweep are its points, earlier runs included.
+    done: int = 0
+    total: int = 0
+    failed: int | None = None  #: Points of a sweep that have failed.
+    elapsed: float | None = None  #: Time since it began [s].
+    #: Estimated time until the end [s]; None until enough is done.
+    time_to_go: float | None = None
+
+    def __str__(self) -> str:
+        if self.words:
+            return self.words
+        parts = [f"{self.done} of {self.total} done"]
+        if self.failed is not None:
+            parts = [f"{self.done} of {self.total} points done", f"{self.failed} failed"]
+        if self.elapsed is not None:
+            parts.append(f"{duration(self.elapsed)} so far")
+        if self.time_to_go:
+            parts.append(f"{duration(self.time_to_go)} to go")
+        return ", ".join(parts)
+
+
+Report = Callable[[Progress], None]
+"""What a long computation calls with its progress."""
+
+
+def silent(progress: Progress) -> None:
+    """Show progress to nobody."""
+
+
 def staged(
     items: Iterable[T],
-    tell: Tell | None,
+    progress: Report,
     name: Callable[[T], str] = str,
     weight: Callable[[T], float] = lambda item: 1.0,
-    clock: Callable[[], float] = time.monotonic,
 ) -> Iterator[T]:
     """Go through items, and say before each which it is, of how many, and the time to go."""
     everything = list(items)
     weights = [weight(item) for item in everything]
-    began = clock()
+    began, total = time.monotonic(), len(everything)
     for number, item in enumerate(everything):
         done, left = sum(weights[:number]), sum(weights[number:])
-        elapsed = clock() - began
-        can_tell = done > 0 and elapsed >= _SOON
-        rest = f" (about {duration(elapsed * left / done)} to go)" if can_tell else ""
-        count = f"{number + 1} of {len(everything)}: " if len(everything) > 1 else ""
-        if tell:
-            tell(f"{count}{name(item)}{rest}")
+        elapsed = time.monotonic() - began
+        to_go = elapsed * left / done if done > 0 and elapsed >= _SOON else None
+        rest = "" if to_go is None else f" (about {duration(to_go)} to go)"
+        count = f"{number + 1} of {total}: " if total > 1 else ""
+        words = f"{count}{name(item)}{rest}"
+        progress(Progress(words, number, total, elapsed=elapsed, time_to_go=to_go))
         yield item
 
 

@@ -19,7 +19,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Selection, Trial, preset_of
 from pipeline.sweep.severity import rise_limit
-from pipeline.sweep.stages import Tell
+from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.tradeoff.probe import (
     YARDSTICK,
     OwnError,
@@ -88,7 +88,7 @@ def choose_accuracy(
     accuracy: float | str,
     points: Sequence[Point] | None = None,
     store: PathLike | None = None,
-    progress: Tell | None = None,
+    progress: Report | None = None,
 ) -> Sweep:
     """Give a sweep the cheapest fidelity within an accuracy, or keep that of its store."""
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
@@ -112,7 +112,7 @@ def choose_accuracy(
 
 
 def measure_own_error(
-    sweep: Sweep, points: Sequence[Point] | None, store: PathLike | None, tell: Tell
+    sweep: Sweep, points: Sequence[Point] | None, store: PathLike | None, progress: Report
 ) -> Sweep:
     """Give a sweep with its own fidelity the error that a probe measures, or that its store has.
 
@@ -127,9 +127,9 @@ def measure_own_error(
     if stored := _find_stored(store):
         return sweep.changed(selection=stored.about.selection)
     try:
-        return sweep.changed(selection=choose_fidelity(sweep, None, points, tell))
+        return sweep.changed(selection=choose_fidelity(sweep, None, points, progress))
     except TriboError as error:
-        tell(f"the error of [fidelity] is not known: {error}")
+        progress(Progress(f"the error of [fidelity] is not known: {error}"))
         return sweep
 
 
@@ -145,7 +145,7 @@ def choose_fidelity(
     sweep: SceneLike,
     accuracy: float | str | None,
     points: Sequence[Point] | None = None,
-    progress: Tell | None = None,
+    progress: Report | None = None,
     own_laws: bool = False,
 ) -> Selection:
     """Find the cheapest numerical choice whose measured error is within a bound.
@@ -167,7 +167,7 @@ def choose_fidelity(
         Points to be accurate at; if not given, the boundary, which is looked at for four loads
         from the lowest to the highest.
     progress : callable, optional
-        Called with a line on what is tried next.
+        Called with a `Progress`, whose words say what is tried next.
     own_laws : bool
         See `pipeline.load_scene`.
 
@@ -191,20 +191,20 @@ def choose_fidelity(
     if points and not all(point.velocity for point in points):
         raise InputError("velocity is 0, so there is no heat; an accuracy needs one above 0")
     began = time.perf_counter()
-    tell = progress or (lambda name: None)
+    told = progress or silent
     places = some_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
     thorough = not points and _is_worth_it(sweep, places)
     if points:
         places = tuple(dict.fromkeys(Target(place.load, place.variant) for place in points))
-    tell("the boundary by the preset standard")
+    told(Progress("the boundary by the preset standard"))
     near, exponents = near_the_boundary(sweep, places)
     if points:
         by_place = dict(zip(places, exponents, strict=True))
         exponents = tuple(by_place[Target(place.load, place.variant)] for place in points)
     elif thorough:
         near, exponents = _both_sides(near), tuple(np.repeat(exponents, 2).tolist())
-    exact = measured(sweep, points or near, exponents, tell)
-    tell("the error of these steps themselves")
+    exact = measured(sweep, points or near, exponents, told)
+    told(Progress("the error of these steps themselves"))
     every = 2 if thorough else 1  # both points of each place, or one
     yardstick_error = own_error(
         sweep, exact.points[::every], exact.exponents[::every], exact.readings[::every]
@@ -212,7 +212,7 @@ def choose_fidelity(
     everywhere = bool(points) or (
         thorough and len(places) == len(sweep.plane.loads) * len(sweep.variants.names)
     )
-    selection = _first_within(sweep, accuracy, exact, yardstick_error, everywhere, tell)
+    selection = _first_within(sweep, accuracy, exact, yardstick_error, everywhere, told)
     return replace(selection, seconds=time.perf_counter() - began)
 
 
@@ -222,7 +222,7 @@ def _first_within(
     exact: Yardstick,
     yardstick_error: OwnError,
     everywhere: bool,
-    tell: Tell,
+    progress: Report,
 ) -> Selection:
     """Take the cheapest choice whose error against the yardstick is within the accuracy.
 
@@ -234,7 +234,8 @@ def _first_within(
         rungs = _ladder(sweep, exact.fewest_nodes, past)
     trials, spent = [], exact.work + yardstick_error.work
     for number, (name, fidelity) in enumerate(rungs, 1):
-        tell(f"choice {number} of at most {len(rungs)}: {name}")
+        words = f"choice {number} of at most {len(rungs)}: {name}"
+        progress(Progress(words, number - 1, len(rungs)))
         try:
             elapsed = probe(sweep, replace(fidelity, heat_model="elapsed"), exact.points)
         except ConvergenceError:

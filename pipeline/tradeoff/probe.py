@@ -21,7 +21,7 @@ from pipeline.sweep.severity import (
     momentary_rises,
     rise_limit,
 )
-from pipeline.sweep.stages import Tell, staged
+from pipeline.sweep.stages import Report, silent, staged
 from pipeline.sweep.variants import Variant
 from tribo import PRESETS, Fidelity, InputError, Scene, State, measures, simulate
 from tribo.simulation import Trunks, forget_contacts, forget_kernels
@@ -278,13 +278,13 @@ class Yardstick:
 
 
 def measured(
-    sweep: Sweep, points: Sequence[Point], exponents: Sequence[float], tell: Tell | None = None
+    sweep: Sweep, points: Sequence[Point], exponents: Sequence[float], progress: Report = silent
 ) -> Yardstick:
-    """Take readings of the yardstick at some points, and tell a line before each of them."""
+    """Take readings of the yardstick at some points, and tell before each of them."""
     exact, coarse = dividing_pixels(sweep, YARDSTICK), dividing_pixels(sweep, _COARSER)
     probes = [
         probe(sweep, exact, [point])
-        for point in staged(points, tell, lambda point: f"nearly exact steps at {point}")
+        for point in staged(points, progress, lambda point: f"nearly exact steps at {point}")
     ]
     readings = tuple(reading for probed in probes for reading in probed.readings)
     own_work = sum(probed.work for probed in probes)

@@ -19,7 +19,7 @@ from pipeline.scene.units import in_si
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import rise_limit
 from pipeline.sweep.shown import shown
-from pipeline.sweep.stages import Tell, staged
+from pipeline.sweep.stages import Report, silent, staged
 from pipeline.sweep.variants import Variants
 from pipeline.tradeoff.probe import (
     Probe,
@@ -171,7 +171,7 @@ def trade(
     presets: Sequence[str] = _USUAL,
     base: str | None = "fine",
     loads: Sequence[float | str] | None = None,
-    progress: Tell | None = None,
+    progress: Report | None = None,
     own_laws: bool = False,
 ) -> Trade:
     """Measure speed against accuracy on a scene.
@@ -189,7 +189,7 @@ def trade(
         Loads at which to look at the boundary [N], or text with a unit; four of the sweep's if
         not given.
     progress : callable, optional
-        Called before each choice with a line: its number, the count, and the remaining time.
+        Called before each choice with a `Progress`, whose words name it.
     own_laws : bool
         See `pipeline.load_scene`.
 
@@ -217,7 +217,7 @@ def trade(
     exact = dividing_pixels(sweep, PRESETS["reference"])
     stages = staged(
         [("reference", None, exact), *_candidates(sweep, presets, base)],
-        progress,
+        progress or silent,
         name=lambda stage: stage[0],
         weight=lambda stage: _work(stage[2]),
     )

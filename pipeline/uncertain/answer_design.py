@@ -23,6 +23,7 @@ from pipeline.cli.values import setting
 from pipeline.scene.along import Place
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.own_laws import own_laws
+from pipeline.sweep.stages import Progress
 from pipeline.sweep.stored import misfits
 from pipeline.sweep.unknown import Fixed
 from pipeline.uncertain.design import RISK, RISK_OF_MARGIN, Chances, Direct, Goal, Limit
@@ -120,7 +121,7 @@ def _limits(chances: Chances, entries: Sequence[str]) -> list[Limit]:
     limits = []
     with working("seeking the limit") as progress:
         for number, at in enumerate(places):
-            progress(number, len(places))
+            progress(Progress(done=number, total=len(places)))
             limits.append(chances.limit(last, at))
     return limits
 

@@ -68,7 +68,7 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
         tell(f"{counted(left, 'test', 'tests')} of other oils than {name} left out")
     with run_line() as progress:
         inferred = pipeline.critical_temperatures(
-            sweep, tell=tell, out=options.kept, workers=options.workers, progress=progress
+            sweep, out=options.kept, workers=options.workers, progress=progress
         )
     frame = _transitions(inferred)
     if tested:

@@ -16,6 +16,7 @@ from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.given import criterion_in, flags_of, judged_entries, values_in
 from pipeline.cli.output import Result, rounded, working
 from pipeline.scene.units import display
+from pipeline.sweep.remarks import remarks
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
 from pipeline.uncertain.next_tests import Candidate, load_of_target, ranking_command
@@ -85,16 +86,17 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
             "and fit as well: check the speed, or test a reference oil"
         )
     if not weighed.fits:
-        yield f"warning: {weighed.draws.misfit}; no test is named"
+        yield from remarks("warning", f"{weighed.draws.misfit}; no test is named")
         if weighed.evidence_gain is None:
             yield "next: is a slope over velocity or bulk temperature missing? add --discrepancy"
-    yield from (
-        f"warning: {_place(weighed, judged)}: by the other tests its probability is "
+    contradicting = (
+        f"{_place(weighed, judged)}: by the other tests its probability is "
         f"{judged.probability:.1g}; one sound log of {1 / FALSE_ALARMS:.0f} has a test below "
         f"{judged.limit:.1g}; look at the test, or leave it out"
         for judged in weighed.judged
         if judged.contradicts
     )
+    yield from remarks("warning", *contradicting)
 
 
 def _test_quantiles(weighed: Posterior) -> pd.DataFrame:

@@ -13,6 +13,7 @@ import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.cli import given
 from pipeline.cli.output import Result, working
+from pipeline.sweep.remarks import remarks
 from pipeline.uncertain.fields import single_field
 from pipeline.uncertain.next_tests import ranking_command
 from pipeline.uncertain.sensitivity import Sensitivity
@@ -72,7 +73,8 @@ def _describe_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str
         indices.loads, indices.spread, indices.velocity_error, strict=True
     ):
         if error > _GOOD * spread:
-            yield (
-                f"warning: at {load:g} N the emulated velocity errs by {100 * error:.2g} %, beside "
-                f"a spread of {100 * spread:.2g} %; run more samples"
+            words = (
+                f"at {load:g} N the emulated velocity errs by {100 * error:.2g} %, beside a spread "
+                f"of {100 * spread:.2g} %; run more samples"
             )
+            yield from remarks("warning", words)

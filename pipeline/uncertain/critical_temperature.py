@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,7 +11,6 @@ import numpy as np
 from pipeline.run.boundary_search import results_of
 from pipeline.run.cluster import Client
 from pipeline.run.sweep import run_sweep
-from pipeline.run.tally import Progress
 from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.store.place import PathLike
@@ -19,7 +18,7 @@ from pipeline.store.write import opened, stored
 from pipeline.sweep.about import own_tests
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.shown import shown
-from pipeline.sweep.stages import Tell
+from pipeline.sweep.stages import Report
 from pipeline.sweep.variants import Label, Variants, rows, surfaces
 from tribo import Criterion, InputError
 from tribo.errors import require_positive
@@ -78,12 +77,11 @@ class CriticalTemperatures:
 
 def critical_temperatures(
     sweep: SceneLike,
-    tell: Tell | None = None,
     own_laws: bool = False,
     out: PathLike | None = None,
     workers: int | None = None,
     client: Client | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Report | None = None,
 ) -> CriticalTemperatures:
     """Find the temperature that the failing share exceeds at each measured transition.
 
@@ -100,7 +98,7 @@ def critical_temperatures(
         See `pipeline.load_scene`.
     out : path, optional
         Store of the points, which is resumed if it is there, and kept; none is kept if not given.
-    tell, workers, client, progress : optional
+    workers, client, progress : optional
         See `pipeline.run_sweep`. In a script, call this under ``if __name__ == "__main__":``.
 
     Raises
@@ -139,7 +137,7 @@ def critical_temperatures(
         require_positive(friction=crossing.friction)
     asked = _transition_rows(sweep.variant(), transitions, surfaces(seeds))
     with stored(out) as path:
-        run_sweep(asked, path, workers, client, progress, retry_failed=True, tell=tell)
+        run_sweep(asked, path, workers, client, progress, retry_failed=True)
         rises, failed = results_of(opened(path), asked)
     if failed:
         raise ExecutionError(

@@ -23,7 +23,7 @@ from pipeline.analysis.rise_error import error_of_point
 from pipeline.analysis.transition import LEAST_SLOPE
 from pipeline.scene.along import Place
 from pipeline.sweep.shown import shown
-from pipeline.sweep.stages import Count
+from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.sweep.unknown import OF_90, Fixed, Unit, Unknown
 from pipeline.uncertain.answers import draws_of, probability_of, run_probability
 from pipeline.uncertain.direct import SceneWith, log_rise, scene_values
@@ -311,7 +311,7 @@ class Chances:
         return functools.lru_cache(_MOST_KEPT)(lambda place, values: emulate(place, dict(values)))
 
     def simulated(
-        self, limit: Limit, scene_with: SceneWith, seed: int = 0, progress: Count | None = None
+        self, limit: Limit, scene_with: SceneWith, seed: int = 0, progress: Report = silent
     ) -> Direct:
         """Find the probability at a limit by simulations of draws near it.
 
@@ -348,8 +348,7 @@ class Chances:
         limits, found = self._log_limit(inputs, values), np.empty(SIMULATED)
         fixed, known = fix_values(ensemble, inputs, values), dict[int, float]()
         for number, row in enumerate(rows.tolist()):
-            if progress:
-                progress(number, SIMULATED)
+            progress(Progress(done=number, total=SIMULATED))
             if row not in known:
                 known[row] = log_rise(scene_with(scene_values(ensemble, fixed[row])), *place)
             found[number] = known[row]

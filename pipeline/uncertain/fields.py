@@ -19,6 +19,7 @@ from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import CROSSES, LEAST_SLOPE, MILD, SEVERAL, SEVERE, Turns
 from pipeline.cli.output import counted
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.remarks import remarks
 from pipeline.sweep.samples import JUDGED
 from pipeline.uncertain.answers import STEPS, draws_of
 from pipeline.uncertain.ensemble import Ensemble
@@ -124,8 +125,7 @@ class SampleField:
 
     def _notes(self) -> Iterator[str]:
         ensemble, weighed = self.ensemble, self.posterior
-        if self.misfit:
-            yield f"warning: {self.misfit}"
+        yield from remarks("warning", self.misfit)
         basis = "as the scene assumes them"
         if weighed:
             basis = f"given {weighed.evidence}, {weighed.scatter_words}"

@@ -16,6 +16,7 @@ import xarray as xr
 from scipy.special import logsumexp, softmax
 
 from pipeline.analysis.dataset import GIVEN_MEASURED, judged_values
+from pipeline.sweep.remarks import remarks
 from pipeline.sweep.unknown import OF_90
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import FACTOR, Joint, JudgedTests
@@ -187,8 +188,7 @@ def posterior_at(ds: xr.Dataset, ensemble: Ensemble) -> Posterior | None:
 def basis_of(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
     """Unknown inputs as answers take them, what fixes others, and whether the model fits."""
     if weighed:
-        if weighed.draws.misfit:
-            yield f"warning: {weighed.draws.misfit}"
+        yield from remarks("warning", weighed.draws.misfit)
         for path, before, after, within in weighed.in_words():
             interval = f", 90 % within {within}" if within else ""
             yield f"{path}: {after}{interval} (before the tests {before})"

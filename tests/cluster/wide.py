@@ -73,6 +73,8 @@ def driven(out, address, options):
         commits.append((len(records), *took))
 
     def note(now):
+        if now.words:
+            return
         mark = now.done, time.monotonic(), time.process_time(), len(tasks)
         marks.append(mark)
         if now.done and mark[1] - next(m[1] for m in marks if m[0]) > options.duration:

@@ -74,11 +74,11 @@ def computing(records, pace):
 
     link = Connection(None)
 
-    def compute(link, sweep, writer, waiting, learn, report):
+    def compute(link, sweep, writer, waiting, tally):
         for task in waiting:
             writer.add([record_of(records, sweep, point) for point in task.points])
             writer.flush()
-            report(writer.written())
+            tally.note(writer.written())
             time.sleep(pace)
 
     with (

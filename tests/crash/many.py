@@ -53,12 +53,17 @@ def sweep_of(points, increments=3):
 def drive(path, points, increments):
     """Run or resume the sweep; write what was told and what it cost beside it."""
     reports = []
+
+    def note(now):
+        if not now.words:
+            reports.append((now.elapsed, now.done, now.time_to_go))
+
     began = time.monotonic()
     outcome = run_sweep(
         sweep_of(points, increments),
         path,
         workers=2,
-        progress=lambda now: reports.append((now.elapsed, now.done, now.time_to_go)),
+        progress=note,
     )
     cost = {
         "computed": outcome.computed,

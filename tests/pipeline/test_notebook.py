@@ -12,9 +12,10 @@ import pytest
 from matplotlib import image
 
 import pipeline
-from pipeline.run.sweep import Outcome, Progress
+from pipeline.run.sweep import Outcome
 from pipeline.run.tally import shown_progress
 from pipeline.store.progress import FailedPoint
+from pipeline.sweep.stages import Progress
 from tests.helpers import samples, synthetic, tiny
 from tribo import MeasuredRoughness
 

@@ -106,14 +106,14 @@ def write_gallery(
     --------
     >>> write_gallery("gallery", ["fig4", "table4"])  # doctest: +SKIP
     """
-    folder, tell = Path(folder), Study(**choices).tell
+    folder, progress = Path(folder), Study(**choices).progress
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot write to {folder}: {error.strerror or error}") from error
     reports = [
         reproduce(name, folder / f"{name}.png", **choices)
-        for name in staged(names, tell, lambda name: f"{name}: {RESULTS.get(name, '')}")
+        for name in staged(names, progress, lambda name: f"{name}: {RESULTS.get(name, '')}")
     ]
     (folder / "README.md").write_text(page(reports), encoding="utf-8")
     return reports

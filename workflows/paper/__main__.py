@@ -43,10 +43,10 @@ def _recomputed(options: argparse.Namespace) -> Result:
         return Result(results | {"not_recomputed": others}, text)
     chosen = values_in(options, "preset", "surfaces", "workers")
     if options.name == "all":
-        reports = paper.write_gallery(options.output or Path("results"), tell=tell, **chosen)
+        reports = paper.write_gallery(options.output or Path("results"), progress=tell, **chosen)
         text = [line for report in reports for line in (*report.lines(), "")]
         return Result({report.name: report.as_dict() for report in reports}, text)
-    report = paper.reproduce(options.name, options.output, tell=tell, **chosen)
+    report = paper.reproduce(options.name, options.output, progress=tell, **chosen)
     return Result(report.as_dict(), report.lines())
 
 

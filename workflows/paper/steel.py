@@ -12,6 +12,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Sweep, vary
+from pipeline.cli.output import run_line
 from pipeline.figures.style import (
     BLUE,
     GREEN,
@@ -119,7 +120,9 @@ def _boundary(study: Study) -> dict[str, Any]:
     }
     entry = "materials.steel.thermal_conductivity"
     scene = Path(study.scenes, "irg_transition.toml")
-    variation = vary(scene, {entry: [f"{_HARD:g} W/(m K)"]}, study.preset, changes, tell=study.tell)
+    over = {entry: [f"{_HARD:g} W/(m K)"]}
+    with run_line() as progress:
+        variation = vary(scene, over, study.preset, changes, progress=progress)
     (hard,) = variation.others
     return {
         "load": list(variation.loads)[::-1],

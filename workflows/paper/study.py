@@ -13,7 +13,7 @@ from pipeline import Sweep, load_scene, open_sweep, run_sweep
 from pipeline.cli.output import run_line
 from pipeline.run.sweep import Outcome
 from pipeline.scene.shipped import WORKFLOWS
-from pipeline.sweep.stages import staged
+from pipeline.sweep.stages import Progress, Report, silent, staged
 
 T = TypeVar("T")
 
@@ -34,8 +34,8 @@ class Study:
         Number of random surfaces in place of each result's own.
     workers : int or None
         Number of workers of a sweep; one for each core if not given.
-    tell : callable
-        Called with a line on what comes next.
+    progress : callable
+        Called with a `Progress`, whose words say what comes next.
     """
 
     scenes: str | Path = WORKFLOWS
@@ -43,7 +43,11 @@ class Study:
     preset: str | None = None
     surfaces: int | None = None
     workers: int | None = None
-    tell: Callable[[str], None] = lambda line: None
+    progress: Report = silent
+
+    def tell(self, words: str) -> None:
+        """Tell in a line what comes next."""
+        self.progress(Progress(words))
 
     def scene(self, name: str) -> Sweep:
         """The scene of this name, with its own fidelity or the one asked for."""
@@ -56,7 +60,7 @@ class Study:
         weight: Callable[[T], float] = lambda item: 1.0,
     ) -> Iterator[T]:
         """Go through what is computed one after the other, and tell; see `staged`."""
-        return staged(items, self.tell, name, weight)
+        return staged(items, self.progress, name, weight)
 
     def sweep(self, sweep: Sweep, name: str) -> tuple[Outcome, xr.Dataset]:
         """Run or resume a sweep in the store of a name, with its progress on stderr."""

@@ -2,6 +2,7 @@
 
 import argparse
 import re
+import sys
 import threading
 import time
 
@@ -10,7 +11,7 @@ import pytest
 import pipeline
 from pipeline.cli import main, output
 from pipeline.cli.output import Result, show
-from pipeline.run.sweep import Progress
+from pipeline.sweep.stages import Progress
 from tests.helpers.scenes import MEASURED, SCENE
 
 
@@ -24,13 +25,16 @@ def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
     monkeypatch.setattr(output.time, "monotonic", iter(range(0, 1000, 4)).__next__)
     with output.run_line() as show:
         for done in range(8):
-            show(Progress(done, 0, 8, 4.0 * done, 4.0 * (8 - done)))
-        show(Progress(8, 0, 8, 32.0, 0.0))
+            show(Progress("", done, 8, 0, 4.0 * done, 4.0 * (8 - done)))
+            show(Progress(f"note {done}"))
+        show(Progress("", 8, 8, 0, 32.0, 0.0))
     said = capsys.readouterr().err
     assert "\r" not in said
-    assert said.splitlines()[0] == "irg: 0 of 8 points done, 0 failed, 0 s so far, 32 s to go"
-    assert said.splitlines()[-1] == "irg: 8 of 8 points done, 0 failed, 32 s so far"
-    assert 3 <= len(said.splitlines()) <= 6
+    notes, states = (re.findall(rf"irg: {kind}.*", said) for kind in ("note", r"\d"))
+    assert notes == [f"irg: note {done}" for done in range(8)]  # each, and at once
+    assert states[0] == "irg: 0 of 8 points done, 0 failed, 0 s so far, 32 s to go"
+    assert states[-1] == "irg: 8 of 8 points done, 0 failed, 32 s so far"
+    assert 3 <= len(states) <= 6
 
 
 def test_a_command_that_takes_long_says_how_far_it_is(capsys, monkeypatch):
@@ -39,7 +43,7 @@ def test_a_command_that_takes_long_says_how_far_it_is(capsys, monkeypatch):
     monkeypatch.setattr(output, "_BETWEEN_LOOKS", 0.01)
     said = ""
     with output.working("reading points") as count:
-        count(3, 9)
+        count(Progress(done=3, total=9))
         for _ in range(1000):
             said += capsys.readouterr().err
             if "reading points: 3 of 9 done" in said:
@@ -49,19 +53,37 @@ def test_a_command_that_takes_long_says_how_far_it_is(capsys, monkeypatch):
     assert "progress" not in [thread.name for thread in threading.enumerate()]
 
 
+def test_on_a_terminal_a_task_says_so_again_while_no_more_is_done(capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setattr(output, "_SOON", 0.0)
+    monkeypatch.setattr(output, "_BETWEEN_LOOKS", 0.11)  # tqdm draws every 0.1 s at most
+    said = ""
+    with output.working("reading points") as count:
+        count(Progress(done=3, total=9))
+        for _ in range(1000):
+            said += capsys.readouterr().err
+            if said.count("\rreading points: 3 of 9 done") > 2:
+                break
+            time.sleep(0.01)
+    assert said.count("\rreading points: 3 of 9 done") > 2
+    assert "|" not in said  # as beside the bar of a run
+
+
 def test_steps_of_a_point_and_points_of_a_store_are_counted(small):
     counted = []
+
+    def count(progress):
+        counted.append((progress.done, progress.total))
+
     scene = pipeline.load_scene(small / "small.toml", overrides={"increments": 4})
-    point = pipeline.run_point(scene, 400.0, 2.0, progress=lambda *counts: counted.append(counts))
+    point = pipeline.run_point(scene, 400.0, 2.0, progress=count)
     assert counted == [(step + 1, len(counted)) for step in range(len(counted))]
     assert len(counted) > 1
     assert point.columns["normal_load"][-1] == 400.0
     arguments = [str(small / "small.toml"), "-o", str(small / "a.zarr"), "--workers", "1"]
     assert main(["run", *arguments, "--set", "increments=2", "-q"]) == 0
     counted.clear()
-    verification = pipeline.verify_store(
-        small / "a.zarr", progress=lambda *counts: counted.append(counts)
-    )
+    verification = pipeline.verify_store(small / "a.zarr", progress=count)
     assert counted[-1] == (verification.done, verification.done)
 
 

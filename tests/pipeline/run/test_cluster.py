@@ -30,6 +30,7 @@ from pipeline.run.sweep import run_sweep
 from pipeline.run.work import ExecutionError, hash_of_code, versions
 from pipeline.store.progress import summary
 from tests.helpers import tiny
+from tests.helpers.heard import Heard
 from tests.helpers.scenes import SCENE
 from tests.pipeline.run.test_sweep import content
 
@@ -282,8 +283,8 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
     ):
         cluster.scheduler.add_plugin(tasks)
         tasks.scheduler = cluster.scheduler
-        said = []
-        outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client, tell=said.append)
+        said = Heard()
+        outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client, progress=said.hear)
         assert [line for line in said if "threads" in line] == [
             "4 of 6 threads of the Dask workers stand idle, since each process computes one point "
             "at a time; start workers of one thread, as Client(threads_per_worker=1) and "
@@ -314,12 +315,13 @@ def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path):
     told = []
 
     def look(progress):
+        if progress.words:
+            told.append(progress.words)
         if progress.done and len(told) == 1:
             with urllib.request.urlopen(told[0].removeprefix("dashboard: ")) as page:
                 told.append(page.status)
 
-    path = tmp_path / "out.zarr"
-    run_sweep(SHORT, path, workers=1, progress=look, tell=told.append, dashboard=True)
+    run_sweep(SHORT, tmp_path / "out.zarr", workers=1, progress=look, dashboard=True)
     assert told[1] == 200
 
 

@@ -15,7 +15,7 @@ from distributed.scheduler import KilledWorker
 import pipeline
 import tribo
 from pipeline.run import schedule, work
-from pipeline.run.cluster import Connection, unheard
+from pipeline.run.cluster import Connection
 from pipeline.run.schedule import STARTS, TRIALS, compute
 from pipeline.run.work import ExecutionError
 from pipeline.store.create import writing
@@ -23,7 +23,9 @@ from pipeline.store.progress import summarized
 from pipeline.store.schema import COLUMNS, FAILED
 from pipeline.store.write import Writer
 from pipeline.sweep.plan import points, run_points, tasks
+from pipeline.sweep.stages import silent
 from tests.helpers import tiny
+from tests.helpers.heard import Heard
 
 SWEEP = tiny.sweep(velocities=tuple(np.linspace(0.5, 1.5, 4).tolist()))
 
@@ -92,12 +94,13 @@ def compute_sweep(tmp_path, monkeypatch):
     """A function that computes a sweep on a client without a cluster."""
     monkeypatch.setattr(schedule, "_POLL", 0.01)
 
-    def compute_all(client=None, tell=None):
+    def compute_all(client=None, progress=silent):
         ended, learned = [], []
+        tally = SimpleNamespace(learn=learned.extend, note=ended.extend)
         with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
             waiting = tasks(points(SWEEP), SWEEP)
-            link = Connection(client or LocalClient(), 1.0, tell or unheard)
-            compute(link, SWEEP, writer, waiting, learned.extend, ended.extend)
+            link = Connection(client or LocalClient(), 1.0, progress)
+            compute(link, SWEEP, writer, waiting, tally)
         assert len(learned) < len(ended)  # the first point of a worker tells of its start, too
         return store, Counter("failed" if point.data is None else "done" for point in ended)
 
@@ -158,8 +161,8 @@ def test_workers_that_are_killed_from_outside_cost_no_point(compute_sweep):
 def test_the_packages_of_workers_that_differ_are_told_once_and_stored(compute_sweep, monkeypatch):
     other = {**work.versions(), "numpy": "1.0"}
     monkeypatch.setattr(work, "versions", lambda: other)
-    messages = []
-    store, ended = compute_sweep(client=LocalClient(workers=3), tell=messages.append)
+    messages = Heard()
+    store, ended = compute_sweep(client=LocalClient(workers=3), progress=messages.hear)
     assert ended == {"done": 12}
     (said,) = messages
     assert "has numpy 1.0 (here " in said
@@ -242,9 +245,9 @@ def test_a_sweep_in_which_nothing_moves_says_so_and_ends(compute_sweep, monkeypa
     """But it does not end while a worker computes."""
     monkeypatch.setattr(schedule, "_END", 0.2)
     monkeypatch.setattr(schedule, "_WORD", 0.1)
-    messages, client = [], Stuck(busy)
+    messages, client = Heard(), Stuck(busy)
     with pytest.raises(ExecutionError, match=r"no worker computes any; finished points are safe"):
-        compute_sweep(client=client, tell=messages.append)
+        compute_sweep(client=client, progress=messages.hear)
     assert client.asked > busy
     place = "waiting for 150 N, 0.5 m/s and 1 more"
     assert f"no point has been finished for 0 s; {place}" in messages[0]

@@ -28,6 +28,7 @@ from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, Task, run_point
 from tests.helpers import tiny
+from tests.helpers.heard import Heard
 from tests.helpers.processes import python
 from tests.helpers.stores import opened
 
@@ -85,8 +86,8 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, cop
         store.commit([PointRecord(Point(600.0, 0.5), None, "there was too little memory then")])
         store.forget([Point(150.0, 1.0)])
     (copy / "pressure/c.2.1.0.0").unlink()
-    messages = []
-    outcome = run_sweep(SWEEP, copy, workers=1, retry_failed=True, tell=messages.append)
+    messages = Heard()
+    outcome = run_sweep(SWEEP, copy, workers=1, retry_failed=True, progress=messages.hear)
     assert "all points of" in messages[0]
     assert "1 damaged points" in messages[1]
     assert (outcome.computed, outcome.done) == (3, 9)
@@ -106,9 +107,9 @@ def test_other_versions_are_told_and_noted(copy, monkeypatch):
     other = versions.package_versions() | {"numpy": "99.0"}
     for module in (create, root, execute):
         monkeypatch.setattr(module, "package_versions", lambda: other)
-    messages = []
+    messages = Heard()
     for _ in range(2):
-        run_sweep(SWEEP, copy, tell=messages.append)
+        run_sweep(SWEEP, copy, progress=messages.hear)
     assert f"was begun with numpy {np.__version__}, and goes on with 99.0" in messages[1]
     facts = opened(copy).root.facts
     assert facts.versions["numpy"] == np.__version__
@@ -117,10 +118,10 @@ def test_other_versions_are_told_and_noted(copy, monkeypatch):
 
 
 def test_other_conditions_of_the_scene_are_told(copy):
-    messages = []
+    messages = Heard()
     warmer = SWEEP.changed(conditions=replace(SWEEP.conditions, friction=0.12))
     for _ in range(2):
-        run_sweep(warmer, copy, tell=messages.append)
+        run_sweep(warmer, copy, progress=messages.hear)
     assert len(messages) == 2  # not again, since the store has them then
     assert "all points of" in messages[0]
     assert "conditions.friction: 0.1 in the store, 0.12 in the scene" in messages[1]

@@ -19,6 +19,7 @@ from pipeline.store.verify import changed_chunks, note_files, verify_store
 from pipeline.sweep.plan import points
 from tests.crash.drive import computing
 from tests.helpers import tiny
+from tests.helpers.heard import Heard
 from tests.helpers.scenes import SCENE
 from tests.helpers.stores import (
     assert_is_as_computed,
@@ -53,8 +54,8 @@ def test_a_root_is_made_again_by_the_scene_that_made_it(copy, harm, place):
     HARMS[harm](copy / "zarr.json", place)
     with pytest.raises(StoreError, match="irg run with the scene that made it makes it again"):
         opened(copy)
-    messages = []
-    outcome = run_sweep(SWEEP, copy, workers=1, tell=messages.append)
+    messages = Heard()
+    outcome = run_sweep(SWEEP, copy, workers=1, progress=messages.hear)
     assert (outcome.computed, outcome.done) == (0, 9)
     assert messages[0] == f"the root of {copy} was lost or damaged, and is made again"
     after = opened(copy).root
@@ -120,11 +121,11 @@ ADDED = {
 }
 
 
-def resumed(path, sweep, tell=None):
+def resumed(path, sweep, progress=None):
     """Run a sweep from records; the number of points that were computed."""
     records = {point: record(point) for point in points(sweep)}
     with computing(records, pace=0.0):
-        return run_sweep(sweep, path, workers=1, tell=tell).computed
+        return run_sweep(sweep, path, workers=1, progress=progress).computed
 
 
 @pytest.mark.parametrize("added", ADDED)
@@ -140,8 +141,8 @@ def test_a_root_older_than_its_arrays_is_made_again_with_all_points(copy, irg, a
         said = irg("verify", copy, *options, code=2)
         assert "zarr.json is older than its arrays, or newer; nothing was changed; irg run" in said
     assert contents(copy) == before
-    messages = []
-    assert resumed(copy, SWEEP, messages.append) == 0
+    messages = Heard()
+    assert resumed(copy, SWEEP, messages.hear) == 0
     assert "is made again" in messages[0]
     assert set(done_points(copy)) == done
     assert opened(copy).root.facts.versions == versions
@@ -192,8 +193,8 @@ def noted(path):
 def test_a_store_as_it_was_left_is_not_read_again(copy):
     store = noted(copy)
     assert changed_chunks(store) == set()
-    messages = []
-    run_sweep(SWEEP, copy, workers=1, tell=messages.append)
+    messages = Heard()
+    run_sweep(SWEEP, copy, workers=1, progress=messages.hear)
     assert messages == []
 
 
@@ -217,8 +218,8 @@ def older(file):
 def test_a_file_that_differs_in_name_size_or_time_is_read_again(copy, harm, name):
     noted(copy)
     harm(copy / name)
-    messages = []
-    outcome = run_sweep(SWEEP, copy, workers=1, tell=messages.append)
+    messages = Heard()
+    outcome = run_sweep(SWEEP, copy, workers=1, progress=messages.hear)
     assert "1 chunks of points" in messages[0]
     assert "whose files differ" in messages[0]
     assert outcome.computed == (9 if name.startswith("mean_rise") else 1)

@@ -1,5 +1,6 @@
 """What is said of points, inputs, surfaces and durations, in the words that users read."""
 
+import time
 from dataclasses import dataclass, replace
 
 import pandas as pd
@@ -8,7 +9,7 @@ import pytest
 from pipeline.sweep.accuracy import error_in_words, velocity_error
 from pipeline.sweep.model import Point
 from pipeline.sweep.shown import shown
-from pipeline.sweep.stages import duration
+from pipeline.sweep.stages import Progress, duration, staged
 from pipeline.sweep.unknown import Fixed, Unit, Unknown
 from tests.helpers import synthetic
 from tribo import PRESETS
@@ -71,3 +72,13 @@ def test_an_answer_counts_the_rows_of_its_frames():
         counted = [line.split("tests")[1].strip() for line in told.splitlines() if "tests" in line]
         assert counted == ([words] if words else [])
         assert "not known" in told
+
+
+def test_a_stage_is_told_by_its_number_and_by_the_time_that_is_left(monkeypatch):
+    monkeypatch.setattr(time, "monotonic", iter((0.0, 0.0, 30.0)).__next__)
+    told = []
+    assert list(staged([1.0, 3.0], told.append, "stage {:g}".format, weight=float)) == [1.0, 3.0]
+    assert told == [
+        Progress("1 of 2: stage 1", 0, 2, elapsed=0.0),
+        Progress("2 of 2: stage 3 (about 2 min to go)", 1, 2, elapsed=30.0, time_to_go=90.0),
+    ]

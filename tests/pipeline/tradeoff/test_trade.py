@@ -12,6 +12,7 @@ from pipeline.sweep.plan import run_point
 from pipeline.tradeoff import trade as tradeoff
 from pipeline.tradeoff.trade import trade
 from tests.helpers.accuracy_scenes import PAPER
+from tests.helpers.heard import Heard
 from tests.helpers.scenes import SCENE
 from tribo import PRESETS, ConvergenceError, Grid, SelfAffineRoughness
 
@@ -23,8 +24,8 @@ SMALL = PAPER.changed(
 
 @pytest.fixture(scope="module")
 def measured():
-    said = []
-    table = trade(SMALL, base="draft", loads=(200.0,), progress=said.append)
+    said = Heard()
+    table = trade(SMALL, base="draft", loads=(200.0,), progress=said.hear)
     assert said[0] == f"1 of {len(table.choices)}: reference"
     assert len(said) == len(table.choices)
     assert said[-1].startswith("{0} of {0}: ".format(len(table.choices)))
