@@ -94,6 +94,15 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
     return x[right - 1] - low / slope, slope, right
 
 
+def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
+    """Signs of turns between values of an axis (+1 to severe wear), and places, each (n, m - 1)."""
+    is_severe = lines > 0
+    turns = is_severe[:, 1:].astype(int) - is_severe[:, :-1]
+    rises = lines[:, 1:] - lines[:, :-1]
+    share = -lines[:, :-1] / np.where(turns != 0, rises, 1.0)
+    return turns, x[:-1] + np.clip(share, 0.0, 1.0) * np.diff(x)
+
+
 def log_boundary(ensemble: Ensemble, inputs: Array, loads: Axis) -> tuple[Array, Array]:
     """Logarithm of the critical velocity by draw and load, and its standard error."""
     velocities = np.geomspace(*ensemble.velocities, STEPS)

@@ -21,7 +21,7 @@ from scipy.special import log_ndtr
 
 from pipeline.analysis.transition import LEAST_SLOPE
 from pipeline.sweep.unknown import Unknown
-from pipeline.uncertain.answers import log_crossings
+from pipeline.uncertain.answers import line_turns, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, prior
 from pipeline.uncertain.rig import SLOPES, Columns, join_oils, join_rig, learnt, log_discrepancy
@@ -40,7 +40,10 @@ _SPAN = 1.05  # ratio of loads between which a slope is taken
 class Distances(NamedTuple):
     """Distances of draws from tests, shape (n_test, n)."""
 
-    values: Array  # logarithm of a test's velocity over the critical one
+    #: Logarithm of a test's velocity over the nearest critical one, or less that where wear turns
+    #: mild there: positive where wear is severe.
+    values: Array
+    signs: Array  # 1 where wear turns severe at that critical velocity, −1 where mild
     variance: Array  # theirs without the scatter of the velocity
     told: Array  # log likelihood of a measured friction, where it tells of the rig's
 
@@ -77,13 +80,12 @@ class Truths(NamedTuple):
 
 def distances_of(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
     """Distances of draws from tests."""
-    values, variance, told = np.empty((3, len(tests), len(truths.inputs)))
+    found = np.empty((4, len(tests), len(truths.inputs)))
     for hold, held in ensemble.hold_ensembles.items():
         numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
         if part := [tests[number] for number in numbers]:
-            part_of = _hold_distances(held, part, truths)
-            values[numbers], variance[numbers], told[numbers] = part_of
-    return Distances(values, variance, told)
+            found[:, numbers] = _hold_distances(held, part, truths)
+    return Distances(*found)
 
 
 def _hold_distances(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
@@ -99,7 +101,7 @@ def _hold_distances(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -
     conditions, bulk = ensemble.conditions, ensemble.conditions.bulk_temperature
     # A friction that was measured stands in place of the scene's friction by velocity.
     table = np.log([conditions.friction_at(v) / conditions.friction for v in nodes.tolist()])
-    values, variances, told = [], [], []
+    values, signs, variances, told = [], [], [], []
     for test in tests:
         number, friction = loads.index(test["normal_load"]), test.get("friction")
         critical = oils.get(test.get("oil", ""))
@@ -128,11 +130,32 @@ def _hold_distances(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -
             inputs, friction, test.get("bulk_temperature"), critical=critical,
             was_measured=friction is not None,
         )  # fmt: skip
-        critical, *_ = log_crossings(nodes, rise - limit[:, None])
-        values.append(log_velocity - critical)
-        variances.append(variance / np.maximum(slope, LEAST_SLOPE) ** 2)
+        distance, sign = _turn_distance(nodes, rise - limit[:, None], test)
+        values.append(distance)
+        signs.append(sign)
+        variances.append(variance / np.maximum(np.abs(slope), LEAST_SLOPE) ** 2)
         told.append(np.broadcast_to(by_rig, len(inputs)))
-    return Distances(np.array(values), np.array(variances), np.array(told))
+    return Distances(*map(np.array, (values, signs, variances, told)))
+
+
+def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array, Array]:
+    """Value and sign of `Distances`, by the excess (n, m) over velocities [m/s].
+
+    A transition was one to severe wear.
+    """
+    log_velocity = math.log(test["velocity"])
+    critical, *_ = log_crossings(velocities, excess)
+    turns, places = line_turns(np.log(velocities), excess)
+    distances = turns * (log_velocity - places)
+    counts = turns != 0 if "outcome" in test else turns > 0
+    apart = np.where(counts, np.abs(distances), math.inf)
+    nearest = apart.argmin(axis=1)[:, None]
+    # Where none lies between the velocities, the line goes on beyond them.
+    values, signs = (
+        np.where(counts.any(axis=1), np.take_along_axis(own, nearest, axis=1)[:, 0], other)
+        for own, other in ((distances, log_velocity - critical), (turns, 1))
+    )
+    return values, signs
 
 
 def _around(test: Test, ends: Array) -> tuple[float, ...]:
@@ -172,8 +195,12 @@ class Runs(NamedTuple):
     log_likelihoods: Array
 
 
-def decisive_tests(tests: Sequence[Test]) -> list[Test]:
-    """Tests without those of a run that a harder mild one, or an easier severe one, implies."""
+def decisive_tests(tests: Sequence[Test], by_load: bool = False) -> list[Test]:
+    """Tests without those of a run that a harder mild one, or an easier severe one, implies.
+
+    By load alone where wear may turn mild at a higher velocity.
+    """
+    places = ["normal_load"] if by_load else ["normal_load", "velocity"]
     seen = dict[Any, tuple[int, tuple[float, float]]]()
     kept = dict(enumerate(tests))
     for number, test in enumerate(tests):
@@ -181,7 +208,7 @@ def decisive_tests(tests: Sequence[Test]) -> list[Test]:
             continue
         sign = SIGNS[test["outcome"]]
         at = -sign * test["normal_load"], -sign * test["velocity"]
-        same = {k: v for k, v in test.items() if k not in ("normal_load", "velocity", "number")}
+        same = {k: v for k, v in test.items() if k not in (*places, "number")}
         key = tuple(same.items())
         before, there = seen.get(key, (number, at))
         if at[0] >= there[0] and at[1] >= there[1]:
@@ -248,7 +275,7 @@ class Joint:
     @functools.cached_property
     def tests(self) -> list[Test]:
         """Tests that count."""
-        return decisive_tests(self.ensemble.tests)
+        return decisive_tests(self.ensemble.tests, self.ensemble.conditions.has_friction_curve)
 
     @functools.cached_property
     def runs(self) -> list[list[int]]:

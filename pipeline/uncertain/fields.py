@@ -21,7 +21,7 @@ from pipeline.cli.output import counted
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.samples import JUDGED
-from pipeline.uncertain.answers import STEPS, draws_of
+from pipeline.uncertain.answers import STEPS, draws_of, line_turns
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.ensemble import keep_fits as keep_fits
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, Draws
@@ -178,7 +178,7 @@ class SampleField:
             x = np.log(np.geomspace(*ends, STEPS))
             excess = self.ensemble.excess(self.draws.inputs, np.exp(x), velocity)
             lines = self._chance_excess(excess.draw_chance(self.ensemble.design.seed))
-        turns, places = _crossings(x, lines)
+        turns, places = line_turns(x, lines)
         rows, columns = np.nonzero(turns)
         count = (turns != 0).sum(axis=1)
         is_severe = lines[:, 0] > 0
@@ -197,7 +197,7 @@ class SampleField:
         slopes = (np.diff(lines[:, end])[:, 0] / np.diff(x[end]) for end in ends)
         low, high = (np.maximum(slope, LEAST_SLOPE) * _FAR for slope in slopes)
         far = np.column_stack([lines[:, 0] - low, lines, lines[:, -1] + high]) + shift
-        turns, places = _crossings(np.array([x[0] - _FAR, *x, x[-1] + _FAR]), far)
+        turns, places = line_turns(np.array([x[0] - _FAR, *x, x[-1] + _FAR]), far)
         rows, columns = np.nonzero(turns)
         begins = float(self.weights @ (far[:, 0] > 0))
         signs, at = turns[rows, columns], places[rows, columns]
@@ -262,15 +262,6 @@ _MOST_KEPT = 64  # loads, of 1.3 MB each
 def _normal_below(sd: float, distances: Array) -> Array:
     """Probability that a normal number of a standard deviation is below distances."""
     return np.asarray(ndtr(distances / sd))
-
-
-def _crossings(x: Array, lines: Array) -> tuple[Array, Array]:
-    """Signs of turns between values of an axis (+1 to severe wear), and places, each (n, m - 1)."""
-    is_severe = lines > 0
-    turns = is_severe[:, 1:].astype(int) - is_severe[:, :-1]
-    rises = lines[:, 1:] - lines[:, :-1]
-    share = -lines[:, :-1] / np.where(turns != 0, rises, 1.0)
-    return turns, x[:-1] + np.clip(share, 0.0, 1.0) * np.diff(x)
 
 
 def fields(ds: xr.Dataset) -> list[SampleField]:

@@ -128,7 +128,8 @@ def _left_out_judgements(
         others = Draws(draws.inputs, weights.sum(axis=1))
         tests = tuple(model.tests[row] for row in rows)
         shown = rows[shown_test(tests)]
-        velocities = model.tests[shown]["velocity"] * np.exp(-distances.values[shown])
+        away = distances.signs[shown] * distances.values[shown]
+        velocities = model.tests[shown]["velocity"] * np.exp(-away)
         yield Judged(
             tests,
             draws.interval(velocities),

@@ -11,7 +11,7 @@ from scipy.special import ndtr
 import pipeline
 from pipeline.sweep.unknown import Unknown, correlations, drawn
 from pipeline.uncertain import weigh
-from pipeline.uncertain.evidence import log_between
+from pipeline.uncertain.evidence import decisive_tests, log_between
 from pipeline.uncertain.inputs import prior
 from pipeline.uncertain.weigh import _long_tailed
 from tests.helpers.samples import EXPONENT, LOADS, critical_velocity, dataset, ensemble, rise
@@ -397,6 +397,50 @@ def test_friction_by_velocity_is_known_however_it_bends():
         dataclasses.replace(corrected, tests=({"normal_load": 400.0, "velocity": first},)), 0.001
     ).judged
     assert test.critical_velocity[1] == pytest.approx(first, rel=0.01)
+
+
+def banded():
+    """Samples with a friction by velocity that makes wear severe, mild and severe again."""
+    bent = Friction(by_velocity=((1.0, 1.9), (1.6, 0.5), (3.0, 1.2), (4.0, 0.3), (6.0, 0.3)))
+    plain = ensemble((CRITICAL,))
+    conditions = dataclasses.replace(plain.conditions, corrections=Corrections(friction=bent))
+    factor = conditions.friction_factor(plain.sample_velocities)[:, None]
+    return dataclasses.replace(plain, conditions=conditions, rises=plain.rises * factor)
+
+
+def test_tests_in_each_band_of_wear_agree_with_a_model_that_has_these_bands():
+    samples, draws = banded(), np.full((1, 1), CRITICAL.parameters[0])
+    velocities = np.geomspace(0.9, 5.0, 16)
+    severe = samples.excess(draws, 400.0, velocities).values[0] > 0
+    assert np.sum(severe[1:] != severe[:-1]) >= 3
+    tests = tuple(
+        {"normal_load": 400.0, "velocity": v, "outcome": "severe" if is_severe else "mild"}
+        for v, is_severe in zip(velocities.tolist(), severe, strict=True)
+    )
+    posterior = pipeline.posterior(dataclasses.replace(samples, tests=tests))
+    assert not posterior.draws.misfit
+    assert posterior.inferred_scatter[1] < 0.06  # 5 % is said
+    critical = next(iter(posterior.summary()))["posterior"]
+    assert abs(critical["mean"] - CRITICAL.parameters[0]) < critical["sd"]
+    assert min(judged.probability for judged in posterior.judged) > 0.2
+    # Each stands beside the turn that is nearest to it, whichever way wear turns there.
+    fine = np.geomspace(0.7, 6.0, 3000)
+    is_severe = samples.excess(draws, 400.0, fine).values[0] > 0
+    turns = fine[1:][is_severe[1:] != is_severe[:-1]]
+    for judged in posterior.judged:
+        ratio = np.abs(np.log(turns / judged.test["velocity"]))
+        beside = turns[ratio < ratio.min() + 0.2]
+        assert np.abs(np.log(beside / judged.critical_velocity[1])).min() < 0.05
+
+
+def test_a_run_of_wear_with_bands_has_no_stage_that_another_velocity_implies():
+    stages = [
+        {"normal_load": 400.0, "velocity": v, "outcome": "mild", "run": 1} for v in (1.0, 2.0)
+    ]
+    assert decisive_tests(stages) == stages[1:]
+    assert decisive_tests(stages, by_load=True) == stages
+    harder = [*stages, {"normal_load": 500.0, "velocity": 2.0, "outcome": "mild", "run": 1}]
+    assert decisive_tests(harder, by_load=True) == [harder[0], harder[2]]
 
 
 def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
