@@ -103,11 +103,14 @@ def _residual(run: Sequence[tuple[str | None, float, bool]]) -> float | None:
 
 
 def critical_velocity(own: PointField, test: Measurement) -> float:
-    """Velocity nearest to a test at which wear turns in its own field, median of the surfaces.
+    """Velocity nearest to a test at which wear of half of the surfaces turns in its own field.
 
-    It is 0 or infinite where wear does not turn among the computed points [m/s].
+    Of a transition, and of a test in a run, it is one at which wear turns severe. It is 0 or
+    infinite where wear does not turn among the computed points [m/s].
     """
-    return own.turns("velocity", test.normal_load, test.velocity).nearest(test.velocity)
+    turns = own.turns("velocity", test.normal_load, test.velocity)
+    to_severe = test.outcome is None or test.run is not None
+    return turns.nearest(test.velocity, to_severe=to_severe)
 
 
 def clipped_velocity(own: PointField, test: Measurement) -> float:

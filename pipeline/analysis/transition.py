@@ -219,20 +219,22 @@ class Turns(NamedTuple):
                 found.append(float(x[low + 1] + x[high - 1]) / 2)
         return tuple(found), bool(signs[known[0]] > 0 if known.size else self.begins >= share)
 
-    def nearest(self, here: float, share: float = 0.5) -> float:
+    def nearest(self, here: float, share: float = 0.5, to_severe: bool = False) -> float:
         """The place nearest by its ratio at which half turns, or of another share beside that.
 
         It is infinite where the share is mild at all that is known, 0 where it is severe, and NaN
-        where that of a member is not known.
+        where that of a member is not known. Turns to severe wear alone may be asked for.
         """
         if (self.outcome == UNKNOWN).any():
             return math.nan
         places, begins = self.shared(share)
         half, half_begins = self.shared()
-        if half:
-            here = min(half, key=lambda place: abs(math.log(place / here)))
-            to_severe = half.index(here) % 2 == half_begins
-            places = places[int(begins == to_severe) :: 2]
+        if counted := half[int(half_begins) :: 2] if to_severe else half:
+            here = min(counted, key=lambda place: abs(math.log(place / here)))
+            is_rise = half.index(here) % 2 == half_begins
+            places = places[int(begins == is_rise) :: 2]
+        elif to_severe:
+            places = ()
         none = 0.0 if begins else math.inf
         return min(places, key=lambda place: abs(math.log(place / here)), default=none)
 

@@ -99,9 +99,9 @@ function endsOf({ severe, outcome, computed: [from, to] }) {
   return [-Infinity, outcome === SEVERE ? -Infinity : from];
 }
 
-/** Nearest turn of half of the surfaces, as pipeline.analysis.transition has it: infinite or 0 without any.
- * @param {Transition[]} all @param {number} here */
-function nearestTurn(all, here) {
+/** Nearest turn of half of the surfaces, as pipeline.analysis.transition has it, or nearest one to severe wear:
+ * infinite or 0 without any. @param {Transition[]} all @param {number} here @param {boolean} toSevere */
+function nearestTurn(all, here, toSevere = false) {
   if (all.some(({ outcome }) => outcome === UNKNOWN)) return NaN;
   const turns = all.flatMap(({ severe }) => severe.flatMap(([begin, end]) => [[begin, 2], [end, -2]]));
   const begins = sum(turns.map(([place, step]) => (place === 0 ? step : 0))) - all.length;
@@ -113,7 +113,7 @@ function nearestTurn(all, here) {
     tied = more ? NaN : place;
     if (more) side = Math.sign(more);
     return before && side !== before ? [(from + place) / 2] : [];
-  });
+  }).filter((_, k) => !toSevere || k % 2 === Number(begins > 0));
   const away = (/** @type {number} */ place) => Math.abs(Math.log(place / here));
-  return places.sort((a, b) => away(a) - away(b))[0] ?? ((side || begins) < 0 ? Infinity : 0);
+  return places.sort((a, b) => away(a) - away(b))[0] ?? ((begins || side) < 0 ? Infinity : 0);
 }

@@ -126,6 +126,24 @@ def test_of_a_band_of_severe_wear_the_runs_within_it_are_counted(velocity):
     assert found.critical_velocity == pytest.approx(nearest, rel=2e-3)
 
 
+@pytest.mark.parametrize(
+    ("tests", "residual"),
+    [
+        ([(2.3, None, None)], math.log(2.3 / 1.1)),  # not beside 2.4 m/s, where wear turns mild
+        ([(2.3, "mild", None)], math.log(2.3 / 2.4)),
+        ([(1.0, "mild", "a"), (2.0, "severe", "a")], (math.log(1 / 1.1) + math.log(2 / 1.1)) / 2),
+        ([(2.7, "mild", "a"), (3.5, "severe", "a")], math.log(2.7 * 3.5) / 2 - math.log(1.1)),
+    ],
+)
+def test_a_transition_is_measured_against_a_turn_to_severe_wear(tests, residual):
+    tested = tuple(
+        Measurement(400.0, velocity, None, outcome=outcome, run=run)
+        for velocity, outcome, run in tests
+    )
+    ds = synthetic.sweep(rise=falling, measured=(), tested=tested, preset="reference")
+    assert scatter_of(ds).residuals == pytest.approx([residual], abs=5e-3)
+
+
 def test_tests_beside_a_place_are_named_and_those_farther_away_are_not():
     ds = swept_with((600.0, 1.5, "severe"), (600.0, 1.5 * 1.2, "mild"), (700.0, 1.5, None))
     found = pipeline.margin(ds, 620.0, 1.45)

@@ -14,6 +14,7 @@ from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import answer
 from pipeline.analysis.transition import CROSSES, SEVERAL
 from pipeline.page.content import BETWEEN, EXTRAPOLATED, content
+from pipeline.sweep.about import Measurement
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tests.helpers.javascript import run
@@ -221,6 +222,23 @@ def test_bands_of_severe_wear_have_all_their_ends():
     words = run(ds, "return outcomeText(boundaries().velocity[5], 'm/s');")
     assert words.startswith("severe up to ")
     assert " and from " in words
+
+
+def test_a_page_of_bands_measures_transitions_against_turns_to_severe_wear():
+    ds, turns = banded(), pipeline.boundary(banded())["turns_at_load"].sel(load=600.0)
+    mild, severe = turns.values[:2]  # the first turns to mild wear
+    tests = tuple(
+        Measurement(600.0, velocity, None, outcome=outcome)
+        for velocity, outcome in ((1.02 * mild, None), (0.98 * mild, "mild"))
+    )
+    ds = with_fields(ds, measured=tests, tested=())
+    (field,) = fields(ds)
+    found = model_error(ds, field)
+    assert found.residuals == pytest.approx(
+        [math.log(1.02 * mild / severe), math.log(0.98)], abs=2e-3
+    )
+    assert run(ds, "return residuals()") == pytest.approx(found.residuals, abs=0.01)
+    assert run(ds, "return modelError().words") == found.worded
 
 
 GRID = """
