@@ -99,8 +99,8 @@ function endsOf({ severe, outcome, computed: [from, to] }) {
   return [-Infinity, outcome === SEVERE ? -Infinity : from];
 }
 
-/** Nearest turn of half of the surfaces, as pipeline.analysis.transition has it, or nearest one to severe wear:
- * infinite or 0 without any. @param {Transition[]} all @param {number} here @param {boolean} toSevere */
+/** Nearest turn of half of the surfaces, or one to severe wear; infinite or 0 without any. @param
+ * {Transition[]} all @param {number} here @param {boolean} toSevere */
 function nearestTurn(all, here, toSevere = false) {
   if (all.some(({ outcome }) => outcome === UNKNOWN)) return NaN;
   const turns = all.flatMap(({ severe }) => severe.flatMap(([begin, end]) => [[begin, 2], [end, -2]]));

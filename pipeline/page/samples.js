@@ -14,23 +14,23 @@ function probabilityAt(load, velocity) {
   return linear(loads, rows, load);
 }
 
-/** Velocities at which a probability is passed, in words. @param {number} share @param {number} load */
-function turnsText(share, load) {
+/** Where a probability is passed. @param {number} share @param {number} load @returns {[string, string]} */
+function turnsRow(share, load) {
   const { velocities } = samples;
   const over = velocities.map((velocity) => probabilityAt(load, velocity) - share);
   const places = velocities.slice(1).flatMap((next, k) => (over[k] > 0 === over[k + 1] > 0 ? []
     : [next - (over[k + 1] / (over[k + 1] - over[k])) * (next - velocities[k])]));
-  const none = over[0] > 0 ? `below ${shown(velocities[0], 3)}` : `above ${shown(velocities[over.length - 1], 3)}`;
-  return `${places.map((place) => shown(place, 3)).join(", ") || none} m/s`;
+  const ends = [velocities[0], velocities[over.length - 1]];
+  const [low, high, ...turns] = [...ends, ...places].map((one) => shown(one, 3));
+  const text = turns.join(", ") || (over[0] > 0 ? `below ${low}` : `above ${high}`);
+  return [`${shown(100 * share)} % at this load`, `${text} m/s`];
 }
 
 /** The probability as colours, and where it has the three values. @param {Frame} frame */
 function drawnBand(frame) {
   const { loads, velocities, picture, shares } = samples;
-  const [left, right] = [velocities[0], velocities[velocities.length - 1]];
-  const [bottom, top] = [loads[0], loads[loads.length - 1]].map(frame.y);
-  const size = { x: frame.x(left), y: top, width: frame.x(right) - frame.x(left), height: bottom - top };
   const [x, y, n] = [velocities.map(frame.x), loads.map(frame.y), velocities.length];
+  const size = { x: x[0], y: y[y.length - 1], width: x[n - 1] - x[0], height: y[0] - y[y.length - 1] };
   const lines = shares.map((share, k) => {
     const over = loads.map((_, i) => [...probability.subarray(i * n, (i + 1) * n)].map((p) => p - share));
     return svg("path", { class: k === 1 ? "boundary" : "own", d: contour(x, y, [over], true) });
@@ -70,10 +70,10 @@ function judge(load, velocity) {
   Object.assign(operating, { load, velocity });
   drawSamples();
   if (!isInside(operating, samples)) return showMargin(samples.outside);
-  /** @type {[string, string][]} */
-  const rows = [["probability of severe wear", percent(probabilityAt(load, velocity))]];
-  for (const share of samples.shares) rows.push([`${shown(100 * share)} % at this load`, turnsText(share, load)]);
-  showMargin(rows);
+  showMargin([
+    ["probability of severe wear", percent(probabilityAt(load, velocity))],
+    ...samples.shares.map((share) => turnsRow(share, load)),
+  ]);
 }
 
 takeScene(() => ({}));
