@@ -14,8 +14,8 @@ from pipeline.analysis.tables import frame_of, upright
 from pipeline.cli.given import conditions_in, one_scene_in, selected
 from pipeline.cli.next_steps import lines_on, point_that_decides
 from pipeline.cli.output import Result, working
+from pipeline.quantities import display
 from pipeline.scene.facts import require_bearable_load
-from pipeline.scene.units import display
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns

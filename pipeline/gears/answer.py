@@ -28,7 +28,7 @@ from pipeline.gears.pair import Pair
 from pipeline.gears.reading import read_pair
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import judge_spectrum
-from pipeline.scene.units import display
+from pipeline.quantities import display
 from tribo import InputError, lubrication_regime
 
 T = TypeVar("T")

@@ -15,8 +15,8 @@ import numpy as np
 
 from pipeline.laboratory.plain_scan import read_heights
 from pipeline.laboratory.text_scan import TEXT, read_text
+from pipeline.quantities import display
 from pipeline.scene.faults import Faults
-from pipeline.scene.units import display
 from tribo import InputError
 from tribo.errors import reason_of, require_file
 from tribo.types import Array

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
+from pipeline.quantities import display, shown_in
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
-from pipeline.scene.units import display, shown_in
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import columns_in_closed_form, note_on_ends, note_on_turns
 from pipeline.sweep.severity import MELTS

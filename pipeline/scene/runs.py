@@ -6,9 +6,9 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from pipeline.quantities import display
 from pipeline.scene.faults import Faults, entry_at
 from pipeline.scene.format import LOAD, TEST, VELOCITY
-from pipeline.scene.units import display
 
 _STAGES = ("mild", "mild_up_to"), ("severe", "severe_at")
 _KINDS = {"load": (LOAD, "N"), "velocity": (VELOCITY, "m/s")}

@@ -8,15 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.scene.units import (
-    UnitError,
-    display,
-    exact_si,
-    hardness_pressure,
-    shown_in,
-    si_of,
-    to_si,
-)
+from pipeline.quantities import display, shown_in, si_of
+from pipeline.scene.units import UnitError, exact_si, hardness_pressure, to_si
 
 
 @pytest.mark.parametrize(
