@@ -32,7 +32,6 @@ from pipeline.analysis.transition import (
     BEYOND,
     CROSSES,
     SEVERAL,
-    UNITS,
     UNKNOWN,
     in_words,
     outcomes,
@@ -138,7 +137,7 @@ def _margin_lines(here: Margin) -> list[str]:
     ]
     if here.misfit:
         lines.append(f"warning: {here.misfit}")
-    for name in UNITS:
+    for name in ("velocity", "load"):
         outcome = getattr(here, f"{name}_outcome")
         turns, begins = getattr(here, f"{name}_turns"), getattr(here, f"{name}_begins_severe")
         said = in_words(outcome, getattr(here, f"{name}_range"), name, turns, begins)

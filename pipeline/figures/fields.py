@@ -12,8 +12,8 @@ from matplotlib.ticker import MaxNLocator
 
 from pipeline.analysis.dataset import corrected_field, drawn_row, one_row, read_conditions
 from pipeline.analysis.decisive import decisive_rise, require_sound
-from pipeline.analysis.transition import UNITS
 from pipeline.figures import style
+from pipeline.quantities import UNITS
 from pipeline.scene.units import in_si
 from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline import extras
+from pipeline.quantities import unit_in_si
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.kinds import OneOf
@@ -33,8 +34,11 @@ _MEANT = {
 }  # fmt: skip
 """Units meant by others: no log is of charges or capacitances, and a mass there is a weight."""
 UNITS = {
-    "load": "N", "velocity": "m/s", "friction": "", "bulk_temperature": "K", "hold": "s",
-    "time": "s", "friction_force": "N", "critical_temperature": "K",
+    name: unit_in_si(name)
+    for name in (
+        "load", "velocity", "friction", "bulk_temperature", "hold", "time", "friction_force",
+        "critical_temperature",
+    )
 }  # fmt: skip
 """Units of quantities, empty of a number; of others nothing is guessed."""
 _EXACT = {

@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+from pipeline.quantities import unit_in_si
 from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError, Reference
 from tribo import Criterion, Friction, InputError, MeasuredLoad, Ramp
 from tribo.simulation.verdict import Judging
@@ -26,12 +27,12 @@ PATHS = {
 """Entries of the scene file that act after the simulation, by the names of `changes_of`."""
 FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
 """The same by the fields of `Conditions`."""
-UNITS = {
-    "friction": "1", "bulk_temperature": "K", "disk_temperature": "K", "critical_temperature": "K",
-    "failing_share": "1",
-}  # fmt: skip
-"""Units of the fields that are numbers."""
 _BULKS = ("bulk_temperature", "disk_temperature")
+UNITS = {
+    name: unit_in_si(name) or "1"
+    for name in ("friction", *_BULKS, "critical_temperature", "failing_share")
+}
+"""Units of the fields that are numbers."""
 
 
 @dataclass(frozen=True, slots=True)
