@@ -20,9 +20,9 @@ DIMENSIONS = {
         {"m": "1", "nm": "1e-9", "um": "1e-6", "µm": "1e-6", "mm": "1e-3", "cm": "1e-2"}, "mm",
     ),
     "m s-1": Dimension(("1e-9 m/s", "1e5 m/s"), {"m/s": "1", "mm/s": "1e-3"}, "m/s"),
-    "s": Dimension(("1e-9 s", "1e12 s"), {"s": "1"}),
+    "s": Dimension(("1e-9 s", "1e12 s"), {"s": "1", "ms": "1e-3", "min": "60"}),
     "K": Dimension(("1e-9 K", "1e5 K"), {"K": "1", "degC": "1", "°C": "1"}, "°C"),
-    "N": Dimension(("1e-9 N", "1e9 N"), {"N": "1", "kN": "1e3"}),
+    "N": Dimension(("1e-9 N", "1e9 N"), {"N": "1", "kN": "1e3", "mN": "1e-3"}),
     "N s-1": Dimension(("1e-9 N/s", "1e12 N/s"), {"N/s": "1"}),
     "Pa": Dimension(("1e-3 Pa", "1e15 Pa"), {"Pa": "1", "MPa": "1e6", "GPa": "1e9"}, "GPa"),
     "Pa s": Dimension(("1e-9 Pa s", "1e9 Pa s"), {"Pa s": "1", "mPa s": "1e-3"}),
@@ -72,10 +72,10 @@ _HEADED = {
 }  # fmt: skip
 
 
-def head(name: str) -> str:
-    """Head of a column of a quantity, such as ``critical temperature [°C]``."""
-    words, unit = name.replace("_", " "), UNITS.get(name)
-    return f"{words} [{unit}]" if unit else words
+def column_heads(*names: str) -> dict[str, str]:
+    """Heads of columns by the names of quantities, such as ``critical temperature [°C]``."""
+    units = {name: f" [{UNITS[name]}]" if UNITS.get(name) else "" for name in names}
+    return {name: name.replace("_", " ") + unit for name, unit in units.items()}
 
 
 def is_unit_of_head(unit: str) -> bool:
@@ -83,9 +83,9 @@ def is_unit_of_head(unit: str) -> bool:
     return unit in _HEADED
 
 
-def unit_in_si(name: str) -> str:
-    """SI unit of a quantity as scenes write it, empty of a number."""
-    return _SI.get(UNITS[name], UNITS[name])
+def units_in_si(*names: str) -> dict[str, str]:
+    """SI units of quantities as scenes write them, empty of a number, by their names."""
+    return {name: _SI.get(UNITS[name], UNITS[name]) for name in names}
 
 
 def shown_in(value: Any, unit: str) -> Any:

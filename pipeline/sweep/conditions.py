@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from pipeline.quantities import unit_in_si
+from pipeline.quantities import units_in_si
 from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError, Reference
 from tribo import Criterion, Friction, InputError, MeasuredLoad, Ramp
 from tribo.simulation.verdict import Judging
@@ -28,10 +28,8 @@ PATHS = {
 FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
 """The same by the fields of `Conditions`."""
 _BULKS = ("bulk_temperature", "disk_temperature")
-UNITS = {
-    name: unit_in_si(name) or "1"
-    for name in ("friction", *_BULKS, "critical_temperature", "failing_share")
-}
+_NUMBERS = ("friction", *_BULKS, "critical_temperature", "failing_share")
+UNITS = {name: unit or "1" for name, unit in units_in_si(*_NUMBERS).items()}
 """Units of the fields that are numbers."""
 
 
