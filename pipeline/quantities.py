@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from decimal import Decimal
 from typing import Any, NamedTuple
 
@@ -105,12 +106,17 @@ def si_of(value: float, unit: str) -> float:
     return round(value + zero, 9) if zero else value / _FACTORS.get(unit, 1.0)
 
 
-def display(value: float, unit: str, form: str = ".6g") -> str:
-    """Write an SI value as text in a unit such as °C, N, m/s, µm, % or GPa.
+def display(value: float, unit: str, form: int | str = 6) -> str:
+    """Write an SI value as text in a unit, in as many digits or in a form such as ``".0f"``.
 
     Examples
     --------
-    >>> display(0.0123, "%", ".2g"), display(418.15, "°C", ".0f")
-    ('1.2 %', '145 °C')
+    >>> display(1.234e-5, "µm", 3), display(418.4, "°C", ".0f")
+    ('12.3 µm', '145 °C')
     """
-    return f"{shown_in(value, unit):{form}} {unit}"
+    return f"{format(shown_in(value, unit), f'.{form}g' if isinstance(form, int) else form)} {unit}"
+
+
+def display_sides(sides: Iterable[float]) -> str:
+    """Write sides of a window or a pixel as text, such as ``102.4 × 51.2 µm``."""
+    return " × ".join(f"{shown_in(side, 'µm'):.4g}" for side in sides) + " µm"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from pipeline.quantities import units_in_si
+from pipeline.quantities import display, units_in_si
 from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError, Reference
 from tribo import Criterion, Friction, InputError, MeasuredLoad, Ramp
 from tribo.simulation.verdict import Judging
@@ -212,4 +212,4 @@ def bulk_entries(bulks: float | Mapping[str, float | None] | None) -> dict[str, 
 
 def celsius_text(temperature: float) -> str:
     """Write a temperature [K] in both of its usual units."""
-    return f"{temperature - 273.15:.6g} °C ({temperature:.6g} K)"
+    return f"{display(temperature, '°C')} ({temperature:.6g} K)"

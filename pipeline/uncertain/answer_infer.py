@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict, replace
+from dataclasses import asdict, astuple, replace
 from pathlib import Path
 
 import pandas as pd
@@ -12,7 +12,7 @@ import pipeline
 from pipeline.analysis.tables import TABLES, frame_of, short, writable_path
 from pipeline.cli.given import PLACE, flags_of, one_scene_in, values_in
 from pipeline.cli.output import Result, counted, run_line, tell, working
-from pipeline.quantities import display
+from pipeline.quantities import display, shown_in
 from pipeline.sweep.about import own_tests
 from pipeline.sweep.model import Sweep
 from pipeline.uncertain.answer_posterior import posterior
@@ -79,7 +79,7 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
     text = [
         f"critical temperature from {measured}{several}: {inferred.criterion.temperature}",
         short(frame),
-        f"on average {display(inferred.mean, '°C', '.4g')}{apart}",
+        f"on average {display(inferred.mean, '°C', 4)}{apart}",
     ]
     return Result(inferred.as_dict(), text, frames=[frame])
 
@@ -91,7 +91,7 @@ def _bounds_result(
     judged = list(zip(outcomes, at_tests.means, strict=True))
     low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
     high = min((mean for outcome, mean in judged if outcome == "severe"), default=None)
-    above, below = (end and display(end, "°C", ".4g") for end in (low, high))
+    above, below = (end and display(end, "°C", 4) for end in (low, high))
     if low is None or high is None:
         said = f"the critical temperature is {'below' if low is None else 'above'} {above or below}"
     elif low < high:
@@ -141,7 +141,7 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
         rate = specific_wear_rate(
             sweep.scene, options.contact_width, options.load, options.velocity
         )
-    value, lowest, highest = (1e9 * end for end in (rate.value, rate.lowest, rate.highest))
+    value, lowest, highest = (shown_in(end, "mm³/(N m)") for end in astuple(rate))
     longer = end.normal_load / (end.impulse + end.normal_load)  # as wear goes with load times time
     basis = (
         f"for {end.time:.3g} s of sliding until the width was measured; each second more at full "
