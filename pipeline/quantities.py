@@ -64,8 +64,9 @@ UNITS = {
     "pressure_coefficients": "1/GPa",
 }  # fmt: skip
 """Units in which quantities are shown, empty of a number, by the names of columns and fields."""
-_SIZES = _OTHERS | {unit: size for one in DIMENSIONS.values() for unit, size in one.units.items()}
-_FACTORS = {unit: float(1 / Decimal(size)) for unit, size in _SIZES.items()}
+SIZES = _OTHERS | {unit: size for one in DIMENSIONS.values() for unit, size in one.units.items()}
+"""Values in SI of units."""
+_FACTORS = {unit: float(1 / Decimal(size)) for unit, size in SIZES.items()}
 _SI = {unit: next(iter(one.units)) for one in DIMENSIONS.values() for unit in one.units}
 _HEADED = {
     *UNITS.values(), *_OTHERS, *DIMENSIONS, *_SI.values(),
