@@ -31,6 +31,7 @@ from pipeline.analysis.dataset import (
     whole_sweep,
 )
 from pipeline.analysis.scenes import scenes, value_text
+from pipeline.quantities import display
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import OIL_WORKS
 from pipeline.scene.reference import acts_later, all_keys, find_entry, needed_beside
@@ -196,8 +197,8 @@ def oil_temperature(name: str, value: float | str) -> float:
     hottest = HOTTEST_OIL if name == "bulk_temperature" else math.inf
     if kelvin < COLDEST_OIL or hottest < kelvin < math.inf:
         raise InputError(
-            f"{name} is {kelvin - 273.15:.4g} °C ({kelvin:g} K), at which no oil works; give one "
-            f"from {COLDEST_OIL - 273.15:.4g} °C on; in Python a plain number is in kelvins, and "
+            f"{name} is {display(kelvin, '°C', 4)} ({kelvin:g} K), at which no oil works; give one "
+            f"from {display(COLDEST_OIL, '°C', 4)} on; in Python a plain number is in kelvins, and "
             'text has its unit, such as "80 degC"'
         )
     return kelvin

@@ -38,12 +38,12 @@ from pipeline.analysis.transition import (
     MILD,
     SEVERAL,
     SEVERE,
-    UNITS,
     UNKNOWN,
     Line,
     Turns,
     outcomes,
 )
+from pipeline.quantities import UNITS
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS

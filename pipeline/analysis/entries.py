@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.quantities import UNITS, display
 from pipeline.scene.reference import all_keys, quantity_in
-from pipeline.scene.units import display, typeset
+from pipeline.scene.units import typeset
 from pipeline.sweep.conditions import FIELDS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import Own, Reference, own_laws, refer
@@ -42,18 +43,6 @@ _NOT_SHOWN = (
     "conditions.corrections.friction.coefficient",
 )  # fmt: skip
 """Paths of values that follow from other entries."""
-_OTHER_UNITS = {
-    "spacing": "µm",
-    "normal_load": "N",
-    "disk_temperature": "°C",
-    "critical_temperature": "°C",
-    "pressure_coefficients": "1/GPa",
-    "viscosities": "mm²/s",
-    "thermal_diffusivity": "mm²/s",
-    "film_resistance": "mm² K/W",
-    "heat_capacity": "MJ/(m³ K)",
-}
-"""Units of fields that no key of the format is called by."""
 
 
 def scene_entries(sweep: Sweep) -> dict[str, str]:
@@ -134,7 +123,7 @@ def _scene_path(path: str) -> str:
 def shown(path: str, value: Any) -> str:
     """The value of an entry, in SI, in the unit in which such entries are usually given."""
     key = path.split(".")[-1]
-    unit = "" if ".parameters." in path else _units().get(key) or _OTHER_UNITS.get(key, "")
+    unit = "" if ".parameters." in path else _units().get(key) or UNITS.get(key, "")
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, tuple | list):

@@ -36,7 +36,8 @@ from pipeline.analysis.decisive import (
 from pipeline.analysis.model_error import Scatter, severe_share
 from pipeline.analysis.rise_error import RiseError, RisePlane, add_counted, grids_of, rise_error
 from pipeline.analysis.scenes import scenes
-from pipeline.analysis.transition import LEAST_SLOPE, UNITS, Line, Turns, range_of
+from pipeline.analysis.transition import LEAST_SLOPE, Line, Turns, range_of
+from pipeline.quantities import UNITS
 from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE
 from pipeline.sweep.accuracy import velocity_error

@@ -11,19 +11,16 @@ import xarray as xr
 from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.scenes import attribute_values, heads_of, parts_of
 from pipeline.analysis.tables import frame_of, short
-from pipeline.analysis.transition import CROSSES, SEVERAL, UNITS, in_words, outcomes, severe_ranges
+from pipeline.analysis.transition import CROSSES, SEVERAL, in_words, outcomes, severe_ranges
+from pipeline.quantities import UNITS, column_heads
 from pipeline.sweep.conditions import FIELDS
 from tribo.material import BOUNDARY, FULL_FILM
 
 BOUNDARIES = (("critical_velocity", "load"), ("critical_load", "velocity"))
 """Variables of a boundary, each with the axis that it is found along."""
-JUDGED = {
-    "bulk_temperature": "bulk temperature [°C]",
-    "disk_temperature": "disk temperature [°C]",
-    "critical_temperature": "critical temperature [°C]",
-    "failing_share": "failing share",
-    "criterion": "criterion",
-}
+JUDGED = column_heads(
+    "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share", "criterion"
+)
 """Heads of the conditions that wear is judged by."""
 
 
@@ -102,7 +99,7 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
     for one in judged:
         if one not in frame:
             frame[one] = boundaries.attrs.get(one)
-    heads = heads_of(boundaries, dims[:-1]) | {axis: f"{axis} [{UNITS[axis]}]"} | JUDGED
+    heads = heads_of(boundaries, dims[:-1]) | column_heads(axis) | JUDGED
     first = [one for one in judged if one == "friction"]
     names = [*dict.fromkeys([*dims[:-1], *first, axis, *values, *judged])]
     found = frame[names].itertuples(index=False, name=None)
@@ -123,7 +120,7 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
     )
     inner: list[list[str]] = [[], [], [], [], ["turn"]]
     bridged = boundaries[f"bridged_at_{axis}"]
-    yield f"critical {other} [{UNITS[other]}]", boundaries[name]
+    yield column_heads(name)[name], boundaries[name]
     yield "outcome", xr.apply_ufunc(worded, *given, input_core_dims=inner)
     yield "points not done beside it", bridged.where(bridged > 0)
 
@@ -137,7 +134,7 @@ def _turning_surfaces(boundaries: xr.Dataset) -> Iterator[pd.DataFrame]:
                 {head: one.drop_attrs() for head, one in _surface(boundaries, name, axis)}
             )
             dims = [*entry_dims(outcome), "realization", axis]
-            heads = heads_of(boundaries, dims[:-2]) | {axis: f"{axis} [{UNITS[axis]}]"}
+            heads = heads_of(boundaries, dims[:-2]) | column_heads(axis)
             frame = rows.reset_coords(drop=True).to_dataframe(dims).reset_index()
             yield frame.rename(columns=heads | {"realization": "surface"})
 

@@ -17,6 +17,7 @@ from pipeline.analysis.laboratory import model_error, tests_beside
 from pipeline.analysis.margin import Margin, answer, told
 from pipeline.analysis.scenes import heads_of, shown_label
 from pipeline.analysis.tables import as_dict, frame_of
+from pipeline.quantities import column_heads
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.units import in_si
@@ -164,23 +165,19 @@ def margin_frame(
             values = ["not known", *[None] * (len(_COLUMNS) - 1)]
             notes.insert(0, one.reason)
         else:
-            values = [_value(one.margin, name) for name in _COLUMNS.values()]
+            values = [_value(one.margin, name) for name in _COLUMNS]
             notes = [*_bridged(one.margin), *notes]
         rows.append((*one.place, *values, "; ".join(notes) or None))
-    results = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS, "note"), rows)
+    results = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS.values(), "note"), rows)
     return pd.concat([labels, _passed_on(points, results), results], axis="columns")
 
 
-_COLUMNS = {
-    "verdict": "verdict", "probability": "probability",
-    "decisive temperature [°C]": "decisive_temperature",
-    "temperature error [K]": "temperature_error", "distance [K]": "distance",
-    "distance low [K]": "distance_low", "distance high [K]": "distance_high",
-    "velocity factor": "velocity_factor", "critical velocity [m/s]": "critical_velocity",
-    "velocity outcome": "velocity_outcome", "load factor": "load_factor",
-    "critical load [N]": "critical_load", "load outcome": "load_outcome",
-}  # fmt: skip
-"""Heads of a table, and where each stands in a `Margin`."""
+_COLUMNS = column_heads(
+    "verdict", "probability", "decisive_temperature", "temperature_error", "distance",
+    "distance_low", "distance_high", "velocity_factor", "critical_velocity", "velocity_outcome",
+    "load_factor", "critical_load", "load_outcome",
+)  # fmt: skip
+"""Heads of a table, by where each stands in a `Margin`."""
 LONG = ("critical velocity [m/s]", "critical load [N]", "velocity outcome", "load outcome", "note")
 """Columns for which a terminal or a page is too narrow."""
 

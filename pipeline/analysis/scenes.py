@@ -11,12 +11,11 @@ import xarray as xr
 
 from pipeline.analysis.dataset import dataset_of, entry_dims, taken_entries
 from pipeline.analysis.tables import frame_of
-from pipeline.scene.units import display, shown_in
+from pipeline.quantities import DIMENSIONS, display, shown_in
 from pipeline.store.place import PathLike
 
 Result = TypeVar("Result", xr.Dataset, xr.DataArray)
 
-_SHOWN = {"m s-1": "m/s", "m": "mm", "K": "°C", "Pa": "GPa", "m2 N-1": "mm³/(N m)"}
 _SHORT = 1e-4  # m: lengths of an entry that are all shorter are shown in µm
 
 
@@ -85,8 +84,8 @@ def heads_of(ds: xr.Dataset | xr.DataArray, names: Iterable[str] | None = None) 
 def shown_label(axis: xr.DataArray, value: Any) -> Any:
     """A label of a row in the unit of its heading; a label in another unit stays unchanged."""
     unit = _usual_unit(axis)
-    is_number = axis.attrs.get("units") in _SHOWN and not isinstance(value, str)
-    return shown_in(value, unit) if is_number else value
+    is_other = unit != axis.attrs.get("units") and not isinstance(value, str)
+    return shown_in(value, unit) if is_other else value
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
@@ -94,7 +93,8 @@ def _usual_unit(axis: xr.DataArray) -> str:
     unit = str(axis.attrs.get("units", ""))
     if unit == "m" and abs(axis).max() < _SHORT:
         return "µm"
-    return _SHOWN.get(unit, unit)
+    dimension = DIMENSIONS.get(unit)
+    return (dimension and dimension.shown) or unit
 
 
 def frame_by_scene(

@@ -12,7 +12,7 @@ from typing import Any, TypeGuard
 
 import pandas as pd
 
-from pipeline.scene.units import is_shown_unit, shown_in, si_of
+from pipeline.quantities import is_unit_of_head, shown_in, si_of
 from tribo import InputError
 
 TABLES = (".csv", ".md")
@@ -128,7 +128,7 @@ def _is_number(value: Any) -> TypeGuard[float]:
 def _parts(head: str) -> tuple[str, str]:
     """Name and unit of a head; no unit where it is none of ours, as of a column passed on."""
     match = _HEAD.fullmatch(head)
-    return (match[1], match[2]) if match and is_shown_unit(match[2]) else (head, "")
+    return (match[1], match[2]) if match and is_unit_of_head(match[2]) else (head, "")
 
 
 def write_text(text: str, out: Path) -> Path:

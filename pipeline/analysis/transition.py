@@ -14,6 +14,7 @@ import xarray as xr
 
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import stored_sweep
+from pipeline.quantities import UNITS
 from tribo import Criterion
 from tribo.types import Array
 
@@ -36,9 +37,6 @@ def outcomes(axis: str) -> Mapping[int, str]:
         BELOW: f"severe at every {axis} computed",
         SEVERAL: f"severe at some {axis} and mild at a higher one",
     }
-
-
-UNITS = {"velocity": "m/s", "load": "N"}
 
 
 LEAST_SLOPE = 0.05

@@ -11,6 +11,7 @@ import xarray as xr
 
 from pipeline.analysis.dataset import asked, scene_sweep
 from pipeline.analysis.margin import Margin
+from pipeline.quantities import display
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import FIELDS
@@ -129,7 +130,7 @@ def _settings(
         if value is not None and stored.get(name) != value:
             text = value if isinstance(value, str) else repr(float(value))
             if name.endswith("temperature"):
-                text = f"{value - 273.15:.6g} degC"
+                text = display(value, "degC")
             settings.append(f"--set={entry}={text}")
             if name == "criterion" and ":" in text:
                 settings.append("--own-laws")

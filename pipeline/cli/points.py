@@ -14,8 +14,8 @@ from pipeline.analysis.tables import frame_of, upright
 from pipeline.cli.given import conditions_in, one_scene_in, selected
 from pipeline.cli.next_steps import lines_on, point_that_decides
 from pipeline.cli.output import Result, working
+from pipeline.quantities import column_heads, display
 from pipeline.scene.facts import require_bearable_load
-from pipeline.scene.units import display
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns
@@ -78,24 +78,23 @@ def point(options: argparse.Namespace) -> Result:
         **selected(sweep),
     }
     values = document | {"load": options.load, "distance": distance}
-    frame = frame_of(tuple(_COLUMNS), [[values[name] for name in _COLUMNS.values()]])
+    frame = frame_of([*_COLUMNS.values()], [[values[name] for name in _COLUMNS]])
     text = [*_point_lines(sweep, result, document, error), "", upright(frame)]
     text += lines_on(commands, by_model=not commands) if judged == NOT_DECIDED else ()
     return Result(document, text, frames=[frame])
 
 
 _COLUMNS = {
-    "load [N]": "load", "velocity [m/s]": "velocity", "friction": "friction", "verdict": "verdict",
-    "decisive temperature [°C]": "decisive_temperature",
-    "temperature error [K]": "temperature_error", "distance [K]": "distance",
-    "highest temperature [°C]": "max_temperature", "hottest at [s]": "failed_fraction_time",
-    "failed share [%]": "failed_fraction", "pin's heat share [%]": "pin_heat_share",
-    "contact width [µm]": "contact_width", "contact area [%]": "contact_fraction",
-    "mean pressure [GPa]": "mean_pressure", "highest pressure [GPa]": "max_pressure",
-    "wear depth [µm]": "wear_depth_max", "wear volume [mm³]": "wear_volume", "time [s]": "time",
-    "sliding distance [m]": "sliding_distance", "computed in [s]": "wall_time",
+    **column_heads("load", "velocity", "friction", "verdict", "decisive_temperature"),
+    **column_heads("temperature_error", "distance"),
+    "max_temperature": "highest temperature [°C]", "failed_fraction_time": "hottest at [s]",
+    "failed_fraction": "failed share [%]", "pin_heat_share": "pin's heat share [%]",
+    "contact_width": "contact width [µm]", "contact_fraction": "contact area [%]",
+    "mean_pressure": "mean pressure [GPa]", "max_pressure": "highest pressure [GPa]",
+    "wear_depth_max": "wear depth [µm]", "wear_volume": "wear volume [mm³]", "time": "time [s]",
+    "sliding_distance": "sliding distance [m]", "wall_time": "computed in [s]",
 }  # fmt: skip
-"""Heads of the table of a point, and names in its document."""
+"""Heads of the table of a point, by names in its document."""
 
 
 def _point_lines(

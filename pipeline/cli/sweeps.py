@@ -19,6 +19,7 @@ from pipeline.analysis.tables import frame_of
 from pipeline.cli import output
 from pipeline.cli.given import scene_in, selected
 from pipeline.cli.output import Result, counted, tell
+from pipeline.quantities import display, display_sides, shown_in
 from pipeline.run.cluster import client_of
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
@@ -93,8 +94,8 @@ def check(options: argparse.Namespace) -> Result:
     is_too_large = memory > machine
     if is_too_large:
         doubted.append(
-            f"this machine has {machine / 1e9:.0f} GB of memory, less than a worker needs: "
-            "the time is not estimated; give fewer window.pixels, or a coarser fidelity"
+            f"this machine has {display(machine, 'GB', '.0f')} of memory, less than a worker "
+            "needs: the time is not estimated; give fewer window.pixels, or a coarser fidelity"
         )
     on_unknown, unknown = _unknown_inputs(sweep)
     nx, ny = sweep.scene.grid.shape
@@ -118,7 +119,7 @@ def check(options: argparse.Namespace) -> Result:
             *(("note", note) for note in sweep.about.notes),
             *(("warning", doubt) for doubt in doubted),
             ("grid", f"{nx} × {ny} elements"),
-            ("memory", f"about {memory / 1e6:.0f} MB a worker"),
+            ("memory", f"about {display(memory, 'MB', '.0f')} a worker"),
         ],
     )
     text = [sweep.about.title, "", meaning]
@@ -141,33 +142,32 @@ _Row = tuple[str, str]
 
 def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
     """Meaning of a scene in words, a row for each subject."""
-    x, y = facts.window
     worn = "worn" if facts.wear_depth else "unworn"
     rough = "rough" if facts.surface else "smooth"
     yield (
         "contact",
-        f"Hertz: {_text(facts.hertz_pressure, 1e-9)} GPa, half-width "
-        f"{_text(facts.hertz_half_width, 1e6)} µm; {worn} and {rough}: "
-        f"{_text(facts.contact_width, 1e6)} µm wide at the end",
+        f"Hertz: {_text(facts.hertz_pressure, 'GPa')}, half-width "
+        f"{_text(facts.hertz_half_width, 'µm')}; {worn} and {rough}: "
+        f"{_text(facts.contact_width, 'µm')} wide at the end",
     )
     carried = "elastic at any load"
     if facts.greatest_load < float("inf"):
-        kilonewtons = f"{1e-3 * facts.greatest_load:.3g} kN"
-        carried = f"carries at most {kilonewtons} on the pin, with all of it at the hardness"
-    yield "window", f"{1e6 * x:.4g} × {1e6 * y:.4g} µm, {carried}"
+        greatest = display(facts.greatest_load, "kN", 3)
+        carried = f"carries at most {greatest} on the pin, with all of it at the hardness"
+    yield "window", f"{display_sides(facts.window)}, {carried}"
     laws = own_laws(sweep.scene)
     surface = facts.surface.words if facts.surface else "smooth"
     yield "surface", surface.replace("measured", "own law") if "roughness" in laws else surface
-    motion = f"{_text(facts.duration)} s and {_text(facts.sliding_distance)} m until the end"
+    motion = f"{_text(facts.duration, 's')} and {_text(facts.sliding_distance, 'm')} until the end"
     if facts.pin_velocity and facts.disk_velocity and facts.pin_turns:
         motion += (
-            f"; the pin rolls at {_text(facts.pin_velocity)} m/s, {_text(facts.pin_turns)} turns, "
-            f"the disk at {_text(facts.disk_velocity)} m/s"
+            f"; the pin rolls at {_text(facts.pin_velocity, 'm/s')}, {_text(facts.pin_turns)} "
+            f"turns, the disk at {_text(facts.disk_velocity, 'm/s')}"
         )
     yield "motion", motion
     yield from _film(sweep)
     u = "V" if facts.disk_velocity is None else "of the disk u"
-    depth = f"{_text(facts.wear_depth, 1e6)} µm deep at the end" if facts.wear_depth else "none"
+    depth = f"{_text(facts.wear_depth, 'µm')} deep at the end" if facts.wear_depth else "none"
     yield "wear", depth
     yield (
         "heat",
@@ -189,7 +189,7 @@ def _film(sweep: Sweep) -> Iterator[_Row]:
     if sweep.about.oil is None:
         return
     bulk = sweep.conditions.mean_bulk_temperature
-    yield "oil", f"{1e3 * sweep.about.oil.viscosity(bulk):.3g} mPa s at the bulk temperature"
+    yield "oil", f"{display(sweep.about.oil.viscosity(bulk), 'mPa s', 3)} at the bulk temperature"
     lubrication = find_lubrication(sweep)
     if lubrication is None:
         has_pressure_coefficient = sweep.about.oil.pressure_coefficients is not None
@@ -220,10 +220,10 @@ def _library(sweep: Sweep) -> Iterator[_Row]:
         yield "", f"from {source}"
 
 
-def _text(span: Span, factor: float = 1.0) -> str:
+def _text(span: Span, unit: str = "") -> str:
     """A span, or the one value that it has."""
-    low, high = (f"{factor * value:.3g}" for value in span)
-    return low if low == high else f"{low} to {high}"
+    low, high = (f"{shown_in(value, unit):.3g}" for value in span)
+    return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
 
 
 def _unknown_inputs(sweep: Sweep) -> tuple[list[_Row], dict[str, Any]]:
@@ -276,5 +276,5 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:
         yield "tasks", f"{cost.tasks}, which do not wait for each other: more workers would be idle"
     workers = counted(cost.workers, "worker", "workers")
     yield "time", f"roughly {duration(cost.seconds)} on {workers}, if the machine is idle"
-    size = cost.disk_bytes / 1e6
-    yield "disk", f"about {size:.0f} MB" if size >= 1 else "less than 1 MB"
+    size = cost.disk_bytes
+    yield "disk", f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"

@@ -32,7 +32,6 @@ from pipeline.analysis.transition import (
     BEYOND,
     CROSSES,
     SEVERAL,
-    UNITS,
     UNKNOWN,
     in_words,
     outcomes,
@@ -40,6 +39,7 @@ from pipeline.analysis.transition import (
 from pipeline.cli.given import dataset_in, operating_points_in, table_in, values_in
 from pipeline.cli.next_steps import after_boundary, command_that_decides, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted, working
+from pipeline.quantities import shown_in
 from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.physics import note_on_ends
@@ -128,7 +128,7 @@ def _margin_lines(here: Margin) -> list[str]:
         origin = f"that of {here.members} {several}"
     inputs = "taken as exact"
     if interval := here.intervals.get("decisive_temperature"):
-        low, high = (value - 273.15 for value in interval)
+        low, high = (shown_in(value, "°C") for value in interval)
         spread = f"{low:.4g} to {high:.4g} °C with 90 %"
         inputs = spread if here.counts_inputs else f"{inputs}; {spread} of the surfaces"
     lines = [
@@ -138,7 +138,7 @@ def _margin_lines(here: Margin) -> list[str]:
         f"  the model's own  {here.model_error}",
         *remarks("warning", here.misfit),
     ]
-    for name in UNITS:
+    for name in ("velocity", "load"):
         outcome = getattr(here, f"{name}_outcome")
         turns, begins = getattr(here, f"{name}_turns"), getattr(here, f"{name}_begins_severe")
         said = in_words(outcome, getattr(here, f"{name}_range"), name, turns, begins)

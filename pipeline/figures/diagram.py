@@ -32,7 +32,7 @@ from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.analysis.scenes import scenes, value_text
-from pipeline.analysis.transition import BEYOND, UNITS, in_words, outcomes
+from pipeline.analysis.transition import BEYOND, in_words, outcomes
 from pipeline.analysis.warned_points import warnings_of
 from pipeline.figures import style
 from pipeline.figures.overlays import (
@@ -45,6 +45,7 @@ from pipeline.figures.overlays import (
 )
 from pipeline.figures.row_margins import draw_rows
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, TINTS, VERMILION
+from pipeline.quantities import UNITS
 from pipeline.store.schema import PENDING, PLANE
 from pipeline.sweep.about import judged_by
 from pipeline.sweep.conditions import Conditions

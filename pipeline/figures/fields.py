@@ -12,8 +12,8 @@ from matplotlib.ticker import MaxNLocator
 
 from pipeline.analysis.dataset import corrected_field, drawn_row, one_row, read_conditions
 from pipeline.analysis.decisive import decisive_rise, require_sound
-from pipeline.analysis.transition import UNITS
 from pipeline.figures import style
+from pipeline.quantities import UNITS, shown_in
 from pipeline.scene.units import in_si
 from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
@@ -143,9 +143,9 @@ def _shown(ds: xr.Dataset, point: Spot, conditions: Conditions) -> tuple[Array, 
     if conditions.corrections:
         rise = corrected_field(here, rise, conditions)
     return (
-        here["pressure"].values / 1e9,
-        style.celsius(conditions.contact_temperature(rise)),
-        1e6 * here["wear_depth"].values,
+        shown_in(here["pressure"].values, "GPa"),
+        shown_in(conditions.contact_temperature(rise), "°C"),
+        shown_in(here["wear_depth"].values, "µm"),
     )
 
 
@@ -154,15 +154,15 @@ def _contact(ds: xr.Dataset, point: Spot, conditions: Conditions, stacked: bool)
     """Draw the contact at the end of a point."""
     pressure, temperature, depth = _shown(ds, point, conditions)
     critical = conditions.critical_temperature
-    limit = math.inf if critical is None else style.celsius(critical)
+    limit = math.inf if critical is None else shown_in(critical, "°C")
     outlined = temperature.min() < limit < temperature.max() and min(temperature.shape) > 1
     labels = (
         "contact pressure [GPa]",
         f"contact temperature [°C]{f', outlined at {limit:g}' if outlined else ''}",
         "wear depth of the pin [µm]",
     )
-    centres = 1e6 * ds["x"].values, 1e6 * ds["y"].values
-    x, y = (_edges(axis) for axis in centres)
+    centres = [shown_in(ds[axis].values, "µm") for axis in "xy"]
+    x, y = map(_edges, centres)
     height = 3.3 * np.ptp(y) / np.ptp(x)
     is_equal = 0.5 < height < 12
     room = float(np.clip(height, 0.5 if is_equal else 1.0, _HIGHEST_STACKED if stacked else 6.0))

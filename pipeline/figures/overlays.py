@@ -18,6 +18,7 @@ from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import critical_velocity, own_conditions
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
+from pipeline.quantities import display
 from pipeline.store.schema import PLANE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
@@ -98,7 +99,7 @@ def mark_tests(
     for test, own in zip(tests, warmer, strict=True):
         if abs(own - bulk) > _SAME_BULK:
             axes.annotate(
-                f"{own - 273.15:.3g} °C", (test.velocity, test.normal_load), (0, 7),
+                display(own, "°C", 3), (test.velocity, test.normal_load), (0, 7),
                 textcoords="offset points", ha="center", fontsize=8, color=GREY, zorder=4,
                 annotation_clip=True, gid="bulk of a test",
             )  # fmt: skip

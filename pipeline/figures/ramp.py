@@ -25,6 +25,7 @@ from pipeline.figures.fields import (
     require_done_at,
 )
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
+from pipeline.quantities import shown_in
 from pipeline.sweep.conditions import Conditions
 from tribo import Criterion, InputError
 from tribo.types import Array
@@ -52,21 +53,20 @@ def ramp(
     points = chosen_points(ds, load, velocity, conditions, nearest=True)
     ds = sweep_at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
 
-    volume = 1e9 * ds["wear_volume"].values
+    volume = ds["wear_volume"].values
     is_worn = show is None and any(np.nanmax(volume[point]) > 0 for point in points)
     figure = style.Picture(figsize=(7.2, 7.8 if is_worn else 5.8))
     ratios = (1.4, 1, 1) if is_worn else (1.4, 1)
     temperature, contact, *wear = figure.subplots(len(ratios), sharex=True, height_ratios=ratios)
     _temperatures(temperature, ds, points, conditions)
     if show is None:
-        width, fraction = 1e6 * ds["contact_width"].values, 100 * ds["contact_fraction"].values
-        in_contact = ("contact width [µm]", width), ("in contact [% of window]", fraction)
-        _pair(contact, ds, points, *in_contact)
+        width = "contact width [µm]", "contact_width"
+        _pair(contact, ds, points, width, ("in contact [% of window]", "contact_fraction"))
     else:
         _shown(contact, ds, points, show)
     for axes in wear:
-        depth = "greatest wear depth [µm]", 1e6 * ds["wear_depth_max"].values
-        _pair(axes, ds, points, depth, ("worn volume [mm³]", volume))
+        depth = "greatest wear depth [µm]", "wear_depth_max"
+        _pair(axes, ds, points, depth, ("worn volume [mm³]", "wear_volume"))
     lowest = [contact, *wear][-1]
     lowest.set_xlabel("time [s]")
     lowest.set_xlim(0, 1.01 * max(float(np.nanmax(ds["time"].values[point])) for point in points))
@@ -94,12 +94,12 @@ def _temperatures(axes: Axes, ds: xr.Dataset, points: list[Spot], conditions: Co
         looks.append({"label": decisive.temperature, **_SOLID})
     for number, point in enumerate(points):
         for rise, look in zip(rises, looks, strict=True):
-            temperature = style.celsius(conditions.contact_temperature(rise))
+            temperature = shown_in(conditions.contact_temperature(rise), "°C")
             look = look | {"color": f"C{number}", "zorder": _order(point)}
             _draw(axes, ds, temperature, point, **look)
     key = [Line2D([], [], color=BLACK, **look) for look in looks]
     if conditions.critical_temperature is not None:
-        critical = style.celsius(conditions.critical_temperature)
+        critical = shown_in(conditions.critical_temperature, "°C")
         label = f"critical, {critical:g} °C"
         key.append(axes.axhline(critical, color=GREY, ls=":", lw=1.4, label=label))
     axes.set_ylabel("contact temperature [°C]")
@@ -136,23 +136,25 @@ def _pair(
     left: Axes,
     ds: xr.Dataset,
     points: list[Spot],
-    solid: tuple[str, Array],
-    dashed: tuple[str, Array],
+    solid: tuple[str, str],
+    dashed: tuple[str, str],
 ) -> None:
-    """Draw two labelled quantities against time: solid on the left axis, dashed on the right."""
+    """Draw two variables below labels against time: solid on the left axis, dashed on the right."""
     right = left.twinx()
     right.grid(visible=False)
     key = []
     # The right axis has more room, so that quantities in proportion do not lie on each other.
     drawn = ((left, solid, _SOLID, 1.2), (right, dashed, _DASHED, 1.5))
-    for axes, (label, values), look, room in drawn:
+    for axes, (label, name), look, room in drawn:
+        words, unit = label.rstrip("]").split(" [")
+        values = shown_in(ds[name].values, unit.split()[0])
         for number, point in enumerate(points):
             own = {"color": f"C{number}", "zorder": _order(point)}
             _draw(axes, ds, values, point, **look | own)
         axes.set_ylabel(label)
         axes.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
         axes.set_ylim(0, room * axes.get_ylim()[1])  # with room for the legend
-        key.append(Line2D([], [], color=BLACK, label=label.partition(" [")[0], **look))
+        key.append(Line2D([], [], color=BLACK, label=words, **look))
     left.legend(handles=key, loc="upper left", ncols=2)
 
 
@@ -212,11 +214,11 @@ def temperature(
             (between, fine, {"ls": look["ls"]}),
             (velocities, rises, {"ls": "none", "marker": look["marker"]}),
         ):
-            curve = style.celsius(conditions.contact_temperature(values))
+            curve = shown_in(conditions.contact_temperature(values), "°C")
             axes.plot(places, curve, color=BLUE, **part)
         axes.plot([], [], color=BLUE, label=name, **look)
     if conditions.critical_temperature is not None:
-        critical = style.celsius(conditions.critical_temperature)
+        critical = shown_in(conditions.critical_temperature, "°C")
         axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
         turns = point_field(row).turns("velocity", load_here, float(velocities[-1]))
         for transition in turns.shared()[0]:

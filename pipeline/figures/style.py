@@ -148,11 +148,6 @@ def save_figure(figure: Figure, out: Path) -> Path:
     return out
 
 
-def celsius(temperature: Any) -> Any:
-    """A temperature [°C], of one in kelvin."""
-    return temperature - 273.15
-
-
 def heating(conditions: Conditions) -> str:
     """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C"."""
     return " ".join(next(condition_rows(conditions)))

@@ -28,7 +28,7 @@ from pipeline.gears.pair import Pair
 from pipeline.gears.reading import read_pair
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import judge_spectrum
-from pipeline.scene.units import display
+from pipeline.quantities import display
 from tribo import InputError, lubrication_regime
 
 T = TypeVar("T")
@@ -175,22 +175,22 @@ def _facts(one: Mesh) -> Iterator[tuple[str, str]]:
     yield (
         "duty",
         f"{duty.torque:.4g} N m at {duty.turns:.4g} rpm on the pinion, teeth at "
-        f"{duty.bulk - 273.15:.4g} °C",
+        f"{display(duty.bulk, '°C', 4)}",
     )
     overlap = f", overlap {gears.overlap_ratio:.3g}" if gears.overlap_ratio else ""
     yield "contact ratio", f"{gears.contact_ratio:.4g}{overlap}"
     angle, apart = math.degrees(gears.working_angle), display(gears.centre_distance, "mm")
     yield "mesh", f"working pressure angle {angle:.5g}°, centre distance {apart}"
-    velocity = duty.speed * gears.base_radii[0] / math.cos(gears.working_angle)
-    yield "pitch line", f"{velocity:.4g} m/s, {1e-9 * _alone(one):.4g} GPa if one pair carries all"
+    speed = duty.speed * gears.base_radii[0] / math.cos(gears.working_angle)
+    yield "pitch line", f"{speed:.4g} m/s, {display(_alone(one), 'GPa', 4)} if one pair carries all"
     yield "load", f"{one.normal_load:.6g} N normal to the flanks; {_sharing(one)}"
     source = "as given" if pair.friction is not None else "mean, by ISO/TR 13989-2, Eq. 1"
     yield "friction", f"{one.friction:.3g}, {source}"
     hot = one.hottest
     yield (
         "hottest",
-        f"{hot.temperature - 273.15:.0f} °C at {1e3 * hot.position:.3g} mm, by Blok's flash "
-        f"temperature of {hot.flash:.0f} K",
+        f"{display(hot.temperature, '°C', '.0f')} at {display(hot.position, 'mm', 3)}, by Blok's "
+        f"flash temperature of {hot.flash:.0f} K",
     )
     parameters = [place.film_parameter for place in one.places if place.film_parameter is not None]
     if parameters:
@@ -198,7 +198,7 @@ def _facts(one: Mesh) -> Iterator[tuple[str, str]]:
         regimes = dict.fromkeys(map(lubrication_regime, (low, high)))
         yield "film", f"Λ {low:.2g} to {high:.2g}: {' to '.join(regimes)}"
     if rule := one.integral:
-        said = f"{rule.integral - 273.15:.0f} °C, by the rule of ISO/TR 13989-2 for this bulk"
+        said = f"{display(rule.integral, '°C', '.0f')}, by the rule of ISO/TR 13989-2 for this bulk"
         yield "integral", said
     taken: dict[tuple[str, str], list[str]] = {}
     for key, value, source in pair.sources:

@@ -12,11 +12,11 @@ from pipeline.figures.style import (
     VERMILION,
     Picture,
     as_text,
-    celsius,
     house_style,
     label_ends,
 )
 from pipeline.gears.contact import Mesh
+from pipeline.quantities import shown_in
 
 
 @house_style
@@ -29,7 +29,7 @@ def draw_mesh(mesh: Mesh) -> Figure:
         Places of `pipeline.gears.mesh`.
     """
     places = mesh.places
-    at = [1e3 * place.position for place in places]
+    at = [shown_in(place.position, "mm") for place in places]
     figure = Picture(figsize=(7.2, 7.6))
     speeds, loads, heat = figure.subplots(3, sharex=True)
     figure.suptitle(as_text(mesh.pair.title))
@@ -38,16 +38,17 @@ def draw_mesh(mesh: Mesh) -> Figure:
     speeds.plot(at, [place.sliding for place in places], color=VERMILION, label="sliding")
     speeds.set_ylabel("velocity [m/s]")
     speeds.axhline(0.0, color=GREY, linewidth=0.8)
-    loads.plot(at, [1e-9 * place.pressure for place in places], color=BLUE)
+    loads.plot(at, [shown_in(place.pressure, "GPa") for place in places], color=BLUE)
     loads.set_ylabel("highest pressure [GPa]", color=BLUE)
     loads.set_ylim(bottom=0)
     heat.plot(
-        at, [celsius(place.temperature) for place in places], color=VERMILION,
+        at, [shown_in(place.temperature, "°C") for place in places], color=VERMILION,
         label="bulk and flash,\nsmooth flanks",
     )  # fmt: skip
-    heat.axhline(celsius(mesh.duty.bulk), color=GREY, linestyle="--", label="bulk")
+    heat.axhline(shown_in(mesh.duty.bulk, "°C"), color=GREY, linestyle="--", label="bulk")
     if mesh.pair.critical is not None:
-        heat.axhline(celsius(mesh.pair.critical), color=PURPLE, linestyle="-.", label="critical")
+        critical = shown_in(mesh.pair.critical, "°C")
+        heat.axhline(critical, color=PURPLE, linestyle="-.", label="critical")
     heat.set_ylabel("temperature [°C]")
     heat.set_xlabel("place on the path of contact, from the pitch point [mm]")
     parameters = [place.film_parameter for place in places]
@@ -59,12 +60,10 @@ def draw_mesh(mesh: Mesh) -> Figure:
         film.grid(visible=False)
     for axes in (speeds, heat):
         label_ends(axes)
-    for axes in (speeds, loads, heat):
-        for place in places:
-            if place.letter:
-                axes.axvline(1e3 * place.position, color=GREY, linewidth=0.6, linestyle=":")
-    for place in places:
+    for x, place in zip(at, places, strict=True):
         if place.letter:
+            for axes in (speeds, loads, heat):
+                axes.axvline(x, color=GREY, linewidth=0.6, linestyle=":")
             where = speeds.get_xaxis_transform()
-            speeds.text(1e3 * place.position, 1.02, place.letter, transform=where, ha="center")
+            speeds.text(x, 1.02, place.letter, transform=where, ha="center")
     return figure

@@ -12,6 +12,7 @@ from pipeline.gears.model import Simulated, simulate
 from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.reading import read_pair
 from pipeline.gears.rules import STAGES, scuffing_integral, stage_bulk, stage_torque
+from pipeline.quantities import display, shown_in
 from tribo import InputError
 
 _FZG = "fzg_a"
@@ -32,18 +33,18 @@ class Critical:
     def words(self) -> Iterator[str]:
         """The critical temperature in lines, beside the rule of the standard."""
         yield (
-            f"critical temperature: {self.value - 273.15:.0f} ± {self.doubt:.0f} °C by this model, "
-            f"of an oil that fails in load stage {self.stage} of FZG A/8.3/90"
+            f"critical temperature: {shown_in(self.value, '°C'):.0f} ± {self.doubt:.0f} °C by this "
+            f"model, of an oil that fails in load stage {self.stage} of FZG A/8.3/90"
         )
         if self.passed is not None and self.failed is not None:
             yield (
-                f"the hottest place was at {self.passed - 273.15:.0f} °C in the stage before, and "
-                f"at {self.failed - 273.15:.0f} °C in that stage"
+                f"the hottest place was at {display(self.passed, '°C', '.0f')} in the stage "
+                f"before, and at {display(self.failed, '°C', '.0f')} in that stage"
             )
         if self.integral is not None:
             yield (
-                f"scuffing integral temperature: {self.integral - 273.15:.0f} °C by the rule of "
-                "ISO/TR 13989-2, Eq. 94, for that rule alone, not for this model"
+                f"scuffing integral temperature: {display(self.integral, '°C', '.0f')} by the rule "
+                "of ISO/TR 13989-2, Eq. 94, for that rule alone, not for this model"
             )
 
 
@@ -58,7 +59,7 @@ class Prediction:
 
     def words(self, critical: Critical) -> Iterator[str]:
         """The stage that fails in lines, and what the doubt moves it by."""
-        beyond, limit = f"beyond {len(STAGES)}", f"{critical.value - 273.15:.0f} °C"
+        beyond, limit = f"beyond {len(STAGES)}", display(critical.value, "°C", ".0f")
         said = f"fails in load stage {self.fails}" if self.fails else "passes all load stages"
         yield f"{said}, by a critical temperature of {limit}"
         if critical.doubt and self.soonest != self.latest:

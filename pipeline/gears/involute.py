@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from pipeline.quantities import display
 from tribo import InputError
 
 _TOOL_ADDENDUM = 1.0  # straight part of a standard rack's tooth beyond its pitch line, in modules
@@ -313,4 +314,4 @@ def fitting_distance(
 
 
 def _mm(length: float) -> str:
-    return f"{1e3 * length:.4g} mm"
+    return display(length, "mm", 4)

@@ -15,6 +15,7 @@ from pathlib import Path
 import pipeline
 from pipeline.gears.contact import Mesh, MeshPlace
 from pipeline.gears.scene import scene_toml
+from pipeline.quantities import si_of
 from pipeline.sweep.stages import Report, silent
 
 
@@ -88,6 +89,6 @@ def _decisive(store: Path) -> Iterator[tuple[float, float]]:
     """Temperatures that decide and their errors [K], of the rows of a store."""
     # The critical temperature moves none of them.
     table = pipeline.margin(pipeline.at(store, critical_temperature=1000.0))
-    temperatures = table["decisive temperature [°C]"].astype(float) + 273.15
+    temperatures = table["decisive temperature [°C]"].astype(float) + si_of(0.0, "°C")
     errors = table["temperature error [K]"].astype(float).fillna(math.inf)
     return zip(temperatures.tolist(), errors.tolist(), strict=True)

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from pipeline.gears.contact import Mesh, MeshPlace
+from pipeline.quantities import display
 from pipeline.scene.document import as_toml
 from tribo import InputError
 
@@ -64,26 +65,27 @@ def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
     count = 8 * math.ceil(_ROOM * widest / side[0] / 8)  # as presets average pixels
     if count > _MOST_PIXELS:
         raise InputError(
-            f"surface.correlation_length is {1e6 * pair.correlation_length[0]:.3g} µm along the "
-            f"sliding, on a contact {1e3 * widest:.3g} mm wide: {count} pixels of a quarter of it "
-            f"are more than {_MOST_PIXELS}; give a longer one"
+            f"surface.correlation_length is {display(pair.correlation_length[0], 'µm', 3)} along "
+            f"the sliding, on a contact {display(widest, 'mm', 3)} wide: {count} pixels of a "
+            f"quarter of it are more than {_MOST_PIXELS}; give a longer one"
         )
     highest = max(place.load for _, _, place in places)
     width = pair.gears.face_width / math.cos(pair.gears.base_helix_angle)
     names = pair.written["names"]
     rows = [_row(number if len(meshes) > 1 else 0, one, place) for number, one, place in places]
-    temperature: dict[str, Any] = {"bulk": _celsius(meshes[0].duty.bulk)}
+    temperature: dict[str, Any] = {"bulk": display(meshes[0].duty.bulk, "degC", 7)}
     if pair.critical is not None:
-        temperature["critical"] = _celsius(pair.critical)
+        temperature["critical"] = display(pair.critical, "degC", 7)
     rough = math.hypot(*pair.roughness)
-    wear_rate = f"{1e9 * pair.specific_wear_rate:.7g} mm^3/(N m)"
+    wear_rate = display(pair.specific_wear_rate, "mm^3/(N m)", 7)
     tables: dict[str, dict[str, Any]] = {
         **{f"materials.{as_toml(name)}": {k: v for k, v in table.items() if k != "like"}
            for name, table in pair.written["materials"].items() if name in names},
-        "pin": {"shape": "cylinder", "radius": rows[0]["pin.radius"], "length": _mm(width),
-                "material": names[0]},
+        "pin": {"shape": "cylinder", "radius": rows[0]["pin.radius"],
+                "length": display(width, "mm", 7), "material": names[0]},
         "disk": {"material": names[1]},
-        "window": {"pixels": [count, _ALONG_Y], "pixel_size": [*map(_um, side)]},
+        "window": {"pixels": [count, _ALONG_Y],
+                   "pixel_size": [display(one, "um", 7) for one in side]},
         "loading": {"rate": f"{highest / _RAMP:.7g} N/s", "reference_load": f"{highest:.7g} N"},
         "wear": {"specific_wear_rate": wear_rate, "pattern": "swept"},
         "friction": {"coefficient": round(meshes[0].friction, 6)},
@@ -91,9 +93,9 @@ def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
     }  # fmt: skip
     if rough:
         tables["disk.roughness"] = {
-            "ra": _um(rough),
+            "ra": display(rough, "um", 7),
             "hurst_exponent": pair.hurst_exponent,
-            "correlation_length": [*map(_um, pair.correlation_length)],
+            "correlation_length": [display(one, "um", 7) for one in pair.correlation_length],
         }
     if "oil" in pair.written:
         tables["oil"] = {k: v for k, v in pair.written["oil"].items() if k != "like"}
@@ -110,27 +112,15 @@ def _row(number: int, mesh: Mesh, place: MeshPlace) -> dict[str, str | float]:
     row: dict[str, str | float] = {"position": f"{place.position:.7g} m"}
     if number:
         row |= {"duty": str(number), "friction": round(mesh.friction, 6),
-                "bulk_temperature": _celsius(mesh.duty.bulk)}  # fmt: skip
+                "bulk_temperature": display(mesh.duty.bulk, "degC", 7)}  # fmt: skip
     mean = (place.rolling_1 + place.rolling_2) / 2
     return row | {
         "load": f"{place.load:.7g} N",
         "velocity": f"{abs(place.sliding):.7g} m/s",
-        "pin.radius": _mm(place.reduced_radius),
+        "pin.radius": display(place.reduced_radius, "mm", 7),
         "motion.slide_roll_ratio": round(-place.sliding / mean, 7),
-        "motion.track_length": _mm(track),
+        "motion.track_length": display(track, "mm", 7),
     }
-
-
-def _mm(length: float) -> str:
-    return f"{1e3 * length:.7g} mm"
-
-
-def _um(length: float) -> str:
-    return f"{1e6 * length:.7g} um"
-
-
-def _celsius(temperature: float) -> str:
-    return f"{temperature - 273.15:.7g} degC"
 
 
 def _head(note: str) -> Iterator[str]:

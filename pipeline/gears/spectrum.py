@@ -14,6 +14,7 @@ from pipeline.gears.model import Simulated, simulate
 from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.reading import SPEED, TORQUE
 from pipeline.gears.rules import warm_duty
+from pipeline.quantities import display
 from pipeline.scene.compounds import Entry, Optional, Table
 from pipeline.scene.faults import Faults, fault_lines
 from pipeline.scene.format import BULK
@@ -95,10 +96,10 @@ class Spectrum:
         beyond = "below" if row.distance >= 0 else "above"
         towards = "pinion" if place.position > 0 else "wheel"
         return (
-            f"{begin}. Row {row.number}, {duty.torque:.4g} N m at {duty.turns:.4g} rpm, "
-            f"binds: {abs(row.distance):.0f} ± {row.error:.0f} K {beyond} the critical "
-            f"temperature of {self.critical.value - 273.15:.0f} °C, "
-            f"{1e3 * abs(place.position):.3g} mm from the pitch point towards the {towards}'s tip."
+            f"{begin}. Row {row.number}, {duty.torque:.4g} N m at {duty.turns:.4g} rpm, binds: "
+            f"{abs(row.distance):.0f} ± {row.error:.0f} K {beyond} the critical temperature of "
+            f"{display(self.critical.value, '°C', '.0f')}, {display(abs(place.position), 'mm', 3)} "
+            f"from the pitch point towards the {towards}'s tip."
         )
 
     @property

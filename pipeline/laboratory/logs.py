@@ -247,14 +247,14 @@ class Trace:
         stages = [*self._stages()]
         yield "[[tested]]" if self.row is None or stages else "[[measured]]"
         yield from stages
-        for name, unit in (("load", "N"), ("velocity", "m/s")):
+        for name in ("load", "velocity"):
             column = getattr(self, name)
             if stages and name == self.stepped[0]:
                 continue
             if column is None:
-                yield f'{name} = "... {unit}"  # not in the trace'
+                yield f'{name} = "... {UNITS[name]}"  # not in the trace'
             else:
-                yield f'{name} = "{column[end]:.4g} {unit}"'
+                yield f'{name} = "{column[end]:.4g} {UNITS[name]}"'
         yield f"friction = {float(np.median(self.friction[: end or None])):.3g}"
         if self.row is None and not stages:
             yield 'outcome = "mild"'

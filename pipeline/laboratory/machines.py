@@ -14,6 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
+from pipeline.quantities import UNITS
 from pipeline.scene.faults import Fault
 from pipeline.scene.format import TEST
 from pipeline.scene.headings import Heading, Row, Sheet, listed_faults, usual_unit
@@ -210,7 +211,7 @@ _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\S.*)|(\d[\d.]*)\s*\+")
 _PARTS = re.compile(r"([+-]?[\d.]+(?:[eE][+-]?\d+)?(?::1)?)\s*((?<=\s)\S.*|[^\d\s.,:].*)?")
 """Number, or ratio to one, and unit."""
 _ENDS = ("failed", "seized", "passed")
-_TARGETS = {"load": "N", "velocity": "m/s"}
+_TARGETS = {name: UNITS[name] for name in ("load", "velocity")}
 _CONTACT = ("N", "kN", "m/s", "mm/s")
 
 

@@ -21,6 +21,7 @@ from pipeline.laboratory.surfaces import (
     tilt_doubts,
     tilts,
 )
+from pipeline.quantities import display, display_sides, shown_in
 from pipeline.scene.units import in_si
 from pipeline.sweep.shown import shown
 from tribo import InputError
@@ -78,11 +79,11 @@ class SurfaceStatistics:
     @property
     def toml(self) -> str:
         """Table ``[disk.roughness]`` of a scene, whose surfaces have these statistics."""
-        x, y = (f'"{1e6 * length:.3g} um"' for length in self.fit.correlation_length)
-        mean = f'"{1e6 * float(np.sqrt(np.prod(self.fit.correlation_length))):.3g} um"'
+        x, y = (f'"{display(length, "um", 3)}"' for length in self.fit.correlation_length)
+        mean = f'"{display(float(np.sqrt(np.prod(self.fit.correlation_length))), "um", 3)}"'
         return (
             "[disk.roughness]\n"
-            f'ra = "{1e6 * self.ra:.4g} um"\n'
+            f'ra = "{display(self.ra, "um", 4)}"\n'
             f"hurst_exponent = {self.fit.hurst_exponent:.3g}\n"
             f"correlation_length = {f'[{x}, {y}]' if self.has_lay else mean}\n"
         )
@@ -95,7 +96,8 @@ class SurfaceStatistics:
     def _warnings(self) -> Iterator[str]:
         yield from self.notes
         if not _FLATTEST <= self.rq <= _ROUGHEST:
-            yield f"Rq is {1e6 * self.rq:.3g} µm: check the unit of the heights (--height-unit)"
+            rq = display(self.rq, "µm", 3)
+            yield f"Rq is {rq}: check the unit of the heights (--height-unit)"
         if not _FINEST <= min(self.pixel_size) <= max(self.pixel_size) <= _COARSEST:
             yield "check the size of the pixels (--pixel-size)"
         if self.lengths.shortest < min(self.pixel_size):
@@ -156,11 +158,10 @@ class SurfaceStatistics:
 
     def lines(self) -> Iterator[str]:
         """Describe the scan, a line for each quantity."""
-        sides = [1e6 * side for side in self.pixel_size]
-        lengths = [f"{n * side:.4g}" for n, side in zip(self.shape, sides, strict=True)]
+        lengths = (n * side for n, side in zip(self.shape, self.pixel_size, strict=True))
         yield (
-            f"{self.file}: {self.shape[0]} × {self.shape[1]} heights, {' × '.join(lengths)} µm, "
-            f"pixels {sides[0]:.4g} × {sides[1]:.4g} µm"
+            f"{self.file}: {self.shape[0]} × {self.shape[1]} heights, {display_sides(lengths)}, "
+            f"pixels {display_sides(self.pixel_size)}"
         )
         yield f"  {self.axis}"
         yield from (f"  {name:20}{value}" for name, value in self._quantities())
@@ -170,8 +171,8 @@ class SurfaceStatistics:
         """Quantities of the scan, in words; those of the fit if it did not fail."""
         fit, lengths = self.fit, self.lengths
         percent = f"  ± {100 * fit.rms_error:.2g} % from surface to surface of this size"
-        yield "Ra", f"{1e6 * self.ra:.4g} µm{percent * self.is_self_affine}"
-        yield "Rq", f"{1e6 * self.rq:.4g} µm"
+        yield "Ra", f"{display(self.ra, 'µm', 4)}{percent * self.is_self_affine}"
+        yield "Rq", display(self.rq, "µm", 4)
         yield "skewness, kurtosis", f"{self.skewness:.2g}, {self.kurtosis:.2g}"
         yield "tilt", "{:.2g}° along x, {:.2g}° along y, taken off".format(*self.tilt)
         lay = f"{lengths.direction:.0f}° from x"
@@ -187,7 +188,7 @@ class SurfaceStatistics:
             yield "spectrum", f"{self.fault_of_fit}; so it gives no length and no Hurst exponent"
             return
         x, y = (
-            f"{1e6 * length:.3g} ± {1e6 * error:.1g} µm"
+            f"{shown_in(length, 'µm'):.3g} ± {display(error, 'µm', 1)}"
             for length, error in zip(fit.correlation_length, fit.length_error, strict=True)
         )
         yield "correlation length", f"{x} along x, {y} along y, of the fitted spectrum"
@@ -290,7 +291,7 @@ def _described(
 
 
 def _worded(length: float) -> str:
-    return f"{1e6 * length:.3g} µm" if math.isfinite(length) else "over half the scan"
+    return display(length, "µm", 3) if math.isfinite(length) else "over half the scan"
 
 
 def _moment(level: Array, order: int) -> float:

@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from pipeline.quantities import display
 from pipeline.scene.headings import Row, Sheet, sheet_below
 from pipeline.sweep.limits import MOST_BYTES_OF_BOOK, MOST_CELLS_OF_SHEET
 from tribo import InputError
@@ -161,8 +162,9 @@ def _require_few_bytes(path: Path) -> None:
         size = sum(entry.file_size for entry in archive.infolist())
     if size > MOST_BYTES_OF_BOOK:
         raise InputError(
-            f"{path}: unpacks to {size / 1e6:.4g} MB; at most {MOST_BYTES_OF_BOOK // 10**6} MB are "
-            "read of a workbook; keep the sheet and rows that are needed, or save it as CSV"
+            f"{path}: unpacks to {display(size, 'MB', 4)}; at most "
+            f"{display(MOST_BYTES_OF_BOOK, 'MB')} are read of a workbook; keep the sheet and rows "
+            "that are needed, or save it as CSV"
         )
 
 

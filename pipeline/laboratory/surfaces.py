@@ -15,8 +15,8 @@ import numpy as np
 
 from pipeline.laboratory.plain_scan import read_heights
 from pipeline.laboratory.text_scan import TEXT, read_text
+from pipeline.quantities import display, display_sides
 from pipeline.scene.faults import Faults
-from pipeline.scene.units import display
 from tribo import InputError
 from tribo.errors import reason_of, require_file
 from tribo.types import Array
@@ -48,7 +48,7 @@ class MeasuredSurface:
         """The surface with other sides of a pixel than the file says [m]."""
         own, notes = self.pixel_size, self.notes
         if own and not np.allclose(own, sides, rtol=_SAME, atol=0):
-            notes += (f"the given pixels count, not those of the file, {_sides(own)}",)
+            notes += (f"the given pixels count, not those of the file, {display_sides(own)}",)
         return MeasuredSurface(self.heights, sides, notes)
 
 
@@ -104,10 +104,6 @@ def _unit_note(own: float | None, given: float | None) -> tuple[str, ...]:
     if own is None or given is None or np.isclose(own, given, rtol=_SAME, atol=0):
         return ()
     return (f"the given height unit counts, {given:g} m, not that of the file, {own:g} m",)
-
-
-def _sides(pixel: tuple[float, float]) -> str:
-    return " × ".join(f"{1e6 * side:.4g}" for side in pixel) + " µm"
 
 
 def _read_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:

@@ -47,6 +47,7 @@ from pipeline.analysis.transition import LEAST_SLOPE, outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, POINT, coloured, packed_fields
+from pipeline.quantities import shown_in
 from pipeline.store.schema import DONE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.accuracy import error_in_words
@@ -61,18 +62,18 @@ MOST_FIELDS = 500
 """Number of points whose fields a page holds unless told otherwise, some 5 MB."""
 
 _NUMBERS = (
-    ("contact_width", "contact width", "µm", 1e6),
-    ("contact_fraction", "contact area", "% of the window", 100.0),
-    ("mean_pressure", "mean pressure", "GPa", 1e-9),
-    ("max_pressure", "highest pressure", "GPa", 1e-9),
-    ("saturated_fraction", "contact at the hardness", "%", 100.0),
-    ("wear_depth_max", "wear depth", "µm", 1e6),
-    ("wear_volume", "worn volume", "mm³", 1e9),
-    ("pin_heat_share", "pin’s share of the heat", "%", 100.0),
-    ("sliding_distance", "sliding distance", "m", 1.0),
-    ("time", "duration", "s", 1.0),
+    ("contact_width", "contact width", "µm"),
+    ("contact_fraction", "contact area", "% of the window"),
+    ("mean_pressure", "mean pressure", "GPa"),
+    ("max_pressure", "highest pressure", "GPa"),
+    ("saturated_fraction", "contact at the hardness", "%"),
+    ("wear_depth_max", "wear depth", "µm"),
+    ("wear_volume", "worn volume", "mm³"),
+    ("pin_heat_share", "pin’s share of the heat", "%"),
+    ("sliding_distance", "sliding distance", "m"),
+    ("time", "duration", "s"),
 )
-"""Numbers of a point: variable, label, unit, and its factor."""
+"""Numbers of a point: variable, label, and unit."""
 
 
 def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
@@ -203,8 +204,8 @@ def _point_states(ds: xr.Dataset) -> dict[str, Any]:
         "asked": digits(asked(ds).transpose(*POINT, missing_dims="ignore")),
         "numbers": [
             {"label": label, "unit": unit}
-            | {"values": packed_array(factor * values_of(end, name), "<f4")}
-            for name, label, unit, factor in _NUMBERS
+            | {"values": packed_array(shown_in(values_of(end, name), unit.split()[0]), "<f4")}
+            for name, label, unit in _NUMBERS
             if name in ds
         ],
         "messages": {

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.analysis.at import COLDEST_OIL, HOTTEST_OIL
+from pipeline.quantities import shown_in
 from pipeline.sweep.conditions import Conditions
-
-_ZERO_CELSIUS = 273.15  # [K]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +62,8 @@ def controls(
         high = max(50.0, math.ceil(100 * conditions.failing_share))
         form.append(
             Control(
-                "failing_share", "failing share of the contact [%]", 0.0, high, 0.5, factor=100.0,
-                least=0.0, most=math.nextafter(1.0, 0.0),
+                "failing_share", "failing share of the contact [%]", 0.0, high, 0.5,
+                factor=shown_in(1.0, "%"), least=0.0, most=math.nextafter(1.0, 0.0),
                 fault="from 0 (the maximum) to below 100 %",
             )
         )  # fmt: skip
@@ -99,14 +98,14 @@ def _select(name: str, options: Mapping[str, str]) -> str:
 
 def _celsius(name: str, label: str, value: float | None, high: float, **limits: Any) -> Control:
     """Control of a temperature, whose slider reaches below and above its value [K]."""
-    degrees = None if value is None else value - _ZERO_CELSIUS
+    degrees = None if value is None else shown_in(value, "°C")
     low = 0.0 if degrees is None else min(0.0, 10.0 * math.floor(degrees / 10))
     high = high if degrees is None else max(high, math.ceil(1.5 * degrees))
-    return Control(name, label, low, high, 0.5, offset=-_ZERO_CELSIUS, **limits)
+    return Control(name, label, low, high, 0.5, offset=shown_in(0.0, "°C"), **limits)
 
 
 def _bulk(name: str, of_body: str, value: float) -> Control:
-    ends = (f"{end - _ZERO_CELSIUS:.2f}".replace("-", "−") for end in (COLDEST_OIL, HOTTEST_OIL))
+    ends = (f"{shown_in(end, '°C'):.2f}".replace("-", "−") for end in (COLDEST_OIL, HOTTEST_OIL))
     fault = f"from {' to '.join(ends)} °C"
     limits = {"least": COLDEST_OIL, "most": HOTTEST_OIL, "fault": fault}
     return _celsius(name, f"bulk temperature{of_body} [°C]", value, 200.0, **limits)

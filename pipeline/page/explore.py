@@ -20,6 +20,7 @@ from pipeline.analysis.scenes import entries_in_words, scenes
 from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
 from pipeline.page.content import MOST_FIELDS, content, content_of_samples
 from pipeline.page.controls import Control, scene_choice, surface_choice
+from pipeline.quantities import display
 from pipeline.sweep.shown import shown
 from tribo import InputError
 
@@ -46,7 +47,7 @@ class Page:
         return asdict(self) | {"path": str(self.path)}
 
     def __str__(self) -> str:
-        size = f"{self.size / 1e6:.1f} MB" if self.size >= 1e6 else f"{self.size / 1e3:.0f} kB"
+        size = display(self.size, *(("MB", ".1f") if self.size >= 1e6 else ("kB", ".0f")))
         fields = ""
         if self.stored_fields and not self.points_with_fields:
             fields = ", without their fields"

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from pipeline.figures.style import PALE, RISK_COLOURS
+from pipeline.quantities import display, display_sides
 from tribo.types import Array, Mask
 
 FIELDS = ("pressure", "rise", "wear_depth")
@@ -123,9 +124,9 @@ def _picture_facts(ds: xr.Dataset) -> dict[str, Any]:
     along, across = (
         float(x[-1] - x[0]) * len(x) / (len(x) - 1) if len(x) > 1 else None for x in axes
     )
-    size = f"{1e6 * (along or 0.0):.4g} " + (
-        f"× {1e6 * across:.4g} µm" if across else "µm along sliding"
-    )
+    size = f"{display(along or 0.0, 'µm', 4)} along sliding"
+    if across:
+        size = display_sides((along or 0.0, across))
     block = [_block(len(x)) for x in axes]
     averaged = f", averaged over {block[0]} × {block[1]} elements" if max(block) > 1 else ""
     return {

@@ -10,11 +10,11 @@ from dataclasses import replace
 from typing import Any
 
 import tribo
+from pipeline.quantities import display
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.library import library
 from pipeline.scene.parts import DISC, Roughness, track_of
 from pipeline.scene.runs import run_faults
-from pipeline.scene.units import display
 from tribo.simulation.pins import sizes_of
 
 _PLATE = "track_length", "capacity", "loss"

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
+from pipeline.quantities import display, shown_in
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
-from pipeline.scene.units import display, shown_in
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import columns_in_closed_form, note_on_ends, note_on_turns
 from pipeline.sweep.severity import MELTS
@@ -133,7 +133,7 @@ def _motion_doubts(sweep: Sweep) -> Iterator[str]:
         if not any(getattr(speed, body) for speed in speeds):
             yield (
                 f"the {body} is at rest, so that no earlier turn warms its track of "
-                f"{1e3 * track.length:.4g} mm: leave out the {body}'s diameter or track_length"
+                f"{display(track.length, 'mm', 4)}: leave out the {body}'s diameter or track_length"
             )
 
 
@@ -163,18 +163,18 @@ def _contact_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
     hertz = 2 * facts.hertz_half_width.high
     if hertz >= side:
         yield (
-            f"the contact of Hertz is {1e6 * hertz:.3g} µm wide at {max(sweep.plane.loads):g} N, "
-            f"the {window} {1e6 * side:.3g} µm: give more window.pixels"
+            f"the contact of Hertz is {display(hertz, 'µm', 3)} wide at {max(sweep.plane.loads):g} "
+            f"N, the {window} {display(side, 'µm', 3)}: give more window.pixels"
         )
         return
     points = len(sweep.plane.loads) * len(sweep.plane.velocities)
     wide = [width for row in facts.contact_widths for width in row if width >= side]
     if wide:
         yield (
-            f"the contact is expected to grow up to {1e6 * max(wide):.3g} µm wide, the {window} is "
-            f"{1e6 * side:.3g} µm: it carries too little load at its edges at about {len(wide)} of "
-            f"{points} points, those of high load and velocity; give more window.pixels if these "
-            "matter"
+            f"the contact is expected to grow up to {display(max(wide), 'µm', 3)} wide, the "
+            f"{window} is {display(side, 'µm', 3)}: it carries too little load at its edges at "
+            f"about {len(wide)} of {points} points, those of high load and velocity; give more "
+            "window.pixels if these matter"
         )
 
 
@@ -190,9 +190,9 @@ def _heat_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
         temperature, load, velocity = max(places)
         yield (
             f"steel would melt at about {molten} of {len(places)} points: at {load:g} N and "
-            f"{velocity:g} m/s even a smooth contact would reach some {temperature - 273.15:.2g} "
-            f"°C, and steel melts from {MELTS - 273.15:.0f} °C on; the bodies of the model do not: "
-            "check load, velocity and units"
+            f"{velocity:g} m/s even a smooth contact would reach some "
+            f"{display(temperature, '°C', 2)}, and steel melts from {display(MELTS, '°C', '.0f')} "
+            "on; the bodies of the model do not: check load, velocity and units"
         )
 
 
@@ -254,8 +254,8 @@ def _surface_doubts(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
     for axis, rise in zip("xy", surface.rise, strict=True):
         if surface.measured and abs(rise) > _MOST_RISE * surface.rq:
             yield (
-                f"the surface is tilted: its mean plane rises by {1e6 * rise:.3g} µm along "
-                f"{axis} over the window, beside an Rq of {1e6 * surface.rq:.3g} µm; take the "
+                f"the surface is tilted: its mean plane rises by {display(rise, 'µm', 3)} along "
+                f"{axis} over the window, beside an Rq of {display(surface.rq, 'µm', 3)}; take the "
                 "plane off with level = true under [disk.roughness]"
             )
     if isinstance(sweep.scene.roughness, SelfAffineRoughness):
@@ -279,7 +279,7 @@ def _correlation_doubts(sweep: Sweep, roughness: SelfAffineRoughness) -> Iterato
     """Correlation lengths that the pixels do not resolve, or the window does not hold."""
     sides = zip("xy", roughness.correlation_length, sweep.scene.pixels.shape, strict=True)
     for (axis, length, count), pixel in zip(sides, sweep.scene.pixels.spacing, strict=True):
-        said = f"the correlation length along {axis}, {1e6 * length:.3g} µm, is"
+        said = f"the correlation length along {axis}, {display(length, 'µm', 3)}, is"
         if length < FEWEST_PIXELS * pixel * (1 - 1e-9):
             yield (
                 f"{said} {length / pixel:.2g} pixels; below {FEWEST_PIXELS:g} the slopes of the "

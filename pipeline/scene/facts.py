@@ -8,6 +8,7 @@ from typing import Annotated, Any, NamedTuple, get_origin, get_type_hints
 
 import numpy as np
 
+from pipeline.quantities import display, display_sides
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, unit_value
 from tribo import Corrections, InputError, Track, contact_modulus
@@ -102,11 +103,11 @@ def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
     greatest, hardness = sweep.scene.greatest_load, sweep.scene.hardness
     if load <= greatest:
         return
-    nx, ny = (1e6 * side for side in sweep.scene.grid.size)
     raise InputError(
-        f"{key}: {load:g} N is more than the window carries: its {nx:.4g} × {ny:.4g} µm, all at "
-        f"the hardness of the softer body, {1e-9 * hardness:g} GPa, stand for {greatest:.4g} N on "
-        "the pin; stay below that, give more window.pixels, or check the units"
+        f"{key}: {load:g} N is more than the window carries: its "
+        f"{display_sides(sweep.scene.grid.size)}, all at the hardness of the softer body, "
+        f"{display(hardness, 'GPa')}, stand for {greatest:.4g} N on the pin; stay below that, give "
+        "more window.pixels, or check the units"
     )
 
 
@@ -125,8 +126,8 @@ def track_faults(sweep: Sweep) -> Iterator[tuple[str, str]]:
         if track.length < _FEWEST_WIDTHS * width:
             yield (
                 body,
-                f"the track is {1e3 * track.length:.4g} mm long, {track.length / width:.2g} times "
-                f"the width of the contact, which is expected to be {1e3 * width:.3g} mm; give the "
-                f"whole way around the {body}, at least {_FEWEST_WIDTHS:g} times that width, "
-                f"{1e3 * _FEWEST_WIDTHS * width:.3g} mm",
+                f"the track is {display(track.length, 'mm', 4)} long, {track.length / width:.2g} "
+                f"times the width of the contact, which is expected to be "
+                f"{display(width, 'mm', 3)}; give the whole way around the {body}, at least "
+                f"{_FEWEST_WIDTHS:g} times that width, {display(_FEWEST_WIDTHS * width, 'mm', 3)}",
             )

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline import extras
+from pipeline.quantities import units_in_si
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import Fault, Faults, did_you_mean, quoted
 from pipeline.scene.kinds import OneOf
@@ -32,10 +33,10 @@ _MEANT = {
     "C": "°C", "F": "°F", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf", "Nm": "N m",
 }  # fmt: skip
 """Units meant by others: no log is of charges or capacitances, and a mass there is a weight."""
-UNITS = {
-    "load": "N", "velocity": "m/s", "friction": "", "bulk_temperature": "K", "hold": "s",
-    "time": "s", "friction_force": "N", "critical_temperature": "K",
-}  # fmt: skip
+UNITS = units_in_si(
+    "load", "velocity", "friction", "bulk_temperature", "hold", "time", "friction_force",
+    "critical_temperature",
+)  # fmt: skip
 """Units of quantities, empty of a number; of others nothing is guessed."""
 _EXACT = {
     "normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature",

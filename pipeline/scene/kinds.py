@@ -8,8 +8,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, get_args, get_origin
 
+from pipeline.quantities import DIMENSIONS
 from pipeline.scene.faults import Faults, did_you_mean, quoted
-from pipeline.scene.units import RANGES, UnitError, exact_si, share_of, si_unit, to_si
+from pipeline.scene.units import UnitError, exact_si, share_of, si_unit, to_si
 from tribo import InputError
 from tribo.loading.ramp import MOST_STEPS
 
@@ -190,7 +191,7 @@ class Quantity(Kind):
             return in_si
         if exact <= 0:
             raise UnfitError(f"{quoted(value)} is out of range")
-        low, high = self.ends or RANGES[si_unit(self.example)]
+        low, high = self.ends or DIMENSIONS[si_unit(self.example)].limits
         if not exact_si(low, self.example) <= exact <= exact_si(high, self.example):
             raise UnfitError(f"{quoted(value)} is out of range, which is from {low} to {high}")
         return in_si

@@ -9,12 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.quantities import DIMENSIONS
 from tribo import InputError, MeasuredLoad
 from tribo.errors import hint_of_row, reason_of, require_file, shortened
 from tribo.loading.record import fault
 
 _MOST_ROWS = 1_000_000  # in a file
-_UNITS = {"time": {"s": 1.0, "ms": 1e-3, "min": 60.0}, "load": {"N": 1.0, "kN": 1e3, "mN": 1e-3}}
+_UNITS = {"time": DIMENSIONS["s"].units, "load": DIMENSIONS["N"].units}
 Columns = dict[str, tuple[int, float]]
 """Place of the column of time and of that of load, and their factors to SI."""
 
@@ -95,7 +96,7 @@ def _header(cells: list[str], where: str) -> Columns:
     for place, cell in enumerate(cells):
         match = re.search(r"[\[(]\s*(\S*)\s*[\])]\s*$", cell)
         unit = match[1] if match else ""
-        columns |= {kind: (place, units[unit]) for kind, units in _UNITS.items() if unit in units}
+        columns |= {kind: (place, float(of[unit])) for kind, of in _UNITS.items() if unit in of}
     if columns.keys() != _UNITS.keys():
         allowed = " or ".join(", ".join(units) for units in _UNITS.values())
         raise InputError(

@@ -6,12 +6,12 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Faults, entry_at
 from pipeline.scene.format import LOAD, TEST, VELOCITY
-from pipeline.scene.units import display
 
 _STAGES = ("mild", "mild_up_to"), ("severe", "severe_at")
-_KINDS = {"load": (LOAD, "N"), "velocity": (VELOCITY, "m/s")}
+_KINDS = {"load": LOAD, "velocity": VELOCITY}
 
 
 def expand_tests(tables: dict[str, Any], faults: Faults) -> None:
@@ -38,12 +38,12 @@ def _read_stages(entry: dict[str, Any], place: str, faults: Faults) -> Iterator[
         faults.note(place, f"{problem} given beside stages; give the one that all stages have")
         return
     (name,) = varied
-    kind, unit = _KINDS[name]
-    stages = {o: kind.read(entry[key], f"{place}.{key}", faults) for o, key in given.items()}
+    read = _KINDS[name].read
+    stages = {o: read(entry[key], f"{place}.{key}", faults) for o, key in given.items()}
     if None in stages.values():
         return
     if len(stages) > 1 and not stages["mild"] < stages["severe"]:
-        low, high = (display(stages[outcome], unit) for outcome in ("severe", "mild"))
+        low, high = (display(stages[outcome], UNITS[name]) for outcome in ("severe", "mild"))
         faults.note(f"{place}.severe_at", f"{low} is not above mild_up_to, {high}; exchange them")
         return
     run = entry["run"] if entry["run"] is not None else f"number {entry['number']}"

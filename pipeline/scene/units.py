@@ -1,4 +1,4 @@
-"""Quantities with units, and hardness numbers: from text to SI, and as they are shown."""
+"""Quantities with units, and hardness numbers: from text to SI."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pipeline.quantities import DIMENSIONS, ZERO
 from tribo import InputError, TriboError
 
 if TYPE_CHECKING:
@@ -32,45 +33,6 @@ _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?![\d,.])")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d)")
 _RUN_TOGETHER = re.compile(r"[A-Za-z]\d|Nm")
 
-_UNITS = {
-    "m": (
-        "1e-12", "1e5",
-        {"m": "1", "nm": "1e-9", "um": "1e-6", "µm": "1e-6", "mm": "1e-3", "cm": "1e-2"},
-    ),
-    "m s-1": ("1e-9", "1e5", {"m/s": "1", "mm/s": "1e-3"}),
-    "s": ("1e-9", "1e12", {"s": "1"}),
-    "K": ("1e-9", "1e5", {"K": "1", "degC": "1", "°C": "1"}),
-    "N": ("1e-9", "1e9", {"N": "1", "kN": "1e3"}),
-    "N s-1": ("1e-9", "1e12", {"N/s": "1"}),
-    "Pa": ("1e-3", "1e15", {"Pa": "1", "MPa": "1e6", "GPa": "1e9"}),
-    "Pa s": ("1e-9", "1e9", {"Pa s": "1", "mPa s": "1e-3"}),
-    "kg m-3": ("1e-3", "1e6", {"kg/m^3": "1"}),
-    "W m-1 K-1": ("1e-6", "1e6", {"W/(m K)": "1"}),
-    "J kg-1 K-1": ("1e-3", "1e7", {"J/(kg K)": "1"}),
-    "m2 s-1": ("1e-12", "1e3", {"m^2/s": "1", "mm^2/s": "1e-6"}),
-    "m2 N-1": (
-        "1e-30", "1e-3",
-        {"m^2/N": "1", "mm^3/(N m)": "1e-9", "mm³/(N m)": "1e-9", "1/GPa": "1e-9"},
-    ),
-    "m2": ("1e-18", "1e6", {"m^2": "1", "mm^2": "1e-6"}),
-    "K W-1": ("1e-12", "1e12", {"K/W": "1"}),
-    "J K-1": ("1e-12", "1e12", {"J/K": "1"}),
-    "W K-1": ("1e-12", "1e12", {"W/K": "1"}),
-    "W m-2 K-1": ("1e-9", "1e9", {"W/(m^2 K)": "1"}),
-}  # fmt: skip
-"""Smallest and largest value in a scene by unit of SI as CF writes it, and values of usual units.
-
-The limits are far beyond any machine, and far from where products of them leave double precision.
-Usual units need no pint; the first of each is the SI unit as scenes write it.
-"""
-_USUAL = {cf: units for cf, (_, _, units) in _UNITS.items()}
-RANGES = {
-    cf: (f"{low} {next(iter(units))}", f"{high} {next(iter(units))}")
-    for cf, (low, high, units) in _UNITS.items()
-}
-"""Smallest and largest value in a scene, as text with a unit, by unit of SI."""
-_ZERO = {"degC": Decimal("273.15"), "°C": Decimal("273.15")}
-"""Temperatures that these units have at 0 [K]."""
 _DEGREES = {"C": "degC", "F": "degF"}
 """Units meant by those of charge and of capacitance, where a temperature is due."""
 
@@ -86,9 +48,9 @@ def exact_si(text: str, like: str) -> Decimal:
         radius = exact_si(turns["length"], "1 m") / (1 if turns["which"] == "radius" else 2)
         return Decimal(turns["number"]) / 60 * Decimal(2 * math.pi) * radius
     number, unit = _split_hardness(text)
-    for units in _USUAL.values():
-        if unit in units and needed in units:
-            return Decimal(number) * Decimal(units[unit]) + _ZERO.get(unit, 0)
+    for one in DIMENSIONS.values():  # which need no pint
+        if unit in one.units and needed in one.units:
+            return Decimal(number) * Decimal(one.units[unit]) + ZERO.get(unit, 0)
     quantity = _parsed(text)
     try:
         value: Decimal = quantity.to_base_units().magnitude
@@ -145,12 +107,12 @@ def difference_in_si(text: str, like: str) -> float:
 def si_unit(text: str) -> str:
     """SI unit of the dimension of a quantity, as CF writes units, such as ``"W m-1 K-1"``."""
     unit = _split_hardness(text)[1]
-    for cf, units in _USUAL.items():
-        if unit in units:
+    for cf, one in DIMENSIONS.items():
+        if unit in one.units:
             return cf
     quantity = _parsed(text)
-    for cf, units in _USUAL.items():
-        if quantity.check(_parsed(f"1 {next(iter(units))}").dimensionality):
+    for cf, one in DIMENSIONS.items():
+        if quantity.check(_parsed(one.limits[0]).dimensionality):
             return cf
     parts: Any = quantity.to_base_units().unit_items()
     powers = [(_registry().get_symbol(name), int(power)) for name, power in parts]
@@ -260,13 +222,6 @@ def hardness_pressure(number: Decimal, unit: str) -> Decimal | None:
     return Decimal(float(np.interp(float(number), numbers, vickers))) * _KGF_PER_MM2
 
 
-_FACTORS = {
-    "mm": 1e3, "µm": 1e6, "GPa": 1e-9, "%": 1e2, "MB": 1e-6, "mm³/(N m)": 1e9, "1/GPa": 1e9,
-    "mm³": 1e9, "mm² K/W": 1e6, "MJ/(m³ K)": 1e-6, "mm²/s": 1e6,
-}  # fmt: skip
-"""Values in these units of one in SI; any other unit is that of SI, but for °C."""
-
-
 def in_si(name: str, value: float | str, like: str) -> float:
     """Value in SI of a number in SI, or of text with a unit like that of the example."""
     if not isinstance(value, str):
@@ -294,22 +249,6 @@ def share_of(value: float | str) -> float:
         raise InputError(f'"{value}": give a share such as 10% or 0.1') from None
 
 
-def shown_in(value: float, unit: str) -> float:
-    """Value of a quantity in a unit in which such quantities are shown."""
-    return value - 273.15 if unit == "°C" else value * _FACTORS.get(unit, 1.0)
-
-
-def si_of(value: float, unit: str) -> float:
-    """Value in SI of one in a unit in which such quantities are shown."""
-    return round(value + 273.15, 9) if unit == "°C" else value / _FACTORS.get(unit, 1.0)
-
-
-def is_shown_unit(unit: str) -> bool:
-    """Whether quantities are shown in a unit: one of SI, or of those that have factors here."""
-    of_si = {*_USUAL, *(next(iter(units)) for units in _USUAL.values())}
-    return unit == "°C" or unit in _FACTORS or unit in of_si
-
-
 _SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
 
 
@@ -318,8 +257,3 @@ def typeset(text: str) -> str:
     for typed, sign in _SIGNS.items():
         text = text.replace(typed, sign)
     return text
-
-
-def display(value: float, unit: str, digits: int = 6) -> str:
-    """Write an SI value as text in a unit such as °C, N, m/s, µm or GPa."""
-    return f"{shown_in(value, unit):.{digits}g} {unit}"

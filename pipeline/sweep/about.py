@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, NamedTuple
 
+from pipeline.quantities import display, display_sides
 from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import Line
@@ -89,8 +90,8 @@ def scene_rows(scene: Scene) -> Iterator[Line]:
     """Describe a scene, a row for each subject."""
     yield "pin", scene.pin.words
     yield "disk", _surface(scene)
-    (nx, ny), (x, y) = scene.grid.shape, scene.grid.size
-    yield "window", f"{1e6 * x:.4g} × {1e6 * y:.4g} µm, {nx} × {ny} elements"
+    nx, ny = scene.grid.shape
+    yield "window", f"{display_sides(scene.grid.size)}, {nx} × {ny} elements"
     loading = scene.loading
     if isinstance(loading, Ramp):
         held = f", held for {loading.hold:g} s" if loading.hold else ""
@@ -101,7 +102,7 @@ def scene_rows(scene: Scene) -> Iterator[Line]:
     if wear is None:
         yield "wear", "none"
     elif isinstance(wear, Wear):
-        yield "wear", f"{1e9 * wear.specific_wear_rate:.3g} mm³/(N m), {wear.pattern}"
+        yield "wear", f"{display(wear.specific_wear_rate, 'mm³/(N m)', 3)}, {wear.pattern}"
     else:
         yield "wear", f"{wear!r}, {wear.pattern}"
 
@@ -119,9 +120,9 @@ def plane_rows(loads: Sequence[float], velocities: Sequence[float]) -> Line:
 
 def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Iterator[Line]:
     """Say when wear is severe, a row for each subject; of paths that are drawn, that they are."""
-    bulk = f"bulk {conditions.bulk_temperature - 273.15:g} °C"
+    bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"
     if conditions.disk_temperature is not None:
-        bulk += f" (pin) and {conditions.disk_temperature - 273.15:g} °C (disk)"
+        bulk += f" (pin) and {display(conditions.disk_temperature, '°C')} (disk)"
     if any(path.startswith(PATHS["bulk_temperature"]) for path in drawn):
         bulk = "bulk of each sample"
     friction = f"{conditions.friction:g}"
@@ -150,7 +151,7 @@ def _severe(conditions: Conditions, drawn: Collection[str]) -> str:
     severe = conditions.decisive.severe
     if PATHS["share"] in drawn:
         severe = "more than the share of each sample of its contact above"
-    critical = f"{conditions.known_critical_temperature() - 273.15:g} °C"
+    critical = display(conditions.known_critical_temperature(), "°C")
     if PATHS["critical_temperature"] in drawn:
         critical = "the critical temperature of each sample"
     return f"{severe} {critical}"
@@ -160,10 +161,10 @@ def point_rows(columns: Mapping[str, Array], warnings: Iterable[PointWarning]) -
     """Describe the end of a point, a row for each subject."""
     end = {name: column[-1] for name, column in columns.items()}
     yield "after", f"{end['time']:.4g} s and {end['sliding_distance']:.4g} m"
-    width, mean, most = 1e6 * end["contact_width"], end["mean_pressure"], end["max_pressure"]
-    pressures = f"{1e-9 * mean:.3g} GPa on average, {1e-9 * most:.3g} GPa at most"
-    yield "contact", f"{width:.4g} µm wide, {pressures}"
-    yield "wear", f"{1e6 * end['wear_depth_max']:.3g} µm deep, {1e9 * end['wear_volume']:.3g} mm³"
+    mean, most = (display(end[name], "GPa", 3) for name in ("mean_pressure", "max_pressure"))
+    width, depth = display(end["contact_width"], "µm", 4), display(end["wear_depth_max"], "µm", 3)
+    yield "contact", f"{width} wide, {mean} on average, {most} at most"
+    yield "wear", f"{depth} deep, {display(end['wear_volume'], 'mm³', 3)}"
     yield "rise", f"{end['max_rise']:.4g} K at most, at friction 1"
     for warning in warnings:
         yield "warning", warning.text
@@ -172,7 +173,7 @@ def point_rows(columns: Mapping[str, Array], warnings: Iterable[PointWarning]) -
 def _surface(scene: Scene) -> str:
     roughness = scene.roughness
     if isinstance(roughness, SelfAffineRoughness):
-        return f"random roughness, Ra {1e6 * roughness.ra:.3g} µm"
+        return f"random roughness, Ra {display(roughness.ra, 'µm', 3)}"
     if roughness is None:
         return "smooth"
     return "measured roughness" if isinstance(roughness, MeasuredRoughness) else "a surface law"

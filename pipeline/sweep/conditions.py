@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+from pipeline.quantities import display, units_in_si
 from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError, Reference
 from tribo import Criterion, Friction, InputError, MeasuredLoad, Ramp
 from tribo.simulation.verdict import Judging
@@ -26,12 +27,10 @@ PATHS = {
 """Entries of the scene file that act after the simulation, by the names of `changes_of`."""
 FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
 """The same by the fields of `Conditions`."""
-UNITS = {
-    "friction": "1", "bulk_temperature": "K", "disk_temperature": "K", "critical_temperature": "K",
-    "failing_share": "1",
-}  # fmt: skip
-"""Units of the fields that are numbers."""
 _BULKS = ("bulk_temperature", "disk_temperature")
+_NUMBERS = ("friction", *_BULKS, "critical_temperature", "failing_share")
+UNITS = {name: unit or "1" for name, unit in units_in_si(*_NUMBERS).items()}
+"""Units of the fields that are numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,4 +212,4 @@ def bulk_entries(bulks: float | Mapping[str, float | None] | None) -> dict[str, 
 
 def celsius_text(temperature: float) -> str:
     """Write a temperature [K] in both of its usual units."""
-    return f"{temperature - 273.15:.6g} °C ({temperature:.6g} K)"
+    return f"{display(temperature, '°C')} ({temperature:.6g} K)"

@@ -23,6 +23,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Final, NamedTuple
 
+from pipeline.quantities import display
 from tribo import (
     LAWS,
     InputError,
@@ -92,7 +93,7 @@ class Laws:
         is_here = module.isidentifier() and file.is_file()
         if is_here and file.resolve().parent == self.folder.resolve():
             if file.stat().st_size > _LARGEST:
-                raise InputError(f'"{reference}": {file} is larger than {_LARGEST / 1e6:g} MB')
+                raise InputError(f'"{reference}": {file} is larger than {display(_LARGEST, "MB")}')
             return _Text(file.read_bytes(), file)
         installed = _installed(reference)
         if installed is None:

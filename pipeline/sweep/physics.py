@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from pipeline.quantities import display
 from pipeline.sweep.model import Sweep
 from tribo import Bulk, Corrections, Material, Motion, Scene, Stem, Track, contact_modulus
 from tribo.types import Array
@@ -205,9 +206,9 @@ def _usual_bulk(sweep: Sweep, present: Corrections) -> _Sized | str | None:
         )
         for body, (across, material) in bodies.items()
     }
-    sizes = (f"{1e3 * across:.0f} mm around the {body}" for body, (across, _) in bodies.items())
+    sizes = (f"{display(d, 'mm', '.0f')} around the {body}" for body, (d, _) in bodies.items())
     return _Sized(
-        f"discs {1e3 * _THICKNESS:g} mm thick, {' and '.join(sizes)}, without a loss",
+        f"discs {display(_THICKNESS, 'mm')} thick, {' and '.join(sizes)}, without a loss",
         "as their size: in proportion to the energy of the test over the capacity, less by a loss",
         tuple(f"{body}.capacity" for body in bodies),
         bulks,
@@ -225,7 +226,7 @@ def _usual_stem(sweep: Sweep, present: Corrections) -> _Sized | str | None:
     area = math.pi * pin.radius**2 if pin.length is None else 2 * pin.radius * pin.length
     rod = length, area, pin.material.thermal_conductivity, pin.material.thermal_diffusivity
     return _Sized(
-        f"a rod {1e3 * length:.3g} mm long, {1e6 * area:.3g} mm² across",
+        f"a rod {display(length, 'mm', 3)} long, {display(area, 'mm²', 3)} across",
         "to a factor of 2: the holder is not known, and the half-space has part of it already",
         ("pin.stem",),
         {"stem": Stem.rod(*rod)},
@@ -238,7 +239,7 @@ def _usual_film(sweep: Sweep, present: Corrections) -> _Sized | None:
     if present.film_resistance:
         return None
     return _Sized(
-        f"{1e9 * thickness:g} nm of {conductivity:g} W/(m K) on the disk",
+        f"{display(thickness, 'nm')} of {conductivity:g} W/(m K) on the disk",
         "an order of magnitude: thickness and conductivity are not known; in proportion to "
         "their ratio, and to the pressure on the asperities",
         ("disk.film",),
@@ -392,6 +393,6 @@ def describe_cold_bodies(bodies: tuple[str, ...], around: float, by_how_much: st
     entries = " and ".join(f"{body}.diameter" for body in bodies)
     return (
         f"earlier turns of the {' and the '.join(bodies)} are not counted, as if each met a cold "
-        f"track: on tracks of {1e3 * around:.3g} mm they would {by_how_much}; give {entries} and "
-        "width, or track_length"
+        f"track: on tracks of {display(around, 'mm', 3)} they would {by_how_much}; give {entries} "
+        "and width, or track_length"
     )

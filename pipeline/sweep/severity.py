@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pipeline.quantities import display
 from pipeline.sweep.conditions import Conditions, celsius_text
 from tribo import InputError, Scene, State, Verdict
 from tribo.simulation import moment_of
@@ -30,9 +31,9 @@ if TYPE_CHECKING:
 MELTS = 1700.0  # K, where a carbon steel of 1 % begins to
 
 MOLTEN = (
-    f"the deciding temperature is above {MELTS - 273.15:.0f} °C, where steel melts: the bodies "
-    "of the model do not melt, so it says only that wear is severe; if tests were made here, check "
-    "load, velocity and units"
+    f"the deciding temperature is above {display(MELTS, '°C', '.0f')}, where steel melts: the "
+    "bodies of the model do not melt, so it says only that wear is severe; if tests were made "
+    "here, check load, velocity and units"
 )
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.quantities import display, shown_in
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import Reference
 from tribo import Grid, MeasuredRoughness, SelfAffineRoughness
@@ -38,12 +39,12 @@ class SurfaceFacts:
         """Roughness, slope, lay and level."""
         lay = "no lay" if self.lay is None else f"grooves at {self.lay:.0f}° to sliding"
         slope = "" if self.slope is None else f"rms slope {self.slope:.2g}, "
-        heights = f"Ra {1e6 * self.ra:.3g} µm, Rq {1e6 * self.rq:.3g} µm, {slope}{lay}"
+        heights = f"Ra {display(self.ra, 'µm', 3)}, Rq {display(self.rq, 'µm', 3)}, {slope}{lay}"
         if not self.measured:
             return f"random: {heights}"
         if all(abs(place) < _IS_LEVEL * self.rq for place in (self.mean_height, *self.rise)):
             return f"measured: {heights}; level"
-        mean, x, y = (1e6 * place for place in (self.mean_height, *self.rise))
+        mean, x, y = (shown_in(place, "µm") for place in (self.mean_height, *self.rise))
         return (
             f"measured: {heights}; mean plane at {mean:.3g} µm, rising by {x:.3g} µm along x and "
             f"{y:.3g} µm along y over the window"

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.quantities import display, shown_in
 from pipeline.sweep.conditions import PATHS, celsius_text
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.samples import SPECIFIC_WEAR_RATE as WEAR_RATE
@@ -66,9 +67,9 @@ def _note(sweep: Sweep, unknown_rates: tuple[float, ...]) -> str | None:
     own = unknown_rates or (wear.specific_wear_rate,)
     if (1 - _ALIKE) * min(own) < rate < (1 + _ALIKE) * max(own):
         return None
+    ends = " to ".join(f"{shown_in(one, 'mm³/(N m)'):.3g}" for one in own)
     return (
-        f"the wear rate at the bulk temperature, {celsius_text(bulk)}{beyond} is {1e9 * rate:.3g} "
-        "mm³/(N m) by wear.by_temperature, and the contacts have "
-        f"{' to '.join(f'{1e9 * one:.3g}' for one in own)}; run "
-        f'the scene again with --set "wear.specific_wear_rate={1e9 * rate:.3g} mm^3/(N m)"'
+        f"the wear rate at the bulk temperature, {celsius_text(bulk)}{beyond} is "
+        f"{display(rate, 'mm³/(N m)', 3)} by wear.by_temperature, and the contacts have {ends}; "
+        f'run the scene again with --set "wear.specific_wear_rate={display(rate, "mm^3/(N m)", 3)}"'
     )

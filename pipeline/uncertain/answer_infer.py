@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict, replace
+from dataclasses import asdict, astuple, replace
 from pathlib import Path
 
 import pandas as pd
@@ -12,7 +12,7 @@ import pipeline
 from pipeline.analysis.tables import TABLES, frame_of, short, writable_path
 from pipeline.cli.given import PLACE, flags_of, one_scene_in, values_in
 from pipeline.cli.output import Result, counted, run_line, tell, working
-from pipeline.scene.units import display
+from pipeline.quantities import display, shown_in
 from pipeline.sweep.about import own_tests
 from pipeline.sweep.model import Sweep
 from pipeline.uncertain.answer_posterior import posterior
@@ -141,7 +141,7 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
         rate = specific_wear_rate(
             sweep.scene, options.contact_width, options.load, options.velocity
         )
-    value, lowest, highest = (1e9 * end for end in (rate.value, rate.lowest, rate.highest))
+    value, lowest, highest = (shown_in(end, "mm³/(N m)") for end in astuple(rate))
     longer = end.normal_load / (end.impulse + end.normal_load)  # as wear goes with load times time
     basis = (
         f"for {end.time:.3g} s of sliding until the width was measured; each second more at full "

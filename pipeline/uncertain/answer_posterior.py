@@ -15,7 +15,7 @@ import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.given import criterion_in, flags_of, judged_entries, values_in
 from pipeline.cli.output import Result, rounded, working
-from pipeline.scene.units import display
+from pipeline.quantities import display
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES

@@ -21,6 +21,7 @@ from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import ModelError, Scatter
 from pipeline.analysis.rise_error import error_of_point
 from pipeline.analysis.transition import LEAST_SLOPE
+from pipeline.quantities import si_of
 from pipeline.scene.along import Place
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
@@ -41,8 +42,7 @@ CONDITIONS = (CRITICAL, BULK, FRICTION)
 """Entries that act after the simulation, and need no range."""
 SIMULATED = 90
 """Draws near the limit that are simulated directly."""
-_CELSIUS = Unit("°C", 1.0, 273.15)
-_UNITS = {FRICTION: ("1", None), CRITICAL: ("K", _CELSIUS), BULK: ("K", _CELSIUS)}
+_CELSIUS = Unit("°C", 1.0, si_of(0.0, "°C"))
 _VALUES = 17  # values of the entry among which a limit is sought
 _DRAWS = 2**13  # draws of the inputs
 _LEAST = 1e-9  # probability
@@ -198,7 +198,7 @@ class Chances:
             return Unknown(path, "uniform", ensemble.velocities, "m/s")
         if path not in CONDITIONS:
             return _ranged_input(ensemble, path)
-        unit, written = _UNITS[path]
+        unit, written = ("1", None) if path == FRICTION else ("K", _CELSIUS)
         written = known[path].written if path in known else written
         return Unknown(path, "uniform", self._reach(path), unit, written)
 

@@ -21,6 +21,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from pipeline.analysis.at import oil_temperature
+from pipeline.quantities import display
 from pipeline.scene.units import UnitError, to_si
 from pipeline.sweep.unknown import OF_90, Unknown
 from pipeline.uncertain.answers import log_boundary
@@ -334,7 +335,7 @@ class _Plan:
             if bulk == ensemble.conditions.bulk_temperature:
                 del judged["bulk_temperature"]  # which may be unknown
             log_velocity, deviation = self._transition(judged)
-            where = f"{load:g} N, bulk {bulk - 273.15:.3g} °C"
+            where = f"{load:g} N, bulk {display(bulk, '°C', 3)}"
             likely = math.exp(float(np.median(log_velocity[:_TRUTHS])))
             if low <= likely <= high:
                 ends = math.log(low), math.log(high)

@@ -11,7 +11,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLUE, GREY, VERMILION, celsius, house_style, label_ends
+from pipeline.figures.style import BLUE, GREY, VERMILION, house_style, label_ends
+from pipeline.quantities import shown_in
 from tribo import InputError, Ramp, Wear
 from tribo.inverse import specific_wear_rate
 from tribo.types import Array
@@ -56,7 +57,7 @@ def inverse(study: Study) -> Report:
     study.tell("friction heating of the rig")
     heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
     durations = {load: _duration_for_printed(row) for load, row in rates.items()}
-    printed = float(celsius(white.conditions.known_critical_temperature()))
+    printed = float(shown_in(white.conditions.known_critical_temperature(), "°C"))
     chosen = np.array([row[_CHOSEN] for row in rates.values()])
     values = {
         "printed_critical": printed,
@@ -190,7 +191,7 @@ def _temperatures(
     for oil, transitions in tests.items():
         of_rig = f"{printed:g}" if oil == "white oil" else ""
         for (scene, row), values in zip(transitions, critical[oil], strict=True):
-            bulk = celsius(scene.conditions.bulk_temperature)
+            bulk = shown_in(scene.conditions.bulk_temperature, "°C")
             yield line(f"  {oil}, {label_of(row)}, {bulk:g} °C", [of_rig, values], ".1f")
 
 

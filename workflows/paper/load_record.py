@@ -8,7 +8,8 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, house_style
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, heating, house_style
+from pipeline.quantities import shown_in
 from tribo import InputError, MeasuredLoad, Ramp
 from tribo.types import Array
 from workflows.paper.publication import LOADING_RATE
@@ -103,7 +104,7 @@ def _draw(sweep: Sweep, record: MeasuredLoad, curves: _Curves) -> Figure:
     for (name, (time, values)), (colour, style) in zip(curves.items(), looks, strict=True):
         begins = float(record.times[0]) if name == _RECORD else onset
         lower.plot(time + begins, values, color=colour, ls=style, label=name)
-    critical = celsius(sweep.conditions.known_critical_temperature())
+    critical = shown_in(sweep.conditions.known_critical_temperature(), "°C")
     lower.axhline(critical, color=GREY, ls=":", lw=1.2)
     lower.text(0.05, critical + 1, f"critical, {critical:g} °C", color=GREY, va="bottom")
     lower.set(xlabel="time [s]", ylabel=f"exceeded on {_share(sweep)}\nof the contact [°C]")

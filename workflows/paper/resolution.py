@@ -18,10 +18,10 @@ from pipeline.figures.style import (
     GREEN,
     GREY,
     VERMILION,
-    celsius,
     house_style,
     label_ends,
 )
+from pipeline.quantities import shown_in
 from tribo import ConvergenceError, Fidelity, simulate, warnings
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
@@ -82,7 +82,7 @@ def fig6(study: Study) -> Report:
         "load": _POINT.normal_load,
         "velocity": _POINT.velocity,
         "friction": _POINT.friction,
-        "bulk": celsius(sweep.conditions.bulk_temperature),
+        "bulk": shown_in(sweep.conditions.bulk_temperature, "°C"),
     }
     return Report.of(
         "fig6",

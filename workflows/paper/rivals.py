@@ -19,10 +19,10 @@ from pipeline.figures.style import (
     GREEN,
     GREY,
     VERMILION,
-    celsius,
     house_style,
     label_ends,
 )
+from pipeline.quantities import shown_in
 from tribo import Cylinder, lubrication_regime
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
@@ -135,7 +135,7 @@ def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Criter
     """The criterion of the model, and those that need no simulation; worn ones as measured."""
     conditions, pin = sweep.conditions, cast(Cylinder, sweep.scene.pin)
     contact = SmoothContact(pin, sweep.scene.disk)
-    bulk = float(celsius(conditions.bulk_temperature))
+    bulk = float(shown_in(conditions.bulk_temperature, "°C"))
     F, V, mu = TABLE_4.normal_load, TABLE_4.velocity, TABLE_4.friction
 
     def by_friction(
@@ -194,7 +194,7 @@ def _table(criteria: Mapping[str, _Criterion], film: Array, conditions: Conditio
         )
         for its in criteria.values()
     ]
-    label = f"film parameter Λ at {celsius(conditions.bulk_temperature):g} °C"
+    label = f"film parameter Λ at {shown_in(conditions.bulk_temperature, '°C'):g} °C"
     columns = ("highest over lowest", "velocity off", f"at friction {conditions.friction:g}")
     return texts(
         ("", *map(label_of, TABLE_4), *columns),

@@ -18,10 +18,10 @@ from pipeline.figures.style import (
     GREEN,
     GREY,
     VERMILION,
-    celsius,
     house_style,
     label_ends,
 )
+from pipeline.quantities import shown_in
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
@@ -194,7 +194,7 @@ def _draw(sweep: Sweep, outcomes: _Outcomes) -> Figure:
     figure = Figure(figsize=(12.4, 6.4))
     rows = figure.subplots(2, len(outcomes), sharex="col", sharey="row")
     printed = TABLE_4.max_celsius.mean()
-    critical = celsius(sweep.conditions.known_critical_temperature())
+    critical = shown_in(sweep.conditions.known_critical_temperature(), "°C")
     for number, (kind, variants) in enumerate(outcomes.items()):
         upper, lower = rows[0][number], rows[1][number]
         highest, exceeded, off = (

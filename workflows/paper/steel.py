@@ -18,10 +18,10 @@ from pipeline.figures.style import (
     GREEN,
     GREY,
     VERMILION,
-    celsius,
     house_style,
     label_ends,
 )
+from pipeline.quantities import shown_in
 from tribo.simulation import contacts, heated
 from tribo.types import Array
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
@@ -40,7 +40,7 @@ def steel(study: Study) -> Report:
     tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
     names, by_oil = [], {}
     for oil, transitions in tests.items():
-        bulks = [celsius(sweep.conditions.bulk_temperature) for sweep, _ in transitions]
+        bulks = [shown_in(sweep.conditions.bulk_temperature, "°C") for sweep, _ in transitions]
         names += [
             f"  {oil}, {row.normal_load:g} N, {bulk:g} °C"
             for (_, row), bulk in zip(transitions, bulks, strict=True)
@@ -52,8 +52,9 @@ def steel(study: Study) -> Report:
     }
     boundary = _boundary(study)
     white, of_a = means["white oil"], means["oil A"]
-    printed = float(celsius(tests["white oil"][0][0].conditions.known_critical_temperature()))
-    bulk = float(celsius(tests["white oil"][0][0].conditions.bulk_temperature))
+    conditions = tests["white oil"][0][0].conditions
+    printed = float(shown_in(conditions.known_critical_temperature(), "°C"))
+    bulk = float(shown_in(conditions.bulk_temperature, "°C"))
     values: dict[str, Any] = {
         "soft": _SOFT,
         "hard": _HARD,

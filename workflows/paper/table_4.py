@@ -10,7 +10,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
-from pipeline.figures.style import GREY, celsius, house_style
+from pipeline.figures.style import GREY, house_style
+from pipeline.quantities import shown_in
 from pipeline.sweep.severity import rise_limit
 from tribo.thermal import Criterion
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4
@@ -88,8 +89,8 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
 
 def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
     """Means over the surfaces beside the printed values."""
-    friction, bulk = conditions.friction, float(celsius(conditions.bulk_temperature))
-    critical = float(celsius(conditions.known_critical_temperature()))
+    friction, bulk = conditions.friction, float(shown_in(conditions.bulk_temperature, "°C"))
+    critical = float(shown_in(conditions.known_critical_temperature(), "°C"))
     outer, bearing = (
         100 * (mean(data[key]) / _WIDTHS - 1) for key in ("unworn_width_um", "bearing_width_um")
     )
@@ -125,7 +126,7 @@ def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
 
 
 def _table(data: dict[str, Any], conditions: Conditions) -> pd.DataFrame:
-    critical = celsius(conditions.known_critical_temperature())
+    critical = shown_in(conditions.known_critical_temperature(), "°C")
     needed = data["friction_for_printed_share"]
     alike = f"  swept, friction {conditions.friction:g} at each"
 

@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pipeline.figures.style import celsius, house_style
+from pipeline.figures.style import house_style
+from pipeline.quantities import shown_in
 from tribo.types import Array
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from workflows.paper.report import Report, agree, line, mean, spread, texts
@@ -36,7 +37,7 @@ def table6(study: Study) -> Report:
     conditions, swept = transitions[0][0].conditions, ends["swept"]
     highest = {wear: celsius_of(its, HIGHEST) for wear, its in ends.items()}
     exceeded = {wear: celsius_of(its, conditions.decisive) for wear, its in ends.items()}
-    at_room = highest["swept"] - celsius(swept["bulk"]) + ROOM_CELSIUS
+    at_room = highest["swept"] - shown_in(swept["bulk"], "°C") + ROOM_CELSIUS
     misfit = {"25": _misfit(25.0), "100": _misfit(100.0)}
     data: dict[str, Any] = {
         "load": TABLE_6.normal_load,

@@ -11,7 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from pipeline import Sweep, run_point
-from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION, celsius
+from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION
+from pipeline.quantities import shown_in
 from pipeline.sweep.severity import boundary_velocity_error, rise_limit
 from pipeline.sweep.surface import find_lubrication
 from tribo import InputError, State, measures, simulate
@@ -129,7 +130,7 @@ def _stacked(ends: Sequence[Ends], axis: int = 0) -> Ends:
 
 def celsius_of(ends: Ends, criterion: Criterion) -> Array:
     """Temperature that decides by a criterion [°C]."""
-    return np.asarray(celsius(ends["bulk"] + ends["friction"] * criterion.rise(ends)))
+    return np.asarray(shown_in(ends["bulk"] + ends["friction"] * criterion.rise(ends), "°C"))
 
 
 def failed_percent(ends: Ends, critical: float, friction: float | None = None) -> Array:
@@ -147,7 +148,7 @@ def history(
     conditions, columns = sweep.conditions, result.columns
     warm = np.isfinite(columns["mean_rise"])
     rise = np.append(0.0, criterion.rise(columns)[warm])
-    temperature: Array = celsius(conditions.contact_temperature(rise))
+    temperature: Array = shown_in(conditions.contact_temperature(rise), "°C")
     return np.append(0.0, columns["time"][warm]), temperature, result.state
 
 

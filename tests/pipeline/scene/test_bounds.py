@@ -3,11 +3,12 @@
 import pytest
 
 import pipeline
+from pipeline.quantities import DIMENSIONS
 from pipeline.scene.compounds import Either, List, Range, Table, Tables
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import FORMAT
 from pipeline.scene.kinds import Number, Quantity, Whole
-from pipeline.scene.units import RANGES, si_unit
+from pipeline.scene.units import si_unit
 
 
 def numbers(kind, path=""):
@@ -46,7 +47,7 @@ def test_every_number_has_a_smallest_and_a_largest_value(path, kind, text):
 
 @pytest.mark.parametrize("kind", [kind for _, kind in KINDS if isinstance(kind, Quantity)])
 def test_the_ends_of_a_range_are_allowed(kind):
-    for end in kind.ends or RANGES[si_unit(kind.example)]:
+    for end in kind.ends or DIMENSIONS[si_unit(kind.example)].limits:
         faults = Faults()
         assert kind.read(end, "entry", faults) > 0, faults
 

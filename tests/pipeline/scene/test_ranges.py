@@ -11,11 +11,12 @@ from dataclasses import replace
 import pytest
 
 import tribo
+from pipeline.quantities import DIMENSIONS
 from pipeline.scene.compounds import Either, List
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import Quantity, Whole
 from pipeline.scene.reference import sections
-from pipeline.scene.units import RANGES, si_unit, to_si
+from pipeline.scene.units import si_unit, to_si
 from pipeline.sweep.conditions import Conditions
 from tests.helpers.scenes import STEEL, small_scene
 
@@ -40,7 +41,7 @@ KINDS = {
 def at_bounds(kind):
     """Values at each bound of a kind, and just beyond it."""
     if isinstance(kind, Quantity):
-        low, high = (to_si(end, kind.example) for end in RANGES[si_unit(kind.example)])
+        low, high = (to_si(end, kind.example) for end in DIMENSIONS[si_unit(kind.example)].limits)
         return (-low, 0.0, 1.001 * low, math.sqrt(low * high))
     if isinstance(kind, Whole):
         return (kind.at_least - 1, kind.at_least, kind.at_least + 1)

@@ -1,5 +1,6 @@
 """Quantities: from text to SI, and back to text."""
 
+import ast
 from decimal import Decimal
 
 import numpy as np
@@ -8,15 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.scene.units import (
-    UnitError,
-    display,
-    exact_si,
-    hardness_pressure,
-    shown_in,
-    si_of,
-    to_si,
-)
+from pipeline.quantities import SIZES, UNITS, display, shown_in, si_of
+from pipeline.scene.units import UnitError, exact_si, hardness_pressure, to_si
+from tests.house.measure import ROOT
 
 
 @pytest.mark.parametrize(
@@ -134,6 +129,23 @@ def test_a_value_is_shown_as_the_number_of_units_that_it_was_read_from(unit):
     value = to_si(f"3 {unit}", like=f"1 {unit}")
     assert shown_in(value, unit) == pytest.approx(3.0)
     assert si_of(3.0, unit) == pytest.approx(value)
+
+
+def shown_units():
+    """Units in which the code shows values, as they stand in calls, and where."""
+    for path in sorted((ROOT / "pipeline").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            name = getattr(getattr(node, "func", None), "id", "")
+            if name in ("display", "shown_in", "si_of"):
+                for unit in (one for one in node.args[1:2] if isinstance(one, ast.Constant)):
+                    yield unit.value, f"{path.relative_to(ROOT)}:{node.lineno}"
+
+
+def test_every_unit_in_which_values_are_shown_has_a_size():
+    """One without a size is taken for SI, as a µ of the Greek alphabet would be."""
+    used = [*shown_units(), *((unit, name) for name, unit in UNITS.items() if unit)]
+    assert len(used) > 100
+    assert [(unit, place) for unit, place in used if unit not in SIZES] == []
 
 
 def test_values_are_displayed_in_the_units_of_the_field():

@@ -1,0 +1,123 @@
+"""Quantities: the units of each dimension and their sizes, and the unit in which each is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from decimal import Decimal
+from typing import Any, NamedTuple
+
+
+class Dimension(NamedTuple):
+    """Smallest and largest value in a scene, and units by their size in SI, the SI unit first."""
+
+    limits: tuple[str, str]
+    units: dict[str, str]
+    shown: str = ""  # unit of labels of rows, if it is not as CF writes it
+
+
+DIMENSIONS = {
+    "m": Dimension(
+        ("1e-12 m", "1e5 m"),
+        {"m": "1", "nm": "1e-9", "um": "1e-6", "µm": "1e-6", "mm": "1e-3", "cm": "1e-2"}, "mm",
+    ),
+    "m s-1": Dimension(("1e-9 m/s", "1e5 m/s"), {"m/s": "1", "mm/s": "1e-3"}, "m/s"),
+    "s": Dimension(("1e-9 s", "1e12 s"), {"s": "1", "ms": "1e-3", "min": "60"}),
+    "K": Dimension(("1e-9 K", "1e5 K"), {"K": "1", "degC": "1", "°C": "1"}, "°C"),
+    "N": Dimension(("1e-9 N", "1e9 N"), {"N": "1", "kN": "1e3", "mN": "1e-3"}),
+    "N s-1": Dimension(("1e-9 N/s", "1e12 N/s"), {"N/s": "1"}),
+    "Pa": Dimension(("1e-3 Pa", "1e15 Pa"), {"Pa": "1", "MPa": "1e6", "GPa": "1e9"}, "GPa"),
+    "Pa s": Dimension(("1e-9 Pa s", "1e9 Pa s"), {"Pa s": "1", "mPa s": "1e-3"}),
+    "kg m-3": Dimension(("1e-3 kg/m^3", "1e6 kg/m^3"), {"kg/m^3": "1"}),
+    "W m-1 K-1": Dimension(("1e-6 W/(m K)", "1e6 W/(m K)"), {"W/(m K)": "1"}),
+    "J kg-1 K-1": Dimension(("1e-3 J/(kg K)", "1e7 J/(kg K)"), {"J/(kg K)": "1"}),
+    "m2 s-1": Dimension(
+        ("1e-12 m^2/s", "1e3 m^2/s"), {"m^2/s": "1", "mm^2/s": "1e-6", "mm²/s": "1e-6"}
+    ),
+    "m2 N-1": Dimension(
+        ("1e-30 m^2/N", "1e-3 m^2/N"),
+        {"m^2/N": "1", "mm^3/(N m)": "1e-9", "mm³/(N m)": "1e-9", "1/GPa": "1e-9"}, "mm³/(N m)",
+    ),
+    "m2": Dimension(("1e-18 m^2", "1e6 m^2"), {"m^2": "1", "mm^2": "1e-6", "mm²": "1e-6"}),
+    "K W-1": Dimension(("1e-12 K/W", "1e12 K/W"), {"K/W": "1"}),
+    "J K-1": Dimension(("1e-12 J/K", "1e12 J/K"), {"J/K": "1"}),
+    "W K-1": Dimension(("1e-12 W/K", "1e12 W/K"), {"W/K": "1"}),
+    "W m-2 K-1": Dimension(("1e-9 W/(m^2 K)", "1e9 W/(m^2 K)"), {"W/(m^2 K)": "1"}),
+}  # fmt: skip
+"""Dimensions of scenes, by the unit of SI as CF writes it.
+
+The limits are far beyond any machine, and far from where products of them leave double precision.
+"""
+ZERO = {"degC": Decimal("273.15"), "°C": Decimal("273.15")}
+"""Temperatures that these units have at 0 [K]."""
+_OTHERS = {
+    "%": "1e-2", "kB": "1e3", "MB": "1e6", "GB": "1e9", "mm³": "1e-9", "mm² K/W": "1e-6",
+    "MJ/(m³ K)": "1e6",
+}  # fmt: skip
+"""Units of what no scene gives."""
+UNITS = {
+    "load": "N", "normal_load": "N", "critical_load": "N", "friction_force": "N",
+    "velocity": "m/s", "critical_velocity": "m/s", "time": "s", "hold": "s", "spacing": "µm",
+    "bulk_temperature": "°C", "disk_temperature": "°C", "critical_temperature": "°C",
+    "decisive_temperature": "°C", "temperature_error": "K", "distance": "K", "distance_low": "K",
+    "distance_high": "K", "friction": "", "failing_share": "", "viscosities": "mm²/s",
+    "thermal_diffusivity": "mm²/s", "film_resistance": "mm² K/W", "heat_capacity": "MJ/(m³ K)",
+    "pressure_coefficients": "1/GPa",
+}  # fmt: skip
+"""Units in which quantities are shown, empty of a number, by the names of columns and fields."""
+SIZES = _OTHERS | {unit: size for one in DIMENSIONS.values() for unit, size in one.units.items()}
+"""Values in SI of units."""
+_FACTORS = {unit: float(1 / Decimal(size)) for unit, size in SIZES.items()}
+_SI = {unit: next(iter(one.units)) for one in DIMENSIONS.values() for unit in one.units}
+_HEADED = {
+    *UNITS.values(), *_OTHERS, *DIMENSIONS, *_SI.values(),
+    *(one.shown for one in DIMENSIONS.values()),
+}  # fmt: skip
+
+
+def column_heads(*names: str) -> dict[str, str]:
+    """Heads of columns by the names of quantities, such as ``critical temperature [°C]``."""
+    units = {name: f" [{UNITS[name]}]" if UNITS.get(name) else "" for name in names}
+    return {name: name.replace("_", " ") + unit for name, unit in units.items()}
+
+
+def is_unit_of_head(unit: str) -> bool:
+    """Whether a unit in the head of a column is one of ours, so that its values are shown in it."""
+    return unit in _HEADED
+
+
+def units_in_si(*names: str) -> dict[str, str]:
+    """SI units of quantities as scenes write them, empty of a number, by their names."""
+    return {name: _SI.get(UNITS[name], UNITS[name]) for name in names}
+
+
+def shown_in(value: Any, unit: str) -> Any:
+    """Value of a quantity, or an array of them, in a unit; one without a size is of SI.
+
+    Examples
+    --------
+    >>> shown_in(418.0, "°C"), shown_in(2.5e-6, "µm")
+    (144.85000000000002, 2.5)
+    """
+    return value * _FACTORS.get(unit, 1.0) - float(ZERO.get(unit, 0))
+
+
+def si_of(value: float, unit: str) -> float:
+    """Value in SI of one in a unit, without what rounding adds to degrees."""
+    zero = float(ZERO.get(unit, 0))
+    return round(value + zero, 9) if zero else value / _FACTORS.get(unit, 1.0)
+
+
+def display(value: float, unit: str, form: int | str = 6) -> str:
+    """Write an SI value as text in a unit, in as many digits or in a form such as ``".0f"``.
+
+    Examples
+    --------
+    >>> display(1.234e-5, "µm", 3), display(418.4, "°C", ".0f")
+    ('12.3 µm', '145 °C')
+    """
+    return f"{format(shown_in(value, unit), f'.{form}g' if isinstance(form, int) else form)} {unit}"
+
+
+def display_sides(sides: Iterable[float]) -> str:
+    """Write sides of a window or a pixel as text, such as ``102.4 × 51.2 µm``."""
+    return " × ".join(f"{shown_in(side, 'µm'):.4g}" for side in sides) + " µm"
