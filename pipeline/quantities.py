@@ -12,20 +12,19 @@ class Dimension(NamedTuple):
 
     limits: tuple[str, str]
     units: dict[str, str]
-    shown: str = ""  # unit of labels of rows, if it is not as CF writes it
 
 
 DIMENSIONS = {
     "m": Dimension(
         ("1e-12 m", "1e5 m"),
-        {"m": "1", "nm": "1e-9", "um": "1e-6", "µm": "1e-6", "mm": "1e-3", "cm": "1e-2"}, "mm",
+        {"m": "1", "nm": "1e-9", "um": "1e-6", "µm": "1e-6", "mm": "1e-3", "cm": "1e-2"},
     ),
-    "m s-1": Dimension(("1e-9 m/s", "1e5 m/s"), {"m/s": "1", "mm/s": "1e-3"}, "m/s"),
+    "m s-1": Dimension(("1e-9 m/s", "1e5 m/s"), {"m/s": "1", "mm/s": "1e-3"}),
     "s": Dimension(("1e-9 s", "1e12 s"), {"s": "1", "ms": "1e-3", "min": "60"}),
-    "K": Dimension(("1e-9 K", "1e5 K"), {"K": "1", "degC": "1", "°C": "1"}, "°C"),
+    "K": Dimension(("1e-9 K", "1e5 K"), {"K": "1", "degC": "1", "°C": "1"}),
     "N": Dimension(("1e-9 N", "1e9 N"), {"N": "1", "kN": "1e3", "mN": "1e-3"}),
     "N s-1": Dimension(("1e-9 N/s", "1e12 N/s"), {"N/s": "1"}),
-    "Pa": Dimension(("1e-3 Pa", "1e15 Pa"), {"Pa": "1", "MPa": "1e6", "GPa": "1e9"}, "GPa"),
+    "Pa": Dimension(("1e-3 Pa", "1e15 Pa"), {"Pa": "1", "MPa": "1e6", "GPa": "1e9"}),
     "Pa s": Dimension(("1e-9 Pa s", "1e9 Pa s"), {"Pa s": "1", "mPa s": "1e-3"}),
     "kg m-3": Dimension(("1e-3 kg/m^3", "1e6 kg/m^3"), {"kg/m^3": "1"}),
     "W m-1 K-1": Dimension(("1e-6 W/(m K)", "1e6 W/(m K)"), {"W/(m K)": "1"}),
@@ -35,7 +34,7 @@ DIMENSIONS = {
     ),
     "m2 N-1": Dimension(
         ("1e-30 m^2/N", "1e-3 m^2/N"),
-        {"m^2/N": "1", "mm^3/(N m)": "1e-9", "mm³/(N m)": "1e-9", "1/GPa": "1e-9"}, "mm³/(N m)",
+        {"m^2/N": "1", "mm^3/(N m)": "1e-9", "mm³/(N m)": "1e-9", "1/GPa": "1e-9"},
     ),
     "m2": Dimension(("1e-18 m^2", "1e6 m^2"), {"m^2": "1", "mm^2": "1e-6", "mm²": "1e-6"}),
     "K W-1": Dimension(("1e-12 K/W", "1e12 K/W"), {"K/W": "1"}),
@@ -68,10 +67,6 @@ SIZES = _OTHERS | {unit: size for one in DIMENSIONS.values() for unit, size in o
 """Values in SI of units."""
 _FACTORS = {unit: float(1 / Decimal(size)) for unit, size in SIZES.items()}
 _SI = {unit: next(iter(one.units)) for one in DIMENSIONS.values() for unit in one.units}
-_HEADED = {
-    *UNITS.values(), *_OTHERS, *DIMENSIONS, *_SI.values(),
-    *(one.shown for one in DIMENSIONS.values()),
-}  # fmt: skip
 
 
 def column_heads(*names: str) -> dict[str, str]:
@@ -82,7 +77,7 @@ def column_heads(*names: str) -> dict[str, str]:
 
 def is_unit_of_head(unit: str) -> bool:
     """Whether a unit in the head of a column is one of ours, so that its values are shown in it."""
-    return unit in _HEADED
+    return unit in SIZES or unit in DIMENSIONS
 
 
 def units_in_si(*names: str) -> dict[str, str]:

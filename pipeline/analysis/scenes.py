@@ -11,12 +11,12 @@ import xarray as xr
 
 from pipeline.analysis.dataset import dataset_of, entry_dims, taken_entries
 from pipeline.analysis.tables import frame_of
-from pipeline.quantities import DIMENSIONS, display, shown_in
+from pipeline.quantities import display, shown_in
+from pipeline.scene.reference import find_entry, quantity_in
+from pipeline.scene.units import typeset
 from pipeline.store.place import PathLike
 
 Result = TypeVar("Result", xr.Dataset, xr.DataArray)
-
-_SHORT = 1e-4  # m: lengths of an entry that are all shorter are shown in µm
 
 
 def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
@@ -89,12 +89,12 @@ def shown_label(axis: xr.DataArray, value: Any) -> Any:
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
-    """Unit in which the values of an entry are shown."""
-    unit = str(axis.attrs.get("units", ""))
-    if unit == "m" and abs(axis).max() < _SHORT:
-        return "µm"
-    dimension = DIMENSIONS.get(unit)
-    return (dimension and dimension.shown) or unit
+    """Unit in which the values of an entry are shown: that of its example in the format."""
+    entry = find_entry(str(axis.name))
+    quantity = entry and quantity_in(entry.kind)
+    if quantity and axis.attrs.get("units"):
+        return typeset(quantity.example.partition(" ")[2])
+    return str(axis.attrs.get("units", ""))
 
 
 def frame_by_scene(

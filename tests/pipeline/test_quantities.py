@@ -4,6 +4,7 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.analysis.scenes import heads_of, shown_label, value_text
 from tests.helpers import synthetic, tiny
 from tribo import InputError
 
@@ -37,3 +38,29 @@ def test_a_boundary_and_a_margin_take_text():
 def test_text_that_is_no_such_quantity_is_refused(use, words):
     with pytest.raises(InputError, match=words):
         use()
+
+
+@pytest.mark.parametrize(
+    ("path", "unit", "value", "head", "text"),
+    [
+        ("oil.pressure_viscosity_coefficient", "m2 N-1", 15e-9, "1/GPa", "15 1/GPa"),
+        ("wear.specific_wear_rate", "m2 N-1", 1.2e-15, "mm³/(N m)", "1.2e-06 mm³/(N m)"),
+        ("oil.kinematic_viscosity", "m2 s-1", 46e-6, "mm²/s", "46 mm²/s"),
+        ("materials.steel.thermal_conductivity", "W m-1 K-1", 45.0, "W/(m K)", "45 W/(m K)"),
+        ("disk.roughness.ra", "m", 0.2e-6, "µm", "0.2 µm"),
+        ("pin.radius", "m", 2e-3, "mm", "2 mm"),
+        ("temperature.bulk", "K", 353.15, "°C", "80 °C"),
+        ("window.pixels", "1", 128.0, None, "128"),
+        ("variant", "", 3.0, None, "3"),
+    ],
+)
+def test_labels_of_rows_have_the_unit_of_their_entry_and_not_of_its_dimension(
+    path, unit, value, head, text
+):
+    axis = xr.DataArray([value], dims=[path], coords={path: [value]}, attrs={"units": unit})
+    axis.name = path
+    assert heads_of(xr.Dataset({path: axis}), [path]) == {
+        path: f"{path} [{head}]" if head else path
+    }
+    assert value_text(axis, value) == text
+    assert shown_label(axis, value) == pytest.approx(float(text.split()[0]))
