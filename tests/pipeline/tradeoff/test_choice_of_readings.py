@@ -12,7 +12,7 @@ from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity, measure_o
 from pipeline.tradeoff.probe import YARDSTICK, OwnError, Probe, Reading, Yardstick
 from tests.helpers import synthetic, tiny
 from tests.helpers.accuracy_scenes import SCENES
-from tribo import PRESETS, ConvergenceError, Fidelity, Grid
+from tribo import PRESETS, ConvergenceError, Fidelity, Grid, InputError
 
 WORN, UNWORN = (
     SCENES[name].changed(
@@ -267,6 +267,11 @@ def test_points_that_are_asked_for_are_judged_by_the_exponents_of_their_loads(ri
     assert kept.error == pytest.approx(1.1 * 0.0404 + 0.002 + 2e-5, rel=1e-9)
     rig.err = lambda _, number: 0.0 if number else 0.02
     assert rig.choose(WORN, None, points).error == pytest.approx(0.022 + 0.002 + 2e-5, rel=1e-9)
+
+
+def test_a_still_point_among_others_has_no_error(rig):
+    with pytest.raises(InputError, match="velocity is 0, so there is no heat"):
+        rig.choose(WORN, None, [Point(60.0, 1.0), Point(60.0, 0.0)])
 
 
 @pytest.mark.parametrize("accuracy", [0.08, 0.02])

@@ -258,12 +258,14 @@ def test_beyond_half_the_lowest_and_twice_the_highest_velocity_the_end_is_taken(
     assert point.velocity == pytest.approx(end)
 
 
-def test_a_probe_counts_the_work_of_its_points_and_the_memory_of_the_heaviest(runs):
+def test_a_probe_counts_the_work_of_its_points_and_the_memory_of_the_heaviest(runs, monkeypatch):
     made = runs(lambda load, velocity, _: 1000.0)
+    monkeypatch.setattr(probe_module.time, "process_time", iter([7.0, 9.5, 1.0, 2.0]).__next__)
     points = [Point(250.0, 1.5), Point(150.0, 0.5), Point(600.0, 1.0)]
     implicit = Fidelity(pixels_per_element=1, increments=20)
     without = probe(tiny.sweep(), implicit, points)
     assert (without.convolutions, without.work, without.peak_bytes) == (9, 150.0, None)
+    assert without.seconds == 2.5
     assert [reading.contact_nodes for reading in without.readings] == [2500, 1500, 6000]
     assert sorted(call[1:] for call in made.calls) == sorted(point[:2] for point in points)
     made.calls.clear()
@@ -275,6 +277,8 @@ def test_a_probe_counts_the_work_of_its_points_and_the_memory_of_the_heaviest(ru
         (replace(implicit, increments=3), 600.0, 1.0),
         (implicit, 75.0, 0.45),
     ]
+    monkeypatch.undo()
+    made = runs(lambda load, velocity, _: 1000.0)
     for fidelity in (
         replace(implicit, heat_model="history"),
         replace(implicit, wear_scheme="explicit"),
