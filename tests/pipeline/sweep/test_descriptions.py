@@ -196,6 +196,7 @@ def test_an_answer_shows_each_of_its_values_in_a_line():
     assert "<tr><th>few</th><td>1, 2, 3, 4, 5, 6</td></tr>" in html
     assert html.count("a &lt;b") == 2  # as one of its values, and as its table
     assert "hidden" not in html
+    assert "<th>0</th>" not in html  # no numbers of rows
 
 
 @pytest.mark.parametrize(
