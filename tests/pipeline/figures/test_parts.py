@@ -243,6 +243,9 @@ def test_a_ramp_has_the_temperatures_of_each_point_and_the_limit(narrow):
     )
     assert figure.axes[1].get_xlim()[0] == 0.0
     assert figure.axes[1].get_ylim()[0] == 0.0
+    for axes in figure.axes[1:]:  # with room for the legend, and more on the right
+        highest = max(np.nanmax(line.get_ydata()) for line in axes.lines if len(line.get_ydata()))
+        assert 1.15 * highest < axes.get_ylim()[1] < 1.8 * highest
     ends = [line.get_xdata()[-1] for line in temperatures.lines if len(line.get_xdata()) > 1]
     assert {round(end, 9) for end in ends if end > 1} <= {
         round(load / synthetic.RATE, 9) for load in (200.0, 600.0)
@@ -358,6 +361,16 @@ def test_regions_are_named_on_their_own_side_and_over_no_test(log):
     assert 1.0 < named[mild][0] < 5.0 < named[severe][0] < 9.0
     for _, load in places.values():  # midway between two rows of points
         assert np.abs(load - np.array([200.0, 400.0, 600.0, 800.0])).min() < 11.0
+    free = Figure().add_subplot()
+    free.set(xlim=(1.0, 9.0), ylim=(100.0, 900.0))
+    name_regions(free, plane, 5.0, rows, [])
+    middles = {text.get_text().split()[0]: text.get_position()[0] for text in free.texts}
+    assert middles == pytest.approx({"mild": 0.25, "severe": 0.75}, abs=0.02)
+    thin = plane.sel(velocity=slice(4.5, 9.0))  # where the name would not fit on the cold side
+    cold = Figure().add_subplot()
+    cold.set(xlim=(1.0, 9.0), ylim=(100.0, 900.0))
+    name_regions(cold, thin, 4.8, rows, [])
+    assert [text.get_text().split()[0] for text in cold.texts] == ["severe"]
     crowded = Figure().add_subplot()
     crowded.set(xlim=(1.0, 9.0), ylim=(100.0, 900.0))
     name_regions(crowded, plane, 5.0, np.linspace(100.0, 900.0, 61), [])
@@ -384,6 +397,16 @@ def test_tests_over_computed_are_in_one_scale_with_the_line_of_equals():
     ratios = [y / x for x, y in band.get_paths()[0].vertices if x > 0]
     assert min(ratios) < 0.98 < 1.02 < max(ratios)
     assert min(ratios) * max(ratios) == pytest.approx(1.0, abs=0.3)
+
+
+def test_a_test_of_a_slow_transition_is_drawn_too():
+    fast = synthetic.sweep(velocities=[0.1, 0.2, 0.4, 0.8], measured=(),
+                           tested=(Measurement(750.0, 0.4, 0.2, outcome="mild"),))  # fmt: skip
+    (axes,) = measured_over_computed(fast).axes
+    ((x, y),) = axes.containers[0].lines[0].get_xydata()
+    assert x == pytest.approx(synthetic.critical_velocity(750.0, synthetic.limit(0.2)), rel=1e-3)
+    assert x < 1.0
+    assert y == 0.4
 
 
 # Bars

@@ -1,14 +1,18 @@
 """The diagram of rows: each margin, its error and its factors at the numbers of the frame."""
 
 import math
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
+from pipeline.figures import row_margins
 from pipeline.figures.row_margins import _axis, _draw_factors, _draw_margins
 from pipeline.figures.style import TINTS
+from tests.helpers import synthetic
 from tests.pipeline.figures.test_parts import labels, lines
 
 NAN = math.nan
@@ -125,12 +129,12 @@ def test_factors_stand_at_their_rows_and_those_beyond_at_the_end_of_their_side()
     ]  # fmt: skip
     # Marks of velocity stand to the left of their row, those of load as far to the right.
     asides = [
-        line.get_transform().transform((1.0, 1.0))[0] - axes.transData.transform((1.0, 1.0))[0]
+        line.get_transform().transform((1.0, 1.0)) - axes.transData.transform((1.0, 1.0))
         for line in axes.lines
         if line.get_gid() in ("velocity", "load")
     ]
-    assert asides[0] == pytest.approx(-asides[1])
-    assert asides[0] == pytest.approx(-5 / 72 * figure.dpi)
+    aside = 5 / 72 * figure.dpi
+    np.testing.assert_allclose(asides, [(-aside, 0.0), (aside, 0.0)], atol=1e-9)
     assert [line.get_markerfacecolor() == "white" for line in axes.lines[:4]] == [
         False, True, False, True
     ]  # fmt: skip
@@ -155,6 +159,37 @@ def test_rows_are_named_by_their_own_label_or_numbered():
     assert (x.tolist(), ticks, label) == ([0, 1, 2, 3], ["1", "2", "3", "4"], "row")
     surfaces = numbered.assign(realization=[1, 2, 1, 2])
     assert _axis(surfaces, ["test", "load [N]", "realization"])[0].tolist() == [0, 0, 1, 1]
+
+
+@pytest.mark.parametrize(
+    ("several", "title"),
+    [
+        (False, "severe wear: more than 10 % of the contact above 145 °C; friction 0.1, bulk 25"),
+        (True, "severe wear: by the conditions of each row"),
+    ],
+)
+def test_conditions_of_rows_are_said_where_all_have_the_same(monkeypatch, several, title):
+    own = synthetic.conditions()
+    other = replace(own, critical_temperature=438.15) if several else own
+    judged = [SimpleNamespace(field=SimpleNamespace(conditions=one)) for one in (own, other, own)]
+    frame = FRAME.rename(columns={"variant": "test"})
+    monkeypatch.setattr(row_margins, "judged", lambda ds, points: judged)
+    monkeypatch.setattr(row_margins, "margin_frame", lambda ds, rows: frame)
+    monkeypatch.setattr(row_margins, "row_labels", lambda frame: ["test", "load [N]"])
+    figure = row_margins.draw_rows(synthetic.sweep([200.0, 400.0], [1.0, 2.0]))
+    (axes,) = figure.axes
+    assert figure.legends[0].get_title().get_text().startswith(title)
+    assert axes.get_xlabel() == "test"
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["a", "b", "c", "d"]
+    assert axes.get_title() == "White oil on ground steel"
+    many = pd.concat([frame.assign(test=[f"test {4 * k + i}" for i in range(4)])
+                      for k in range(12)])  # fmt: skip
+    monkeypatch.setattr(row_margins, "margin_frame", lambda ds, rows: many)
+    crowded = row_margins.draw_rows(synthetic.sweep([200.0, 400.0], [1.0, 2.0])).axes[0]
+    assert [text.get_text() for text in crowded.get_xticklabels()] == [
+        f"test {number}" for number in range(0, 48, 2)
+    ]
+    assert crowded.get_xticks().tolist() == [*range(0, 48, 2)]
 
 
 def test_legends_of_rows_name_what_is_marked():
