@@ -410,6 +410,15 @@ def test_the_scene_of_a_mesh_has_its_places_and_its_window(fzg, mesh):
         "shape": "cylinder", "radius": rows[0]["pin.radius"], "length": "20 mm",
         "material": "case-hardened 20MnCr5",
     }  # fmt: skip
+    (steel,) = scene["materials"].values()
+    assert steel == {
+        "elastic_modulus": "209 GPa", "poisson_ratio": 0.28, "hardness": "60 HRC",
+        "thermal_conductivity": "42 W/(m K)", "density": "7870 kg/m^3",
+        "specific_heat": "477 J/(kg K)",
+    }  # fmt: skip
+    assert [*scene["oil"]] == [
+        "density", "kinematic_viscosity", "pressure_viscosity_coefficient"
+    ]  # fmt: skip
     # A quarter of 4 µm, over 1.2 times the contact that peaks of 3 Rq widen; 8 pixels a step.
     widest = max(
         math.sqrt(4 * place.half_width**2 + 24 * fzg.rms_roughness * place.reduced_radius)
@@ -465,3 +474,10 @@ def test_smooth_flanks_have_no_roughness_and_a_leaning_tooth_a_longer_line(fzg):
     length = tomllib.loads(gears.scene_toml([gears.mesh(helical)]))["pin"]["length"]
     lean = math.asin(math.sin(math.radians(15)) * math.cos(math.radians(20)))
     assert float(length.split()[0]) == pytest.approx(23 / math.cos(lean), rel=1e-6)
+    # A point of the flank comes back once a turn: at its speed it runs 2π ρ1 in that section.
+    rows = tomllib.loads(gears.scene_toml([gears.mesh(helical)]))["sweep"]["along"]
+    turns = helical.duty.speed / (2 * math.pi)
+    sliding = [place for place in gears.mesh(helical).places if place.sliding]
+    for row, place in zip(rows, sliding, strict=True):
+        track = float(row["motion.track_length"].split()[0]) * 1e-3
+        assert track * turns == pytest.approx(place.rolling_1, rel=1e-6)
