@@ -288,6 +288,15 @@ def test_columns_that_make_no_rows_are_refused(columns, words):
         sheet_of(columns, ("load", "velocity"), ("load", "velocity"))
 
 
+@pytest.mark.parametrize("name", ["pin.radius", "fidelity.increments", "wear.pattern", "hold"])
+def test_columns_that_need_a_simulation_are_refused(name):
+    columns = {"load": [400.0], "velocity": [1.0]}
+    with pytest.raises(InputError, match=f'column "{name}" cannot act after the simulation'):
+        OperatingPoints.read(columns | {name: ["1"]})
+    for entry, cell in (("friction.coefficient", "0.1"), ("temperature.bulk", "300 K")):
+        assert OperatingPoints.read(columns | {entry: [cell]}).places == (Place(400.0, 1.0),)
+
+
 # Seeds
 
 
