@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import pipeline
+from pipeline.analysis.model_error import ModelError
 from pipeline.page.content import (
     along,
     content,
@@ -29,6 +30,7 @@ from pipeline.page.pictures import coloured, packed_fields, packed_point
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tests.helpers.sweeps import with_fields
+from tribo import InputError
 
 OWN = synthetic.conditions()
 
@@ -367,3 +369,126 @@ def test_probabilities_are_pale_at_their_ends_and_severe_wear_is_red():
     assert mild[2] > mild[0] + 50
     assert severe[0] > severe[2] + 50
     assert min(even) > 150
+
+
+# Planes
+
+SPARSE = ((200.0, 400.0, 600.0), (1.0, 2.0, 4.0))
+
+
+def floats(text):
+    return np.frombuffer(base64.b64decode(text), "<f4")
+
+
+def sparse(**told):
+    loads, velocities = SPARSE
+    return synthetic.sweep(loads=loads, velocities=velocities, **told)
+
+
+@pytest.fixture(scope="module")
+def missing():
+    """Three loads of three velocities, without the fastest point at the highest load."""
+    ds = sparse(status={(600.0, 4.0): 0})
+    return ds, content(ds)
+
+
+def test_a_plane_has_the_closed_form_between_the_points_and_far_beyond_them():
+    held = content(sparse())
+    loads, velocities = (np.array(held["fine"][axis]) for axis in ("load", "velocity"))
+    assert (loads[0], loads[-1], len(loads)) == (200.0, 600.0, 31)
+    assert (velocities[0], velocities[-1], len(velocities)) == (1e-6, 4e6, 63)
+    shares = np.array(held["shares"])
+    assert {0.0, 0.1, 0.5, 1.0} <= {float(round(share, 9)) for share in shares}
+    plane = floats(held["plane"]).reshape(31, 63, len(shares))
+    expected = synthetic.rise(loads[:, None, None], velocities[:, None], 1 - shares)
+    np.testing.assert_allclose(plane, expected, rtol=1e-5)
+    assert held["columns"] == {}
+    assert held["missing"] == [0]
+    assert held["error"] == pytest.approx(0.0, abs=1e-9)
+    assert held["friction_factors"] == [1.0] * 63
+    assert held["friction_by_temperature"] == [(0.0,), (1.0,)]
+
+
+def test_nodes_of_a_plane_know_the_points_and_rows_that_they_lie_at_or_between():
+    held = content(sparse())
+    loads, velocities = (held["fine"][axis] for axis in ("load", "velocity"))
+    at = held["nodes"]
+    assert [loads[k] for k in at["load"]] == [*SPARSE[0]]
+    assert [velocities[j] for j in at["velocity"]] == [*SPARSE[1]]
+    assert held["first"] == 1
+    assert (held["inner"][0], held["inner"][-1], len(held["inner"])) == (1.0, 4.0, 61)
+    for k, (below, above) in enumerate(held["beside"]):
+        assert below <= k <= above
+        assert {below, above} <= {*at["load"]}
+        assert (above - below) == (0 if k in at["load"] else 15)
+    rest = content(synthetic.sweep(loads=SPARSE[0], velocities=(0.0, 1.0, 2.0)))
+    assert rest["first"] == 0
+    assert (rest["inner"][0], rest["inner"][-1]) == (rest["fine"]["velocity"][0], 2.0)
+    one = content(synthetic.sweep(loads=SPARSE[0], velocities=(2.0,)))
+    assert (one["first"], one["fine"]["velocity"], one["inner"]) == (0, [2.0], [2.0])
+
+
+def test_a_line_at_a_velocity_has_its_own_points_alone_where_one_is_missing(missing):
+    _, held = missing
+    loads, velocities = (np.array(held["fine"][axis]) for axis in ("load", "velocity"))
+    (node,) = (int(np.flatnonzero(velocities == 4.0)[0]),)
+    nodes = loads.size * velocities.size
+    assert held["columns"] == {f"0 {node}": nodes}
+    assert held["missing"] == [1]
+    shares = np.array(held["shares"])
+    column = floats(held["plane"]).reshape(-1, len(shares))[nodes:]
+    assert column.shape == (31, len(shares))
+    inner = loads <= 400.0
+    expected = synthetic.rise(loads[inner, None], 4.0, 1 - shares)
+    np.testing.assert_allclose(column[inner], expected, rtol=1e-5)
+    assert np.isnan(column[~inner]).all()
+    state = np.array([*map(int, held["state"])])
+    assert state[nodes:].tolist() == [2 if within else 4 for within in inner]
+    plane = state[:nodes].reshape(31, 63)
+    assert plane[-1, node] == 4
+    assert (plane == 1).sum() == 8
+    assert {*plane[:, 0]} == {*plane[:, -1]} == {4}
+    assert plane[20, node] == 3  # between a row that is done there and one that is not
+
+
+def test_the_error_at_a_node_is_that_of_a_margin_there(missing):
+    ds, held = missing
+    loads, velocities = (held["fine"][axis] for axis in ("load", "velocity"))
+    errors = floats(held["errors"]).reshape(31, 63)
+    for k, j in ((0, 1), (15, 31), (7, 31), (15, 20), (22, 40), (22, 55), (30, 61), (15, 0)):
+        there = pipeline.margin(ds, loads[k], velocities[j]) if 1 <= j <= 61 else None
+        if there is None:
+            assert errors[k, j] > errors[k, 1]  # it grows with the way from the last point
+            continue
+        relative = there.temperature_error / (there.decisive_temperature - 298.15)
+        assert errors[k, j] == pytest.approx(relative, rel=1e-5), (k, j)
+
+
+def test_the_model_s_error_is_told_by_the_number_of_tests():
+    held = content(sparse(measured=synthetic.MEASURED[:2]))["model"]
+    assert len(held["below"]) == len(held["weight"]) == len(held["base"]) == 3
+    assert held["weight"][0] == 0.0
+    distances, below = np.array(held["distances"]), np.array(held["below"])
+    assert (distances[0], distances[-1]) == pytest.approx((-np.sinh(7.0), np.sinh(7.0)))
+    assert distances[120] == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(below[:, 120], 0.5)
+    np.testing.assert_allclose(below + below[:, ::-1], 1.0, atol=1e-6)
+    residuals = (0.1, -0.3)
+    whole = ModelError(residuals, 0.1)  # from 10 % and two tests
+    usual = [ModelError((0.0,) * n).scale for n in range(3)]
+    np.testing.assert_allclose(held["base"], np.square(usual))
+    assert held["weight"][2] * (0.1**2 + 0.3**2) == pytest.approx(
+        whole.scale**2 - ModelError((0.0, 0.0), 0.1).scale ** 2
+    )
+    assert held["words"][0] == ModelError().worded
+
+
+def test_fields_of_several_scenes_share_the_most_that_a_page_holds(tmp_path):
+    with pytest.raises(InputError, match="most_fields is -1; it must be at least 0"):
+        pipeline.explore(sparse(), tmp_path / "a.html", most_fields=-1)
+    none = pipeline.explore(sparse(), tmp_path / "a.html", most_fields=0)
+    assert (none.points, none.points_with_fields) == (9, 0)
+    held = pipeline.explore(sparse(fields=True), tmp_path / "b.html", most_fields=4)
+    assert (held.points, held.points_with_fields) == (9, 4)
+    assert held.path == tmp_path / "b.html"
+    assert held.size == (tmp_path / "b.html").stat().st_size
