@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from PIL import Image
 
 import pipeline
@@ -27,6 +28,7 @@ from pipeline.page.content import (
 from pipeline.page.controls import controls, scene_choice, surface_choice
 from pipeline.page.explore import Page
 from pipeline.page.pictures import coloured, packed_fields, packed_point
+from pipeline.sweep.variants import Column, Variants
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tests.helpers.sweeps import with_fields
@@ -492,3 +494,13 @@ def test_fields_of_several_scenes_share_the_most_that_a_page_holds(tmp_path):
     assert (held.points, held.points_with_fields) == (9, 4)
     assert held.path == tmp_path / "b.html"
     assert held.size == (tmp_path / "b.html").stat().st_size
+    radii = (1e-3, 2e-3)
+    column = Column("pin.radius", radii, "m", texts=("1 mm", "2 mm"))
+    table = Variants((column,), tuple((("pin.radius", radius),) for radius in radii))
+    two = xr.concat(
+        [sparse(fields=True, variants=table) for _ in radii],
+        xr.DataArray([*radii], dims="pin.radius", name="pin.radius", attrs={"units": "m"}),
+        combine_attrs="override",
+    )
+    both = pipeline.explore(two, tmp_path / "c.html", most_fields=5)
+    assert (both.points, both.points_with_fields, both.stored_fields) == (18, 4, 18)
