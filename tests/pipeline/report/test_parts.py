@@ -1,6 +1,8 @@
 """Sections of a report, by the words, tables and numbers in them."""
 
+import math
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -18,11 +20,14 @@ from pipeline.report.report import (
     _html,
     _inputs,
     _meaning,
+    _operating_points,
     _or_reason,
     _question,
+    _question_of_samples,
     _versions,
     _warnings,
 )
+from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.own_laws import OwnLawError
 from tests.helpers import synthetic
@@ -198,3 +203,36 @@ def test_a_report_has_no_sections_that_nothing_was_asked_for(tmp_path):
     assert "Operating points" not in headings
     assert headings[0] == "Question and answer"
     assert "<h1>White oil on ground steel</h1>" in text
+
+
+def test_samples_are_answered_at_the_lowest_and_the_highest_load_with_their_interval():
+    ensemble = SimpleNamespace(velocities=(0.5, 4.0), inputs=range(64))
+    quantiles = [[1.25, 2.0, 3.0], [0.6, 0.9, 1.3], [0.0, 0.7, math.inf]]
+    lines = xr.Dataset(
+        {"critical_velocity_quantile": (("load", "share"), quantiles)},
+        {"load": [200.0, 400.0, 750.0]},
+    )
+    question, said = _question_of_samples(ensemble, lines, ", before any test")
+    assert question.endswith(
+        ", with inputs that are not known exactly? 64 samples of them were simulated"
+    )
+    assert said == (
+        "Answer, before any test: the next run is as likely severe as mild from 2 m/s on at 200 N "
+        "(1.25 m/s to 3 m/s with 90 % probability) and from 0.7 m/s on at 750 N "
+        "(below 0.5 m/s to beyond 4 m/s with 90 % probability)"
+    )
+    _, once = _question_of_samples(ensemble, lines.isel(load=[1]), "")
+    assert once == (
+        "Answer: the next run is as likely severe as mild from 0.9 m/s on at 400 N "
+        "(0.6 m/s to 1.3 m/s with 90 % probability)"
+    )
+
+
+def test_operating_points_have_their_table_remarks_and_the_meaning_of_factors():
+    given = {"load": ["400 N", "9 kN"], "velocity": ["1.4 m/s", "1 m/s"], "shift": ["a", "b"]}
+    points = OperatingPoints.read(given)
+    table, *notes, factors = _operating_points(synthetic.sweep(*PLANE), points)
+    assert table["verdict"].tolist() == ["mild", "not known"]
+    assert "critical velocity [m/s]" not in table
+    assert any("9000 N" in note or "9 kN" in note for note in notes)
+    assert factors.startswith("A factor is the critical velocity or load over that of the point: ")
