@@ -20,6 +20,7 @@ from pipeline.run.vary import Variation, Variations
 from pipeline.store.schema import PENDING
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
+from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tribo import InputError
 
@@ -238,9 +239,7 @@ def test_a_ramp_has_the_temperatures_of_each_point_and_the_limit(narrow):
     figure = ramp(narrow, load=[200.0, 600.0], velocity=4.0)
     temperatures = figure.axes[0]
     key = labels(temperatures.get_legend())
-    assert key == ["highest", "exceeded by 10 %", "critical, 145 °C"] or key[2] == (
-        "critical, 145 °C"
-    )
+    assert key == ["highest", "exceeded on 10 % of the contact", "critical, 145 °C"]
     assert figure.axes[1].get_xlim()[0] == 0.0
     assert figure.axes[1].get_ylim()[0] == 0.0
     for axes in figure.axes[1:]:  # with room for the legend, and more on the right
@@ -259,6 +258,37 @@ def test_a_ramp_has_the_temperatures_of_each_point_and_the_limit(narrow):
     free = ramp(synthetic.sweep(*NARROW, conditions=unknown), load=600.0, velocity=4.0)
     assert labels(free.axes[0].get_legend())[0] == "highest"
     assert not any(text.startswith("critical") for text in labels(free.axes[0].get_legend()))
+
+
+def test_a_load_that_is_held_is_marked_from_when_it_is_reached_on():
+    ds = sweeps.held()
+    figure = ramp(ds, load=600.0, velocity=2.4)
+    top = figure.axes[0]
+    assert [[*line.get_xdata()] for line in top.lines].count([4.0, 4.0]) == 1
+    (text,) = top.texts
+    assert (text.get_text(), text.get_position()[0]) == (" load held", 4.0)
+    for axes in figure.axes:
+        assert axes.get_xlim() == (0.0, pytest.approx(1.01 * 17.0))  # 10 s and seven more
+    point = ds.sel(load=600.0, velocity=2.4)
+    factors = {
+        "contact width [µm]": ("contact_width", 1e6),
+        "in contact [% of window]": ("contact_fraction", 100.0),
+        "greatest wear depth [µm]": ("wear_depth_max", 1e6),
+        "worn volume [mm³]": ("wear_volume", 1e9),
+    }
+    assert [axes.get_ylabel() for axes in figure.axes[1:]] == [
+        "contact width [µm]", "greatest wear depth [µm]", "in contact [% of window]",
+        "worn volume [mm³]",
+    ]  # fmt: skip
+    for axes in figure.axes[1:]:
+        name, factor = factors[axes.get_ylabel()]
+        shown = np.concatenate([line.get_ydata() for line in axes.lines])
+        known = factor * point[name].values
+        np.testing.assert_allclose(np.sort(shown), np.sort(known[np.isfinite(known)]))
+    decisive = next(line for line in top.lines if "exceeded" in str(line.get_label()))
+    rises = point["rise_quantile"].interp(cooler_share=0.9).values
+    expected = 25.0 + 0.1 * rises[np.isfinite(rises)]
+    np.testing.assert_allclose(decisive.get_ydata()[-9:], expected[-9:])
 
 
 def test_a_ramp_without_wear_has_no_panel_of_it(narrow):

@@ -22,6 +22,7 @@ from pipeline.store.layout import (
     bytes_of_a_point,
     chunk_key,
     chunk_numbers,
+    documents,
     field_key,
     grown_axes,
     made_coordinates,
@@ -143,6 +144,34 @@ def test_a_distance_is_the_speed_times_the_time_and_ends_at_the_load():
     assert distances.shape == (3, 3, len(axes["step"]))
     for number, speed in enumerate((0.5, 1.0, 1.5)):
         np.testing.assert_allclose(distances[:, number], speed * time)
+
+
+def test_documents_of_arrays_are_written_before_any_root():
+    axes = grown_axes({}, SWEEP, SWEEP.plane)
+    wanted = variables_of(SWEEP)
+    axes = {name: values for name, values in axes.items() if name in wanted}
+    values = axes | made_coordinates(SWEEP, axes)
+    contents, metadata = documents(wanted, values, {"load": 3, "velocity": 16})
+    assert ROOT not in contents
+    assert {f"{name}/{ROOT}" for name in wanted} <= {*contents}
+    assert metadata.keys() == wanted.keys()
+
+    def chunk(name):
+        return metadata[name]["chunk_grid"]["configuration"]["chunk_shape"]
+
+    steps, shares = len(axes["step"]), len(axes["cooler_share"])
+    assert chunk("rise_quantile") == [3, 16, steps, shares]
+    assert chunk("rise") == [1, 1, 32, 16]
+    assert chunk("load") == [4096]
+    assert chunk("x") == [32]
+    assert chunk("time") == [3, steps]
+    about = metadata["mean_rise"]
+    assert about["attributes"]["units"] == "K"
+    assert about["dimension_names"] == ["load", "velocity", "step"]
+    assert about["fill_value"] == "NaN"
+    assert metadata["status"]["fill_value"] == 0
+    assert metadata["message"]["fill_value"] == ""
+    assert "units" not in metadata["status"]["attributes"]
 
 
 def test_what_tells_points_apart_is_told_from_what_belongs_to_each():
