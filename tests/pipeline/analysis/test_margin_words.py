@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 import pipeline
-from pipeline.analysis import margin as module
 from pipeline.analysis.margin import (
     _bounded,
     _decided_ends,
@@ -383,7 +383,29 @@ def test_a_place_is_given_whole():
             pipeline.margin(ds, **given)
 
 
-def test_over_surfaces_a_margin_has_the_quantiles_of_its_distance():
-    values, weights = np.array([1.0, 2.0, 4.0]), np.ones(3)
-    found = [module.quantile(values, weights, share) for share in module.DECIDED]
-    assert found == pytest.approx([1.0, 2.0, 4.0])  # beyond the middle of the outermost weights
+def test_over_two_surfaces_a_margin_has_medians_and_what_5_and_95_percent_stay_below():
+    def hotter(*place):
+        return 1.1 * synthetic.rise(*place)
+
+    several = [synthetic.sweep(rise=rise) for rise in (synthetic.rise, hotter)]
+    labels = xr.Variable("realization", [1, 2])
+    found = pipeline.margin(xr.concat(several, labels, combine_attrs="override"), 400.0, 1.4)
+    one, other = (pipeline.margin(ds, 400.0, 1.4) for ds in several)
+    assert (found.members, found.counts_inputs) == (2, False)
+    assert found.decisive_temperature == pytest.approx(
+        (one.decisive_temperature + other.decisive_temperature) / 2
+    )
+    ends = {
+        "decisive_temperature": (one.decisive_temperature, other.decisive_temperature),
+        "distance": (other.distance, one.distance),
+        "critical_velocity": (other.critical_velocity, one.critical_velocity),
+    }
+    for name, expected in ends.items():
+        assert found.intervals[name] == pytest.approx(expected, rel=1e-9), name
+    assert found.velocity_outcome == "crosses"
+    assert [*map(len, found.velocity_member_turns)] == [1, 1]
+    table = pipeline.margin(
+        xr.concat(several, labels, combine_attrs="override"), {"load": [400.0], "velocity": [1.4]}
+    )
+    low, high = table["distance low [K]"].item(), table["distance high [K]"].item()
+    assert (low, high) == pytest.approx(found.intervals["distance"])

@@ -75,6 +75,7 @@ def sizes(**values):
         (sizes(load=3, velocity=2), 1, sizes(load=3, velocity=16)),  # a search adds others
         (sizes(load=3, velocity=40), 1, sizes(load=3, velocity=40)),
         (sizes(velocity=3), 1, sizes(velocity=16)),
+        (sizes(velocity=900), 1, sizes(velocity=900)),
         (sizes(variant=5, sample=400, load=2, velocity=4), 2**14, sizes(variant=5, sample=1)),
         (sizes(sample=400, load=2, velocity=4), 2**14, sizes(sample=8, load=2, velocity=16)),
     ],
