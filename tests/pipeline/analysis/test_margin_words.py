@@ -235,6 +235,8 @@ VELOCITIES = np.linspace(0.5, 3.5, 301)
         (1.0, 3.9, (1.145, math.nan)),  # not severe at the highest
         (0.3, 5.0, (0.535, math.nan)),
         (0.0, 3.0, (math.nan, 2.85)),  # not mild at the lowest
+        (1.0, 1 + 2.495 / 0.95, (1.131, 3.495)),  # severe at the highest alone
+        (0.505 - 0.05, 1.455, (0.505, 1.405)),  # mild at the lowest alone
     ],
 )
 def test_wear_is_mild_below_and_severe_above_where_5_and_95_percent_are_crossed(
@@ -255,9 +257,9 @@ class Line(Shares):
 
     weights, misfit = np.array([1.0]), ""
 
-    def __init__(self, total, place=2.0):
-        super().__init__()
-        self.ends = {"velocity": (0.5, 3.5)}
+    def __init__(self, total, place=2.0, unit=1.0):
+        super().__init__(unit, 3.0 * unit)
+        self.ends = {"velocity": (0.5 * unit, 3.5 * unit)}
         self.total, self.place = total, place
 
     def error(self, load, velocity):
@@ -275,6 +277,11 @@ def test_ends_of_the_error_band_have_the_error_that_is_there():
     growing = Line(lambda v: 0.05 * v)  # 0.05 = (v - 1)/2 + 0.05 v, 0.95 = (v - 1)/2 - 0.05 v
     found = error_band(growing, 1.0, VELOCITIES, Normal())
     assert found == pytest.approx((1.0, 1.45 / 0.45), rel=2e-3)
+    slow = Line(lambda v: 0.5 * v, place=0.2, unit=0.1)
+    found = error_band(slow, 1.0, VELOCITIES / 10, Normal())
+    assert found == pytest.approx((0.1, 0.145 / 0.45), rel=2e-3)
+    far = Line(lambda v: None if v > 3.2 else 0.0)  # unknown where the sweep ends
+    assert error_band(far, 1.0, VELOCITIES, Normal()) == pytest.approx((1.1, 2.9), abs=2e-3)
 
 
 def test_an_error_band_is_unknown_where_the_error_or_the_place_is_not_known():

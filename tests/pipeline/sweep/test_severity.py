@@ -195,7 +195,7 @@ def test_the_worst_rises_of_several_points_are_those_under_their_own_loads():
 
 def test_a_limit_is_that_of_the_temperature_that_is_known():
     assert rise_limit(OWN) == pytest.approx(1200.0)
-    with pytest.raises(InputError, match="critical"):
+    with pytest.raises(InputError, match=r"temperature\.critical is missing, and this needs it"):
         rise_limit(replace(OWN, critical_temperature=None))
 
 
