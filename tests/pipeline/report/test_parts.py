@@ -30,6 +30,7 @@ from pipeline.report.report import (
 from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.variants import Column, Variants
 from tests.helpers import synthetic
 from tribo import InputError
 
@@ -134,6 +135,19 @@ def test_inputs_are_entries_with_their_meanings_and_their_sources():
     assert isinstance(smooth[0], pd.DataFrame)
     assert smooth[-1] == "Source: all values from the scene synthetic.toml."
     assert len(smooth) == 2
+
+
+def test_inputs_that_differ_between_scenes_have_all_their_values():
+    radii = (1e-3, 2e-3)
+    column = Column("pin.radius", radii, "m", texts=("1 mm", "2 mm"))
+    table = Variants((column,), tuple((("pin.radius", radius),) for radius in radii))
+    labels = xr.DataArray([*radii], dims="pin.radius", name="pin.radius", attrs={"units": "m"})
+    parts = [synthetic.sweep(*PLANE, variants=table) for _ in radii]
+    ds = xr.concat(parts, labels, combine_attrs="override")
+    (entries,) = (part for part in sections(ds) if isinstance(part, pd.DataFrame))
+    values = dict(zip(entries["entry"], entries["value"], strict=True))
+    assert values["pin.radius"] == "in turn 1 mm, 2 mm"
+    assert values.keys().isdisjoint({"load", "velocity", "step", "time"})
 
 
 def test_meanings_are_the_first_sentence_of_the_reference():
