@@ -289,6 +289,18 @@ def test_conditions_are_near_where_they_allow_nearly_the_same_rise(changes, is_n
     assert _is_near(replace(OWN, **changes), OWN, 2.0) == is_near
 
 
+def test_conditions_are_near_where_friction_by_velocity_is_that_of_the_test():
+    falling = tribo.Friction(by_velocity=((1.0, 1.0), (4.0, 0.5)))
+    law = replace(OWN, corrections=tribo.Corrections(friction=falling))
+    at_four, elsewhere = replace(OWN, friction=0.05), replace(OWN, friction=0.2)
+    assert law.friction_factor(np.array(4.0)) == pytest.approx(0.5)
+    assert _is_near(law, at_four, 4.0)
+    assert _is_near(at_four, law, 4.0)
+    assert not _is_near(law, at_four, 1.0)
+    assert _is_near(law, OWN, 1.0)
+    assert not _is_near(law, elsewhere, 4.0)
+
+
 def test_a_test_at_another_friction_is_joined_with_its_own_transition():
     axes = Figure().add_subplot()
     tests = [
