@@ -14,6 +14,7 @@ import xarray as xr
 from PIL import Image
 
 import pipeline
+from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.model_error import ModelError
 from pipeline.page.content import (
     along,
@@ -23,11 +24,13 @@ from pipeline.page.content import (
     error_of_lines,
     packed_array,
     pieces_of,
+    record,
     states,
 )
 from pipeline.page.controls import controls, scene_choice, surface_choice
 from pipeline.page.explore import Page
 from pipeline.page.pictures import coloured, packed_fields, packed_point
+from pipeline.sweep.codec import content_hash
 from pipeline.sweep.variants import Column, Variants
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
@@ -188,6 +191,20 @@ def test_facts_of_a_page_are_those_of_its_sweep():
     assert held["messages"] == {"0": "out of memory", str(3 * 15 + 2): "careful"}
     assert (held["done"], held["has_warnings"]) == (178, True)
     assert json.dumps(held, allow_nan=False)
+
+
+def test_the_record_has_the_entries_without_tests_and_the_reason_of_an_accuracy():
+    plain = synthetic.sweep()
+    kept = record(plain, stored_sweep(plain))
+    assert kept["pin.radius"] == "2 mm"
+    assert not [path for path in kept if path.startswith(("measured", "tested"))]
+    assert "accuracy" not in kept
+    assert kept["scene hash"] == content_hash(stored_sweep(plain).scene)
+    picked = synthetic.selection(error=0.01)
+    ds = synthetic.sweep(preset=None, selection=picked).assign_attrs(history="computed here")
+    told = record(ds, stored_sweep(ds))
+    assert told["accuracy"] == str(picked)
+    assert told["history"] == "computed here"
 
 
 def test_tests_have_their_nearest_node_and_lie_inside_or_not():
