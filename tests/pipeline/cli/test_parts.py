@@ -16,7 +16,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.analysis.dataset import scene_sweep, stored_sweep
-from pipeline.cli import given, output, values
+from pipeline.cli import given, output, stores, values
 from pipeline.cli.begin import new
 from pipeline.cli.next_steps import (
     after_boundary,
@@ -541,3 +541,55 @@ def test_a_new_scene_is_named_with_the_commands_that_follow(tmp_path, monkeypatc
     assert made.document == {"file": str(copies[0]), "copies": [str(copies[1])]}
     with pytest.raises(InputError, match="no file is named; give one to write, such as: irg new"):
         new(SimpleNamespace(list=False, file=None))
+
+
+@pytest.mark.parametrize(
+    ("counts", "words"),
+    [
+        ((0, 9, 0, None), "done"),
+        ((2, 7, 0, None), "7 of 9 done"),
+        ((2, 6, 1, None), "6 of 9 done, 1 failed"),
+        ((0, 8, 1, "process 1"), "done, 1 failed, running now"),
+    ],
+)
+def test_the_state_of_a_store_counts_what_is_done_and_failed(monkeypatch, counts, words):
+    pending, done, failed, running = counts
+    state = SimpleNamespace(
+        pending=pending, done=done, total=9, failed=failed * ("point",), running=running, title="T"
+    )
+    monkeypatch.setattr(stores, "summary", lambda path: state)
+    monkeypatch.setattr(
+        stores, "read_sweep", lambda path: SimpleNamespace(about=SimpleNamespace(preset="fine"))
+    )
+    assert stores._store_status(Path("a.zarr")) == {
+        "kind": "store", "state": words, "preset": "fine", "title": "T"
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("criterion", "digest", "is_told"),
+    [
+        ("laws.py:hot", "b" * 64, True),
+        ("laws.py:hot", "a" * 64, False),  # the same text
+        ("laws.py:cold", "b" * 64, False),  # another criterion, which is no surprise
+        ("share", "b" * 64, False),
+    ],
+)
+def test_a_criterion_of_another_text_than_the_store_s_is_noted(
+    monkeypatch, criterion, digest, is_told
+):
+    stored = SimpleNamespace(reference="laws.py:hot", digest="a" * 64)
+    own = {"criterion": criterion} | ({} if criterion == "share" else {"own_laws": True})
+    conditions = SimpleNamespace(own_criterion=stored)
+    monkeypatch.setattr(given, "criterion_in", lambda options: own)
+    monkeypatch.setattr(given, "scene_sweep", lambda ds: SimpleNamespace(conditions=conditions))
+    monkeypatch.setattr(
+        given, "changes_of", lambda **_: {"own_criterion": SimpleNamespace(digest=digest)}
+    )
+    said = []
+    monkeypatch.setattr(given, "tell", said.append)
+    given._tell_of_another_law(argparse.Namespace(), None)
+    assert said == [
+        "note: laws.py:hot here (SHA-256 bbbbbbbb) is not the text that the store was judged by "
+        "(aaaaaaaa)"
+    ] * is_told  # fmt: skip
