@@ -126,7 +126,10 @@ def test_a_failure_stage_is_a_temperature_between_two_stages(irg):
 def test_the_stage_that_is_predicted_is_the_one_that_was_told(irg):
     """An oil that fails in stage 10 fails there again, and on rougher flanks sooner."""
     given = ("gears", "fzg_a", "--failure-stage", "10", "--stages", "--json")
-    assert irg(*given)["stages"]["fails"] == 10
+    stages = irg(*given)["stages"]
+    assert stages["fails"] == 10
+    assert stages["stage"] == [*range(1, 13)]
+    assert stages["torque [N m]"][9] == 372.6
     told = irg("gears", "fzg_a", "--failure-stage", "10", "--json")["critical_temperature"]
     limit = f"{told['value'] - 273.15} degC"
     rough = ("--set", "pinion.roughness=1 um", "--set", "wheel.roughness=1 um")

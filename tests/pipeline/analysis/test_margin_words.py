@@ -1,0 +1,418 @@
+"""Words, ends and tables of margins at numbers that are given."""
+
+import math
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import pipeline
+from pipeline.analysis.margin import (
+    _bounded,
+    _decided_ends,
+    _ranked,
+    error_band,
+    outcome_in_words,
+    percent,
+    probabilities_alone,
+    told,
+    verdict_between,
+)
+from pipeline.analysis.margin_frame import (
+    LONG,
+    _bridged,
+    _passed_on,
+    counts_in_words,
+    row_labels,
+)
+from pipeline.analysis.rise_error import RiseError
+from pipeline.analysis.transition import ABOVE, CROSSES, MILD, SEVERAL, SEVERE
+from pipeline.scene.along import OperatingPoints, Place
+from tests.helpers import synthetic
+from tribo import InputError
+
+NONE = RiseError(0.0, 0.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def here():
+    return pipeline.margin(synthetic.sweep(), 400.0, 1.4)
+
+
+# Verdicts and their words
+
+
+@pytest.mark.parametrize(
+    ("lowest", "highest", "verdict"),
+    [
+        (0.0, 0.05, "mild"),
+        (0.0, 0.051, "not decided"),
+        (0.949, 1.0, "not decided"),
+        (0.95, 1.0, "severe"),
+        (0.0, 1.0, "not decided"),
+    ],
+)
+def test_a_verdict_is_given_with_95_percent_probability_at_the_worst_error(
+    lowest, highest, verdict
+):
+    assert verdict_between(lowest, highest) == verdict
+
+
+@pytest.mark.parametrize(
+    ("probability", "words", "number"),
+    [
+        (0.0, "less than 0.01 %", 1e-4),
+        (1e-4, "0.01 %", 1e-4),
+        (0.0123, "1.2 %", 0.0123),
+        (0.5, "50 %", 0.5),
+        (0.9949, "99 %", 0.9949),
+        (0.9953, "99.53 %", 0.9953),
+        (1.0, "more than 99.99 %", 1 - 1e-4),
+    ],
+)
+def test_a_probability_is_told_as_near_to_0_and_1_as_is_known(probability, words, number):
+    assert percent(probability) == words
+    assert told(probability) == pytest.approx(number, rel=1e-12)
+
+
+def changed(margin, **values):
+    """A margin with some other values."""
+    return type(margin)(
+        **{name: getattr(margin, name) for name in type(margin).__dataclass_fields__} | values
+    )
+
+
+def test_the_sentence_tells_verdict_probability_distance_and_what_does_not_count(here):
+    mild = changed(here, lowest=0.001, probability=0.01, highest=0.02, distance=28.43)
+    assert mild.sentence == (
+        "Mild: severe wear is 1 % likely (0.1 to 2 %), 28.4 K below the critical temperature; "
+        "errors of the inputs, such as the steel's conductivity, are not counted"
+    )
+    severe = changed(
+        here,
+        lowest=0.99,
+        probability=0.99,
+        highest=0.99,
+        distance=-5.0,
+        counts_inputs=True,
+        tested=("mild at 1 m/s", "severe at 2 m/s"),
+    )
+    assert severe.sentence == (
+        "Severe: severe wear is 99 % likely, 5 K above the critical temperature; "
+        "tested there: mild at 1 m/s, severe at 2 m/s"
+    )
+    assert "0 K below" in changed(here, distance=0.0).sentence
+
+
+@pytest.mark.parametrize(
+    ("lowest", "probability", "highest", "misfit", "verdict", "by_model"),
+    [
+        (0.0, 0.01, 0.02, "", "mild", False),
+        (0.0, 0.01, 0.5, "", "not decided", False),
+        (0.2, 0.3, 0.5, "", "not decided", True),
+        (0.0, 0.01, 0.02, "tests contradict it", "not decided", True),
+    ],
+)
+def test_what_the_model_leaves_open_is_told_from_the_numerical_error(
+    here, lowest, probability, highest, misfit, verdict, by_model
+):
+    found = changed(here, lowest=lowest, probability=probability, highest=highest, misfit=misfit)
+    assert (found.verdict, found.is_open_by_model) == (verdict, by_model)
+
+
+def test_plain_data_have_the_answers_and_the_values_of_entries(here):
+    found = changed(here, probability=0.0, highest=1.0, entries={"pin.radius": 2e-3})
+    plain = found.as_dict()
+    assert "entries" not in plain
+    assert plain["pin.radius"] == 2e-3
+    assert (plain["probability"], plain["highest"]) == (1e-4, 1 - 1e-4)
+    assert plain["verdict"] == "not decided"
+    assert plain["velocity_factor"] == found.critical_velocity / 1.4
+    assert plain["load_factor"] == found.critical_load / 400.0
+    assert plain["temperature_error"] == found.error.total
+    assert plain["sentence"] == found.sentence
+
+
+def test_a_margin_has_its_place_ranges_and_counts(here):
+    assert (here.load, here.velocity) == (400.0, 1.4)
+    assert here.velocity_range == (0.5, 4.0)
+    assert here.load_range == (200.0, 750.0)
+    assert (here.members, here.counts_inputs, here.intervals) == (1, False, {})
+    assert (here.velocity_bridged, here.load_bridged) == (0, 0)
+    assert (here.is_computed, here.is_continued) == (False, False)
+    assert pipeline.margin(synthetic.sweep(), 400.0, 1.5).is_computed
+    assert here.critical_temperature == pytest.approx(418.15)
+    critical = synthetic.critical_velocity(400.0, synthetic.limit())
+    assert here.velocity_turns == pytest.approx((critical,), rel=1e-9)
+    (member,) = here.velocity_member_turns
+    assert member == pytest.approx((critical,), rel=1e-9)
+    assert not here.velocity_begins_severe
+    assert here.lowest < here.probability < here.highest
+
+
+def test_outcomes_are_one_or_how_many_cross():
+    def said(*codes):
+        return outcome_in_words(SimpleNamespace(outcome=np.array(codes)), "load")
+
+    assert said(MILD, MILD) == "mild throughout"
+    assert said(SEVERE) == "severe throughout"
+    assert said(ABOVE) == "mild at every load computed"
+    assert said(SEVERAL) == "severe at some load and mild at a higher one"
+    assert said(MILD, SEVERE) == "crosses on 0 of 2"
+    assert said(CROSSES, SEVERAL, CROSSES, MILD) == "crosses on 2 of 4"
+
+
+def test_of_several_turns_the_nearest_by_its_ratio_is_ranked():
+    two = SimpleNamespace(alike=np.array([[1.0, 3.0], [1.2, 4.0]]), nearest=None)
+    assert _ranked(two, 1.8).tolist() == [1.0, 1.2]
+    assert _ranked(two, 2.2).tolist() == [3.0, 4.0]
+    unlike = SimpleNamespace(alike=np.empty((2, 0)), nearest=np.array([0.0, 2.0, math.inf]))
+    assert _ranked(unlike, 1.0).tolist() == [-math.inf, 2.0, math.inf]
+
+
+# Numerical errors
+
+
+def test_a_quantity_is_bounded_by_the_shift_of_the_logarithm_of_the_rise():
+    low, middle, high = _bounded(np.array, RiseError(0.03, 0.04, 0.0))
+    assert (low, middle, high) == pytest.approx((-math.log(1.05), 0.0, math.log(1.05)))
+    calls = []
+    assert _bounded(lambda shift: calls.append(shift) or np.array([0.3]), NONE) == ([0.3],) * 3
+    assert calls == [0.0]
+    unknown = _bounded(lambda _: np.array([0.3]), RiseError(0.1, None, 0.0))
+    assert unknown == ([0.0], [0.3], [1.0])
+
+
+@dataclass
+class Normal:
+    """A scatter that spreads evenly from -0.2 to 0.2."""
+
+    worded: str = ""
+
+    def below(self, distances):
+        return np.clip((np.asarray(distances) + 0.2) / 0.4, 0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("rise", "limit", "expected"),
+    [
+        (100.0, 100.0, 0.5),
+        (100.0, 100.0 * math.exp(0.1), 0.25),
+        (100.0, 100.0 * math.exp(-0.1), 0.75),
+        (0.0, 100.0, 0.0),
+        (100.0, math.inf, 0.0),
+    ],
+)
+def test_a_point_alone_is_severe_by_the_ratio_of_its_rise_to_the_limit(rise, limit, expected):
+    found = probabilities_alone(rise, limit, Normal(), NONE)
+    assert found == pytest.approx((expected,) * 3, abs=1e-12)
+
+
+class Shares:
+    """A field whose probabilities of severe wear rise evenly between 1 and 3 m/s."""
+
+    def __init__(self, begin=1.0, end=3.0):
+        self.begin, self.end = begin, end
+
+    def probability(self, load, velocities, scatter, shift):
+        middle = (np.asarray(velocities) - self.begin) / (self.end - self.begin)
+        return np.clip(middle + shift, 0.0, 1.0)
+
+
+VELOCITIES = np.linspace(0.5, 3.5, 301)
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "expected"),
+    [
+        (1.0, 3.0, (1.1, 2.9)),  # 5 and 95 %
+        (4.0, 5.0, (math.inf, math.nan)),  # mild at all
+        (0.0, 0.4, (math.nan, 0.0)),  # severe at all
+        (0.4, 3.0, (0.53, 2.87)),
+        (1.0, 3.9, (1.145, math.nan)),  # not severe at the highest
+        (0.3, 5.0, (0.535, math.nan)),
+        (0.0, 3.0, (math.nan, 2.85)),  # not mild at the lowest
+        (1.0, 1 + 2.495 / 0.95, (1.131, 3.495)),  # severe at the highest alone
+        (0.505 - 0.05, 1.455, (0.505, 1.405)),  # mild at the lowest alone
+    ],
+)
+def test_wear_is_mild_below_and_severe_above_where_5_and_95_percent_are_crossed(
+    begin, end, expected
+):
+    found = _decided_ends(Shares(begin, end), 1.0, VELOCITIES, Normal(), NONE)
+    assert found == pytest.approx(expected, abs=2e-3, nan_ok=True)
+
+
+def test_a_numerical_error_moves_both_ends_apart():
+    error = RiseError(0.0, math.expm1(0.1), 0.0)
+    found = _decided_ends(Shares(), 1.0, VELOCITIES, Normal(), error)
+    assert found == pytest.approx((0.9, 3.1), abs=2e-3)
+
+
+class Line(Shares):
+    """The same with turns at 2 m/s, and a numerical error by velocity."""
+
+    weights, misfit = np.array([1.0]), ""
+
+    def __init__(self, total, place=2.0, unit=1.0):
+        super().__init__(unit, 3.0 * unit)
+        self.ends = {"velocity": (0.5 * unit, 3.5 * unit)}
+        self.total, self.place = total, place
+
+    def error(self, load, velocity):
+        value = self.total(velocity)
+        return RiseError(0.0, None if value is None else math.expm1(value), 0.0)
+
+    def turns(self, axis, load, here):
+        return SimpleNamespace(nearest=np.array([self.place]), computed=(0.5, 3.5))
+
+
+def test_ends_of_the_error_band_have_the_error_that_is_there():
+    assert error_band(Line(lambda _: 0.0), 1.0, VELOCITIES, Normal()) == pytest.approx(
+        (1.1, 2.9), abs=2e-3
+    )
+    growing = Line(lambda v: 0.05 * v)  # 0.05 = (v - 1)/2 + 0.05 v, 0.95 = (v - 1)/2 - 0.05 v
+    found = error_band(growing, 1.0, VELOCITIES, Normal())
+    assert found == pytest.approx((1.0, 1.45 / 0.45), rel=2e-3)
+    slow = Line(lambda v: 0.5 * v, place=0.2, unit=0.1)
+    found = error_band(slow, 1.0, VELOCITIES / 10, Normal())
+    assert found == pytest.approx((0.1, 0.145 / 0.45), rel=2e-3)
+    far = Line(lambda v: None if v > 3.2 else 0.0)  # unknown where the sweep ends
+    assert error_band(far, 1.0, VELOCITIES, Normal()) == pytest.approx((1.1, 2.9), abs=2e-3)
+
+
+def test_an_error_band_is_unknown_where_the_error_or_the_place_is_not_known():
+    unknown = error_band(Line(lambda _: None), 1.0, VELOCITIES, Normal())
+    no_place = error_band(Line(lambda _: 0.0, math.nan), 1.0, VELOCITIES, Normal())
+    misfit = Line(lambda _: 0.0)
+    misfit.misfit = "tests contradict it"
+    contradicted = error_band(misfit, 1.0, VELOCITIES, Normal())
+    assert [*unknown, *no_place, *contradicted] == pytest.approx([math.nan] * 6, nan_ok=True)
+
+
+def test_an_end_whose_error_is_unknown_between_points_is_looked_for_from_the_outermost():
+    found = error_band(Line(lambda v: None if 1.5 < v < 2.5 else 0.0), 1.0, VELOCITIES, Normal())
+    assert found == pytest.approx((1.1, 2.9), abs=2e-3)
+    found = error_band(Line(lambda v: None if 0.6 < v < 3.4 else 0.0), 1.0, VELOCITIES, Normal())
+    assert found == pytest.approx((0.5, 3.5))
+
+
+# Tables
+
+
+def frame(*rows):
+    names = ("sample", "load [N]", "velocity [m/s]", "verdict", "distance [K]")
+    return pd.DataFrame([*rows], columns=names)
+
+
+def test_verdicts_of_a_table_are_counted_and_the_least_margin_is_named():
+    several = frame(
+        (1, 400.0, 1.5, "mild", 30.0), (2, 600.0, 2.0, "severe", -12.345), (3, 1.0, 1.0, "mild", 9)
+    )
+    said = "2 mild, 1 severe; the least margin is -12.3 K, at 600 N and 2 m/s"
+    assert counts_in_words(several) == said
+    assert counts_in_words(several[:1]) == "1 mild"
+    unknown = frame(*[(k, 400.0, 1.5, "not known", np.nan) for k in range(2)])
+    assert counts_in_words(unknown) == "2 not known"
+    beside = frame((1, 400.0, 1.5, "not known", None), (2, 500.0, 2.5, "mild", 8.0))
+    assert counts_in_words(beside) == (
+        "1 mild, 1 not known; the least margin is 8 K, at 500 N and 2.5 m/s"
+    )
+    assert row_labels(several) == ["sample", "load [N]", "velocity [m/s]"]
+
+
+@pytest.mark.parametrize(
+    ("velocity", "load", "said"),
+    [
+        (0, 0, []),
+        (2, 0, ["points not done next to the transition: 2 along the velocity"]),
+        (
+            2,
+            1,
+            ["points not done next to the transition: 2 along the velocity, 1 along the load"],
+        ),
+    ],
+)
+def test_points_not_done_beside_a_transition_are_noted(here, velocity, load, said):
+    found = changed(here, velocity_bridged=velocity, load_bridged=load)
+    assert [*_bridged(found)] == said
+
+
+def test_further_columns_are_passed_on_for_each_scene_and_told_from_results():
+    results = pd.DataFrame({"verdict": ["mild"] * 4, "distance [K]": [1.0] * 4})
+    places = (Place(400.0, 1.0), Place(500.0, 1.0))
+    others = {"test": ["a", "b"], "verdict": ["x", "y"], "distance": [3, 4]}
+    found = _passed_on(OperatingPoints(places, others), results)
+    assert {name: [*values] for name, values in found.items()} == {
+        "test": ["a", "b"] * 2,
+        "verdict (given)": ["x", "y"] * 2,
+        "distance (given)": [3, 4] * 2,
+    }
+    assert _passed_on(None, results).empty
+
+
+def test_a_table_of_points_has_an_answer_or_a_note_for_each():
+    points = {"load": ["400 N", "600 N", "9 kN"], "velocity": ["1.4 m/s", "2.4 m/s", "1 m/s"]}
+    found = pipeline.margin(synthetic.sweep(), points)
+    assert [*found] == [
+        *("load [N]", "velocity [m/s]", "verdict", "probability", "decisive temperature [°C]"),
+        *("temperature error [K]", "distance [K]", "distance low [K]", "distance high [K]"),
+        *("velocity factor", "critical velocity [m/s]", "velocity outcome", "load factor"),
+        *("critical load [N]", "load outcome", "note"),
+    ]
+    assert found["verdict"].tolist() == ["mild", "severe", "not known"]
+    assert found["load [N]"].tolist() == [400.0, 600.0, 9000.0]
+    one = pipeline.margin(synthetic.sweep(), 400.0, 1.4)
+    first = found.iloc[0]
+    assert first["decisive temperature [°C]"] == pytest.approx(one.decisive_temperature - 273.15)
+    assert first["distance [K]"] == pytest.approx(one.distance)
+    assert first["probability"] == pytest.approx(max(one.probability, 1e-4))
+    assert first["critical load [N]"] == pytest.approx(one.critical_load)
+    assert np.isnan(first["distance low [K]"])
+    assert pd.isna(first["note"])
+    assert "9000 N" in found.iloc[2]["note"] or "9 kN" in found.iloc[2]["note"]
+    assert found.iloc[2, 3:-1].isna().all()
+    assert {*LONG} < {*found}
+
+
+def test_a_place_is_given_whole():
+    ds = synthetic.sweep()
+    for given, missing in (
+        ({"velocity": 1.0}, "velocity is given without a load"),
+        ({"load": 400.0}, "load is given without a velocity"),
+        ({"load": 400}, "load is given without a velocity"),
+        ({}, "no operating point is given, and the rows have none of their own"),
+    ):
+        with pytest.raises(InputError, match=missing):
+            pipeline.margin(ds, **given)
+
+
+def test_over_two_surfaces_a_margin_has_medians_and_what_5_and_95_percent_stay_below():
+    def hotter(*place):
+        return 1.1 * synthetic.rise(*place)
+
+    several = [synthetic.sweep(rise=rise) for rise in (synthetic.rise, hotter)]
+    labels = xr.Variable("realization", [1, 2])
+    found = pipeline.margin(xr.concat(several, labels, combine_attrs="override"), 400.0, 1.4)
+    one, other = (pipeline.margin(ds, 400.0, 1.4) for ds in several)
+    assert (found.members, found.counts_inputs) == (2, False)
+    assert found.decisive_temperature == pytest.approx(
+        (one.decisive_temperature + other.decisive_temperature) / 2
+    )
+    ends = {
+        "decisive_temperature": (one.decisive_temperature, other.decisive_temperature),
+        "distance": (other.distance, one.distance),
+        "critical_velocity": (other.critical_velocity, one.critical_velocity),
+    }
+    for name, expected in ends.items():
+        assert found.intervals[name] == pytest.approx(expected, rel=1e-9), name
+    assert found.velocity_outcome == "crosses"
+    assert [*map(len, found.velocity_member_turns)] == [1, 1]
+    table = pipeline.margin(
+        xr.concat(several, labels, combine_attrs="override"), {"load": [400.0], "velocity": [1.4]}
+    )
+    low, high = table["distance low [K]"].item(), table["distance high [K]"].item()
+    assert (low, high) == pytest.approx(found.intervals["distance"])

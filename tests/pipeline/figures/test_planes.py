@@ -1,0 +1,361 @@
+"""Planes of diagrams at numbers that are known: their regions, bands, points and names."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+
+import pipeline
+import tribo
+from pipeline.analysis.dataset import stored_sweep
+from pipeline.figures import diagram as module
+from pipeline.figures.diagram import diagram
+from pipeline.figures.overlays import (
+    _is_near,
+    _roomiest,
+    film_lines,
+    isoline,
+    mark_own_transitions,
+)
+from pipeline.store.schema import FAILED, PENDING
+from pipeline.sweep.about import Measurement
+from pipeline.sweep.surface import find_lubrication
+from pipeline.sweep.variants import Column, Variants
+from tests.helpers import synthetic
+from tests.helpers.sweeps import with_fields
+from tribo import InputError
+
+LOADS, VELOCITIES = (200.0, 300.0, 400.0, 500.0, 600.0), (1.0, 1.5, 2.0, 3.0, 4.0)
+OWN, LIMIT = synthetic.conditions(), synthetic.limit()
+
+
+def sweep(**told):
+    whole = {"loads": LOADS, "velocities": VELOCITIES, "measured": (), "friction_band": None}
+    return synthetic.sweep(**whole | told)
+
+
+def drawn(ds, **options):
+    """Axes of a diagram, and the words of its legend."""
+    figure = diagram(ds, **options)
+    (legend,) = figure.legends or [figure.axes[0].get_legend()]
+    return figure.axes[0], [text.get_text() for text in legend.get_texts()], legend
+
+
+@pytest.fixture(autouse=True)
+def _coarse(monkeypatch):
+    """Planes of fewer elements, which are drawn in less time."""
+    monkeypatch.setattr(module, "_RESOLUTION", 60)
+
+
+def vertices(axes, gid):
+    """Places of the line or the area with a mark."""
+    (found,) = [one for one in axes.collections if one.get_gid() == gid]
+    return np.concatenate([path.vertices for path in found.get_paths()])
+
+
+def marks(axes, gid):
+    """Places of the points with a mark."""
+    found = [line for line in axes.lines if line.get_gid() == gid]
+    return {(v, load) for line in found for v, load in zip(*line.get_data(), strict=True)}
+
+
+def flat():
+    """A plane whose value is the velocity."""
+    loads, velocities = np.linspace(0.0, 10.0, 11), np.linspace(0.0, 20.0, 21)
+    values = np.repeat(velocities[None], 11, axis=0)
+    return xr.DataArray(values, {"load": loads, "velocity": velocities}, ("load", "velocity"))
+
+
+# Lines and areas
+
+
+def test_a_line_is_drawn_where_the_plane_passes_its_level():
+    axes = Figure().add_subplot()
+    assert isoline(axes, flat(), 7.5, "here")
+    places = vertices(axes, "here")
+    np.testing.assert_allclose(places[:, 0], 7.5)
+    assert (places[:, 1].min(), places[:, 1].max()) == (0.0, 10.0)
+    for level in (-1.0, 0.0, 20.0, 21.0):
+        assert not isoline(axes, flat(), level, "there")
+    assert len(axes.collections) == 1
+
+
+@pytest.mark.parametrize(
+    ("limit", "border"), [(7.5, 7.5), (-5.0, None), (25.0, None)], ids=["both", "severe", "mild"]
+)
+def test_the_side_below_the_limit_has_the_colour_of_mild_wear(limit, border):
+    axes = Figure().add_subplot()
+    module._regions(axes, flat(), limit)
+    (areas,) = axes.collections
+    sizes = [np.ptp(path.vertices[:, 0]) if len(path.vertices) else 0 for path in areas.get_paths()]
+    if border:
+        assert sizes == [7.5, 12.5]
+    else:
+        assert sizes == ([0, 20.0] if limit < 0 else [20.0, 0])
+    nothing = Figure().add_subplot()
+    module._regions(nothing, flat() * np.nan, limit)
+    assert not nothing.collections
+
+
+def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
+    axes, words, legend = drawn(sweep())
+    places = vertices(axes, "boundary")
+    expected = synthetic.critical_velocity(places[:, 1], LIMIT)
+    np.testing.assert_allclose(places[:, 0], expected, rtol=2e-3)
+    assert "computed transition" in words
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("sliding velocity [m/s]", "normal load [N]")
+    assert axes.get_title() == "White oil on ground steel"
+    assert "the model's own error: " in legend.get_title().get_text()
+    left, right = axes.get_xlim()
+    assert (left, right) == pytest.approx((1.0 - 0.04 * 3, 4.0 + 0.04 * 3))
+
+
+def test_the_band_of_errors_lies_where_the_next_run_is_not_decided():
+    ds = sweep()
+    axes, words, _ = drawn(ds)
+    assert "next run not decided" in words
+    area, boundaries = vertices(axes, "error band"), pipeline.boundary(ds)
+    for load in LOADS:
+        row = area[area[:, 1] == load][:, 0]
+        ends = [boundaries[name].sel(load=load).item() for name in ("mild_below", "severe_above")]
+        assert (row.min(), row.max()) == pytest.approx(np.clip(ends, 1.0, 4.0), rel=1e-9)
+    unknown, words, _ = drawn(sweep(preset=None))
+    assert "next run not decided" not in words
+    assert "error band" not in {one.get_gid() for one in unknown.collections}
+
+
+def test_the_band_of_frictions_lies_between_their_boundaries():
+    axes, words, _ = drawn(sweep(friction_band=(0.08, 0.12)))
+    assert any(each.startswith("transition at friction 0.08–0.12") for each in words)
+    edges = [one for one in axes.collections if one.get_gid() == "band edge"]
+    for edge, friction in zip(edges, (0.08, 0.12), strict=True):
+        places = np.concatenate([path.vertices for path in edge.get_paths()])
+        expected = synthetic.critical_velocity(places[:, 1], synthetic.limit(friction))
+        np.testing.assert_allclose(places[:, 0], expected, rtol=3e-3)
+    area = vertices(axes, "friction band")
+    row = area[np.abs(area[:, 1] - 400.0) < 6.0][:, 0]
+    ends = [synthetic.critical_velocity(400.0, synthetic.limit(f)) for f in (0.12, 0.08)]
+    assert (row.min(), row.max()) == pytest.approx(ends, rel=0.02)
+    one = drawn(sweep(friction_band=(0.1, 0.1)))[1]
+    assert not any("at friction" in each for each in one)
+
+
+def surfaces(*factors):
+    several = [
+        sweep(rise=lambda *place, factor=factor: factor * synthetic.rise(*place))
+        for factor in factors
+    ]
+    labels = xr.Variable("realization", range(1, len(factors) + 1))
+    return xr.concat(several, labels, combine_attrs="override")
+
+
+def test_over_surfaces_points_are_mild_severe_or_of_both_kinds():
+    axes, words, _ = drawn(surfaces(0.9, 1.0, 1.1))
+    assert "computed transition, median" in words
+    assert "10 to 90 % of 3 surfaces" in words
+    places = {(v, load) for load in LOADS for v in VELOCITIES}
+    critical = {
+        factor: {load: synthetic.critical_velocity(load, LIMIT / factor) for load in LOADS}
+        for factor in (0.9, 1.1)
+    }
+    both = {(v, load) for v, load in places if critical[1.1][load] < v < critical[0.9][load]}
+    assert both
+    assert marks(axes, "severe on some surfaces") == both
+    found = {
+        kind: marks(axes, f"{kind} wear, computed") | marks(axes, f"{kind} wear, computed, far")
+        for kind in ("mild", "severe")
+    }
+    assert found["mild"] == {(v, load) for v, load in places if v < critical[1.1][load]}
+    assert found["severe"] == {(v, load) for v, load in places if v > critical[0.9][load]}
+    assert any(one.get_gid() == "surface band" for one in axes.collections)
+    alike = drawn(surfaces(1.0, 1.0))[0]
+    assert not any(one.get_gid() == "surface band" for one in alike.collections)
+
+
+# Points
+
+
+def test_points_that_are_not_done_or_carry_a_warning_are_marked():
+    ds = sweep(status={(200.0, 4.0): FAILED, (300.0, 1.0): PENDING})
+    flags = xr.where((ds["load"] == 500) & (ds["velocity"] == 3), 1, 0)
+    axes, words, legend = drawn(ds.assign(warning_flags=flags))
+    assert marks(axes, "failed") == {(4.0, 200.0)}
+    assert marks(axes, "pending") == {(1.0, 300.0)}
+    assert marks(axes, "carries a warning") == {(3.0, 500.0)}
+    assert {"mild wear, computed", "severe wear, computed", "failed", "pending"} < {*words}
+    severe = marks(axes, "severe wear, computed") | marks(axes, "severe wear, computed, far")
+    expected = {
+        (v, load)
+        for load in LOADS
+        for v in VELOCITIES
+        if v > synthetic.critical_velocity(load, LIMIT)
+    }
+    assert severe == expected - {(4.0, 200.0)}
+    assert "pale: points whose neighbours have the same wear" in legend.get_title().get_text()
+
+
+def test_points_are_far_where_all_their_neighbours_have_their_wear():
+    hot = np.zeros((5, 5), bool)
+    hot[:, 3:] = True
+    far = module._far_from_others(hot, ~hot)
+    assert far.tolist() == [[True, True, False, False, True]] * 5
+    assert not module._far_from_others(hot, np.zeros((5, 5), bool)).any()
+    assert not module._far_from_others(np.zeros((5, 5), bool), hot).any()
+
+
+def test_loads_whose_transition_is_beyond_or_across_points_not_done_are_told():
+    ds = sweep(status={(400.0, 2.0): PENDING})
+    assert synthetic.critical_velocity(400.0, LIMIT) > 1.5
+    words = drawn(ds)[1]
+    assert "across points not done: at 1 of 5 loads, 400 N" in words
+    cut = {(load, v): PENDING for load in (200.0, 300.0) for v in (2.0, 3.0, 4.0)}
+    words = drawn(sweep(status=cut))[1]
+    assert "beyond what was computed: at 2 of 5 loads, 200 to 300 N" in words
+
+
+# One line, or several scenes
+
+
+def test_a_single_load_or_velocity_has_its_transition_or_the_reason_why_not():
+    axes, words, _ = drawn(sweep(loads=(400.0,)))
+    critical = synthetic.critical_velocity(400.0, LIMIT)
+    ((velocity, load),) = marks(axes, "boundary")
+    assert (velocity, load) == pytest.approx((critical, 400.0), rel=1e-9)
+    assert f"computed transition, {critical:.3g} m/s" in words
+    axes, words, _ = drawn(sweep(velocities=(2.0,)))
+    critical = synthetic.critical_load(2.0, LIMIT)
+    ((velocity, load),) = marks(axes, "boundary")
+    assert (velocity, load) == pytest.approx((2.0, critical), rel=1e-9)
+    assert f"computed transition, {critical:.3g} N" in words
+    axes, words, _ = drawn(pipeline.at(sweep(loads=(400.0,)), critical_temperature="800 degC"))
+    assert not marks(axes, "boundary")
+    assert "no transition: mild throughout" in words[0]
+
+
+def two_pins(**told):
+    radii = (1e-3, 2e-3)
+    column = Column("pin.radius", radii, "m", texts=("1 mm", "2 mm"))
+    table = Variants((column,), tuple((("pin.radius", radius),) for radius in radii))
+    parts = [
+        sweep(
+            variants=table,
+            rise=lambda *place, factor=factor: factor * synthetic.rise(*place),
+            **told,
+        )
+        for factor in (1.0, 0.1)
+    ]
+    labels = xr.DataArray([*radii], dims="pin.radius", name="pin.radius", attrs={"units": "m"})
+    return xr.concat(parts, labels, combine_attrs="override")
+
+
+def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
+    axes, words, legend = drawn(two_pins())
+    assert words == ["1 mm", "2 mm: no transition computed"]
+    places = vertices(axes, "boundary 1 mm")
+    expected = synthetic.critical_velocity(places[:, 1], LIMIT)
+    np.testing.assert_allclose(places[:, 0], expected, rtol=2e-3)
+    title = legend.get_title().get_text()
+    assert title.startswith("transition to severe wear, by pin radius; ")
+    with pytest.raises(InputError, match="takes two loads and two velocities or more"):
+        diagram(two_pins(loads=(400.0,)))
+
+
+def test_logarithmic_scales_leave_rest_out():
+    ds = sweep(velocities=(0.0, 1.0, 2.0, 4.0))
+    axes = drawn(ds, log=True)[0]
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    assert min(v for line in axes.lines for v in line.get_xdata()) == 1.0
+    linear = drawn(ds)[0]
+    assert min(v for line in linear.lines for v in line.get_xdata()) == 0.0
+
+
+# Overlays
+
+
+@pytest.mark.parametrize(
+    ("changes", "is_near"),
+    [
+        ({}, True),
+        ({"friction": 0.1 * 1.015}, True),
+        ({"friction": 0.1 * 1.03}, False),
+        ({"critical_temperature": 418.15 - 120 * 0.015}, True),
+        ({"critical_temperature": 418.15 - 120 * 0.025}, False),
+        ({"disk_temperature": 299.15}, False),
+    ],
+)
+def test_conditions_are_near_where_they_allow_nearly_the_same_rise(changes, is_near):
+    assert _is_near(replace(OWN, **changes), OWN, 2.0) == is_near
+
+
+def test_conditions_are_near_where_friction_by_velocity_is_that_of_the_test():
+    falling = tribo.Friction(by_velocity=((1.0, 1.0), (4.0, 0.5)))
+    law = replace(OWN, corrections=tribo.Corrections(friction=falling))
+    at_four, elsewhere = replace(OWN, friction=0.05), replace(OWN, friction=0.2)
+    assert law.friction_factor(np.array(4.0)) == pytest.approx(0.5)
+    assert _is_near(law, at_four, 4.0)
+    assert _is_near(at_four, law, 4.0)
+    assert not _is_near(law, at_four, 1.0)
+    assert _is_near(law, OWN, 1.0)
+    assert not _is_near(law, elsewhere, 4.0)
+
+
+def test_a_test_at_another_friction_is_joined_with_its_own_transition():
+    axes = Figure().add_subplot()
+    tests = [
+        Measurement(400.0, 2.2, 0.12),
+        Measurement(400.0, 2.2, 0.1),  # as the plane
+        Measurement(9000.0, 2.2, 0.12),  # beyond the sweep
+    ]
+    (line,) = mark_own_transitions(axes, with_fields(sweep(), measured=tuple(tests)), tests, OWN)
+    critical = synthetic.critical_velocity(400.0, synthetic.limit(0.12))
+    assert line.get_label() == "computed at the test's own conditions"
+    assert [*map(float, np.ravel(line.get_data()))] == pytest.approx([critical, 400.0], rel=1e-9)
+    (joined,) = [one for one in axes.lines if one.get_gid() == "to own conditions"]
+    assert joined.get_xdata() == pytest.approx([critical, 2.2])
+    assert [*joined.get_ydata()] == [400.0, 400.0]
+    assert mark_own_transitions(axes, sweep(), tests[1:2], OWN) == []
+
+
+@pytest.mark.parametrize(
+    ("height", "regime"),
+    [(0.5e-6, "boundary lubrication"), (0.01e-6, "full film, outside the model")],
+)
+def test_where_no_film_begins_its_range_and_regime_are_told(height, regime):
+    assert film_lines(Figure().add_subplot(), sweep(), OWN) == []
+    axes = Figure().add_subplot()
+    roughness = tribo.SelfAffineRoughness(height, 0.8, (4e-6, 9e-6), seed=1)
+    oily = sweep(oil=synthetic.OIL, roughness=roughness)
+    (line,) = film_lines(axes, oily, OWN)
+    assert not axes.collections
+    low, high = (
+        find_lubrication(stored_sweep(oily)).film_parameter(load, velocity, 298.15)
+        for load, velocity in ((600.0, 1.0), (200.0, 4.0))
+    )
+    assert line.get_label() == f"Λ {low:.2f} to {high:.2f}: {regime}"
+
+
+def test_a_name_stands_in_the_middle_of_the_widest_room_of_a_row():
+    x, y = np.linspace(0.0, 1.0, 101), np.linspace(0.0, 1.0, 51)
+    inside = np.zeros((51, 101), bool)
+    inside[:, 20:81] = True
+    rows, size = np.array([0.3, 0.7]), (0.2, 0.1)
+    place = _roomiest(inside, x, y, rows, [], size)
+    assert place == (pytest.approx(0.5, abs=0.02), pytest.approx(0.3))
+    beside = _roomiest(inside, x, y, rows, [(0.5, 0.3)], size)  # a test there
+    assert beside == (pytest.approx(0.5, abs=0.02), pytest.approx(0.7))
+    both = _roomiest(inside, x, y, rows, [(0.5, 0.3), (0.5, 0.7)], size)
+    assert abs(both[0] - 0.5) > 0.1
+    outside = _roomiest(inside, x, y, rows, [(1.5, 0.3), (0.5, -0.3)], size)
+    assert outside == place  # tests beyond the axes take no room
+    assert inside[:, 20:81].all()  # the region itself is left as it is
+    assert _roomiest(inside, x, y, rows[:0], [], size) is None
+    narrow = np.zeros((51, 101), bool)
+    narrow[:, 20:28] = True  # 8 % of the width
+    assert _roomiest(narrow, x, y, rows, [], size) is None
+    assert _roomiest(narrow, x, y, rows, [], (0.05, 0.1)) is not None
+    low = np.zeros((51, 101), bool)
+    low[13:18, 20:81] = True
+    assert _roomiest(low, x, y, rows, [], (0.2, 0.02))[1] == pytest.approx(0.3)
+    assert _roomiest(low, x, y, rows, [], (0.2, 0.2)) is None

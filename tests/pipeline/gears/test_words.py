@@ -1,0 +1,483 @@
+"""What is said of gears, drawn and written for a run, at numbers that were computed by hand."""
+
+import math
+import tomllib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pipeline.gears as gears
+from pipeline.gears import rules
+from pipeline.gears.answer import _facts
+from pipeline.gears.contact import load_share
+from pipeline.gears.fzg import Critical, Prediction, predict_stages, rig_pair, stage_duty
+from pipeline.gears.model import Simulated, decisive_places
+from pipeline.gears.reading import tip_diameter
+from pipeline.gears.spectrum import Spectrum, SpectrumRow
+from tribo import InputError
+
+HELICAL = {
+    "mesh.module": "3.5 mm", "mesh.helix_angle": "15 deg", "mesh.face_width": "23 mm",
+    "pinion.teeth": 20, "wheel.teeth": 30, "pinion.profile_shift": 0.1809,
+    "wheel.profile_shift": 0.0891, "pinion.tip_diameter": "80.672 mm",
+    "wheel.tip_diameter": "116.264 mm", "duty.torque": "100 N m",
+}  # fmt: skip
+LONG = {
+    "mesh.module": "2 mm", "mesh.centre_distance": "100 mm", "pinion.teeth": 40,
+    "wheel.teeth": 60, "pinion.profile_shift": 0, "wheel.profile_shift": 0,
+    "pinion.tip_diameter": "86.4 mm", "wheel.tip_diameter": "126.4 mm",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def fzg():
+    return gears.read_pair("fzg_a")
+
+
+@pytest.fixture(scope="module")
+def mesh(fzg):
+    return gears.mesh(fzg)
+
+
+def simulated(mesh, temperature=500.0, error=2.0, place=None):
+    return Simulated(mesh, place or mesh.hottest, temperature, error)
+
+
+# Facts of a mesh
+
+
+def test_facts_of_the_test_gears_are_those_of_the_standard(mesh):
+    """ISO 14635-1: αwt 22.44°, 8.3 m/s, εα 1.36; tables of the test give 1539 MPa in stage 10."""
+    facts = dict(_facts(mesh))
+    assert facts["duty"] == "372.6 N m at 2170 rpm on the pinion, teeth at 165.7 °C"
+    assert facts["contact ratio"] == "1.361"
+    assert facts["mesh"] == "working pressure angle 22.439°, centre distance 91.5 mm"
+    assert facts["pitch line"] == "8.317 m/s, 1.54 GPa if one pair carries all"
+    normal = 372.6 / (36e-3 * math.cos(math.radians(20)))
+    assert facts["load"] == (
+        f"{normal:.6g} N normal to the flanks; all on one pair from B to D, beyond from a third at "
+        "A and E to two thirds, AGMA 925-A03"
+    )
+    assert facts["friction"] == f"{mesh.friction:.3g}, mean, by ISO/TR 13989-2, Eq. 1"
+    hot = max(mesh.places, key=lambda place: place.flash)
+    assert hot.letter == "D"
+    assert facts["hottest"] == (
+        f"{165.7 + hot.flash:.0f} °C at 9.97 mm, by Blok's flash temperature of {hot.flash:.0f} K"
+    )
+    films = [place.film_parameter for place in mesh.places]
+    assert facts["film"] == f"Λ {min(films):.2g} to {max(films):.2g}: boundary lubrication"
+    assert facts["integral"].endswith(" °C, by the rule of ISO/TR 13989-2 for this bulk")
+    assert "library" in facts
+
+
+def test_facts_of_other_pairs_say_their_overlap_their_sharing_and_their_friction():
+    helical = gears.mesh(gears.read_pair("fzg_a", HELICAL))
+    facts = dict(_facts(helical))
+    assert facts["contact ratio"] == "1.46, overlap 0.541"
+    assert facts["load"].endswith(
+        "; helical: shared as lines of contact are long, 1/εα from an overlap of 1 on"
+    )
+    long = gears.read_pair("fzg_a", LONG | {"friction.coefficient": 0.05})
+    facts = dict(_facts(gears.mesh(long)))
+    assert facts["load"].endswith("; shared equally by the pairs in mesh")
+    assert facts["friction"] == "0.05, as given"
+    dry = gears.read_pair("fzg_a", {"without": ["oil"], "friction.coefficient": 0.05})
+    facts = dict(_facts(gears.mesh(dry)))
+    assert not {"film", "integral"} & {*facts}
+    thin = gears.read_pair("fzg_a", {"oil": "ISO VG 32", "temperature.bulk": "20 degC"})
+    smooth = {"pinion.roughness": "0.05 um", "wheel.roughness": "0.05 um"}
+    polished = gears.mesh(gears.read_pair("fzg_a", smooth | {"temperature.bulk": "20 degC"}))
+    films = [place.film_parameter for place in polished.places]
+    assert max(films) > 3
+    assert "full film" in dict(_facts(polished))["film"]
+    assert gears.mesh(thin).places[0].film < polished.places[0].film
+
+
+def test_only_what_slides_and_is_named_or_hottest_may_decide(mesh):
+    kept = decisive_places(mesh)
+    assert [place.letter for place in kept.places] == ["A", "B", "D", "E"]
+    cooler = replace(mesh.places[3], temperature=900.0)
+    warm = replace(mesh, places=(*mesh.places[:3], cooler, *mesh.places[4:]))
+    assert [place.letter for place in decisive_places(warm).places] == ["A", "", "B", "D", "E"]
+
+
+# The share of the load, and the rule
+
+
+@pytest.mark.parametrize(
+    ("quality", "at_end", "beside"),
+    [
+        (5, 1 / 3, 2 / 3),
+        (7, 1 / 3, 2 / 3),
+        (8, 6 / 15, 6 / 15 + 1 / 3),
+        (12, 10 / 15, 1.0),
+    ],
+)
+def test_coarser_teeth_share_worse(fzg, quality, at_end, beside):
+    path = fzg.gears.path
+    near = 1e-9 * (path.b - path.a)
+    for end, single in ((path.a, path.b - near), (path.e, path.d + near)):
+        assert load_share(fzg.gears, end, quality) == pytest.approx(at_end)
+        assert load_share(fzg.gears, single, quality) == pytest.approx(beside, rel=1e-6)
+    middle = (path.a + path.b) / 2
+    assert load_share(fzg.gears, middle, quality) == pytest.approx(min(at_end + 1 / 6, 1.0))
+    assert load_share(fzg.gears, path.b, quality) == load_share(fzg.gears, path.d, quality) == 1.0
+
+
+def test_helical_pairs_share_the_more_evenly_the_more_they_overlap():
+    def share(width, place):
+        toothing = gears.read_pair("fzg_a", HELICAL | {"mesh.face_width": width}).gears
+        return load_share(toothing, getattr(toothing.path, place), 5), toothing
+
+    for place, alone in (("a", 1 / 3), ("b", 1.0), ("e", 1 / 3)):
+        part, toothing = share("23 mm", place)
+        overlap, ratio = toothing.overlap_ratio, toothing.contact_ratio
+        assert part == pytest.approx((1 - overlap) * alone + overlap / ratio)
+        assert share("60 mm", place)[0] == pytest.approx(1 / ratio)
+
+
+def test_two_or_three_pairs_in_mesh_share_equally():
+    toothing = gears.read_pair("fzg_a", LONG).gears
+    ratio, (a, _, _, e), pitch = toothing.contact_ratio, toothing.path, toothing.base_pitch
+    assert 2 < ratio < 3
+    assert load_share(toothing, a, 5) == load_share(toothing, e, 5) == pytest.approx(1 / 3)
+    assert load_share(toothing, e - pitch, 5) == pytest.approx(1 / 3)
+    assert load_share(toothing, a + 0.9 * pitch, 5) == pytest.approx(1 / 2)
+    letters = [p.letter for p in gears.mesh(gears.read_pair("fzg_a", LONG)).places if p.letter]
+    assert letters == ["A", "C", "E"]
+
+
+@pytest.mark.parametrize(
+    ("ratio", "factor"),
+    [(1.5, 1.0), (2.0, 1.0), (2.5, 1 + 0.2 * math.sqrt(1.25)), (3.5, 1.3), (4.0, 1.3)],
+)
+def test_overlapping_teeth_raise_the_friction_by_their_contact_ratio(ratio, factor):
+    assert rules._helical_load(ratio) == pytest.approx(factor)
+
+
+@pytest.mark.parametrize(
+    ("eps1", "eps2", "mean"),
+    [
+        # Eqs. (39) to (44) at round numbers.
+        (0.8, 0.6, (0.70 * 1.0 - 0.22 * 1.4 + 0.52 - 0.60 * 0.48) / (2 * 1.4 * 0.8)),
+        (1.1, 0.5, (0.18 * 1.21 + 0.175 + 0.82 * 1.1 - 0.26 - 0.165) / (2 * 1.6 * 1.1)),
+        (0.5, 1.1, (0.18 * 1.21 + 0.175 + 0.82 * 1.1 - 0.26 - 0.165) / (2 * 1.6 * 0.5)),
+        (1.2, 1.0, (0.44 * 1.44 + 0.59 + 0.06 - 0.18) / (2 * 2.2 * 1.2)),
+        (1.0, 1.2, (0.44 * 1.44 + 0.59 + 0.06 - 0.18) / (2 * 2.2 * 1.0)),
+    ],
+)
+def test_the_mean_flash_is_that_of_the_standard_s_formulas(eps1, eps2, mean):
+    assert rules._path_mean(eps1, eps2) == pytest.approx(mean)
+
+
+def test_friction_of_the_rule_ends_at_its_fastest_and_lightest(fzg):
+    """Clause 5.1: from 50 m/s and below 150 N/mm it stays; it goes with XL and with Ra^0.25."""
+    radius = 36e-3
+
+    def friction(torque=372.6, velocity=10.0, **changed):
+        duty = gears.Duty(torque, velocity / radius, 373.15)
+        return gears.friction_coefficient(fzg.changed(**changed), duty)
+
+    assert friction(velocity=50.0) == pytest.approx(friction(velocity=60.0))
+    assert friction(velocity=10.0) == pytest.approx(friction(velocity=20.0) * 2**0.2)
+    least = 150 * 20 * radius  # N/mm, of 20 mm
+    assert friction(least) == pytest.approx(friction(least / 3))
+    assert friction(2 * least) == pytest.approx(friction(least) * 2**0.2)
+    assert friction(lubricant_factor=0.8) == pytest.approx(0.8 * friction())
+    rougher = friction(roughness=(0.7e-6, 0.7e-6))
+    assert rougher == pytest.approx(friction() * 2**0.25)
+    assert friction(roughness=(0.2e-6, 0.5e-6)) == pytest.approx(friction())  # the mean of both
+    heavier = gears.Duty(2 * least, 10 / radius, 373.15, load_factor=1.5)
+    assert gears.friction_coefficient(fzg, heavier) == pytest.approx(friction(3 * least))
+
+
+def test_teeth_of_dipping_gears_are_warmer_than_their_oil_together_with_their_friction():
+    warm = {"without": ["temperature.bulk"], "temperature.oil": "90 degC"}
+    pair = gears.read_pair("fzg_a", warm)
+    assert pair.oil_temperature == pytest.approx(363.15)
+    flash = gears.integral_temperature(pair, pair.duty).mean_flash
+    assert pair.duty.bulk == pytest.approx(363.15 + 0.7 * flash, abs=1e-9)
+    own = rules.warm_duty(pair, 100.0, 50.0, bulk=400.0)
+    assert own == gears.Duty(100.0, 50.0, 400.0, 1.0)
+    assert rules.warm_duty(pair, 100.0, 50.0, load_factor=1.7).load_factor == 1.7
+    rule = gears.integral_temperature(pair, pair.duty)
+    assert rule.integral == pytest.approx(pair.duty.bulk + 1.5 * rule.mean_flash)
+
+
+def test_rules_of_the_test_go_with_torque_lubricant_and_viscosity():
+    """Eqs. (94) to (96) by hand for stage 10, T1 = 372.6 N m."""
+    assert rules.stage_bulk(10, 0.8) == pytest.approx(353.15 + 0.23 * 372.6 * 0.8)
+    thick = gears.scuffing_integral(10, 460e-6, lubricant_factor=0.8, welding_factor=1.5)
+    flash = 0.2 * 372.6 * (100 / 460) ** 0.02 * 0.8
+    assert thick == pytest.approx(353.15 + 0.23 * 372.6 * 0.8 + 1.5 * 1.5 * flash)
+    assert rules.stage_torque(1) == 3.3
+    for stage in (0, 13):
+        with pytest.raises(InputError, match=f"load stage is {stage}; FZG A/8.3/90 has 1 to 12"):
+            rules.stage_torque(stage)
+
+
+def test_tips_keep_the_clearance_of_the_rack():
+    """Without shifts da = m (z + 2); a shift of the other gear takes as much of the tip as it is
+    beyond the centre distance."""
+    assert tip_diameter(2e-3, 0.0, (20, 40), (0.0, 0.0), 60e-3, 0) == pytest.approx(44e-3)
+    assert tip_diameter(2e-3, 0.0, (20, 40), (0.0, 0.0), 60e-3, 1) == pytest.approx(84e-3)
+    shifted = tip_diameter(2e-3, 0.0, (20, 40), (0.3, 0.1), 60.7e-3, 0)
+    assert shifted == pytest.approx(40e-3 + 2 * (2e-3 + 0.7e-3 - 0.1 * 2e-3))
+    leaning = tip_diameter(2e-3, math.radians(60), (20, 40), (0.0, 0.0), 120e-3, 0)
+    assert leaning == pytest.approx(80e-3 + 4e-3)
+
+
+# Stages and spectra
+
+
+def test_a_critical_temperature_says_both_stages_and_the_rule():
+    found = Critical(533.15, 12.0, 513.15, 553.15, 9, 550.15)
+    assert [*found.words] == [
+        "critical temperature: 260 ± 12 °C by this model, of an oil that fails in load stage 9 of "
+        "FZG A/8.3/90",
+        "the hottest place was at 240 °C in the stage before, and at 280 °C in that stage",
+        "scuffing integral temperature: 277 °C by the rule of ISO/TR 13989-2, Eq. 94, for that "
+        "rule alone, not for this model",
+    ]
+    assert len([*replace(found, passed=None).words]) == 2
+    assert len([*replace(found, failed=None, integral=None).words]) == 1
+
+
+@pytest.mark.parametrize(
+    ("fails", "soonest", "latest", "words"),
+    [
+        (9, 9, 9, ["fails in load stage 9, by a critical temperature of 260 °C"]),
+        (9, 8, 10, ["fails in load stage 9, by a critical temperature of 260 °C",
+                    "by its doubt of 12 K in stage 8 to 10"]),
+        (12, 11, None, ["fails in load stage 12, by a critical temperature of 260 °C",
+                        "by its doubt of 12 K in stage 11 to beyond 12"]),
+        (None, None, None, ["passes all load stages, by a critical temperature of 260 °C"]),
+    ],
+)  # fmt: skip
+def test_a_prediction_says_the_stage_and_what_the_doubt_moves_it_by(fails, soonest, latest, words):
+    predicted = Prediction((), fails, soonest, latest)
+    assert [*predicted.words(Critical(533.15, 12.0))] == words
+    assert len([*predicted.words(Critical(533.15, 0.0))]) == 1
+
+
+def test_the_first_stage_above_the_critical_temperature_fails(fzg, monkeypatch):
+    def simulate(meshes, **choices):
+        return [simulated(one, 400.0 + number) for number, one in enumerate(meshes, 1)]
+
+    monkeypatch.setattr("pipeline.gears.fzg.simulate", simulate)
+    predicted = predict_stages(fzg, Critical(407.0, 2.0))
+    assert (predicted.fails, predicted.soonest, predicted.latest) == (8, 6, 10)
+    torques = [one.mesh.duty.torque for one in predicted.stages]
+    assert torques == [rules.stage_torque(stage) for stage in range(1, 13)]
+    never = predict_stages(fzg, Critical(412.0, 0.0))
+    assert (never.fails, never.soonest, never.latest) == (None, None, None)
+
+
+def test_the_oil_of_another_pair_is_tested_on_the_test_gears_with_its_surface(fzg):
+    assert rig_pair(fzg) is fzg
+    own = gears.read_pair("fzg_a", HELICAL | {
+        "oil": "ISO VG 32", "friction.lubricant_factor": 0.8, "surface.hurst_exponent": 0.7,
+        "surface.correlation_length": ["5 um", "6 um"],
+        "surface.specific_wear_rate": "2e-6 mm^3/(N m)"})  # fmt: skip
+    rig = rig_pair(own)
+    assert rig.gears == fzg.gears
+    assert (rig.oil, rig.lubricant_factor, rig.hurst_exponent) == (own.oil, 0.8, 0.7)
+    assert rig.correlation_length == (5e-6, 6e-6)
+    assert rig.specific_wear_rate == pytest.approx(2e-15)
+    assert rig.written["oil"] == own.written["oil"]
+    duty = stage_duty(own, 5)
+    assert duty.bulk == pytest.approx(353.15 + 0.23 * 94.1 * 0.8)
+    assert duty.turns == pytest.approx(2170.0)
+
+
+def spectrum(mesh, *rows, unused=(), place=None):
+    """A spectrum of rows of distance [K] and hours, each with an error of 2 K."""
+    made = (
+        SpectrumRow(number, hours, simulated(mesh, place=place), distance, 2.0)
+        for number, (distance, hours) in enumerate(rows, 1)
+    )
+    return Spectrum((*made,), Critical(523.15, 0.0), unused)
+
+
+@pytest.mark.parametrize(
+    ("distance", "verdict"),
+    [(2.1, "mild"), (2.0, "not decided"), (-2.0, "not decided"), (-2.1, "severe")],
+)
+def test_a_row_is_decided_beyond_its_error(mesh, distance, verdict):
+    assert spectrum(mesh, (distance, None)).rows[0].verdict == verdict
+    assert spectrum(mesh, (distance, None), (50.0, None)).verdict == verdict
+    assert spectrum(mesh, (50.0, None), (distance, None), (-1.0, None)).verdict == (
+        "severe" if verdict == "severe" else "not decided"
+    )
+
+
+def test_a_spectrum_says_its_verdict_and_the_row_that_binds(mesh):
+    severe = spectrum(mesh, (30.0, 100.0), (-20.4, 20.0), (-5.0, 4.0))
+    assert severe.binding.number == 2
+    assert severe.sentence == (
+        "Scuffing is predicted in 2 of 3 rows, 24 of 124 h. Row 2, 372.6 N m at 2170 rpm, binds: "
+        "20 ± 2 K above the critical temperature of 250 °C, 9.97 mm from the pitch point towards "
+        "the pinion's tip."
+    )
+    mild = spectrum(mesh, (30.0, None), (10.0, 5.0), place=mesh.places[0])
+    assert mild.sentence == (
+        "No scuffing is predicted in 2 of 2 rows. Row 2, 372.6 N m at 2170 rpm, binds: 10 ± 2 K "
+        "below the critical temperature of 250 °C, 3.32 mm from the pitch point towards the "
+        "wheel's tip."
+    )
+    open_one = spectrum(mesh, (0.0, 0.0), (10.0, 0.0))
+    assert open_one.sentence.startswith(
+        "Whether the gears scuff is not decided in 1 of 2 rows. Row 1, 372.6 N m at 2170 rpm, "
+        "binds: 0 ± 2 K below the critical"
+    )
+
+
+def test_remarks_on_a_spectrum_count_its_rows_and_name_what_is_not_used(mesh):
+    assert [*spectrum(mesh, (30.0, 1.0)).remarks] == [
+        "verdict on 1 row: mild; hours are counted, and wear over them is not"
+    ]
+    both = spectrum(mesh, (30.0, 1.0), (-30.0, 1.0), unused=("name", "shift"))
+    assert [*both.remarks] == [
+        "verdict on 2 rows: severe; hours are counted, and wear over them is not",
+        "columns not used: name, shift",
+    ]
+
+
+# The figure and the scene
+
+
+def test_the_figure_has_each_quantity_over_the_place(fzg, mesh):
+    figure = gears.draw_mesh(gears.mesh(fzg.changed(critical=523.15)))
+    velocities, pressures, temperatures, film = figure.axes
+    at = [1e3 * place.position for place in mesh.places]
+    drawn = {line.get_label(): line for axes in figure.axes for line in axes.lines}
+    for label, values in (
+        ("pinion's flank", [place.rolling_1 for place in mesh.places]),
+        ("wheel's flank", [place.rolling_2 for place in mesh.places]),
+        ("sliding", [place.sliding for place in mesh.places]),
+        ("bulk and flash,\nsmooth flanks", [place.temperature - 273.15 for place in mesh.places]),
+    ):
+        np.testing.assert_allclose(drawn[label].get_xdata(), at)
+        np.testing.assert_allclose(drawn[label].get_ydata(), values)
+    assert drawn["bulk"].get_ydata()[0] == pytest.approx(165.7)
+    assert drawn["critical"].get_ydata()[0] == pytest.approx(250.0)
+    np.testing.assert_allclose(
+        pressures.lines[0].get_ydata(), [1e-9 * place.pressure for place in mesh.places]
+    )
+    np.testing.assert_allclose(
+        film.lines[0].get_ydata(), [place.film_parameter for place in mesh.places]
+    )
+    assert (pressures.get_ylim()[0], film.get_ylim()[0]) == (0.0, 0.0)
+    assert film.get_ylim()[1] > 1.5 * max(place.film_parameter for place in mesh.places)
+    assert [axes.get_ylabel() for axes in figure.axes] == [
+        "velocity [m/s]", "highest pressure [GPa]", "temperature [°C]", "film parameter Λ, dotted"
+    ]  # fmt: skip
+    assert figure.get_suptitle() == "FZG test gears A, A/8.3/90"
+    nothing_slides = [line for line in velocities.lines if set(line.get_ydata()) == {0.0}]
+    assert len(nothing_slides) == 1
+    letters = {text.get_text(): text.get_position()[0] for text in velocities.texts
+               if len(text.get_text()) == 1}  # fmt: skip
+    assert letters == pytest.approx(
+        {place.letter: 1e3 * place.position for place in mesh.places if place.letter}
+    )
+    for axes in (velocities, pressures, temperatures):
+        upright = {line.get_xdata()[0] for line in axes.lines if len({*line.get_xdata()}) == 1}
+        assert upright == {*letters.values()}
+    bare = gears.draw_mesh(gears.mesh(gears.read_pair("fzg_a", {"without": ["oil"],
+                                      "friction.coefficient": 0.05})))  # fmt: skip
+    assert len(bare.axes) == 3
+    assert "critical" not in {line.get_label() for line in bare.axes[2].lines}
+
+
+def test_the_scene_of_a_mesh_has_its_places_and_its_window(fzg, mesh):
+    text = gears.scene_toml([mesh], "Written for a test.")
+    scene = tomllib.loads(text)
+    assert text.startswith("# Written for a test.\n# Places of mesh of a pair of gears: the margin")
+    assert not gears.scene_toml([mesh]).startswith("# \n")
+    sliding = [place for place in mesh.places if place.sliding]
+    rows = scene["sweep"]["along"]
+    assert len(rows) == len(sliding) == len(mesh.places) - 1
+    for row, place in zip(rows, sliding, strict=True):
+        mean = (place.rolling_1 + place.rolling_2) / 2
+        assert float(row["position"].split()[0]) == pytest.approx(place.position, rel=1e-6)
+        assert float(row["velocity"].split()[0]) == pytest.approx(abs(place.sliding), rel=1e-6)
+        assert row["motion.slide_roll_ratio"] == pytest.approx(-place.sliding / mean, abs=1e-7)
+        turn = 2e3 * math.pi * place.radius_1
+        assert float(row["motion.track_length"].split()[0]) == pytest.approx(turn, rel=1e-6)
+        assert "duty" not in row
+    assert scene["pin"] == {
+        "shape": "cylinder", "radius": rows[0]["pin.radius"], "length": "20 mm",
+        "material": "case-hardened 20MnCr5",
+    }  # fmt: skip
+    (steel,) = scene["materials"].values()
+    assert steel == {
+        "elastic_modulus": "209 GPa", "poisson_ratio": 0.28, "hardness": "60 HRC",
+        "thermal_conductivity": "42 W/(m K)", "density": "7870 kg/m^3",
+        "specific_heat": "477 J/(kg K)",
+    }  # fmt: skip
+    assert [*scene["oil"]] == [
+        "density", "kinematic_viscosity", "pressure_viscosity_coefficient"
+    ]  # fmt: skip
+    # A quarter of 4 µm, over 1.2 times the contact that peaks of 3 Rq widen; 8 pixels a step.
+    widest = max(
+        math.sqrt(4 * place.half_width**2 + 24 * fzg.rms_roughness * place.reduced_radius)
+        for place in sliding
+    )
+    (along, across), size = scene["window"]["pixels"], scene["window"]["pixel_size"]
+    assert size == ["1 um", "1 um"]
+    assert (along % 8, across) == (0, 240)
+    assert 1.2 * widest <= along * 1e-6 < 1.2 * widest + 8e-6
+    # The highest load is reached in 10 s.
+    highest = max(place.load for place in sliding)
+    assert float(scene["loading"]["reference_load"].split()[0]) == pytest.approx(highest, rel=1e-6)
+    assert float(scene["loading"]["rate"].split()[0]) == pytest.approx(highest / 10, rel=1e-6)
+    assert scene["disk"]["roughness"]["hurst_exponent"] == 0.8
+    assert scene["disk"]["roughness"]["correlation_length"] == ["4 um", "4 um"]
+    assert float(scene["disk"]["roughness"]["ra"].split()[0]) == pytest.approx(0.35 * 2**0.5)
+    assert scene["wear"] == {"specific_wear_rate": "1.2e-06 mm^3/(N m)", "pattern": "swept"}
+    assert scene["temperature"] == {"bulk": "165.7 degC"}
+    critical = gears.scene_toml([gears.mesh(fzg.changed(critical=523.15))])
+    assert tomllib.loads(critical)["temperature"]["critical"] == "250 degC"
+
+
+def test_several_duties_have_their_own_friction_and_temperature_in_each_row(fzg):
+    duties = [gears.Duty(torque, 200.0, bulk) for torque, bulk in ((300.0, 400.0), (100.0, 350.0))]
+    meshes = [gears.mesh(fzg, 2, duty) for duty in duties]
+    rows = tomllib.loads(gears.scene_toml(meshes))["sweep"]["along"]
+    assert [row["duty"] for row in rows] == ["1"] * 4 + ["2"] * 4
+    assert {row["bulk_temperature"] for row in rows} == {"126.85 degC", "76.85 degC"}
+    assert [row["friction"] for row in rows[::4]] == [round(one.friction, 6) for one in meshes]
+
+
+@pytest.mark.parametrize(
+    ("lengths", "pixel"),
+    [(["2 um", "8 um"], ["0.5 um", "2 um"]), (["40 um", "4 um"], [None, "1 um"])],
+)
+def test_pixels_are_a_quarter_of_the_roughness_or_an_eightieth_of_the_contact(lengths, pixel):
+    pair = gears.read_pair("fzg_a", {"surface.correlation_length": lengths})
+    mesh = gears.mesh(pair)
+    size = tomllib.loads(gears.scene_toml([mesh]))["window"]["pixel_size"]
+    widest = max(2e6 * place.half_width for place in mesh.places if place.sliding)
+    assert size[1] == pixel[1]
+    if pixel[0]:
+        assert size[0] == pixel[0]
+    else:
+        assert float(size[0].split()[0]) == pytest.approx(widest / 80, rel=1e-6)
+
+
+def test_smooth_flanks_have_no_roughness_and_a_leaning_tooth_a_longer_line(fzg):
+    smooth = gears.mesh(fzg.changed(roughness=(0.0, 0.0)))
+    assert "roughness" not in tomllib.loads(gears.scene_toml([smooth]))["disk"]
+    assert smooth.places[0].film_parameter is None
+    helical = gears.read_pair("fzg_a", HELICAL)
+    length = tomllib.loads(gears.scene_toml([gears.mesh(helical)]))["pin"]["length"]
+    lean = math.asin(math.sin(math.radians(15)) * math.cos(math.radians(20)))
+    assert float(length.split()[0]) == pytest.approx(23 / math.cos(lean), rel=1e-6)
+    # A point of the flank comes back once a turn: at its speed it runs 2π ρ1 in that section.
+    rows = tomllib.loads(gears.scene_toml([gears.mesh(helical)]))["sweep"]["along"]
+    turns = helical.duty.speed / (2 * math.pi)
+    sliding = [place for place in gears.mesh(helical).places if place.sliding]
+    for row, place in zip(rows, sliding, strict=True):
+        track = float(row["motion.track_length"].split()[0]) * 1e-3
+        assert track * turns == pytest.approx(place.rolling_1, rel=1e-6)

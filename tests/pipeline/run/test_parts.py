@@ -1,0 +1,445 @@
+"""Parts of a run that need no worker: words, silence, nodes of a search, changes of a boundary."""
+
+import math
+from concurrent.futures import CancelledError
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from distributed import Status
+
+import pipeline
+from pipeline.run import cluster, vary, work
+from pipeline.run.boundary_search import BoundarySearch
+from pipeline.run.cluster import Connection, client_of, threads_of
+from pipeline.run.schedule import _short_name, _Silence
+from pipeline.run.tally import Progress, Reports
+from pipeline.run.vary import Variation, Variations, _absolute
+from pipeline.run.work import ExecutionError, hash_of_code, other_packages, require_same_code
+from pipeline.sweep.model import Point
+from tests.helpers import synthetic
+from tests.helpers.scenes import SCENE
+from tribo import Corrections, Friction, InputError
+
+# Words
+
+
+@pytest.mark.parametrize(
+    ("progress", "words"),
+    [
+        (Progress(3, 1, 9, 12.3, 61.0), "3 of 9 points done, 1 failed, 12 s so far, 1 min to go"),
+        (Progress(0, 0, 9, 0.2, None), "0 of 9 points done, 0 failed, 0 s so far"),
+        (Progress(9, 0, 9, 99.0, 0.0), "9 of 9 points done, 0 failed, 2 min so far"),
+    ],
+)
+def test_progress_says_what_is_done_and_the_time_to_go(progress, words):
+    assert str(progress) == words
+
+
+def test_a_task_is_named_by_its_place_and_by_how_many_share_its_contact():
+    points = (Point(600.0, 1.5), Point(600.0, 1.5, (("oil", "a"),)), Point(600.0, 1.5))
+    assert _short_name(points[:1]) == "600N-1.5ms"
+    assert _short_name(points) == "600N-1.5ms-and-2-more"
+
+
+class Clock:
+    """A connection whose clock is set, and what it tells."""
+
+    def __init__(self):
+        self.now, self.said = 100.0, []
+
+    def clock(self):
+        return self.now
+
+    def tell(self, line):
+        self.said.append(line)
+
+
+def test_silence_is_told_after_a_minute_then_after_twice_that_and_ends_a_run_in_the_end():
+    clock = Clock()
+    silence = _Silence(clock)
+    running = [SimpleNamespace(points=(Point(150.0 * k, 0.5),)) for k in (1, 2, 3)]
+
+    def after(seconds, moved=False, computes=True, running=running):
+        clock.now = 100.0 + seconds
+        silence.watch(moved, computes, running)
+        return len(clock.said)
+
+    assert after(59.9) == 0
+    assert after(60.0) == 1
+    assert clock.said[0] == (
+        "no point has been finished for 60 s; waiting for 150 N, 0.5 m/s and 2 more"
+    )
+    assert after(119.0) == 1
+    assert after(120.0, running=running[:1]) == 2
+    assert clock.said[1].endswith("for 120 s; waiting for 150 N, 0.5 m/s")
+    assert after(239.0) == 2
+    assert after(240.0, running=[]) == 3
+    assert clock.said[2].endswith("waiting for a worker")
+    assert after(241.0, moved=True) == 3  # from here on anew
+    assert after(300.0) == 3
+    assert after(301.0) == 4
+    assert after(600.9, computes=False) == 5  # 300 s since a worker computed, at 301 s
+    with pytest.raises(ExecutionError, match="no point has been finished for 361 s, and no worker"):
+        after(601.9, computes=False)
+
+
+def test_a_run_that_moves_is_not_given_up_though_no_worker_says_that_it_computes():
+    clock = Clock()
+    silence = _Silence(clock)
+    for seconds in range(0, 1000, 250):
+        clock.now = 100.0 + seconds
+        silence.watch(True, False, [])
+    assert clock.said == []
+
+
+# Workers
+
+
+def test_other_code_is_refused_and_other_packages_are_named():
+    here = work.versions()
+    require_same_code(here, "tcp://w")
+    other = {**here, "code": "abc", "folder": "/elsewhere"}
+    with pytest.raises(ExecutionError, match="tcp://w runs code abc of tribo and pipeline from /e"):
+        require_same_code(other, "tcp://w")
+    assert other_packages(here) == ""
+    assert other_packages(other) == ""  # whose code is refused
+    unlike = {**here, "numpy": "1.0", "scipy": "2.0"}
+    assert other_packages(unlike) == (
+        f"numpy 1.0 (here {here['numpy']}), scipy 2.0 (here {here['scipy']})"
+    )
+
+
+def test_the_hash_of_code_is_that_of_names_and_contents_of_its_sources(tmp_path):
+    one, other = tmp_path / "one" / "a", tmp_path / "other" / "a"
+    for folder in (one, other):
+        folder.mkdir(parents=True)
+        (folder / "x.py").write_text("1\n")
+        (folder / "notes.txt").write_text(str(folder))
+    first = hash_of_code([one])
+    assert first == hash_of_code([other])
+    assert len(first) == 12
+    (other / "x.py").write_text("2\n")
+    assert hash_of_code([other]) != first
+    (other / "x.py").rename(other / "y.py")
+    (other / "y.py").write_text("1\n")
+    assert hash_of_code([other]) != first
+
+
+def test_a_worker_keeps_what_the_last_four_runs_compute(monkeypatch):
+    kept = {}
+    monkeypatch.setattr(work, "_parcels", kept)
+    there = SimpleNamespace(data={"a": [1], "b": [2]})
+    for run in "12345":
+        report = work.records_here(["a", "c"], run, b"parcel", there)
+    assert [*kept] == ["2", "3", "4", "5"]
+    assert [*report.records] == ["a"]
+    assert (report.now, report.versions) == (None, work.versions())
+    work.records_here([], "6", None, there)
+    assert [*kept] == ["2", "3", "4", "5"]
+
+
+class Threads:
+    """A client that has no workers for the first looks."""
+
+    def __init__(self, *threads):
+        self.threads, self.looks = [*threads], 0
+
+    def nthreads(self, callback_timeout):
+        self.looks += 1
+        found = self.threads.pop(0) if len(self.threads) > 1 else self.threads[0]
+        if isinstance(found, Exception):
+            raise found
+        return found
+
+
+@pytest.fixture
+def time_goes_on(monkeypatch):
+    """Time that passes by sleeping alone."""
+    now = [50.0]
+    monkeypatch.setattr(cluster.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(cluster.time, "sleep", lambda seconds: now.__setitem__(0, now[0] + seconds))
+    return now
+
+
+@pytest.mark.usefixtures("time_goes_on")
+def test_workers_are_waited_for_and_the_wait_does_not_count():
+    said = []
+    link = Connection(Threads(*[{}] * 130, {"a": 2, "b": 1}), 30.0, said.append)
+    before = link.clock()
+    threads = threads_of(link)
+    assert (threads.total(), link.workers) == (3, 2)
+    assert link.absent == pytest.approx(13.0)
+    assert link.clock() == pytest.approx(before)
+    assert said == ["there is no Dask worker; waiting up to 30 s for one"]
+    quick = Connection(Threads(*[{}] * 9, {"a": 1}), 30.0, said.append)
+    assert threads_of(quick).total() == 1
+    assert len(said) == 1
+
+
+@pytest.mark.usefixtures("time_goes_on")
+@pytest.mark.parametrize("patience", [2.0, 40.0])
+def test_without_a_worker_patience_ends(patience, time_goes_on):
+    said, client = [], Threads({})
+    began = time_goes_on[0]
+    with pytest.raises(ExecutionError, match=f"none has come within {patience:.0f} s; finished"):
+        threads_of(Connection(client, patience, said.append))
+    assert len(said) == 1
+    assert time_goes_on[0] - began == pytest.approx(patience, abs=0.2)
+
+
+@pytest.mark.parametrize("error", [OSError("gone"), CancelledError()])
+def test_a_scheduler_that_is_gone_is_said_to_be_lost(error):
+    with pytest.raises(ExecutionError, match="the Dask scheduler is lost; finished points"):
+        threads_of(Connection(Threads(error), 30.0))
+
+
+def test_workers_that_nobody_starts_again_are_replaced():
+    states = {"a": Status.running, "b": Status.closed, "c": Status.failed}
+    nannies = {name: SimpleNamespace(status=status) for name, status in states.items()}
+    scaled = []
+    local = SimpleNamespace(workers=nannies, worker_spec=dict(states), scale=scaled.append)
+    cluster._replace_lost(local)
+    assert ([*nannies], scaled) == (["a"], [3])
+    cluster._replace_lost(local)
+    assert scaled == [3]
+
+
+@pytest.mark.parametrize("content", ["", "{}", "[1]", '{"id": 1}'])
+def test_a_file_that_no_scheduler_wrote_is_refused(tmp_path, content):
+    file = tmp_path / "scheduler.json"
+    file.write_text(content)
+    with pytest.raises(ExecutionError, match="cannot be read as the file of a Dask scheduler"):
+        client_of(file=file)
+
+
+class Asked:
+    """A client whose workers answer what they are told to."""
+
+    def __init__(self, answers):
+        self.answers, self.calls = answers, []
+
+    def sync(self, run, function, keys, name, parcel, workers, on_error, callback_timeout):
+        self.calls.append((workers[0], keys, parcel))
+        return {workers[0]: self.answers[workers[0]]}
+
+    run = None
+
+
+def test_workers_are_sent_what_is_computed_until_they_answer(monkeypatch):
+    report = work.WorkerReport(work.versions(), "a task", {})
+    client = Asked({"a": report, "b": OSError("died"), "c": report._replace(now=None)})
+    monkeypatch.setattr(Asked, "run", object())
+    news = SimpleNamespace(set=lambda: None)
+    with Reports(Connection(client), news, "run", b"parcel") as reports:
+
+        def ask():
+            reports.ask(["a", "b", "c"], ["key"])
+            for asked in [*reports._asked.values()]:
+                asked.exception(timeout=10)
+            return {worker: answer.now for worker, answer in reports.answers()}
+
+        assert ask() == {"a": "a task", "c": None}
+        assert [reports.knows(worker) for worker in "abc"] == [True, False, True]
+        assert [reports.computes([worker]) for worker in "abc"] == [True, False, False]
+        assert reports.computes("abc")
+        assert ask() == {"a": "a task", "c": None}
+        sent = {worker: [] for worker in "abc"}
+        for worker, keys, parcel in client.calls:
+            sent[worker].append(parcel)
+            assert keys == ["key"]
+        assert sent == {"a": [b"parcel", None], "b": [b"parcel"] * 2, "c": [b"parcel", None]}
+        client.answers["a"] = TimeoutError()
+        ask()
+        assert not reports.computes("a")  # it knows, and did not answer
+        assert reports.knows("a")
+        reports.send_again()
+        assert not any(map(reports.knows, "abc"))
+
+
+# The search
+
+
+def search(**values):
+    usual = {"loads": (200.0, 400.0, 750.0), "lowest": 0.5, "highest": 8.0, "limit": 1200.0}
+    return BoundarySearch(**usual | {"tolerance": 0.01} | values)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 1.0, -0.1, math.nan])
+def test_a_tolerance_is_a_share(tolerance):
+    with pytest.raises(InputError, match="it must be between 0 and 1"):
+        search(tolerance=tolerance)
+
+
+def test_a_search_begins_at_the_middle_of_its_range_and_follows_the_load():
+    """Loads of both ends and the middle; the boundary falls about as the load to −0.8."""
+    asked = search().wanted({})
+    by_load = {point.load: point.velocity for point in asked}
+    assert sorted(by_load) == [200.0, 400.0, 750.0]
+    assert [point.velocity for point in asked] == sorted(by_load.values())
+    assert by_load[400.0] == pytest.approx(2.0, rel=0.2)  # √(0.5 · 8)
+    assert by_load[200.0] / by_load[400.0] == pytest.approx(2**0.8, rel=0.25)
+    assert by_load[750.0] / by_load[400.0] == pytest.approx((750 / 400) ** -0.8, rel=0.25)
+    alone = search(loads=(300.0,)).wanted({})
+    assert [point.load for point in alone] == [300.0]
+    scaled = search(loads=(300.0,), scale=2.0).wanted({})
+    assert scaled[0].velocity == pytest.approx(alone[0].velocity, rel=0.2)
+
+
+def test_velocities_are_in_round_figures_and_those_next_to_an_end_are_the_end():
+    one = search()
+    count = one._intervals()
+    assert math.log(8.0 / 0.5) / count <= 0.35 < math.log(8.0 / 0.5) / (count - 1)
+    for number in range(1, count):
+        node = one._node(number, 0)
+        assert node == float(f"{node:.6g}")
+        assert node == pytest.approx(0.5 * 16 ** (number / count), rel=1e-5)
+    assert [one._node(number, 0) for number in (-3, 0, count, count + 2)] == [0.5, 0.5, 8.0, 8.0]
+    assert one._node(1, 1) == pytest.approx(0.5 * 16 ** (0.5 / count), rel=1e-5)
+    coarse = search(lowest=1.0, highest=1.1)
+    assert coarse._intervals() == 2
+    loose = search(tolerance=1e-4)
+    assert math.log(16) / loose._intervals() <= math.sqrt(8e-4 / 0.5)
+
+
+@pytest.mark.parametrize(
+    ("row", "bracket"),
+    [
+        ([(1.0, 900.0), (2.0, 1500.0)], (1.0, 2.0)),
+        ([(1.0, 900.0), (2.0, 1200.0)], (1.0, 2.0)),  # at the limit wear is severe
+        ([(1.0, 900.0), (2.0, 1100.0)], (2.0, None)),
+        ([(1.0, 1300.0), (2.0, 1500.0)], (None, 1.0)),
+        ([(1.0, 900.0), (2.0, 1500.0), (3.0, 1000.0), (4.0, 1600.0)], (1.0, 2.0)),
+    ],
+)
+def test_a_bracket_is_next_to_the_first_crossing(row, bracket):
+    assert search()._bracket(row) == bracket
+
+
+def test_the_crossing_is_guessed_by_the_straight_line_in_logarithms():
+    one = search()
+
+    def guess(*row):
+        return math.exp(one._guess([*row]))
+
+    assert guess((2.0, 1200.0)) == pytest.approx(2.0)
+    assert guess((2.0, 600.0)) == pytest.approx(2.0 * 2 ** (1 / 0.6))  # the usual exponent
+    assert guess((1.0, 600.0), (4.0, 2400.0)) == pytest.approx(2.0)
+    assert guess((1.0, 300.0), (2.0, 600.0)) == pytest.approx(4.0)  # goes on
+    assert guess((2.0, 2400.0), (4.0, 4800.0)) == pytest.approx(1.0)
+    # No flatter than an exponent of 0.2, and no steeper than 3.
+    assert guess((1.0, 1000.0), (2.0, 1000.0)) == pytest.approx(2.0 * 1.2**5)
+    assert guess((1.0, 1.0), (2.0, 600.0)) == pytest.approx(2.0 * 2 ** (1 / 3))
+
+
+def test_a_bend_of_the_rise_narrows_what_a_straight_line_may_span():
+    one = search()
+    assert one._curvature({200.0: []}) == 0.5
+    power = [(v, 1000.0 * v**0.6) for v in (1.0, 1.3, 1.6)]
+    assert one._curvature({200.0: power}) == 0.2  # it may be less by chance
+    x = np.log([1.0, 1.3, 1.6])
+    bent = [*zip((1.0, 1.3, 1.6), (1000 * np.exp(0.6 * x + 0.3 * x**2)).tolist(), strict=True)]
+    slope = 0.6 + 0.3 * (x[2] + x[0])
+    assert one._curvature({200.0: bent}) == pytest.approx(1.5 * 0.6 / slope, rel=1e-6)
+    falling = [(1.0, 1500.0), (1.3, 900.0), (1.6, 1300.0)]
+    assert one._curvature({200.0: falling}) in (0.5, 100.0)
+    wide = [(v, 1000.0 * v**0.6) for v in (1.0, 2.0, 4.0)]
+    assert one._curvature({200.0: wide}) == 0.5  # too far apart to tell
+
+
+def test_a_search_is_between_the_velocities_above_0_and_closer_where_friction_bends():
+    sweep = synthetic.scene(velocities=(0.0, 0.5, 2.0, 5.0), loads=(200.0, 400.0))
+    plain = BoundarySearch.of(sweep, 0.02, 2.0)
+    assert (plain.lowest, plain.highest, plain.limit) == (0.5, 5.0, pytest.approx(1200.0))
+    assert (plain.tolerance, plain.scale, plain.factor) == (0.02, 2.0, None)
+    bent = Corrections(friction=Friction(by_velocity=((0.5, 1.2), (5.0, 0.8))))
+    curved = sweep.changed(conditions=replace(sweep.conditions, corrections=bent))
+    assert BoundarySearch.of(curved, 0.02).tolerance == pytest.approx(0.002)
+    assert BoundarySearch.of(curved, 0.02).factor is not None
+    for values, words in (
+        ({"velocities": (0.0, 1.0)}, "sweep.velocities are 0, 1 m/s; give two or more above 0"),
+        ({"conditions": replace(sweep.conditions, friction=0.0)}, "without friction; give fricti"),
+    ):
+        with pytest.raises(InputError, match=words):
+            BoundarySearch.of(sweep.changed(**values), 0.02)
+
+
+# Variations
+
+
+def varied(*others, base=(2.0, 1.0)):
+    crosses = ("crosses",) * 2
+    changes = tuple(Variation(key, value, velocities, crosses) for key, value, velocities in others)
+    return Variations("A scene", (200.0, 600.0), Variation("", "", base, crosses), changes, 12, 5)
+
+
+def test_entries_are_ordered_by_how_far_they_move_the_boundary():
+    nan = math.nan
+    made = varied(
+        ("a", "1", (2.2, 1.0)),
+        ("b", "1", (nan, nan)),
+        ("c", "1", (1.9, 1.0)),
+        ("a", "2", (2.0, nan)),
+        ("c", "2", (2.0, 0.7)),
+        base=(2.0, 1.0),
+    )
+    assert {key: [one.value for one in group] for key, group in made.keyed_changes().items()} == {
+        "c": ["1", "2"],
+        "a": ["1", "2"],
+        "b": ["1"],
+    }
+    assert [*made.keyed_changes()] == ["c", "a", "b"]
+    np.testing.assert_allclose(made.changes(made.others[0]), [0.1, 0.0], atol=1e-12)
+    assert np.isnan(made.changes(made.others[3])[1])
+    document = made.as_dict()
+    assert (document["points"], document["contacts"]) == (12, 5)
+    assert document["variations"][2]["change"] == pytest.approx([-0.05, 0.0])
+    assert document["critical_velocity"] == [2.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "absolute"),
+    [
+        ("friction.coefficient", "+20%", 0.12),
+        ("friction.coefficient", "-5.5 %", 0.0945),
+        ("pin.radius", "+20%", "2.4 mm"),
+        ("disk.roughness.ra", "-50%", "0.135 um"),
+        ("pin.radius", "20%", "20%"),
+        ("pin.radius", "3 mm", "3 mm"),
+        ("friction.coefficient", 0.2, 0.2),
+    ],
+)
+def test_percents_are_of_the_scene_s_own_value(tmp_path, key, value, absolute):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    assert [*_absolute(tmp_path / "scene.toml", key, [value], {})] == [absolute]
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("temperature.bulk", "the scene gives 25 degC, and a percentage of a temperature depends"),
+        ("disk.material", "the scene gives no number there; give a value"),
+        ("sweep.fields", "the scene gives no number there"),
+        ("pin.material", "the scene gives no number there"),
+    ],
+)
+def test_what_has_no_percents_is_told(tmp_path, key, words):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    with pytest.raises(InputError, match=words):
+        [*_absolute(tmp_path / "scene.toml", key, ["+20%"], {})]
+
+
+def test_a_variation_of_an_effect_is_labelled_by_it(tmp_path):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    sweep = pipeline.load_scene(tmp_path / "scene.toml")
+    thin = sweep.changed(pin=replace(sweep.scene.pin, radius=1e-3), loads=(1.0,), fields=False)
+    made = vary._varied(sweep, [("", ""), ("pin.radius", "1 mm")], [sweep, thin])
+    assert made.plane == sweep.plane
+    assert [dict(name)["variation"] for name in made.variants.names] == [
+        "the unchanged scene",
+        "pin.radius = 1 mm",
+    ]
+    plain, changed = (made.variants.part(name) for name in made.variants.names)
+    assert plain == ()
+    assert [path for path, _ in changed] == ["pin"]

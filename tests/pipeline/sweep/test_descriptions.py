@@ -1,0 +1,395 @@
+"""Sweeps, points and answers as users read them, line by line."""
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import tribo
+from pipeline.sweep.about import Measurement, judged_by, oils_of, own_tests, plane_rows, point_rows
+from pipeline.sweep.conditions import celsius_text
+from pipeline.sweep.plan import run_point
+from pipeline.sweep.selection import Selection, Trial
+from pipeline.sweep.shown import shown
+from pipeline.sweep.stages import duration, staged
+from pipeline.sweep.surface import SurfaceFacts, surface_facts, surface_words
+from pipeline.sweep.unknown import Unit, Unknown, without
+from pipeline.sweep.variants import surfaces
+from pipeline.sweep.wear_rates import note_on_wear
+from tests.helpers import synthetic, tiny
+from tests.helpers.scenes import STEEL
+from tribo import PRESETS, Fidelity, Wear
+
+BENT = tribo.Corrections(friction=tribo.Friction(by_velocity=((1.0, 1.2), (4.0, 0.8))))
+RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
+
+
+@pytest.mark.parametrize(
+    ("changes", "rows"),
+    [
+        (
+            {},
+            {
+                "disk": "random roughness, Ra 0.27 µm",
+                "window": "416 × 240 µm, 32 × 16 elements",
+                "loading": "150 N/s",
+                "wear": "1.2e-06 mm³/(N m), swept",
+                "sweep": "3 loads from 150 to 600 N, 3 velocities from 0.5 to 1.5 m/s",
+                "fidelity": "of its own",
+                "friction": "0.1, bulk 25 °C",
+                "severe": "more than 10 % of the contact above 145 °C",
+            },
+        ),
+        (
+            {"roughness": None, "wear": None, "preset": "fine", "loads": (250.0,)},
+            {
+                "disk": "smooth",
+                "wear": "none",
+                "fidelity": "fine",
+                "sweep": "250 N, 3 velocities from 0.5 to 1.5 m/s",
+            },
+        ),
+        (
+            {
+                "roughness": tribo.MeasuredRoughness(np.zeros((32, 16))),
+                "loading": tribo.Ramp(150.0, 750.0, hold=60.0),
+                "velocities": (0.5,),
+            },
+            {
+                "disk": "measured roughness",
+                "loading": "150 N/s, held for 60 s",
+                "sweep": "3 loads from 150 to 600 N, 0.5 m/s",
+            },
+        ),
+        ({"loading": RECORD}, {"loading": "recorded, up to 750 N"}),
+        ({"variants": surfaces((3, 4))}, {"realizations": "2"}),
+        (
+            {
+                "conditions": replace(
+                    tiny.sweep().conditions, disk_temperature=313.15, criterion="highest"
+                )
+            },
+            {"friction": "0.1, bulk 25 °C (pin) and 40 °C (disk)"},
+        ),
+        (
+            {"conditions": replace(tiny.sweep().conditions, corrections=BENT)},
+            {"corrections": BENT.worded},
+        ),
+        (
+            {"conditions": replace(tiny.sweep().conditions, critical_temperature=None)},
+            {"severe": None},
+        ),
+    ],
+)
+def test_a_sweep_says_a_row_for_each_subject(changes, rows):
+    title, said = tiny.sweep(**changes).description()
+    assert title == "tiny: A tiny sweep"
+    said = dict(said)
+    assert {name: said.get(name) for name in rows} == rows
+    assert ("corrections" in said) == ("corrections" in rows)
+    assert f"  sweep{' ' * (max(map(len, said)) - 5)}  {said['sweep']}" in repr(
+        tiny.sweep(**changes)
+    )
+
+
+def test_conditions_of_several_are_said_once_each_and_what_is_drawn_as_that():
+    own = tiny.sweep().conditions
+    warm = replace(own, critical_temperature=438.15)
+    bent = replace(warm, corrections=BENT)
+    assert judged_by([own]) == (
+        "severe wear: more than 10 % of the contact above 145 °C; friction 0.1, bulk 25 °C"
+    )
+    assert judged_by([own, warm, warm]) == (
+        "severe wear: more than 10 % of the contact above 145 °C or more than 10 % of the contact "
+        "above 165 °C; friction 0.1, bulk 25 °C"
+    )
+    assert judged_by([bent]).endswith(f"above 165 °C; friction 0.1, bulk 25 °C; {BENT.worded}")
+    assert judged_by([own, bent]).endswith(f"no correction or {BENT.worded}")
+    every = ("friction.coefficient", "temperature.bulk", "temperature.critical")
+    assert judged_by([own], every) == (
+        "severe wear: more than 10 % of the contact above the critical temperature of each sample; "
+        "friction of each sample, bulk of each sample"
+    )
+    assert judged_by([own], ("temperature.failing_share",)).startswith(
+        "severe wear: more than the share of each sample of its contact above 145 °C;"
+    )
+    assert "bulk of each sample" in judged_by([own], ("temperature.bulk.pin",))
+    assert plane_rows((1.0,), (2.0, 3.0)) == ("sweep", "1 N, 2 velocities from 2 to 3 m/s")
+
+
+def test_the_end_of_a_point_is_said_in_usual_units():
+    result = run_point(tiny.sweep(), 600.0, 1.5)
+    columns = result.columns | {
+        "contact_width": np.array([1.0, 123.4e-6]),
+        "mean_pressure": np.array([1.0, 2.345e9]),
+        "max_pressure": np.array([1.0, 6.6e9]),
+        "wear_depth_max": np.array([1.0, 1.5e-6]),
+        "wear_volume": np.array([1.0, 2.5e-12]),
+        "max_rise": np.array([1.0, 1234.5]),
+    }
+    said = list(point_rows(columns, result.warnings))
+    assert said[:4] == [
+        ("after", "4 s and 6 m"),
+        ("contact", "123.4 µm wide, 2.35 GPa on average, 6.6 GPa at most"),
+        ("wear", "1.5 µm deep, 0.0025 mm³"),
+        ("rise", "1234 K at most, at friction 1"),
+    ]
+    assert [name for name, _ in said[4:]] == ["warning"] * len(result.warnings)
+    assert len(result.warnings) > 0
+    title, rows = result.description()
+    assert title == "600 N, 1.5 m/s"
+    assert rows[0] == ("after", "4 s and 6 m")
+
+
+def test_tests_are_of_the_scene_s_oil_if_they_name_none_or_the_first_named():
+    plain, mineral, ester = (
+        Measurement(400.0, velocity, oil=oil)
+        for velocity, oil in ((1.0, None), (2.0, "mineral"), (3.0, "ester"))
+    )
+    assert oils_of(test.as_dict() for test in (mineral, plain, ester)) == ["", "mineral", "ester"]
+    assert own_tests((mineral, plain, ester)) == (plain,)
+    assert own_tests((mineral, ester)) == (mineral,)
+    assert own_tests(()) == ()
+    assert Measurement.of({"load": 400.0, "velocity": 1.0, "number": 7, "run": None}) == (
+        Measurement(400.0, 1.0, number="7")
+    )
+    assert plain.as_dict() == {"normal_load": 400.0, "velocity": 1.0, "friction": None}
+
+
+@shown
+@dataclass
+class Values:
+    title: str = "two oils"
+    velocity: float = 1.23456
+    unknown: float = math.nan
+    nothing: None = None
+    hidden: int = field(default=7, repr=False)
+    few: tuple = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
+    many: tuple = tuple(range(8))
+    table: pd.DataFrame = field(default_factory=lambda: pd.DataFrame({"a <b": [1.0]}))
+    by_name: dict = field(default_factory=lambda: {"draft": 0.08, "fine": 0.01})
+    array: np.ndarray = field(default_factory=lambda: np.array([[1.0, np.nan, -2.0, 3.0]] * 2))
+    short: np.ndarray = field(default_factory=lambda: np.array([1.0, 2.5]))
+    lines: str = "first\nsecond"
+    long: str = "word " * 30
+
+
+def test_an_answer_shows_each_of_its_values_in_a_line():
+    answer = Values()
+    assert repr(answer).splitlines() == [
+        "Values: two oils",
+        "  velocity  1.235",
+        "  unknown   not known",
+        "  few       1, 2, 3, 4, 5, 6",
+        "  many      0, 1, 2, 3, 4, 5 and 2 more",
+        "  table     1 row",
+        "  by_name   draft: 0.08, fine: 0.01",
+        "  array     array of shape (2, 4), -2 to 3",
+        "  short     1, 2.5",
+        "  lines     first",
+        f"  long      {'word ' * 15}…"[:88],
+    ]
+    html = answer._repr_html_()
+    assert "<caption>Values: two oils</caption>" in html
+    assert "<tr><th>few</th><td>1, 2, 3, 4, 5, 6</td></tr>" in html
+    assert html.count("a &lt;b") == 2  # as one of its values, and as its table
+    assert "hidden" not in html
+    assert "<th>0</th>" not in html  # no numbers of rows
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [
+        (59.4, "59 s"),
+        (60.0, "1 min"),
+        (119.4 * 60, "119 min"),
+        (120 * 60, "2.0 h"),
+        (99.9 * 365.25 * 24 * 3600, "875723.4 h"),
+        (100 * 365.25 * 24 * 3600, "more than 100 years"),
+    ],
+)
+def test_durations_change_their_unit_at_a_minute_two_hours_and_a_century(seconds, words):
+    assert duration(seconds) == words
+
+
+def test_stages_say_which_begins_and_the_time_that_the_rest_will_take():
+    """By the weight of what is done: 4 s for 1 of 10 are 36 s for 9; none in the first 2 s."""
+    said, times = [], iter((0.0, 0.0, 1.9, 4.0))
+    weights = {"a": 0.5, "b": 0.5, "c": 9.0}
+    stages = staged("abc", said.append, weight=weights.get, clock=lambda: next(times))
+    assert list(stages) == ["a", "b", "c"]
+    assert said == ["1 of 3: a", "2 of 3: b", "3 of 3: c (about 36 s to go)"]
+    said.clear()
+    times = iter((10.0, 10.0, 12.0))
+    assert list(staged("ab", said.append, str.upper, clock=lambda: next(times))) == ["a", "b"]
+    assert said == ["1 of 2: A", "2 of 2: B (about 2 s to go)"]
+    said.clear()
+    assert list(staged("a", said.append)) == ["a"]
+    assert said == ["a"]
+    assert list(staged("ab", None)) == ["a", "b"]
+
+
+@pytest.mark.parametrize(
+    ("facts", "words"),
+    [
+        (SurfaceFacts(False, 0.27e-6, 0.338e-6), "random: Ra 0.27 µm, Rq 0.338 µm, no lay"),
+        (
+            SurfaceFacts(False, 0.27e-6, 0.338e-6, lay=89.7, slope=0.123),
+            "random: Ra 0.27 µm, Rq 0.338 µm, rms slope 0.12, grooves at 90° to sliding",
+        ),
+        (
+            SurfaceFacts(True, 1e-7, 2e-7, 1e-13, (1e-13, -1.9e-13)),
+            "measured: Ra 0.1 µm, Rq 0.2 µm, no lay; level",
+        ),
+        (
+            SurfaceFacts(True, 1e-7, 2e-7, 0.0, (0.0, -3e-6), lay=0.0),
+            "measured: Ra 0.1 µm, Rq 0.2 µm, grooves at 0° to sliding; mean plane at 0 µm, rising "
+            "by 0 µm along x and -3 µm along y over the window",
+        ),
+        (
+            SurfaceFacts(True, 1e-7, 2e-7, 5e-6),
+            "measured: Ra 0.1 µm, Rq 0.2 µm, no lay; mean plane at 5 µm, rising by 0 µm along x "
+            "and 0 µm along y over the window",
+        ),
+    ],
+)
+def test_a_surface_is_said_by_its_heights_its_lay_and_its_level(facts, words):
+    assert facts.words == words
+
+
+def test_facts_of_a_surface_have_their_units():
+    facts = SurfaceFacts(True, 1e-7, 2e-7, 5e-6, (1e-6, 2e-6), 45.0)
+    assert facts.as_dict() == {
+        "kind": "measured",
+        "ra": {"value": 1e-7, "unit": "m"},
+        "rq": {"value": 2e-7, "unit": "m"},
+        "mean_height": {"value": 5e-6, "unit": "m"},
+        "rise": {"x": 1e-6, "y": 2e-6, "unit": "m"},
+        "lay": {"value": 45.0, "unit": "degree"},
+    }
+    assert SurfaceFacts(False, 1e-7, 2e-7).as_dict()["lay"] == "none"
+    assert SurfaceFacts(False, 1e-7, 2e-7).as_dict()["kind"] == "random"
+
+
+def test_slopes_are_taken_along_sliding_and_notes_on_a_scan_are_added():
+    """A plane wave of one period along x: rms slope 2π a / (L √2)."""
+    place = np.arange(64)[:, None] - 31.5  # even about the middle, so that it does not lean
+    wave = 1e-7 * np.cos(2 * np.pi * place / 64) * np.ones((1, 32))
+    waved = tribo.MeasuredRoughness(wave)
+    pixels = tribo.Grid((64, 32), (13e-6, 15e-6))
+    sweep = tiny.sweep(roughness=waved, pixels=pixels, notes=("disk.roughness: cut", "wear: no"))
+    slope = surface_facts(sweep).slope
+    assert slope == pytest.approx(2 * np.pi * 1e-7 / (64 * 13e-6) / 2**0.5, rel=0.01)
+    assert surface_words(sweep) == f"{surface_facts(sweep).words}; disk.roughness: cut"
+    assert surface_words(tiny.sweep(roughness=None)) is None
+    single = tribo.MeasuredRoughness(wave[:1])
+    alone = tiny.sweep(roughness=single, pixels=replace(pixels, shape=(1, 32)))
+    assert surface_facts(alone).slope is None
+    assert surface_facts(alone).lay is None
+
+
+@pytest.mark.parametrize(
+    ("lengths", "lay"),
+    [((8e-6, 4e-6), 0.0), ((4e-6, 8e-6), 90.0), ((7.9e-6, 4e-6), None), ((4e-6, 7.9e-6), None)],
+)
+def test_a_large_random_surface_has_the_lay_of_lengths_that_differ_by_two(lengths, lay):
+    rough = tribo.SelfAffineRoughness(0.27e-6, 0.8, lengths, seed=0)
+    facts = surface_facts(
+        tiny.sweep(roughness=rough, pixels=tribo.Grid((1001, 1000), (1e-6, 1e-6)))
+    )
+    assert (facts.lay, facts.slope, facts.ra) == (lay, None, 0.27e-6)
+    assert facts.rq == pytest.approx(0.27e-6 * math.sqrt(math.pi / 2))
+
+
+RATES = (298.15, 0.4e-15), (373.15, 0.8e-15)
+
+
+@pytest.mark.parametrize(
+    ("bulk", "rate", "known"),
+    [
+        (298.15, 0.4e-15, None),
+        (298.15, 0.42e-15, "0.4"),  # 0.95 of it is 0.399
+        (298.15, 0.4215e-15, "4e-07"),
+        (298.15, 0.3815e-15, None),
+        (298.15, 0.3805e-15, "4e-07"),
+        (335.65, 0.4e-15, "5.66e-07"),  # the root of 0.4 · 0.8, midway
+        (373.15, 0.4e-15, "8e-07"),
+        (280.0, 0.8e-15, "4e-07"),
+        (380.0, 0.4e-15, "8e-07"),
+    ],
+)
+def test_a_wear_rate_that_is_not_that_of_the_bulk_is_told(bulk, rate, known):
+    conditions = replace(tiny.sweep().conditions, bulk_temperature=bulk)
+    sweep = tiny.sweep(wear=Wear(rate), wear_by_temperature=RATES, conditions=conditions)
+    note = note_on_wear(sweep)
+    if known in (None, "0.4"):
+        assert note is None
+        return
+    beyond = "," if 298.15 <= bulk <= 373.15 else ", as at the nearest known,"
+    assert note == (
+        f"the wear rate at the bulk temperature, {celsius_text(bulk)}{beyond} is {known} mm³/(N m) "
+        f"by wear.by_temperature, and the contacts have {1e9 * rate:.3g}; run the scene again with "
+        f'--set "wear.specific_wear_rate={known} mm^3/(N m)"'
+    )
+    for quiet in ({"wear": None}, {"wear": Wear(0.0)}, {"wear_by_temperature": ()}):
+        assert note_on_wear(sweep.changed(**quiet)) is None
+
+
+def test_a_choice_says_what_was_asked_for_what_it_errs_and_what_was_tried():
+    trials = tuple(
+        Trial(name, PRESETS[name], error, 1.0)
+        for name, error in (("draft", 0.09), ("fine", 0.0123))
+    )
+    picked = synthetic.selection(
+        error=0.0123, coarser=0.01, trials=trials, seconds=12.34, points=((600.0, 1.5),)
+    )
+    assert str(picked) == (
+        "accuracy 2 %: picked fine, whose boundary velocity errs by at most 1.2 % at any load, "
+        "with 2 times less work than nearly exact steps (draft: not accurate enough); the probe "
+        "took 12.3 s"
+    )
+    assert picked.largest_error == 0.0123
+    own = replace(picked, accuracy=None, name="the scene's own fidelity", trials=(), saving=0.4)
+    assert str(own) == (
+        "the scene's own fidelity, whose boundary velocity errs by at most 1.2 % at any load, with "
+        "2.5 times the work than nearly exact steps; the probe took 12.3 s"
+    )
+    assert "not accurate" not in str(replace(picked, trials=trials[1:]))
+    equal = replace(picked, error=0.02, saving=1.0)
+    assert "more than asked for" not in str(equal)
+    assert "with 1 times less work" in str(equal)
+    assert "more than asked for: nothing finer is known" in str(replace(picked, error=0.021))
+    coarse = replace(picked, coarser=None)
+    assert str(coarse).endswith(
+        "; its pixels cannot be joined to larger ones; the probe took 12.3 s"
+    )
+    assert coarse.largest_error == 0.0123
+    assert picked.as_dict()["points"] == [{"load": 600.0, "velocity": 1.5}]
+    assert isinstance(picked, Selection)
+
+
+def test_inputs_say_their_distribution():
+    first = Unknown("a", "normal", (418.15, 8.0), "K", Unit("°C", zero=273.15))
+    second = Unknown("b", "uniform", (1.0, 2.0), correlated=(("a", 0.5), ("c", 0.1)))
+    assert str(first) == "a: normal, mean 145 °C, sd 8 K"
+    assert (
+        str(second) == "b: uniform from 1 to 2, correlated by 0.5 with a, correlated by 0.1 with c"
+    )
+    assert str(replace(second, varies=True)).endswith("with c, from part to part")
+    assert str(Unknown("d", "list", (3.0, 5.0), varies=True)) == "d: one of 3, 5"
+    assert [one.correlated for one in without((first, second), {"a"})] == [(("c", 0.1),)]
+    assert first.as_dict()["written"] == {"name": "°C", "size": 1.0, "zero": 273.15}
+    assert second.as_dict() == {
+        "path": "b", "kind": "uniform", "parameters": (1.0, 2.0), "unit": "1",
+        "correlated": (("a", 0.5), ("c", 0.1)),
+    }  # fmt: skip
+    assert not first.is_relative
+    assert Unknown("r", "log-normal", (1.0, 1.5)).is_relative
+
+
+def test_the_elements_of_the_window_are_those_of_the_fidelity():
+    joined = tiny.sweep(fidelity=None)
+    coarse = joined.changed(fidelity=Fidelity(pixels_per_element=2), disk=STEEL)
+    assert dict(coarse.description()[1])["window"] == "416 × 240 µm, 16 × 8 elements"

@@ -1,0 +1,342 @@
+"""Speed against accuracy where the readings of every probe are given: numbers computed by hand."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from pipeline.sweep.model import Point
+from pipeline.tradeoff import probe as probe_module
+from pipeline.tradeoff import trade as tradeoff
+from pipeline.tradeoff.probe import (
+    Probe,
+    Reading,
+    Target,
+    Yardstick,
+    measured,
+    near_the_boundary,
+    own_error,
+    probe,
+)
+from pipeline.tradeoff.trade import Choice, Trade, trade
+from tests.helpers import tiny
+from tests.helpers.accuracy_scenes import SCENES
+from tribo import PRESETS, ConvergenceError, Fidelity, Grid
+
+SCENE = SCENES["low loads"].changed(pixels=Grid((96, 48), (4e-6, 4e-6)))
+TRUE = Reading(
+    rise=1000.0,
+    failed_share=0.2,
+    contact_width=1e-4,
+    contact_nodes=5000,
+    contact_fraction=0.01,
+    mean_pressure=1e9,
+    saturated_fraction=0.1,
+)
+
+
+def choice(name, work, *errors, varied=None, fidelity=PRESETS["fine"]):
+    rest = {"rise_error": 0.1, "width_error": 0.2, "share_error": 0.3, "area_error": -0.04}
+    rest |= {"pressure_error": 0.05, "saturated_error": -0.06, "seconds": 2.0, "convolutions": 7}
+    costs = {"work": work, "peak_bytes": 10**6, "speedup": 3.0, "saving": 100.0 / work}
+    largest = max(map(abs, errors))
+    return Choice(name, varied, fidelity, errors, largest, **rest, **costs)
+
+
+def traded(*choices, **values):
+    points = Point(60.0, 1.23456), Point(180.0, 2.0)
+    return Trade("A scene", points, "fine", choices, values.pop("wasted", ()), **values)
+
+
+def test_the_front_has_each_choice_that_no_cheaper_one_equals():
+    exact = choice("reference", 100.0, 0.0)
+    dear, same, best = choice("b", 20.0, 0.05), choice("c", 30.0, -0.05), choice("d", 30.0, 0.01)
+    table = traded(dear, choice("a", 10.0, 0.05), same, best, exact)
+    assert [one.name for one in table.front] == ["a", "d", "reference"]
+    assert table.reference is exact
+    found = [table.cheapest(error).name for error in (0.05, 0.049, 0.01, 0.0099)]
+    assert found == ["a", "d", "d", "reference"]
+
+
+def test_it_says_the_points_the_cheapest_within_each_error_and_what_is_wasted():
+    start, cheap = choice("fine", 55.0, 0.004), choice("draft", 10.0, -0.03)
+    finer = PRESETS["fine"]
+    varied = [
+        choice("fine, increments = 5", 10.0, 0.0041, varied="increments",
+               fidelity=replace(finer, increments=5)),
+        choice("fine, increments = 12", 20.0, 0.004, varied="increments",
+               fidelity=replace(finer, increments=12)),
+        choice("fine, heat_tolerance = 0.01", 50.0, 0.002, varied="heat_tolerance",
+               fidelity=replace(finer, heat_tolerance=0.01)),
+        choice("fine, kernel = nearest-image", 50.5, 0.004, varied="kernel"),  # saves 9 %
+        choice("fine, averaging = sample", 10.0, 0.0062, varied="averaging"),  # moves by 0.22 %
+    ]  # fmt: skip
+    choices = (cheap, start, *varied, choice("reference", 100.0, 0.0))
+    wasted = tradeoff._wasted(choices, "fine")
+    assert [(one.preset, one.field, one.value, one.cheaper) for one in wasted] == [
+        ("fine", "increments", 50, 5),
+        ("fine", "heat_tolerance", 1e-4, 0.01),  # 1.1 times less work, and by 0.2 %
+    ]
+    assert tradeoff._wasted(choices, None) == tradeoff._wasted(choices, "as-published") == ()
+    assert str(wasted[0]) == (
+        "increments = 50 of 'fine': with 5 the work is 5.5 times less, "
+        "and the boundary moves by 0.01 %"
+    )
+    assert str(wasted[1]) == (
+        "heat_tolerance = 0.0001 of 'fine': with 0.01 the work is 1.1 times less, "
+        "and the boundary moves by 0.20 %"
+    )
+    table = traded(*choices, wasted=wasted, not_converged=("standard: why",))
+    said = str(table).splitlines()
+    assert said[:3] == [
+        "A scene: speed against accuracy at",
+        "  60 N 1.23 m/s, 180 N 2 m/s",
+        "",
+    ]
+    assert said[-9:] == [
+        "",
+        "cheapest within 5 %: draft",
+        "cheapest within 3 %: draft",
+        "cheapest within 2 %: fine, increments = 5",
+        "cheapest within 1 %: fine, increments = 5",
+        "cheapest within 0.5 %: fine, increments = 5",
+        f"wasted: {wasted[0]}",
+        f"wasted: {wasted[1]}",
+        "no result: standard: why",
+    ]
+    document = table.as_dict()
+    assert [*document["cheapest_within"]] == ["0.05", "0.03", "0.02", "0.01", "0.005"]
+    assert document["points"][1] == {"load": 180.0, "velocity": 2.0}
+    assert document["front"] == [one.name for one in table.front]
+
+
+class Rig:
+    """Probes of which one reads what is told, and all others the truth."""
+
+    def __init__(self):
+        self.tried, self.places, self.off = [], [], {}
+
+    def near_the_boundary(self, sweep, places):
+        self.places = [*places]
+        return tuple(Point(place.load, 1.0) for place in places), (0.5,) * len(places)
+
+    def probe(self, sweep, fidelity, points, with_memory):
+        assert with_memory
+        self.tried.append(fidelity)
+        if fidelity.increments == PRESETS["standard"].increments:
+            raise ConvergenceError("the contact did not converge", None)
+        is_draft = fidelity.increments == PRESETS["draft"].increments
+        read = [replace(TRUE, **self.off) if is_draft else TRUE] + [TRUE] * (len(points) - 1)
+        work = 8.0 if is_draft else 40.0
+        return Probe(fidelity, tuple(read), work / 4, 11, work, 5000)
+
+
+@pytest.fixture
+def rig(monkeypatch):
+    rig = Rig()
+    for name in ("near_the_boundary", "probe"):
+        monkeypatch.setattr(tradeoff, name, getattr(rig, name))
+    return rig
+
+
+def test_errors_are_against_the_reference_and_the_largest_of_the_points(rig):
+    rig.off = {"rise": 990.0, "failed_share": 0.23, "contact_width": 0.9e-4}
+    rig.off |= {"contact_fraction": 0.012, "mean_pressure": 0.7e9, "saturated_fraction": 0.05}
+    scene = SCENE.changed(fidelity=Fidelity(increments=77))
+    table = trade(scene, ("draft", "standard"), None, loads=["60 N", 180.0])
+    assert rig.places == [Target(60.0), Target(180.0)]
+    names = [one.name for one in table.choices]
+    assert names == ["draft", "as in the scene", "reference"]
+    draft, own, exact = table.choices
+    assert draft.velocity_errors == pytest.approx(((1000 / 990) ** 2 - 1, 0.0), rel=1e-9)
+    assert draft.velocity_error == pytest.approx(0.020304, rel=1e-4)
+    assert draft.rise_error == pytest.approx(0.01)
+    assert draft.share_error == pytest.approx(0.03)
+    assert draft.width_error == pytest.approx(0.1)
+    assert draft.area_error == pytest.approx(0.2)
+    assert draft.pressure_error == pytest.approx(-0.3)
+    assert draft.saturated_error == pytest.approx(-0.05)
+    assert (draft.seconds, draft.work, draft.convolutions, draft.peak_bytes) == (2.0, 8.0, 11, 5000)
+    assert (draft.speedup, draft.saving) == (5.0, 5.0)
+    assert (exact.speedup, exact.saving, exact.velocity_error) == (1.0, 1.0, 0.0)
+    assert own.fidelity == scene.scene.fidelity
+    assert table.base == ""
+    assert table.not_converged == ("standard: the contact did not converge",)
+    assert rig.tried[0] == replace(PRESETS["reference"], heat_kernel="pin")
+
+
+def test_four_loads_and_all_usual_presets_are_taken_where_nothing_is_told(rig):
+    said = []
+    loads = tuple(float(load) for load in range(60, 190, 20))  # seven
+    trade(SCENE.changed(loads=loads, preset="fine"), progress=said.append)
+    assert [place.load for place in rig.places] == [60.0, 100.0, 140.0, 180.0]
+    fine = "fine, "
+    assert said == [
+        f"{number} of 19: {name}"
+        for number, name in enumerate(
+            [
+                "reference", "draft", "standard", "fine",
+                fine + "pixels_per_element = 2", fine + "pixels_per_element = 4",
+                fine + "history_coarsening = 1", fine + "history_coarsening = 4",
+                fine + "history_coarsening = 8",
+                fine + "increments = 5", fine + "increments = 12", fine + "increments = 100",
+                fine + "wear_scheme = implicit",
+                fine + "contact_tolerance = 0.0003", fine + "contact_tolerance = 0.1",
+                fine + "partition = uniform",
+                fine + "heat_tolerance = 1e-06", fine + "heat_tolerance = 0.01",
+                fine + "kernel = nearest-image",
+            ],
+            1,
+        )
+    ]  # fmt: skip
+
+
+def test_a_base_that_is_not_among_the_presets_is_a_choice_too(rig):
+    names = [name for name, *_ in tradeoff._candidates(SCENE, ("fine", "reference"), "draft")]
+    assert names[:3] == ["fine", "draft", "as in the scene"]
+    assert "draft, averaging = mean" in names
+    assert "draft, increments = 1" in names  # a quarter and a tenth of 5 are both 1
+    assert names.count("draft, increments = 1") == 1
+    assert "draft, heat_tolerance = 0.1" in names  # no looser than that
+
+
+def test_a_choice_takes_the_time_of_its_steps_on_their_grids():
+    """5 steps on a grid of 16 times fewer elements and the last one, for each of 4 by 4 pixels."""
+    assert tradeoff._work(PRESETS["draft"]) == pytest.approx((5 / 16 + 1) / 16)
+    assert tradeoff._work(PRESETS["reference"]) == 101.0
+
+
+class Runs:
+    """Simulations in closed form, of which each call is noted."""
+
+    def __init__(self, rise):
+        self.rise, self.calls = rise, []
+
+    def run(self, sweep, load, velocity, trunks=None):
+        self.calls.append((sweep.scene.fidelity, load, velocity))
+        state = load, velocity, sweep.scene.fidelity
+        return probe_module._Run(state, 3, 50)
+
+    def reading(self, sweep, scene, state):
+        return replace(TRUE, rise=self.rise(*state), contact_nodes=int(10 * state[0]))
+
+
+@pytest.fixture
+def runs(monkeypatch):
+    def set_up(rise):
+        runs = Runs(rise)
+        monkeypatch.setattr(probe_module, "_run", runs.run)
+        monkeypatch.setattr(probe_module, "_reading", runs.reading)
+        return runs
+
+    return set_up
+
+
+@pytest.mark.parametrize(
+    ("exponent", "found", "at"),
+    [
+        (0.7, 0.7, 1.2),
+        (0.1, 0.3, 1.2),  # where few nodes touch it jumps, and is no flatter than 0.3
+    ],
+)
+def test_the_boundary_is_where_the_rise_reaches_its_limit_and_grows_so_fast(
+    runs, exponent, found, at
+):
+    limit = 1200.0  # 120 K over friction 0.1
+    runs(lambda load, velocity, _: limit * (load / 150.0) * (velocity / at) ** exponent)
+    (point,), (power,) = near_the_boundary(tiny.sweep(velocities=(-0.5, 0.0, 1.5)), [Target(150.0)])
+    assert power == pytest.approx(found, rel=1e-6)
+    assert exponent * abs(math.log(point.velocity / at)) <= 0.01
+    assert (point.load, point.variant) == (150.0, ())
+
+
+@pytest.mark.parametrize(("factor", "end"), [(9.0, 0.25), (0.1, 3.0)])
+def test_beyond_half_the_lowest_and_twice_the_highest_velocity_the_end_is_taken(runs, factor, end):
+    runs(lambda load, velocity, _: 1200.0 * factor * velocity**0.5)
+    sweep = tiny.sweep(velocities=(-0.5, 0.0, 1.5))
+    (point,), _ = near_the_boundary(sweep, [Target(150.0)])
+    assert point.velocity == pytest.approx(end)
+
+
+def test_a_probe_counts_the_work_of_its_points_and_the_memory_of_the_heaviest(runs, monkeypatch):
+    made = runs(lambda load, velocity, _: 1000.0)
+    monkeypatch.setattr(probe_module.time, "process_time", iter([7.0, 9.5, 1.0, 2.0]).__next__)
+    points = [Point(250.0, 1.5), Point(150.0, 0.5), Point(600.0, 1.0)]
+    implicit = Fidelity(pixels_per_element=1, increments=20)
+    without = probe(tiny.sweep(), implicit, points)
+    assert (without.convolutions, without.work, without.peak_bytes) == (9, 150.0, None)
+    assert without.seconds == 2.5
+    assert [reading.contact_nodes for reading in without.readings] == [2500, 1500, 6000]
+    assert sorted(call[1:] for call in made.calls) == sorted(point[:2] for point in points)
+    made.calls.clear()
+    probed = probe(tiny.sweep(), implicit, points, with_memory=True)
+    assert probed.work == 150.0
+    assert probed.peak_bytes > 0
+    # The heaviest by three of its steps, and half of the lightest before the time is taken.
+    assert made.calls[:2] == [
+        (replace(implicit, increments=3), 600.0, 1.0),
+        (implicit, 75.0, 0.45),
+    ]
+    monkeypatch.undo()
+    made = runs(lambda load, velocity, _: 1000.0)
+    for fidelity in (
+        replace(implicit, heat_model="history"),
+        replace(implicit, wear_scheme="explicit"),
+        replace(implicit, increments=2),
+    ):
+        made.calls.clear()
+        probe(tiny.sweep(), fidelity, points, with_memory=True)
+        assert made.calls[0][0] == fidelity  # all of its steps
+
+
+def test_the_yardstick_is_measured_at_each_point_and_once_more_on_larger_elements(runs):
+    def rise(load, velocity, fidelity):
+        return 1000.0 * (1.03 if fidelity.pixels_per_element == 2 and load == 600.0 else 1.0)
+
+    made, said = runs(rise), []
+    points = [Point(150.0, 0.5), Point(600.0, 1.0)]
+    exact = measured(tiny.sweep(), points, [1.0, 0.5], said.append)
+    assert said == [
+        "1 of 2: nearly exact steps at 150 N, 0.5 m/s",
+        "2 of 2: nearly exact steps at 600 N, 1 m/s",
+    ]
+    assert (exact.own_work, exact.work, len(made.calls)) == (100.0, 200.0, 4)
+    assert exact.coarser == pytest.approx(1 - 1.03**-2)
+    assert exact.fewest_nodes == 1500
+    odd = tiny.sweep(pixels=Grid((33, 15), (13e-6, 15e-6)))  # which cannot be joined
+    alone = measured(odd, points, [1.0, 0.5])
+    assert (alone.own_work, alone.work, alone.coarser) == (100.0, 100.0, None)
+
+
+@pytest.mark.parametrize(
+    ("shape", "size"), [((200, 100), 1), ((200, 102), 2)], ids=["20000 pixels", "more"]
+)
+def test_the_heat_of_all_the_past_is_compared_at_the_ends_of_the_loads(runs, shape, size):
+    """By steps of one grid; half of what half the steps move is left to whole ones."""
+
+    def rise(load, velocity, fidelity):
+        past = 1.02 if fidelity.heat_model == "history" and load == 600.0 else 1.0
+        return 1000.0 * past * (0.98 if fidelity.increments == 12 and load == 250.0 else 1.0)
+
+    made = runs(rise)
+    points = [Point(250.0, 0.7), Point(600.0, 1.0), Point(150.0, 0.5)]
+    sweep = tiny.sweep(pixels=Grid(shape, (2e-6, 2e-6)))
+    error = own_error(sweep, points, [1.0, 0.5, 1.0], [replace(TRUE, rise=1000.0)] * 3)
+    assert error.steps == pytest.approx(1.2 * 0.5 * 0.02)
+    assert error.heat_model == pytest.approx(1.2 * (1.02**2 - 1))
+    assert error.work == 7 * 50.0
+    assert not error.scatters
+    halved, heat = made.calls[:3], made.calls[3:]
+    assert {(fidelity.increments, fidelity.heat_model) for fidelity, *_ in halved} == {
+        (12, "elapsed")
+    }
+    assert [call[1:] for call in heat] == [(150.0, 0.5), (600.0, 1.0)] * 2
+    assert {fidelity.pixels_per_element for fidelity, *_ in heat} == {size}
+    assert {fidelity.increments for fidelity, *_ in heat} == {50}
+
+
+def test_errors_of_a_yardstick_have_the_sign_of_the_boundary():
+    """A rise too high by 1 % lets the boundary be too low, by 2 % at an exponent of 1/2."""
+    exact = Yardstick((Point(60.0, 1.0),), (0.5,), (TRUE,), 1.0, 1.0)
+    high = Probe(PRESETS["draft"], (replace(TRUE, rise=1010.0),), 1.0, 1, 1.0)
+    assert exact.errors(high) == pytest.approx((1.01**-2 - 1,))
