@@ -227,7 +227,8 @@ def _absolute(
         present = scene_entry(scene, key, overrides)
         factor = 1 + float(relative[1]) / 100
         if isinstance(present, int | float) and not isinstance(present, bool):
-            yield float(f"{present * factor:.12g}")
+            changed = float(f"{present * factor:.12g}")
+            yield int(changed) if isinstance(present, int) and changed.is_integer() else changed
         elif isinstance(present, str) and (parts := _QUANTITY.fullmatch(present)):
             if parts[2].startswith(("deg", "°", "C")):
                 raise InputError(

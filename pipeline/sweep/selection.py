@@ -77,14 +77,15 @@ class Selection:
             err += ", more than asked for: nothing finer is known"
         tried = ", ".join(trial.name for trial in self.trials[:-1])
         why = f" ({tried}: not accurate enough)" if tried else ""
-        saves = self.saving >= 1
-        less = f"{self.saving:.2g} times less" if saves else f"{1 / self.saving:.2g} times the"
+        less = f"{1 / self.saving:.2g} times the work of"
+        if self.saving >= 1:
+            less = f"{self.saving:.2g} times less work than"
         alone = "" if self.coarser is not None else "; its pixels cannot be joined to larger ones"
         picked = self.name
         if self.accuracy is not None:
             picked = f"accuracy {100 * self.accuracy:g} %: picked {self.name}"
         return (
             f"{picked}, whose boundary velocity "
-            f"{err}, with {less} work than nearly exact steps{why}{alone}; the probe took "
+            f"{err}, with {less} nearly exact steps{why}{alone}; the probe took "
             f"{self.seconds:.1f} s"
         )

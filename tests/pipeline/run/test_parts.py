@@ -408,11 +408,14 @@ def test_entries_are_ordered_by_how_far_they_move_the_boundary():
         ("pin.radius", "20%", "20%"),
         ("pin.radius", "3 mm", "3 mm"),
         ("friction.coefficient", 0.2, 0.2),
+        ("fidelity.increments", "+20%", 60),  # a whole number stays one
     ],
 )
 def test_percents_are_of_the_scene_s_own_value(tmp_path, key, value, absolute):
     (tmp_path / "scene.toml").write_text(SCENE)
-    assert [*_absolute(tmp_path / "scene.toml", key, [value], {})] == [absolute]
+    given = {"fidelity.increments": 50}
+    (found,) = _absolute(tmp_path / "scene.toml", key, [value], given)
+    assert (found, type(found)) == (absolute, type(absolute))
 
 
 @pytest.mark.parametrize(

@@ -354,7 +354,7 @@ def test_a_choice_says_what_was_asked_for_what_it_errs_and_what_was_tried():
     own = replace(picked, accuracy=None, name="the scene's own fidelity", trials=(), saving=0.4)
     assert str(own) == (
         "the scene's own fidelity, whose boundary velocity errs by at most 1.2 % at any load, with "
-        "2.5 times the work than nearly exact steps; the probe took 12.3 s"
+        "2.5 times the work of nearly exact steps; the probe took 12.3 s"
     )
     assert "not accurate" not in str(replace(picked, trials=trials[1:]))
     equal = replace(picked, error=0.02, saving=1.0)
