@@ -66,12 +66,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
         return _read_instrument(path, height_unit)
     if height_unit is None:
         raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
-    try:
-        return MeasuredSurface(read_heights(path, height_unit))
-    except InputError:
-        raise
-    except Exception as error:  # a damaged file makes NumPy raise errors of any kind
-        raise InputError(f"{path}: not a plain array of numbers: {error!r}") from error
+    return MeasuredSurface(read_heights(path, height_unit))
 
 
 def _read_text_file(path: Path, height_unit: float | None) -> MeasuredSurface:
