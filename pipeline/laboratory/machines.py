@@ -324,13 +324,16 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     used = {found[one] for one in (*inputs, *ends, "stage") if one in found}
     appended = _TARGETS | ({"outcome": ""} if ends else {}) | ({"run": ""} if makes_runs else {})
     sheet.sure |= {*range(len(sheet.headings), len(sheet.headings) + len(appended))}
-    sheet.headings = [
-        *(replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)),
-        *(Heading(f"{name} of {form.name}", name, unit) for name, unit in appended.items()),
-    ]
-    sheet.rows, sheet.made_of = rows, used
+    heads = [Heading(f"{name} of {form.name}", name, unit) for name, unit in appended.items()]
+    _put_rows(sheet, rows, used, heads)
     sheet.form.append(f"form of {form.name}: {form.says}")
     return True
+
+
+def _put_rows(sheet: Sheet, rows: list[Row], used: set[int], made: Sequence[Heading]) -> None:
+    """Put rows with further columns in place of a sheet's; those that they are made of are used."""
+    heads = [replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)]
+    sheet.headings, sheet.rows, sheet.made_of = [*heads, *made], rows, used
 
 
 def _cell_faults(sheet: Sheet, used: Mapping[str, int]) -> Iterator[Fault]:
@@ -469,9 +472,5 @@ def _ask(sheet: Sheet, form: Form, missing: Sequence[str]) -> None:
             f"the form of {form.name} ({form.says}) does not say {' or '.join(names)}; give "
             f"{options}, in a scene given = {{ {entry} }}"
         )
-    used = {*_columns(sheet.headings).values()}
-    sheet.headings = [
-        *(replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)),
-        *(Heading(name, name, unit) for name, unit in _TARGETS.items()),
-    ]
-    sheet.rows, sheet.made_of = [], used
+    targets = [Heading(name, name, unit) for name, unit in _TARGETS.items()]
+    _put_rows(sheet, [], {*_columns(sheet.headings).values()}, targets)
