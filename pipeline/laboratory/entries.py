@@ -61,10 +61,10 @@ def _read_tests(
         faults.notes.append(f"{place}: columns not used: {', '.join(log.unused)}")
     if log.guessed:
         faults.notes.append(f"{place}: read {', '.join(log.guessed)}")
-    if log.twice:
-        numbers = numbered(log.twice)
-        faults.notes.append(f"{place}: {numbers} the same as rows before, and not counted")
-    if log.left_out:
-        numbers = numbered(log.left_out)
-        faults.notes.append(f"{place}: {numbers} without load and velocity left out")
+    for rows, said in (
+        (log.twice, "the same as rows before, and not counted"),
+        (log.left_out, "without load and velocity left out"),
+    ):
+        if rows:
+            faults.notes.append(f"{place}: {numbered(rows)} {said}")
     return log.tests
