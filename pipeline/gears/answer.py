@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import pandas as pd
 
 import pipeline.gears
-from pipeline.analysis.tables import TABLES, as_dict, frame_of, short, writable_path, write_text
+from pipeline.analysis.tables import as_dict, frame_of, short, writable_path, write_text
 from pipeline.cli import output
 from pipeline.cli.given import settings_in
 from pipeline.cli.output import Result
@@ -91,8 +91,7 @@ def gears(options: argparse.Namespace) -> Result:
         store = options.scene.with_suffix(".zarr").name
         text += ["", f"{options.scene} is written; its margins, place by place:"]
         text += [f"  irg run {options.scene} -o {store}", f"  irg margin {store}"]
-    is_drawn = options.output and options.output.suffix.lower() not in TABLES
-    draw = partial(_draw, pair) if is_drawn else None
+    draw = partial(_draw, pair)
     return Result(document, [pair.title, LIMITS, "", *text], frames=[table], draw=draw)
 
 
