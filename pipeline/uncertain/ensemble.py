@@ -236,7 +236,9 @@ class Ensemble:
     def rise(self, draws: Array, load: Axis | float, velocity: Axis | float) -> Excess:
         """Logarithm of the rise at friction 1 [K] in place of the excess, likewise."""
         heat = self._emulated(self._rise, draws, load, velocity)
-        return heat._replace(values=heat.values + self._log_friction_table(velocity))
+        # The factor of friction by velocity is known, and may bend at will.
+        factor = np.log(self.conditions.friction_factor(np.asarray(velocity, float)))
+        return heat._replace(values=heat.values + factor)
 
     def width(self, draws: Array, load: float, velocity: float) -> Excess:
         """Logarithm of the contact's width [m] in place of the excess, likewise."""
@@ -299,10 +301,6 @@ class Ensemble:
             for hold, rises in self.rises_by_hold.items()
         }
 
-    def _log_friction_table(self, velocity: Axis | float) -> Array:
-        """Logarithm of the factor of friction by velocity, which is known and may bend at will."""
-        return np.log(self.conditions.friction_factor(np.asarray(velocity, float)))
-
     @functools.cached_property
     def _rise(self) -> Emulator:
         table = self.conditions.friction_factor(self.sample_velocities)
@@ -328,8 +326,11 @@ class Ensemble:
         columns = [self.values(quantity.path, draws) for quantity in self.design.inputs]
         between = (load_weights(self.loads, self.rises, one) for one in loads.tolist())
         weights, bends = map(np.array, zip(*between, strict=True))
+        low, high = np.log(self.velocities)
+        # Errors are wider at the ends of the velocities, as left-out ends tell.
+        widening = 1 + outer((np.log(nodes) - low) / (high - low)) * (emulator.check.ends - 1)
         at_nodes = []
-        for node, wider in zip(nodes, self._widening(emulator, nodes).tolist(), strict=True):
+        for node, wider in zip(nodes, widening.tolist(), strict=True):
             features, _ = features_of(self.design, columns, np.full(len(draws), node))
             values, *errors = emulator(features, weights)
             at_nodes.append([values, *(wider * np.hypot(error, bends) for error in errors)])
@@ -340,12 +341,6 @@ class Ensemble:
         shape = len(draws), *np.shape(load), *np.shape(velocity)
         values, *errors = (part.reshape(shape) for part in parts)
         return Excess(values, *map(np.abs, errors))
-
-    def _widening(self, emulator: Emulator, velocities: Array) -> Array:
-        """Factors on errors by velocity, of left-out ends."""
-        low, high = np.log(self.velocities)
-        along = (np.log(velocities) - low) / (high - low)
-        return np.asarray(1 + outer(along) * (emulator.check.ends - 1))
 
     @property
     def left_out(self) -> LeftOut:
