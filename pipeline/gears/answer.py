@@ -29,6 +29,7 @@ from pipeline.gears.reading import read_pair
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import judge_spectrum
 from pipeline.scene.units import display
+from pipeline.sweep.about import library_tables
 from tribo import InputError, lubrication_regime
 
 T = TypeVar("T")
@@ -199,12 +200,8 @@ def _facts(one: Mesh) -> Iterator[tuple[str, str]]:
     if rule := one.integral:
         said = f"{rule.integral - 273.15:.0f} °C, by the rule of ISO/TR 13989-2 for this bulk"
         yield "integral", said
-    taken: dict[tuple[str, str], list[str]] = {}
-    for key, value, source in pair.sources:
-        table, _, name = key.rpartition(".")
-        taken.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
-    for (table, source), values in taken.items():
-        yield "library", f"{table}: {', '.join(values)}; from {source}"
+    for values, source in library_tables(pair.sources):
+        yield "library", f"{values}; from {source}"
 
 
 def _sharing(one: Mesh) -> str:
