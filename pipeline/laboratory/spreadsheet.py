@@ -152,10 +152,15 @@ def _require_few_cells(path: Path, sheet: Any) -> None:
             )
 
 
+def unpacked_size(path: Path) -> int:
+    """Bytes that an archive unpacks to, as it says itself."""
+    with zipfile.ZipFile(path) as archive:
+        return sum(entry.file_size for entry in archive.infolist())
+
+
 def _require_few_bytes(path: Path) -> None:
     """Refuse a workbook that unpacks to more text than its cells may have."""
-    with zipfile.ZipFile(path) as archive:
-        size = sum(entry.file_size for entry in archive.infolist())
+    size = unpacked_size(path)
     if size > MOST_BYTES_OF_BOOK:
         raise InputError(
             f"{path}: unpacks to {size / 1e6:.4g} MB; at most {MOST_BYTES_OF_BOOK // 10**6} MB are "

@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from pipeline.laboratory.plain_scan import read_heights
+from pipeline.laboratory.spreadsheet import unpacked_size
 from pipeline.laboratory.text_scan import TEXT, read_text
 from pipeline.scene.faults import Faults
 from pipeline.scene.units import display
@@ -141,14 +142,12 @@ def _read_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
 def _require_small_file(path: Path) -> None:
     """Raise for a file without an end, and for an archive that unpacks to more than a surface."""
     require_file(path)
-    if zipfile.is_zipfile(path):
-        with zipfile.ZipFile(path) as archive:
-            size = sum(entry.file_size for entry in archive.infolist())
-        if size > _MOST_BYTES:
-            raise InputError(
-                f"{path}: unpacks to {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB "
-                "are read. Crop or average the surface first"
-            )
+    size = unpacked_size(path) if zipfile.is_zipfile(path) else 0
+    if size > _MOST_BYTES:
+        raise InputError(
+            f"{path}: unpacks to {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB are "
+            "read. Crop or average the surface first"
+        )
 
 
 def _converted(path: Path, topography: Any, height_unit: float | None) -> MeasuredSurface:
