@@ -37,12 +37,11 @@ RISK = 0.01
 RISK_OF_MARGIN = 0.05
 """Probability that the distance to the critical temperature is less than the margin."""
 LOAD, VELOCITY = Place._fields
-CONDITIONS = (CRITICAL, BULK, FRICTION)
-"""Entries that act after the simulation, and need no range."""
+_CELSIUS = Unit("°C", 1.0, 273.15)
+CONDITIONS = {CRITICAL: ("K", _CELSIUS), BULK: ("K", _CELSIUS), FRICTION: ("1", None)}
+"""Entries that act after the simulation, and need no range; their unit, and that to show."""
 SIMULATED = 90
 """Draws near the limit that are simulated directly."""
-_CELSIUS = Unit("°C", 1.0, 273.15)
-_UNITS = {FRICTION: ("1", None), CRITICAL: ("K", _CELSIUS), BULK: ("K", _CELSIUS)}
 _VALUES = 17  # values of the entry among which a limit is sought
 _DRAWS = 2**13  # draws of the inputs
 _LEAST = 1e-9  # probability
@@ -200,7 +199,7 @@ class Chances:
             return Unknown(path, "uniform", ensemble.velocities, "m/s")
         if path not in CONDITIONS:
             return _ranged_input(ensemble, path)
-        unit, written = _UNITS[path]
+        unit, written = CONDITIONS[path]
         written = known[path].written if path in known else written
         return Unknown(path, "uniform", self._reach(path), unit, written)
 
