@@ -204,17 +204,16 @@ class Ensemble:
                 f"velocity, are not judged row by row at another {' and '.join(own)}; give that to "
                 "all rows, by options such as --friction"
             )
-        fixed = {
-            path: Fixed(one, float(own[name]))
-            for one in (*(one.unknown for one in self.fixed), *self.unknown)
-            for name, path in PATHS.items()
-            if name in own and one.path == path
-        }
+        values = {PATHS[name]: value for name, value in own.items() if name in PATHS}
+        before = {one.unknown.path: one for one in self.fixed}
+        inputs = (*(one.unknown for one in self.fixed), *self.unknown)
+        given = [one for one in inputs if one.path in values]
+        fixed = {one.path: Fixed(one, float(values[one.path])) for one in given}
         judged = replace(
             self,
             conditions=conditions,
             unknown=without(self.unknown, fixed.keys()),
-            fixed=tuple(({one.unknown.path: one for one in self.fixed} | fixed).values()),
+            fixed=tuple((before | fixed).values()),
         )
         vars(judged)["_rise"] = self._rise  # the same at friction 1
         return judged
