@@ -59,12 +59,10 @@ def draw_mesh(mesh: Mesh) -> Figure:
         film.grid(visible=False)
     for axes in (speeds, heat):
         label_ends(axes)
-    for axes in (speeds, loads, heat):
-        for place in places:
-            if place.letter:
-                axes.axvline(1e3 * place.position, color=GREY, linewidth=0.6, linestyle=":")
     for place in places:
         if place.letter:
+            for axes in (speeds, loads, heat):
+                axes.axvline(1e3 * place.position, color=GREY, linewidth=0.6, linestyle=":")
             where = speeds.get_xaxis_transform()
             speeds.text(1e3 * place.position, 1.02, place.letter, transform=where, ha="center")
     return figure
