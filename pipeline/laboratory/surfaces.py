@@ -223,26 +223,23 @@ def filled(heights: Array) -> Array:
     missing = ~np.isfinite(heights)
     if missing.all():
         raise InputError("all heights are missing")
-    holes = np.argwhere(missing)
-    if not len(holes):
+    if not missing.any():
         return heights.copy()
-    number = np.full(heights.shape, -1)
-    number[missing] = np.arange(len(holes))
+    # Within a border of nothing each height has four neighbours, as numbers in a flat array.
+    is_hole, is_inside, known = (
+        np.pad(array, 1).ravel()
+        for array in (missing, np.ones_like(missing), np.where(missing, 0.0, heights))
+    )
+    holes, number, width = np.flatnonzero(is_hole), np.cumsum(is_hole) - 1, heights.shape[1] + 2
+    beside = holes[:, None] + [width, -width, 1, -1]
     # In each hole, the number of neighbours times the height is the sum of theirs.
-    neighbours, around = np.zeros(len(holes)), np.zeros(len(holes))
-    links = []
-    for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        beside = holes + step
-        inside = np.flatnonzero(((beside >= 0) & (beside < heights.shape)).all(axis=1))
-        place = tuple(beside[inside].T)
-        measured = ~missing[place]
-        neighbours[inside] += 1
-        around[inside[measured]] += heights[place][measured]
-        links.append((inside[~measured], number[place][~measured]))
-    rows, columns = np.hstack(links)
-    off = sparse.csc_matrix((-np.ones(len(rows)), (rows, columns)), shape=2 * (len(holes),))
+    rows, sides = np.nonzero(is_hole[beside])
+    links = rows, number[beside[rows, sides]]
+    off = sparse.csc_matrix((-np.ones(len(rows)), links), shape=2 * (len(holes),))
+    neighbours = is_inside[beside].sum(axis=1).astype(float)
     result = heights.copy()
-    result[missing] = spsolve(sparse.diags(neighbours, format="csc") + off, around)
+    system = sparse.diags(neighbours, format="csc") + off
+    result[missing] = spsolve(system, known[beside].sum(axis=1))
     return result
 
 
