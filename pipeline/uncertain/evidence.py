@@ -77,13 +77,12 @@ class Truths(NamedTuple):
 
 def distances_of(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
     """Distances of draws from tests."""
-    values, variance, told = np.empty((3, len(tests), len(truths.inputs)))
+    found = np.empty((3, len(tests), len(truths.inputs)))
     for hold, held in ensemble.hold_ensembles.items():
         numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
-        if part := [tests[number] for number in numbers]:
-            part_of = _hold_distances(held, part, truths)
-            values[numbers], variance[numbers], told[numbers] = part_of
-    return Distances(values, variance, told)
+        if numbers:
+            found[:, numbers] = _hold_distances(held, [tests[number] for number in numbers], truths)
+    return Distances(*found)
 
 
 def _hold_distances(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
