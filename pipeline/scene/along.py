@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -109,19 +109,17 @@ class OperatingPoints:
         return cls(places, others, given, unused, sheet.sheet_notes)
 
 
-def _column_faults(sheet: Sheet) -> list[str]:
+def _column_faults(sheet: Sheet) -> Iterator[str]:
     """Columns that stand there twice, and those that a simulation would need."""
     heads = [heading.text for heading in sheet.headings]
-    twice = dict.fromkeys(head for head in heads if heads.count(head) > 1)
-    return [
-        *(f'column "{head}" appears twice; give each heading once' for head in twice),
-        *(
-            f'column "{heading.text}" cannot act after the simulation; leave it out, or give the '
-            "table to [sweep] along of a scene, which computes each row"
-            for heading in map(sheet.headings.__getitem__, sheet.others)
-            if heading.name == "hold" or heading.title.startswith(_BEFORE)
-        ),
-    ]
+    for head in dict.fromkeys(head for head in heads if heads.count(head) > 1):
+        yield f'column "{head}" appears twice; give each heading once'
+    for heading in map(sheet.headings.__getitem__, sheet.others):
+        if heading.name == "hold" or heading.title.startswith(_BEFORE):
+            yield (
+                f'column "{heading.text}" cannot act after the simulation; leave it out, or give '
+                "the table to [sweep] along of a scene, which computes each row"
+            )
 
 
 def _pairs(document: Document, faults: Faults) -> list[dict[str, Any]]:

@@ -324,7 +324,7 @@ def read_table(
     needed: Collection[str],
     first_line: str,
     sheet_name: str | None = None,
-    column_faults: Callable[[Sheet], Sequence[str]] = lambda _: (),
+    column_faults: Callable[[Sheet], Iterable[str]] = lambda _: (),
 ) -> tuple[Sheet, list[dict[str, Any]]]:
     """Read a file, or columns by heading as a data frame has them, and the rows in SI.
 
