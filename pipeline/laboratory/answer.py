@@ -42,7 +42,7 @@ def tests(options: argparse.Namespace) -> Result:
     path = Path(options.log)
     if (trace := read_trace(path, dict(options.given))) is not None:
         return _trace_result(path, trace)
-    columns, words = dict(options.column), dict(options.word)
+    columns = dict(options.column)
     if strange := sorted(columns.keys() - TEST.keys.keys()):
         allowed = ", ".join(TEST.keys)
         raise InputError(f'--column: no test has "{strange[0]}"; give one of {allowed}')
@@ -50,7 +50,7 @@ def tests(options: argparse.Namespace) -> Result:
         "where": dict(options.where), "given": dict(options.given), "sheet": options.sheet,
         "decimal": options.decimal,
     }  # fmt: skip
-    entries = {"columns": columns, "words": words, **taken}
+    entries = {"columns": columns, "words": dict(options.word), **taken}
     row_of, log = TEST, read_log(path, entries)
     places = log.sheet.places.keys()
     is_told = "outcome" in places or any("columns may be outcome" in one for one in log.faults)
@@ -140,9 +140,5 @@ def _understood(log: Log) -> Iterable[str | pd.DataFrame]:
 def _toml(log: Log, taken: Mapping[str, Any], is_tests: bool) -> Iterable[str]:
     """Lines of a scene that name the log, and say what is not said by its own words."""
     yield "[[tested]]" if is_tests else "[[measured]]"
-    yield f"file = {as_toml(log.path.name)}"
-    if log.renamed:
-        yield f"columns = {as_toml(log.renamed)}"
-    if log.words:
-        yield f"words = {as_toml(log.words)}"
-    yield from (f"{name} = {as_toml(value)}" for name, value in taken.items() if value)
+    said = {"file": log.path.name, "columns": log.renamed, "words": log.words, **taken}
+    yield from (f"{name} = {as_toml(value)}" for name, value in said.items() if value)
