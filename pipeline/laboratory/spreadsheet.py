@@ -24,6 +24,7 @@ _COMMA = re.compile(r"([+-]?(?:\d{1,3}(?:\.\d{3})+|\d+)),(\d+)(?![\d,.])(.*)", r
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d")
 _MAYBE_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+(?!\d)")
 _MARKS = {",": "decimal commas", ".": "decimal points"}
+_MOST_ABOVE = 500  # rows among which that of the headings is sought, each with all above it
 
 
 def read_rows(
@@ -53,7 +54,8 @@ def read_rows(
         raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
     filled = [Row(number, cells) for number, cells in enumerate(lines, 1) if any(cells)]
     plain = [Row(row.number, _uncommented(row.cells)) for row in filled]
-    said = (row for k, row in enumerate(plain) if is_heading(row.cells, _text_of(plain[:k])))
+    first = enumerate(plain[:_MOST_ABOVE])
+    said = (row for k, row in first if is_heading(row.cells, _text_of(plain[:k])))
     bare = (row for row in filled if not row.cells[0].startswith("#"))
     heading = next(itertools.chain(said, bare, plain), Row(0, []))
     heads = _trim_end(heading.cells)
