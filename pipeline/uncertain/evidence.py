@@ -24,7 +24,7 @@ from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, prior
-from pipeline.uncertain.rig import SLOPES, Columns, join_oils, join_rig, learnt, log_discrepancy
+from pipeline.uncertain.rig import SLOPES, join_oils, join_rig, learnt, log_discrepancy
 from tribo import InputError
 from tribo.types import Array
 
@@ -230,7 +230,7 @@ class Joint:
 
     ensemble: Ensemble
     unknown: tuple[Unknown, ...]  # the sweep's; then of oils, rig, discrepancy
-    rig: Columns
+    rig: tuple[int, ...]  # inputs that are the friction of the rig, and its scatter
     oils: Mapping[str, int]  # inputs that are the critical temperatures of other oils
     has_discrepancy: bool
     scatters: Array
