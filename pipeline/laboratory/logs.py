@@ -15,7 +15,7 @@ import numpy as np
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import Fault
 from pipeline.scene.format import OUTCOMES, TEST
-from pipeline.scene.headings import UNITS, Sheet, listed_faults, read_sheet
+from pipeline.scene.headings import UNITS, Row, Sheet, listed_faults, read_sheet
 from pipeline.scene.units import UnitError, to_si
 from tribo.types import Array
 
@@ -105,8 +105,12 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
         faults[-1] += '; name one by columns = { load = "HEADING" } or --column "load=HEADING"'
     twice = _take_rows(sheet, given.get("where") or {}, faults)
     needed = [places[name] for name in ("load", "velocity") if name in places]
-    tested = [row for row in sheet.rows if not needed or any(row.cells[k] for k in needed)]
-    left_out = [row.number for row in sheet.rows if row not in tested]
+    tested, left_out = list[Row](), list[int]()
+    for row in sheet.rows:
+        if not needed or any(row.cells[k] for k in needed):
+            tested.append(row)
+        else:
+            left_out.append(row.number)
     sheet.rows = tested
     faults += sheet.of_rows
     if not tested and not faults:
