@@ -42,10 +42,9 @@ def _read_tests(
     entry: dict[str, Any], place: str, folder: Path, row_of: Table, faults: Faults
 ) -> list[dict[str, Any]]:
     """Tests of a file as tables of a scene; faults are named by row and column."""
-    wrong = Faults()
-    entries = LOG.read(entry, place, wrong)
-    faults += wrong
-    if wrong:
+    before = len(faults)
+    entries = LOG.read(entry, place, faults)
+    if len(faults) > before:
         return []
     place, path = f"{place}.file", folder / entry["file"]
     try:
