@@ -214,14 +214,13 @@ _TARGETS = {"load": "N", "velocity": "m/s"}
 _CONTACT = ("N", "kN", "m/s", "mm/s")
 
 
-def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") -> list[str]:
-    """Append a column for each quantity that the file does not say; return those in error."""
-    wrong = []
+def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") -> dict[str, str]:
+    """Append a column for each quantity that the file does not say; return what is wrong."""
+    wrong = dict[str, str]()
     for name, value in given.items():
         if name not in COLUMNS and name not in TEST.keys:
             allowed = ", ".join(dict.fromkeys([*TEST.keys, *COLUMNS]))
-            sheet.of_rows.append(f"given.{name}: no such quantity; give one of {allowed}")
-            wrong.append(name)
+            wrong[name] = f"no such quantity; give one of {allowed}"
             continue
         match = _PARTS.fullmatch(str(value)) if name in COLUMNS else None
         number, unit = match.groups("") if match else str(value).partition(" ")[::2]
@@ -229,13 +228,13 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") ->
         read = (_value(one, number, heading) for one in _columns([heading]))
         if name in COLUMNS and all(map(math.isnan, read)):
             like = f"1.5 {COLUMNS[name].units[0]}".strip()
-            sheet.of_rows.append(f'given.{name}: "{value}" is no {name}; give one like "{like}"')
-            wrong.append(name)
+            wrong[name] = f'"{value}" is no {name}; give one like "{like}"'
             continue
         sheet.sure.add(len(sheet.headings))
         sheet.headings.append(heading)
         for row in sheet.rows:
             row.cells.append(number)
+    sheet.of_rows += [f"given.{name}: {problem}" for name, problem in wrong.items()]
     return wrong
 
 
