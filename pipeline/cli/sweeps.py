@@ -24,6 +24,7 @@ from pipeline.run.cluster import client_of
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.store.schema import require_free_names
+from pipeline.sweep.about import library_tables
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import own_laws, refer
 from pipeline.sweep.physics import note_on_turns
@@ -211,12 +212,8 @@ def _film(sweep: Sweep) -> Iterator[_Row]:
 
 def _library(sweep: Sweep) -> Iterator[_Row]:
     """Values from the library, a line for each table and source."""
-    taken: dict[tuple[str, str], list[str]] = {}
-    for key, value, source in sweep.about.sources:
-        table, _, name = key.rpartition(".")
-        taken.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
-    for (table, source), values in taken.items():
-        yield "library", f"{table}: {', '.join(values)}"
+    for values, source in library_tables(sweep.about.sources):
+        yield "library", values
         yield "", f"from {source}"
 
 

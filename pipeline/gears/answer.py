@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import pandas as pd
 
 import pipeline.gears
-from pipeline.analysis.tables import TABLES, as_dict, frame_of, short, writable_path, write_text
+from pipeline.analysis.tables import as_dict, frame_of, short, writable_path, write_text
 from pipeline.cli import output
 from pipeline.cli.given import settings_in
 from pipeline.cli.output import Result
@@ -29,6 +29,7 @@ from pipeline.gears.reading import read_pair
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import judge_spectrum
 from pipeline.quantities import display
+from pipeline.sweep.about import library_tables
 from tribo import InputError, lubrication_regime
 
 T = TypeVar("T")
@@ -91,8 +92,7 @@ def gears(options: argparse.Namespace) -> Result:
         store = options.scene.with_suffix(".zarr").name
         text += ["", f"{options.scene} is written; its margins, place by place:"]
         text += [f"  irg run {options.scene} -o {store}", f"  irg margin {store}"]
-    is_drawn = options.output and options.output.suffix.lower() not in TABLES
-    draw = partial(_draw, pair) if is_drawn else None
+    draw = partial(_draw, pair)
     return Result(document, [pair.title, LIMITS, "", *text], frames=[table], draw=draw)
 
 
@@ -200,12 +200,8 @@ def _facts(one: Mesh) -> Iterator[tuple[str, str]]:
     if rule := one.integral:
         said = f"{display(rule.integral, '°C', '.0f')}, by the rule of ISO/TR 13989-2 for this bulk"
         yield "integral", said
-    taken: dict[tuple[str, str], list[str]] = {}
-    for key, value, source in pair.sources:
-        table, _, name = key.rpartition(".")
-        taken.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
-    for (table, source), values in taken.items():
-        yield "library", f"{table}: {', '.join(values)}; from {source}"
+    for values, source in library_tables(pair.sources):
+        yield "library", f"{values}; from {source}"
 
 
 def _sharing(one: Mesh) -> str:

@@ -135,7 +135,9 @@ def _place(
     modulus = contact_modulus(*pair.materials)
     half_width = analytic.hertz_line_half_width(line, reduced, modulus)
     efforts = pair.materials[0].thermal_effusivity, pair.materials[1].thermal_effusivity
-    flash = flash_rise(friction, line, half_width, (u1, u2), efforts)
+    # At the pitch point 0 exactly, where the difference of both would be one of rounding.
+    sliding = position * duty.speed * (1 + 1 / gears.ratio)
+    flash = flash_rise(friction, line, half_width, (u1, u2), efforts) if sliding else 0.0
     film = parameter = None
     if pair.oil is not None and pair.oil.pressure_coefficients is not None:
         thick = pair.oil.viscosity(duty.bulk), pair.oil.pressure_coefficient(duty.bulk)
@@ -149,15 +151,14 @@ def _place(
         reduced_radius=reduced,
         rolling_1=u1,
         rolling_2=u2,
-        # Exactly 0 at the pitch point, where the difference of both would be one of rounding.
-        sliding=position * duty.speed * (1 + 1 / gears.ratio),
+        sliding=sliding,
         share=share,
         load=share * normal,
         load_per_length=line,
         half_width=half_width,
         pressure=analytic.hertz_line_peak_pressure(line, reduced, modulus),
-        flash=flash if position else 0.0,
-        temperature=duty.bulk + (flash if position else 0.0),
+        flash=flash,
+        temperature=duty.bulk + flash,
         film=film,
         film_parameter=parameter,
     )

@@ -226,8 +226,8 @@ class Involutes:
                 f"the tips do not reach each other at a centre distance of "
                 f"{_mm(self.centre_distance)}; give larger tip diameters"
             )
-        total = self.contact_ratio + self.overlap_ratio
         if self.contact_ratio < 1:
+            total = self.contact_ratio + self.overlap_ratio
             helical = f" ({total:.3g} with the overlap)" if self.overlap_ratio else ""
             raise InputError(
                 f"the transverse contact ratio is {self.contact_ratio:.3g}{helical}; it must be at "

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path
 
@@ -37,9 +37,8 @@ class Simulated:
 
 def decisive_places(one: Mesh) -> Mesh:
     """The mesh at the places that may decide: letters with sliding, and the hottest place."""
-    kept = [place for place in one.places
-            if place.sliding and (place.letter or place is one.hottest)]  # fmt: skip
-    return Mesh(one.pair, one.duty, one.friction, one.normal_load, tuple(kept))
+    kept = (at for at in one.places if at.sliding and (at.letter or at is one.hottest))
+    return replace(one, places=tuple(kept))
 
 
 def simulate(

@@ -144,10 +144,7 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
         file = shipped[str(path)]
     faults = Faults()
     document = override_entries(read_document(file, faults), overrides or {}, faults)
-    entries = document.entries()
-    if isinstance(entries.get("oil"), str):
-        entries["oil"] = {"like": entries["oil"]}
-    entries = {"friction": {}, "surface": {}} | entries  # each has defaults
+    entries = {"friction": {}, "surface": {}} | document.entries()  # each has defaults
     named = {body: entry_at(entries, f"{gear}.material") for body, gear in _BODIES.items()}
     bodies = {body: {"material": name} for body, name in named.items()}
     filled, sources = resolve_library(entries | bodies, faults)

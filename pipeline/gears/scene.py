@@ -8,7 +8,7 @@ once a turn, so that its wear spreads over a track of 2π ρ1, and the wheel's o
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from pipeline.gears.contact import Mesh, MeshPlace
@@ -23,6 +23,13 @@ _ALONG_Y = 240  # pixels
 _MOST_PIXELS = 6000  # along x
 _PIXELS_A_LENGTH = 4  # pixels in a correlation length of the roughness
 _PIXELS_A_WIDTH = 80  # at least, of the widest contact of Hertz
+_HEAD = (
+    "# Places of mesh of a pair of gears: the margin of the rough, worn contact at each.",
+    "# Gears run mixed; this contact is in boundary lubrication.",
+    "# Chosen   the load of each place grows in 10 s, while the pinion wears; what no drawing",
+    "#          gives (correlation length, Hurst exponent, wear rate) is that of [surface].",
+)
+"""Comments at the head of the file."""
 
 
 def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
@@ -99,7 +106,8 @@ def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
         }
     if "oil" in pair.written:
         tables["oil"] = {k: v for k, v in pair.written["oil"].items() if k != "like"}
-    lines = [*_head(note), "", f"title = {as_toml(f'{pair.title}: places of mesh')}"]
+    lines = [f"# {note}"] if note else []
+    lines += [*_HEAD, "", f"title = {as_toml(f'{pair.title}: places of mesh')}"]
     for name, table in tables.items():
         lines += ["", f"[{name}]", *(f"{key} = {as_toml(value)}" for key, value in table.items())]
     lines += ["", "[sweep]", "along = [", *(f"  {as_toml(row)}," for row in rows), "]"]
@@ -121,15 +129,3 @@ def _row(number: int, mesh: Mesh, place: MeshPlace) -> dict[str, str | float]:
         "motion.slide_roll_ratio": round(-place.sliding / mean, 7),
         "motion.track_length": display(track, "mm", 7),
     }
-
-
-def _head(note: str) -> Iterator[str]:
-    """Lines of comment at the head of the file."""
-    words = (
-        note,
-        "Places of mesh of a pair of gears: the margin of the rough, worn contact at each.",
-        "Gears run mixed; this contact is in boundary lubrication.",
-        "Chosen   the load of each place grows in 10 s, while the pinion wears; what no drawing",
-        "         gives (correlation length, Hurst exponent, wear rate) is that of [surface].",
-    )
-    return (f"# {line}" for line in words if line)

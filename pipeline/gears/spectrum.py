@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from os import PathLike, fspath
-from pathlib import Path
+from os import PathLike
 from typing import Any
 
 from pipeline.gears.contact import mesh
@@ -16,11 +15,10 @@ from pipeline.gears.reading import SPEED, TORQUE
 from pipeline.gears.rules import warm_duty
 from pipeline.quantities import display
 from pipeline.scene.compounds import Entry, Optional, Table
-from pipeline.scene.faults import Faults, fault_lines
+from pipeline.scene.faults import Faults
 from pipeline.scene.format import BULK
-from pipeline.scene.headings import listed_faults, read_sheet, sheet_of
+from pipeline.scene.headings import read_table
 from pipeline.scene.kinds import Number, Quantity
-from tribo import InputError
 
 
 class _Hours(Quantity):
@@ -132,18 +130,7 @@ def read_spectrum(
     Columns are ``torque``, ``speed`` and, if they are there, ``hours``, ``bulk temperature`` and
     ``load factor``, in place of those of the pair; see `warm_duty`.
     """
-    name, needed = "points", _DUTY[:2]
-    if isinstance(source, str | PathLike):
-        name, is_log = fspath(source), set(needed).issubset
-        read = read_sheet(Path(name), _ROW.keys, needed, is_log=is_log, sheet_name=sheet)
-    else:
-        read = sheet_of(source, _ROW.keys, needed)
-    _, rows, wrong = read.entries(_ROW, {})
-    faults = [*read.faults, *read.of_rows, *listed_faults(wrong)]
-    if not read.rows and not faults:
-        faults = ['there are no rows; begin with a line "torque [N m],speed [rpm],hours"']
-    if faults:
-        raise InputError(fault_lines(name, faults))
+    read, rows = read_table(source, _ROW, _DUTY[:2], "torque [N m],speed [rpm],hours", sheet)
     duties = [(row["hours"], warm_duty(pair, *(row[name] for name in _DUTY))) for row in rows]
     return duties, tuple(read.headings[place].label for place in read.others)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -37,18 +37,12 @@ def surface(options: argparse.Namespace) -> Result:
     return Result(scan.as_dict(), text)
 
 
-def _run_faults(log: Log) -> Iterator[str]:
-    """Rows of a run that cannot be of one specimen."""
-    for place, problem in run_faults(log.in_si):
-        yield f"{log.path.name}, row {log.sheet.rows[place].number}, run: {problem}"
-
-
 def tests(options: argparse.Namespace) -> Result:
     """Print what is understood of a log or a trace, and the lines of a scene for it."""
     path = Path(options.log)
     if (trace := read_trace(path, dict(options.given))) is not None:
         return _trace_result(path, trace)
-    columns, words = dict(options.column), dict(options.word)
+    columns = dict(options.column)
     if strange := sorted(columns.keys() - TEST.keys.keys()):
         allowed = ", ".join(TEST.keys)
         raise InputError(f'--column: no test has "{strange[0]}"; give one of {allowed}')
@@ -56,11 +50,11 @@ def tests(options: argparse.Namespace) -> Result:
         "where": dict(options.where), "given": dict(options.given), "sheet": options.sheet,
         "decimal": options.decimal,
     }  # fmt: skip
-    entries = {"columns": columns, "words": words, **taken}
+    entries = {"columns": columns, "words": dict(options.word), **taken}
     row_of, log = TEST, read_log(path, entries)
     places = log.sheet.places.keys()
-    has_outcomes = "outcome" in places or log.has_several_outcomes
-    if not has_outcomes and {"load", "velocity"} <= places:
+    is_told = "outcome" in places or any("columns may be outcome" in one for one in log.faults)
+    if not is_told and {"load", "velocity"} <= places:
         row_of, log = TRANSITION, read_log(path, entries, TRANSITION)
         if log.is_only_wear:
             log.faults.append(
@@ -71,7 +65,10 @@ def tests(options: argparse.Namespace) -> Result:
             log.tests.clear()
     found, faults = log.tests, log.faults
     if row_of is TEST and not faults:  # else rows are left out, and places are not those of tests
-        faults += _run_faults(log)
+        faults += [
+            f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}"
+            for place, problem in run_faults(log.in_si)
+        ]
     toml = list(_toml(log, taken, row_of is TEST)) if found else []
     document = {
         "file": str(path), "form": log.sheet.form,
@@ -85,7 +82,7 @@ def tests(options: argparse.Namespace) -> Result:
         counts = ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
         number = counted(len(found), "test", "tests")
         if any("run" in test for test in found):
-            runs = {test.get("run", k) for k, test in enumerate(map(dict, found), -len(found))}
+            runs = {test.get("run", k) for k, test in enumerate(found, -len(found))}
             number += f" of {counted(len(runs), 'run', 'runs')}"
         if len(oils := {test.get("oil") for test in found}) > 1:
             number += f", {len(oils)} oils"
@@ -143,11 +140,5 @@ def _understood(log: Log) -> Iterable[str | pd.DataFrame]:
 def _toml(log: Log, taken: Mapping[str, Any], is_tests: bool) -> Iterable[str]:
     """Lines of a scene that name the log, and say what is not said by its own words."""
     yield "[[tested]]" if is_tests else "[[measured]]"
-    yield f"file = {as_toml(log.path.name)}"
-    headings = {name: log.sheet.heading(name) for name in log.sheet.places}
-    columns = {name: one.text for name, one in headings.items() if one.name != name}
-    if columns:
-        yield f"columns = {as_toml(columns)}"
-    if log.words:
-        yield f"words = {as_toml(log.words)}"
-    yield from (f"{name} = {as_toml(value)}" for name, value in taken.items() if value)
+    said = {"file": log.path.name, "columns": log.renamed, "words": log.words, **taken}
+    yield from (f"{name} = {as_toml(value)}" for name, value in said.items() if value)

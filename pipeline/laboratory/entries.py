@@ -42,10 +42,9 @@ def _read_tests(
     entry: dict[str, Any], place: str, folder: Path, row_of: Table, faults: Faults
 ) -> list[dict[str, Any]]:
     """Tests of a file as tables of a scene; faults are named by row and column."""
-    wrong = Faults()
-    entries = LOG.read(entry, place, wrong)
-    faults += wrong
-    if wrong:
+    before = len(faults)
+    entries = LOG.read(entry, place, faults)
+    if len(faults) > before:
         return []
     place, path = f"{place}.file", folder / entry["file"]
     try:
@@ -61,10 +60,10 @@ def _read_tests(
         faults.notes.append(f"{place}: columns not used: {', '.join(log.unused)}")
     if log.guessed:
         faults.notes.append(f"{place}: read {', '.join(log.guessed)}")
-    if log.twice:
-        numbers = numbered(log.twice)
-        faults.notes.append(f"{place}: {numbers} the same as rows before, and not counted")
-    if log.left_out:
-        numbers = numbered(log.left_out)
-        faults.notes.append(f"{place}: {numbers} without load and velocity left out")
+    for rows, said in (
+        (log.twice, "the same as rows before, and not counted"),
+        (log.left_out, "without load and velocity left out"),
+    ):
+        if rows:
+            faults.notes.append(f"{place}: {numbered(rows)} {said}")
     return log.tests

@@ -160,22 +160,25 @@ def _take_velocity_of_turns(sheet: Sheet) -> None:
     turning = [k for k, heading in enumerate(sheet.headings) if heading.unit in TURNS]
     round_ = [k for k, heading in enumerate(sheet.headings) if _ROUND.fullmatch(heading.title)]
     tracks = [k for k in round_ if _TRACK.search(sheet.headings[k].title)]
-    if len(turning) == 1 and round_ and len(tracks) != 1:
-        heads = [sheet.headings[k].text for k in round_]
-        sheet.of_rows.append(
-            f'column "{sheet.headings[turning[0]].text}" is a rotation, and none of '
-            f'{listed(heads)} is surely its track; call that column "track diameter [mm]" or '
-            '"track radius [mm]", or give a velocity'
-        )
-    if len(turning) != 1 or len(tracks) != 1:
+    if len(turning) != 1 or not round_:
         return
-    (turn,), (k,) = turning, tracks
+    (turn,) = turning
+    if len(tracks) != 1:
+        heads = listed(sheet.headings[k].text for k in round_)
+        sheet.of_rows.append(
+            f'column "{sheet.headings[turn].text}" is a rotation, and none of {heads} is surely '
+            'its track; call that column "track diameter [mm]" or "track radius [mm]", or give a '
+            "velocity"
+        )
+        return
+    (k,) = tracks
     track = sheet.headings[k]
     is_radius = re.search(r"(radius|raggio|rayon)$", track.title.lower())
     which = "radius" if is_radius else "diameter"
     if not track.unit:
-        fault = f'column "{track.text}" has no unit; name it like "track {which} [mm]"'
-        sheet.of_rows.append(fault)
+        sheet.of_rows.append(
+            f'column "{track.text}" has no unit; name it like "track {which} [mm]"'
+        )
         return
     sheet.made_of = {k}
     sheet.headings[turn] = split_heading("velocity")

@@ -15,7 +15,7 @@ import numpy as np
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import Fault
 from pipeline.scene.format import OUTCOMES, TEST
-from pipeline.scene.headings import UNITS, Sheet, listed_faults, read_sheet
+from pipeline.scene.headings import UNITS, Row, Sheet, listed_faults, read_sheet
 from pipeline.scene.units import UnitError, to_si
 from tribo.types import Array
 
@@ -66,7 +66,6 @@ class Log:
     is_unclear: bool  # as a whole, and not in cells alone
     twice: list[int]  # numbers of rows that are the same as one before, and not counted
     in_si: list[dict[str, Any]]  # the tests, in SI
-    has_several_outcomes: bool  # columns, of which none is called outcome
 
     @property
     def unused(self) -> list[str]:
@@ -81,11 +80,16 @@ class Log:
         return any(map(_MEASURED_WEAR.search, heads)) and not named
 
     @property
+    def renamed(self) -> dict[str, str]:
+        """Headings of entries that they do not name exactly."""
+        headings = {name: self.sheet.heading(name) for name in self.sheet.places}
+        return {name: one.text for name, one in headings.items() if one.name != name}
+
+    @property
     def guessed(self) -> list[str]:
         """Headings and words that were recognised, though not exact names."""
-        headings = {name: self.sheet.heading(name) for name in self.sheet.places}
-        said = [f'"{one.text}" as {name}' for name, one in headings.items() if one.name != name]
-        return said + [f'"{word}" as {outcome}' for word, outcome in self.words.items()]
+        meant = [*((text, name) for name, text in self.renamed.items()), *self.words.items()]
+        return [f'"{said}" as {name}' for said, name in meant]
 
 
 def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table = TEST) -> Log:
@@ -101,8 +105,12 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
         faults[-1] += '; name one by columns = { load = "HEADING" } or --column "load=HEADING"'
     twice = _take_rows(sheet, given.get("where") or {}, faults)
     needed = [places[name] for name in ("load", "velocity") if name in places]
-    tested = [row for row in sheet.rows if not needed or any(row.cells[k] for k in needed)]
-    left_out = [row.number for row in sheet.rows if row not in tested]
+    tested, left_out = list[Row](), list[int]()
+    for row in sheet.rows:
+        if not needed or any(row.cells[k] for k in needed):
+            tested.append(row)
+        else:
+            left_out.append(row.number)
     sheet.rows = tested
     faults += sheet.of_rows
     if not tested and not faults:
@@ -117,7 +125,6 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
     return Log(
         path, sheet, words, left_out, tests, [*faults, *listed_faults(map(_hinted, wrong))],
         is_unclear=bool(faults), twice=twice, in_si=in_si,
-        has_several_outcomes=any("columns may be outcome" in fault for fault in faults),
     )  # fmt: skip
 
 

@@ -215,14 +215,13 @@ _TARGETS = {name: UNITS[name] for name in ("load", "velocity")}
 _CONTACT = ("N", "kN", "m/s", "mm/s")
 
 
-def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") -> list[str]:
-    """Append a column for each quantity that the file does not say; return those in error."""
-    wrong = []
+def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") -> dict[str, str]:
+    """Append a column for each quantity that the file does not say; return what is wrong."""
+    wrong = dict[str, str]()
     for name, value in given.items():
         if name not in COLUMNS and name not in TEST.keys:
             allowed = ", ".join(dict.fromkeys([*TEST.keys, *COLUMNS]))
-            sheet.of_rows.append(f"given.{name}: no such quantity; give one of {allowed}")
-            wrong.append(name)
+            wrong[name] = f"no such quantity; give one of {allowed}"
             continue
         match = _PARTS.fullmatch(str(value)) if name in COLUMNS else None
         number, unit = match.groups("") if match else str(value).partition(" ")[::2]
@@ -230,13 +229,13 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") ->
         read = (_value(one, number, heading) for one in _columns([heading]))
         if name in COLUMNS and all(map(math.isnan, read)):
             like = f"1.5 {COLUMNS[name].units[0]}".strip()
-            sheet.of_rows.append(f'given.{name}: "{value}" is no {name}; give one like "{like}"')
-            wrong.append(name)
+            wrong[name] = f'"{value}" is no {name}; give one like "{like}"'
             continue
         sheet.sure.add(len(sheet.headings))
         sheet.headings.append(heading)
         for row in sheet.rows:
             row.cells.append(number)
+    sheet.of_rows += [f"given.{name}: {problem}" for name, problem in wrong.items()]
     return wrong
 
 
@@ -325,13 +324,16 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     used = {found[one] for one in (*inputs, *ends, "stage") if one in found}
     appended = _TARGETS | ({"outcome": ""} if ends else {}) | ({"run": ""} if makes_runs else {})
     sheet.sure |= {*range(len(sheet.headings), len(sheet.headings) + len(appended))}
-    sheet.headings = [
-        *(replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)),
-        *(Heading(f"{name} of {form.name}", name, unit) for name, unit in appended.items()),
-    ]
-    sheet.rows, sheet.made_of = rows, used
+    heads = [Heading(f"{name} of {form.name}", name, unit) for name, unit in appended.items()]
+    _put_rows(sheet, rows, used, heads)
     sheet.form.append(f"form of {form.name}: {form.says}")
     return True
+
+
+def _put_rows(sheet: Sheet, rows: list[Row], used: set[int], made: Sequence[Heading]) -> None:
+    """Put rows with further columns in place of a sheet's; those that they are made of are used."""
+    heads = [replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)]
+    sheet.headings, sheet.rows, sheet.made_of = [*heads, *made], rows, used
 
 
 def _cell_faults(sheet: Sheet, used: Mapping[str, int]) -> Iterator[Fault]:
@@ -470,9 +472,5 @@ def _ask(sheet: Sheet, form: Form, missing: Sequence[str]) -> None:
             f"the form of {form.name} ({form.says}) does not say {' or '.join(names)}; give "
             f"{options}, in a scene given = {{ {entry} }}"
         )
-    used = {*_columns(sheet.headings).values()}
-    sheet.headings = [
-        *(replace(one, title="") if k in used else one for k, one in enumerate(sheet.headings)),
-        *(Heading(name, name, unit) for name, unit in _TARGETS.items()),
-    ]
-    sheet.rows, sheet.made_of = [], used
+    targets = [Heading(name, name, unit) for name, unit in _TARGETS.items()]
+    _put_rows(sheet, [], {*_columns(sheet.headings).values()}, targets)

@@ -52,12 +52,14 @@ def read_heights(path: Path, unit: float) -> Array:
     require_file(path)
     try:
         heights = _read_array(path)
+    except InputError:
+        raise
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
     except (ValueError, EOFError, tokenize.TokenError) as error:
-        if isinstance(error, InputError):
-            raise
         raise InputError(f"{path}: not a plain array of numbers: {error}") from error
+    except Exception as error:  # a damaged file makes NumPy raise errors of any kind
+        raise InputError(f"{path}: not a plain array of numbers: {error!r}") from error
     if heights.ndim != 2 or heights.size == 0 or heights.dtype.kind not in "fiu":
         raise InputError(
             f"{path}: an array of shape {heights.shape} and type {heights.dtype}; "

@@ -25,6 +25,7 @@ _COMMA = re.compile(r"([+-]?(?:\d{1,3}(?:\.\d{3})+|\d+)),(\d+)(?![\d,.])(.*)", r
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d")
 _MAYBE_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+(?!\d)")
 _MARKS = {",": "decimal commas", ".": "decimal points"}
+_MOST_ABOVE = 500  # rows among which that of the headings is sought, each with all above it
 
 
 def read_rows(
@@ -52,9 +53,10 @@ def read_rows(
         lines, form, separator = _read_excel(path, sheet) if is_book else _read_text(path)
     except OSError as error:
         raise InputError(f"{path} cannot be read: {reason_of(error, path)}") from error
-    filled = [row for row in lines if any(row.cells)]
+    filled = [Row(number, cells) for number, cells in enumerate(lines, 1) if any(cells)]
     plain = [Row(row.number, _uncommented(row.cells)) for row in filled]
-    said = (row for k, row in enumerate(plain) if is_heading(row.cells, _text_of(plain[:k])))
+    first = enumerate(plain[:_MOST_ABOVE])
+    said = (row for k, row in first if is_heading(row.cells, _text_of(plain[:k])))
     bare = (row for row in filled if not row.cells[0].startswith("#"))
     heading = next(itertools.chain(said, bare, plain), Row(0, []))
     heads = _trim_end(heading.cells)
@@ -93,8 +95,8 @@ def decoded(content: bytes) -> tuple[str, bool]:
     return text.replace("\0", ""), is_latin
 
 
-def _read_text(path: Path) -> tuple[list[Row], list[str], str]:
-    """All lines of a text file as rows, words on its form, and its separator."""
+def _read_text(path: Path) -> tuple[list[list[str]], list[str], str]:
+    """Cells of all lines of a text file, words on its form, and its separator."""
     text, is_latin = decoded(path.read_bytes())
     form = ["Latin-1"] if is_latin else []
     lines = text.splitlines()
@@ -103,19 +105,17 @@ def _read_text(path: Path) -> tuple[list[Row], list[str], str]:
     usual = [mark for mark in _NAMES if 2 * sum(mark in line for line in filled) >= len(filled) > 0]
     blanks = [re.sub(r"^\s*#\s*", "#", line).split() for line in lines]
     if not usual and filled and statistics.mode(len(row) for row in blanks if row) > 1:
-        rows = [Row(number, row or [""]) for number, row in enumerate(blanks, 1)]
-        return rows, ["blanks between cells", *form], " "
+        return blanks, ["blanks between cells", *form], " "
     separator = (usual or [","])[0]
     try:
         cells = [list(map(str.strip, line)) for line in csv.reader(lines, delimiter=separator)]
     except csv.Error as error:
         raise InputError(f"{path} cannot be read: {error}; save it as CSV again") from error
-    rows = [Row(number, line or [""]) for number, line in enumerate(cells, 1)]
-    return rows, [f"{_NAMES[separator]} between cells", *form], separator
+    return cells, [f"{_NAMES[separator]} between cells", *form], separator
 
 
-def _read_excel(path: Path, wanted: str | None) -> tuple[list[Row], list[str], str]:
-    """All lines of a sheet of an Excel file as rows, and words on it and on the others."""
+def _read_excel(path: Path, wanted: str | None) -> tuple[list[list[str]], list[str], str]:
+    """Cells of all lines of a sheet of an Excel file, and words on it and on the others."""
     import pandas as pd  # here, since few scenes have rows in a sheet
 
     try:
@@ -137,10 +137,9 @@ def _read_excel(path: Path, wanted: str | None) -> tuple[list[Row], list[str], s
     except Exception as error:  # from the archive, its XML, or openpyxl
         raise InputError(f"{path} is no sound .xlsx file: {error}; save it again") from error
     lines = [[cell.removesuffix(" 00:00:00").strip() for cell in line] for line in sheet.to_numpy()]
-    rows = [Row(number, line or [""]) for number, line in enumerate(lines, 1)]
     others = [other for other in names if other != name]
     more = f" (not read: {', '.join(others)})" if others else ""
-    return rows, [f'sheet "{name}"{more}'], ""
+    return lines, [f'sheet "{name}"{more}'], ""
 
 
 def _require_few_cells(path: Path, sheet: Any) -> None:
@@ -156,10 +155,15 @@ def _require_few_cells(path: Path, sheet: Any) -> None:
             )
 
 
+def unpacked_size(path: Path) -> int:
+    """Bytes that an archive unpacks to, as it says itself."""
+    with zipfile.ZipFile(path) as archive:
+        return sum(entry.file_size for entry in archive.infolist())
+
+
 def _require_few_bytes(path: Path) -> None:
     """Refuse a workbook that unpacks to more text than its cells may have."""
-    with zipfile.ZipFile(path) as archive:
-        size = sum(entry.file_size for entry in archive.infolist())
+    size = unpacked_size(path)
     if size > MOST_BYTES_OF_BOOK:
         raise InputError(
             f"{path}: unpacks to {display(size, 'MB', 4)}; at most "

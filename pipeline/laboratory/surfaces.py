@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from pipeline.laboratory.plain_scan import read_heights
+from pipeline.laboratory.spreadsheet import unpacked_size
 from pipeline.laboratory.text_scan import TEXT, read_text
 from pipeline.quantities import display, display_sides
 from pipeline.scene.faults import Faults
@@ -66,12 +67,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
         return _read_instrument(path, height_unit)
     if height_unit is None:
         raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
-    try:
-        return MeasuredSurface(read_heights(path, height_unit))
-    except InputError:
-        raise
-    except Exception as error:  # a damaged file makes NumPy raise errors of any kind
-        raise InputError(f"{path}: not a plain array of numbers: {error!r}") from error
+    return MeasuredSurface(read_heights(path, height_unit))
 
 
 def _read_text_file(path: Path, height_unit: float | None) -> MeasuredSurface:
@@ -142,14 +138,12 @@ def _read_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
 def _require_small_file(path: Path) -> None:
     """Raise for a file without an end, and for an archive that unpacks to more than a surface."""
     require_file(path)
-    if zipfile.is_zipfile(path):
-        with zipfile.ZipFile(path) as archive:
-            size = sum(entry.file_size for entry in archive.infolist())
-        if size > _MOST_BYTES:
-            raise InputError(
-                f"{path}: unpacks to {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB "
-                "are read. Crop or average the surface first"
-            )
+    size = unpacked_size(path) if zipfile.is_zipfile(path) else 0
+    if size > _MOST_BYTES:
+        raise InputError(
+            f"{path}: unpacks to {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB are "
+            "read. Crop or average the surface first"
+        )
 
 
 def _converted(path: Path, topography: Any, height_unit: float | None) -> MeasuredSurface:
@@ -225,26 +219,23 @@ def filled(heights: Array) -> Array:
     missing = ~np.isfinite(heights)
     if missing.all():
         raise InputError("all heights are missing")
-    holes = np.argwhere(missing)
-    if not len(holes):
+    if not missing.any():
         return heights.copy()
-    number = np.full(heights.shape, -1)
-    number[missing] = np.arange(len(holes))
+    # Within a border of nothing each height has four neighbours, as numbers in a flat array.
+    is_hole, is_inside, known = (
+        np.pad(array, 1).ravel()
+        for array in (missing, np.ones_like(missing), np.where(missing, 0.0, heights))
+    )
+    holes, number, width = np.flatnonzero(is_hole), np.cumsum(is_hole) - 1, heights.shape[1] + 2
+    beside = holes[:, None] + [width, -width, 1, -1]
     # In each hole, the number of neighbours times the height is the sum of theirs.
-    neighbours, around = np.zeros(len(holes)), np.zeros(len(holes))
-    links = []
-    for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        beside = holes + step
-        inside = np.flatnonzero(((beside >= 0) & (beside < heights.shape)).all(axis=1))
-        place = tuple(beside[inside].T)
-        measured = ~missing[place]
-        neighbours[inside] += 1
-        around[inside[measured]] += heights[place][measured]
-        links.append((inside[~measured], number[place][~measured]))
-    rows, columns = np.hstack(links)
-    off = sparse.csc_matrix((-np.ones(len(rows)), (rows, columns)), shape=2 * (len(holes),))
+    rows, sides = np.nonzero(is_hole[beside])
+    links = rows, number[beside[rows, sides]]
+    off = sparse.csc_matrix((-np.ones(len(rows)), links), shape=2 * (len(holes),))
+    neighbours = is_inside[beside].sum(axis=1).astype(float)
     result = heights.copy()
-    result[missing] = spsolve(sparse.diags(neighbours, format="csc") + off, around)
+    system = sparse.diags(neighbours, format="csc") + off
+    result[missing] = spsolve(system, known[beside].sum(axis=1))
     return result
 
 

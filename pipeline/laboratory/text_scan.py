@@ -32,7 +32,7 @@ _SIZES = {
     }.items()
 }
 """Words for sizes, and for the unit of heights, at the beginning of a line or of a part of it."""
-_NO_DATA = re.compile(r"no[ _]?data(?:[ _]value)?[\s:=]+(-?[\d.]+)", re.IGNORECASE)
+_NO_DATA = re.compile(r"no[ _]?data(?:[ _]value)?[\s:=]+(-?\d+\.?\d*(?:e[+-]?\d+)?)", re.IGNORECASE)
 _HEAD = re.compile(r"\b([xyz])\b\s*[\[(/]\s*([^\])/\s;,\t]+)", re.IGNORECASE)
 _AFTER_COMMA = re.compile(r",0\d")  # decimals, for no whole number begins with 0
 _LEAST_PLACES = 9  # rows of three numbers from which on they are x, y and z

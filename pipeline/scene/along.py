@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -15,9 +15,9 @@ import numpy as np
 from pipeline.scene.compounds import Entry, Optional, Table, flat
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
-from pipeline.scene.faults import Faults, entry_at, fault_lines, quoted
+from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.format import BULK, CRITICAL, FORMAT, FRICTION, LOAD, SPEED
-from pipeline.scene.headings import UNITS, as_entry, listed_faults, read_sheet, sheet_of
+from pipeline.scene.headings import UNITS, Sheet, as_entry, read_sheet, read_table
 from pipeline.scene.over import column_of, scene_with
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.limits import MOST_SCENES
@@ -93,27 +93,9 @@ class OperatingPoints:
         Units stand in the heading or in each cell; bare numbers of a mapping are in SI.
         `InputError` is raised for all faults at once, by row and column.
         """
-        if isinstance(source, str | os.PathLike):
-            name = str(source)
-            sheet = read_sheet(Path(source), _ROW.keys, _PLACE.keys, sheet_name=sheet_name)
-        else:
-            name, sheet = "points", sheet_of(source, _ROW.keys, _PLACE.keys)
-        heads = [heading.text for heading in sheet.headings]
-        twice = dict.fromkeys(head for head in heads if heads.count(head) > 1)
-        faults = [f'column "{head}" appears twice; give each heading once' for head in twice]
-        faults += [
-            f'column "{heading.text}" cannot act after the simulation; leave it out, or give the '
-            "table to [sweep] along of a scene, which computes each row"
-            for heading in map(sheet.headings.__getitem__, sheet.others)
-            if heading.name == "hold" or heading.title.startswith(_BEFORE)
-        ]
-        _, rows, wrong = sheet.entries(_ROW, {})
-        faults += [*sheet.faults, *sheet.of_rows, *listed_faults(wrong)]
-        if not sheet.rows and not faults:
-            faults = ['there are no rows; begin with a line "load [N],velocity [m/s]"']
-        if faults:
-            more = f", {sheet.sheet_notes}; --sheet names another" if sheet.sheet_notes else ""
-            raise InputError(fault_lines(name + more, faults))
+        sheet, rows = read_table(
+            source, _ROW, _PLACE.keys, "load [N],velocity [m/s]", sheet_name, _column_faults
+        )
         others = {
             sheet.headings[place].label: [row.cells[place] for row in sheet.rows]
             for place in range(len(sheet.headings))
@@ -125,6 +107,19 @@ class OperatingPoints:
         unused = tuple(sheet.headings[place].label for place in sheet.others)
         places = tuple(Place(row["load"], row["velocity"]) for row in rows)
         return cls(places, others, given, unused, sheet.sheet_notes)
+
+
+def _column_faults(sheet: Sheet) -> Iterator[str]:
+    """Columns that stand there twice, and those that a simulation would need."""
+    heads = [heading.text for heading in sheet.headings]
+    for head in dict.fromkeys(head for head in heads if heads.count(head) > 1):
+        yield f'column "{head}" appears twice; give each heading once'
+    for heading in map(sheet.headings.__getitem__, sheet.others):
+        if heading.name == "hold" or heading.title.startswith(_BEFORE):
+            yield (
+                f'column "{heading.text}" cannot act after the simulation; leave it out, or give '
+                "the table to [sweep] along of a scene, which computes each row"
+            )
 
 
 def _pairs(document: Document, faults: Faults) -> list[dict[str, Any]]:

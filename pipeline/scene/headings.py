@@ -7,6 +7,7 @@ extra of laboratories brings the other ways to write them, as its module ``headi
 from __future__ import annotations
 
 import csv
+import os
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -20,7 +21,7 @@ import numpy as np
 from pipeline import extras
 from pipeline.quantities import units_in_si
 from pipeline.scene.compounds import Table
-from pipeline.scene.faults import Fault, Faults, did_you_mean, quoted
+from pipeline.scene.faults import Fault, Faults, did_you_mean, fault_lines, quoted
 from pipeline.scene.kinds import OneOf
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.conditions import PATHS
@@ -316,6 +317,35 @@ def sheet_below(
     faults = [f"row {n}: {len(cells)} cells below {len(heads)} headings" for n, cells in unlike]
     whole = [row for row in rows if len(row.cells) == len(heads)]
     return Sheet([*map(heading_of, heads)], whole, {}, [], faults, decimal, [*form])
+
+
+def read_table(
+    source: Any,
+    row_of: Table,
+    needed: Collection[str],
+    first_line: str,
+    sheet_name: str | None = None,
+    column_faults: Callable[[Sheet], Iterable[str]] = lambda _: (),
+) -> tuple[Sheet, list[dict[str, Any]]]:
+    """Read a file, or columns by heading as a data frame has them, and the rows in SI.
+
+    An `InputError` names all faults at once, by row and column. A first line is asked for where
+    there are no rows.
+    """
+    name = "points"
+    if isinstance(source, str | os.PathLike):
+        name, is_log = str(source), set(needed).issubset
+        sheet = read_sheet(Path(source), row_of.keys, needed, is_log=is_log, sheet_name=sheet_name)
+    else:
+        sheet = sheet_of(source, row_of.keys, needed)
+    _, rows, wrong = sheet.entries(row_of, {})
+    faults = [*column_faults(sheet), *sheet.faults, *sheet.of_rows, *listed_faults(wrong)]
+    if not sheet.rows and not faults:
+        faults = [f'there are no rows; begin with a line "{first_line}"']
+    if faults:
+        more = f", {sheet.sheet_notes}; --sheet names another" if sheet.sheet_notes else ""
+        raise InputError(fault_lines(name + more, faults))
+    return sheet, rows
 
 
 def sheet_of(columns: Any, wanted: Collection[str], needed: Collection[str]) -> Sheet:

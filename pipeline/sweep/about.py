@@ -64,6 +64,16 @@ class FromLibrary(NamedTuple):
     source: str
 
 
+def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
+    """Numbers of each table that are from one source, in words, and that source."""
+    tables: dict[tuple[str, str], list[str]] = {}
+    for key, value, source in taken:
+        table, _, name = key.rpartition(".")
+        tables.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
+    for (table, source), values in tables.items():
+        yield f"{table}: {', '.join(values)}", source
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class About:
     """Parts of a scene that are neither simulated nor judged."""

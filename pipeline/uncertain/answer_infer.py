@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict, astuple, replace
+from dataclasses import asdict, astuple
 from pathlib import Path
 
 import pandas as pd
@@ -171,4 +171,4 @@ def _slid_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
             f"--duration is {duration:g} s; it must be at least the {ramp:g} s of the ramp to "
             f"{load:g} N"
         )
-    return sweep.changed(loading=replace(sweep.scene.loading, hold=duration - ramp, stops=()))
+    return sweep.held(duration - ramp)

@@ -17,9 +17,9 @@ from pipeline.cli.given import criterion_in, flags_of, judged_entries, values_in
 from pipeline.cli.output import Result, rounded, working
 from pipeline.quantities import display
 from pipeline.sweep.remarks import remarks
-from pipeline.sweep.unknown import Unknown
+from pipeline.sweep.unknown import Unit
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
-from pipeline.uncertain.next_tests import Candidate, load_of_target, ranking_command
+from pipeline.uncertain.next_tests import Candidate, ranking_command
 from pipeline.uncertain.posterior import Contrast, Judged, Posterior, contrasts
 from pipeline.uncertain.weigh import FALSE_ALARMS
 from tribo import InputError
@@ -173,8 +173,6 @@ def measurements_to_make(
     about = {"target": options.target, "bulk_temperatures": options.bulk_temperature or ()}
     inputs = {one.path: one for one in weighed.unknown if one.kind != "list"}
     unknown = inputs.get(options.target or "")
-    if options.target and unknown is None:
-        load_of_target(weighed, options.target)
     if options.next > 1:
         ranked = tests = pipeline.plan_tests(weighed, options.next, **about)
         head = f"{options.next} runs to make next, each the best after those before it"
@@ -183,33 +181,24 @@ def measurements_to_make(
         tests = tuple(one for one in ranked if one.test)[:1]
         ranked = ranked[:_SHOWN]
         head = "measurements to make next, the best first"
-    before = _spread(ranked[0].before, unknown)
+    # The unit of spreads: percent of a velocity, and of an input whose ratios count.
+    unit = Unit("%", 0.01) if unknown is None or unknown.is_relative else unknown.spread
+    before = f"± {rounded(unit.of(ranked[0].before))}{unit.suffix}"
     sentence = f"{head}; {options.target or 'the boundary, in velocity'} is known to {before} today"
-    frame = _measurements(ranked, unknown)
+    frame = _measurements(ranked, unit)
     lines = [sentence, frame, *filter(None, [ranked[-1].comparison])]
     return _plan(options, ranked, tests), lines, frame
 
 
-def _measurements(ranked: Sequence[Candidate], unknown: Unknown | None) -> pd.DataFrame:
+def _measurements(ranked: Sequence[Candidate], unit: Unit) -> pd.DataFrame:
     """Measurements, each with the spread of the target that it leaves, in its unit."""
-    if unknown is None or unknown.is_relative:
-        left, rows = "left, ± [%]", [100 * one.spread for one in ranked]
-    else:
-        unit = "" if unknown.unit == "1" else f" [{unknown.spread.name}]"
-        left, rows = f"left, ±{unit}", [float(unknown.spread.of(one.spread)) for one in ranked]
-    narrows = [100 * one.narrows for one in ranked]
+    left = "left, ±" if unit.name == "1" else f"left, ± [{unit.name}]"
     columns = {
         "measurement": [one.what for one in ranked], "runs": [one.runs for one in ranked],
-        left: rows, "narrows by [%]": narrows,
+        left: [unit.of(one.spread) for one in ranked],
+        "narrows by [%]": [100 * one.narrows for one in ranked],
     }  # fmt: skip
     return pd.DataFrame(columns)
-
-
-def _spread(spread: float, unknown: Unknown | None) -> str:
-    """Spread of a target, in words: of a velocity a share, of an input in its unit."""
-    if unknown is None or unknown.is_relative:
-        return f"± {rounded(100 * spread)} %"
-    return f"± {rounded(float(unknown.spread.of(spread)))}{unknown.spread.suffix}"
 
 
 def _plan(

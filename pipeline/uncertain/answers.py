@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from scipy.special import ndtr
@@ -22,7 +23,7 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
     """The draws given, without those of the rig, which stand last; else draws of the prior."""
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)
-    return draws.first(len(ensemble.unknown))
+    return replace(draws, inputs=draws.inputs[:, : len(ensemble.unknown)])
 
 
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(15)

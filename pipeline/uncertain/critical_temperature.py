@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -23,8 +22,6 @@ from pipeline.sweep.variants import Label, Variants, rows, surfaces
 from tribo import Criterion, InputError
 from tribo.errors import require_positive
 from tribo.inverse import Transition
-
-_PLACE = ("normal_load", "velocity")
 
 
 @shown
@@ -135,7 +132,7 @@ def critical_temperatures(
     on: tuple[int | None, ...] = seeds or (getattr(sweep.scene.roughness, "seed", None),)
     for crossing in transitions:
         require_positive(friction=crossing.friction)
-    asked = _transition_rows(sweep.variant(), transitions, surfaces(seeds))
+    asked = _transition_rows(sweep.variant(), surfaces(seeds))
     with stored(out) as path:
         run_sweep(asked, path, workers, client, progress, retry_failed=True)
         rises, failed = results_of(opened(path), asked)
@@ -152,7 +149,7 @@ def critical_temperatures(
     return CriticalTemperatures(transitions, on, temperatures, sweep.conditions.decisive)
 
 
-def _transition_rows(sweep: Sweep, transitions: Sequence[Transition], seeds: Variants) -> Sweep:
+def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
     """The sweep with a row for each transition, which has a place and conditions of its own."""
     changes: dict[Label, dict[str, Any]] = {}
     for number, test in enumerate(sweep.about.measured):
@@ -163,10 +160,12 @@ def _transition_rows(sweep: Sweep, transitions: Sequence[Transition], seeds: Var
             judged = judged.changed(bulk_temperature=test.bulk_temperature)
         scene = (sweep if test.hold is None else sweep.held(test.hold)).scene
         changes[number] = {"conditions": judged, "loading": scene.loading}
-    loads, velocities = ([getattr(at, name) for at in transitions] for name in _PLACE)
-    table = rows("test", changes, velocities=velocities, loads=loads) * seeds
-    places = {"loads": sorted(set(loads)), "velocities": sorted(set(velocities))}
-    plane = {name: tuple(values) for name, values in places.items()}
+    places = {
+        "loads": [test.normal_load for test in sweep.about.measured],
+        "velocities": [test.velocity for test in sweep.about.measured],
+    }
+    table = rows("test", changes, **places) * seeds
+    plane = {name: tuple(sorted(set(values))) for name, values in places.items()}
     return sweep.changed(variants=table, fields=False, chosen=None, **plane)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -38,11 +38,11 @@ RISK = 0.01
 RISK_OF_MARGIN = 0.05
 """Probability that the distance to the critical temperature is less than the margin."""
 LOAD, VELOCITY = Place._fields
-CONDITIONS = (CRITICAL, BULK, FRICTION)
-"""Entries that act after the simulation, and need no range."""
+_CELSIUS = Unit("°C", 1.0, si_of(0.0, "°C"))
+CONDITIONS = {CRITICAL: ("K", _CELSIUS), BULK: ("K", _CELSIUS), FRICTION: ("1", None)}
+"""Entries that act after the simulation, and need no range; their unit, and that to show."""
 SIMULATED = 90
 """Draws near the limit that are simulated directly."""
-_CELSIUS = Unit("°C", 1.0, si_of(0.0, "°C"))
 _VALUES = 17  # values of the entry among which a limit is sought
 _DRAWS = 2**13  # draws of the inputs
 _LEAST = 1e-9  # probability
@@ -179,6 +179,8 @@ class Chances:
         ensemble, self.scatter = self.ensemble, self.scatter or ModelError()
         drawn = self.draws or prior(ensemble.unknown, ensemble.design.seed + 1, _DRAWS)
         self._weighed = draws_of(ensemble, drawn)
+        emulate = functools.partial(_emulate, ensemble, self._weighed.inputs)
+        self._kept = functools.lru_cache(_MOST_KEPT)(emulate)
 
     @property
     def numerical(self) -> float:
@@ -198,7 +200,7 @@ class Chances:
             return Unknown(path, "uniform", ensemble.velocities, "m/s")
         if path not in CONDITIONS:
             return _ranged_input(ensemble, path)
-        unit, written = ("1", None) if path == FRICTION else ("K", _CELSIUS)
+        unit, written = CONDITIONS[path]
         written = known[path].written if path in known else written
         return Unknown(path, "uniform", self._reach(path), unit, written)
 
@@ -303,12 +305,7 @@ class Chances:
 
     def _rise(self, place: Place, values: Mapping[str, float]) -> _Rise:
         """Rise of the draws; the last ones are kept, as no condition changes them."""
-        return self._kept(place, tuple(one for one in values.items() if one[0] not in CONDITIONS))
-
-    @functools.cached_property
-    def _kept(self) -> Callable[[Place, Any], _Rise]:
-        emulate = functools.partial(_emulate, self.ensemble, self._weighed.inputs)
-        return functools.lru_cache(_MOST_KEPT)(lambda place, values: emulate(place, dict(values)))
+        return self._kept(place, *(one for one in values.items() if one[0] not in CONDITIONS))
 
     def simulated(
         self, limit: Limit, scene_with: SceneWith, seed: int = 0, progress: Report = silent
@@ -327,7 +324,7 @@ class Chances:
         else:
             draws = self._weighed
         place, inputs = limit.binding, draws.inputs
-        rise = _emulate(ensemble, inputs, place, values)
+        rise = _emulate(ensemble, inputs, place, *values.items())
         excess, slope = self._excess(inputs, rise, values)
         scatter = self.scatter
 
@@ -364,8 +361,9 @@ class Chances:
         return Direct(probability, error, len(emulated), len(known), shift)
 
 
-def _emulate(ensemble: Ensemble, inputs: Array, place: Place, values: Mapping[str, float]) -> _Rise:
+def _emulate(ensemble: Ensemble, inputs: Array, place: Place, *entries: tuple[str, float]) -> _Rise:
     """Logarithm of the rise at friction 1, and its slope over ln(velocity), of each draw."""
+    values = dict(entries)
     load, velocity = _moved(place, values)
     low, high = ensemble.velocities
     ends = max(velocity * math.exp(-_APART), low), min(velocity * math.exp(_APART), high)

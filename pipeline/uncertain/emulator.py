@@ -87,8 +87,9 @@ class Emulator:
 class LeftOut(NamedTuple):
     """What contacts tell that are left out, and the rows at either end of the velocities."""
 
-    factors: Array  # (n_output,) on errors predicted, by which 90 % bands hold 90 % of them
-    covariance: Array  # (n_output, n_output): squares of these, and how outputs miss together
+    #: Squares of the factors by which 90 % bands hold 90 % of what is left out, and how outputs
+    #: miss together, (n_output, n_output).
+    covariance: Array
     ends: float  # a further factor at the ends, where rows are left out all at once
     held: float  # share of left-out places in bands whose factors other contacts gave
     contacts: int
@@ -275,7 +276,7 @@ def _check(
     if at_ends:
         widening = max(1.0, band_factor(np.concatenate(at_ends), sum(map(len, at_ends))))
     covariance = np.outer(factors, factors) * together
-    return LeftOut(factors, covariance, widening, float(np.mean(held)), count)
+    return LeftOut(covariance, widening, float(np.mean(held)), count)
 
 
 def _factors(scores: Array, count: int) -> Array:

@@ -204,17 +204,16 @@ class Ensemble:
                 f"velocity, are not judged row by row at another {' and '.join(own)}; give that to "
                 "all rows, by options such as --friction"
             )
-        fixed = {
-            path: Fixed(one, float(own[name]))
-            for one in (*(one.unknown for one in self.fixed), *self.unknown)
-            for name, path in PATHS.items()
-            if name in own and one.path == path
-        }
+        values = {PATHS[name]: value for name, value in own.items() if name in PATHS}
+        before = {one.unknown.path: one for one in self.fixed}
+        inputs = (*(one.unknown for one in self.fixed), *self.unknown)
+        given = [one for one in inputs if one.path in values]
+        fixed = {one.path: Fixed(one, float(values[one.path])) for one in given}
         judged = replace(
             self,
             conditions=conditions,
             unknown=without(self.unknown, fixed.keys()),
-            fixed=tuple(({one.unknown.path: one for one in self.fixed} | fixed).values()),
+            fixed=tuple((before | fixed).values()),
         )
         vars(judged)["_rise"] = self._rise  # the same at friction 1
         return judged
@@ -236,7 +235,9 @@ class Ensemble:
     def rise(self, draws: Array, load: Axis | float, velocity: Axis | float) -> Excess:
         """Logarithm of the rise at friction 1 [K] in place of the excess, likewise."""
         heat = self._emulated(self._rise, draws, load, velocity)
-        return heat._replace(values=heat.values + self._log_friction_table(velocity))
+        # The factor of friction by velocity is known, and may bend at will.
+        factor = np.log(self.conditions.friction_factor(np.asarray(velocity, float)))
+        return heat._replace(values=heat.values + factor)
 
     def width(self, draws: Array, load: float, velocity: float) -> Excess:
         """Logarithm of the contact's width [m] in place of the excess, likewise."""
@@ -299,10 +300,6 @@ class Ensemble:
             for hold, rises in self.rises_by_hold.items()
         }
 
-    def _log_friction_table(self, velocity: Axis | float) -> Array:
-        """Logarithm of the factor of friction by velocity, which is known and may bend at will."""
-        return np.log(self.conditions.friction_factor(np.asarray(velocity, float)))
-
     @functools.cached_property
     def _rise(self) -> Emulator:
         table = self.conditions.friction_factor(self.sample_velocities)
@@ -328,8 +325,11 @@ class Ensemble:
         columns = [self.values(quantity.path, draws) for quantity in self.design.inputs]
         between = (load_weights(self.loads, self.rises, one) for one in loads.tolist())
         weights, bends = map(np.array, zip(*between, strict=True))
+        low, high = np.log(self.velocities)
+        # Errors are wider at the ends of the velocities, as left-out ends tell.
+        widening = 1 + outer((np.log(nodes) - low) / (high - low)) * (emulator.check.ends - 1)
         at_nodes = []
-        for node, wider in zip(nodes, self._widening(emulator, nodes).tolist(), strict=True):
+        for node, wider in zip(nodes, widening.tolist(), strict=True):
             features, _ = features_of(self.design, columns, np.full(len(draws), node))
             values, *errors = emulator(features, weights)
             at_nodes.append([values, *(wider * np.hypot(error, bends) for error in errors)])
@@ -340,12 +340,6 @@ class Ensemble:
         shape = len(draws), *np.shape(load), *np.shape(velocity)
         values, *errors = (part.reshape(shape) for part in parts)
         return Excess(values, *map(np.abs, errors))
-
-    def _widening(self, emulator: Emulator, velocities: Array) -> Array:
-        """Factors on errors by velocity, of left-out ends."""
-        low, high = np.log(self.velocities)
-        along = (np.log(velocities) - low) / (high - low)
-        return np.asarray(1 + outer(along) * (emulator.check.ends - 1))
 
     @property
     def left_out(self) -> LeftOut:

@@ -31,7 +31,7 @@ from pipeline.sweep.samples import (
     Layer,
     samples_per_contact,
 )
-from pipeline.sweep.unknown import Fixed, Form, Unit, Unknown, first_unfit, without
+from pipeline.sweep.unknown import Fixed, Form, Unit, Unknown, correlations, first_unfit, without
 from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
 from tribo import InputError, Material, Scene, Wear
 from tribo.simulation import inseparable
@@ -141,7 +141,8 @@ def _correlated(
 ) -> tuple[Unknown, ...]:
     """Unknown inputs, each with its correlations with those that stand before it in the file."""
     order = {one.path: number for number, one in enumerate(unknown)}
-    matrix, keys = np.eye(len(unknown)), dict[tuple[int, int], str]()
+    # Correlation and key of each pair, by the numbers of its inputs, the later one first.
+    pairs = dict[tuple[int, int], tuple[float, str]]()
     stated = [(path, *pair) for path, shape in table.items() for pair in shape.correlated.items()]
     for path, other, correlation in stated:
         key = f"unknown.{quoted(path)}.correlated.{quoted(other)}"
@@ -158,22 +159,19 @@ def _correlated(
             faults.note(key, f"{problem}; give both the same varies, or leave this out")
         else:
             earlier, later = sorted((order[path], order[other]))
-            is_new = keys.setdefault((later, earlier), key) == key
-            if is_new:
-                matrix[later, earlier] = matrix[earlier, later] = correlation
-            elif (before := matrix[later, earlier]) != correlation:
+            before, _ = pairs.setdefault((later, earlier), (correlation, key))
+            if before != correlation:
                 faults.note(key, f"{correlation:g} is {before:g} elsewhere; give it once")
-    if (i := first_unfit(matrix)) is not None:
-        *_, key = (key for (later, _), key in keys.items() if later == i)
+    joint = list(unknown)
+    for (later, earlier), (correlation, _) in sorted(pairs.items()):
+        if correlation:
+            own = *joint[later].correlated, (unknown[earlier].path, correlation)
+            joint[later] = replace(joint[later], correlated=own)
+    if (i := first_unfit(correlations(joint))) is not None:
+        *_, key = (key for (later, _), (_, key) in pairs.items() if later == i)
         problem = "the correlations of this input cannot all be; give smaller ones"
         faults.note(key, f"{problem}, or leave one out")
-    paths = [one.path for one in unknown]
-    return tuple(
-        replace(
-            one, correlated=tuple(pair for pair in zip(paths[:i], row, strict=False) if pair[1])
-        )
-        for i, (one, row) in enumerate(zip(unknown, matrix.tolist(), strict=True))
-    )
+    return tuple(joint)
 
 
 def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sweep) -> Design:

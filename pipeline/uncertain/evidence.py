@@ -24,7 +24,7 @@ from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import line_turns, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, prior
-from pipeline.uncertain.rig import SLOPES, Columns, join_oils, join_rig, learnt, log_discrepancy
+from pipeline.uncertain.rig import SLOPES, join_oils, join_rig, learnt, log_discrepancy
 from tribo import InputError
 from tribo.types import Array
 
@@ -83,8 +83,8 @@ def distances_of(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> D
     found = np.empty((4, len(tests), len(truths.inputs)))
     for hold, held in ensemble.hold_ensembles.items():
         numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
-        if part := [tests[number] for number in numbers]:
-            found[:, numbers] = _hold_distances(held, part, truths)
+        if numbers:
+            found[:, numbers] = _hold_distances(held, [tests[number] for number in numbers], truths)
     return Distances(*found)
 
 
@@ -258,7 +258,7 @@ class Joint:
 
     ensemble: Ensemble
     unknown: tuple[Unknown, ...]  # the sweep's; then of oils, rig, discrepancy
-    rig: Columns
+    rig: tuple[int, ...]  # inputs that are the friction of the rig, and its scatter
     oils: Mapping[str, int]  # inputs that are the critical temperatures of other oils
     has_discrepancy: bool
     scatters: Array

@@ -22,7 +22,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.samples import JUDGED
 from pipeline.uncertain.answers import STEPS, draws_of, line_turns
-from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.ensemble import Axis, Ensemble
 from pipeline.uncertain.ensemble import keep_fits as keep_fits
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, Draws
 from pipeline.uncertain.posterior import Posterior
@@ -84,7 +84,7 @@ class SampleField:
     def ends(self) -> Mapping[str, tuple[float, float]]:
         """See `Field`."""
         loads = self.ensemble.loads
-        return {"load": (loads[0], loads[-1]), "velocity": self.ensemble.velocities}
+        return {"load": (float(loads[0]), float(loads[-1])), "velocity": self.ensemble.velocities}
 
     @property
     def scatter(self) -> Scatter | None:
@@ -169,15 +169,12 @@ class SampleField:
 
     def turns(self, axis: str, load: float, velocity: float) -> Turns:
         """See `Field`."""
+        ends = self.ends[axis]
         if axis == "velocity":
             x, lines = self._lines(load)
-            ends = self.ensemble.velocities
         else:
-            loads = self.ensemble.loads
-            ends = float(loads[0]), float(loads[-1])
             x = np.log(np.geomspace(*ends, STEPS))
-            excess = self.ensemble.excess(self.draws.inputs, np.exp(x), velocity)
-            lines = self._chance_excess(excess.draw_chance(self.ensemble.design.seed))
+            lines = self._chance_excess(np.exp(x), velocity)
         turns, places = line_turns(x, lines)
         rows, columns = np.nonzero(turns)
         count = (turns != 0).sum(axis=1)
@@ -242,17 +239,18 @@ class SampleField:
     def _keep(self, loads: Sequence[float]) -> None:
         """Find the lines at some loads, which takes hardly longer than at one of them."""
         velocities = np.geomspace(*self.ensemble.velocities, STEPS)
-        excess = self.ensemble.excess(self.draws.inputs, loads, velocities)
-        lines = excess.draw_chance(self.ensemble.design.seed)
+        lines = self._chance_excess(loads, velocities)
         if len(self._kept) > _MOST_KEPT:
             self._kept.clear()
         for number, load in enumerate(loads):
-            self._kept[load] = np.log(velocities), self._chance_excess(lines[:, number])
+            self._kept[load] = np.log(velocities), lines[:, number]
 
-    def _chance_excess(self, lines: Array) -> Array:
-        """Excess by draw with the friction that the next run has by chance."""
-        chance = np.random.default_rng(self.ensemble.design.seed + 1).standard_normal(len(lines))
-        return lines + (self.rig_scatter * chance)[:, None]
+    def _chance_excess(self, loads: Axis, velocities: Axis | float) -> Array:
+        """Excess by draw, with the errors and the friction that the next run has by chance."""
+        seed = self.ensemble.design.seed
+        lines = self.ensemble.excess(self.draws.inputs, loads, velocities).draw_chance(seed)
+        chance = np.random.default_rng(seed + 1).standard_normal(len(lines))
+        return (lines.T + self.rig_scatter * chance).T
 
 
 _GRID = 4001

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -47,10 +47,6 @@ class Draws:
     def effective(self) -> float:
         """Effective sample size: number of draws of equal weight that tell as much."""
         return float(1 / np.sum(self.weights**2))
-
-    def first(self, count: int) -> Draws:
-        """The same draws, of the first inputs alone."""
-        return replace(self, inputs=self.inputs[:, :count])
 
     def mean(self, values: Array) -> Any:
         """Weighted mean over the draws, the first axis."""

@@ -19,7 +19,6 @@ from pipeline.uncertain.answers import draws_of, log_boundary, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import Test
 from pipeline.uncertain.inputs import CRITICAL, Draws
-from pipeline.uncertain.rig import Columns
 from tribo.types import Array
 
 _NODES = 9  # velocities among which a transition is sought
@@ -93,8 +92,8 @@ class Posterior:
     inferred_scatter: tuple[float, float, float]
     #: End at which the inferred scatter is cut off, since no larger or smaller one is considered.
     cut_off: str = ""
-    #: Inputs that are the friction of the rig, and its scatter between tests.
-    rig: Columns = None
+    #: Inputs that are the friction of the rig, and its scatter between tests, if it has its own.
+    rig: tuple[int, ...] = ()
     #: Inputs that are the critical temperatures of other oils than the first, by their labels.
     oils: Mapping[str, int] = field(default_factory=dict)
     #: Logarithm of the factor by which a discrepancy makes the tests likelier; None without one.
@@ -108,7 +107,7 @@ class Posterior:
     @property
     def rig_scatter(self) -> Array | float:
         """Scatter of friction between tests by draw (n,); 0 where no test tells it."""
-        return 0.0 if self.rig is None else self.draws.inputs[:, self.rig[1]]
+        return self.draws.inputs[:, self.rig[1]] if self.rig else 0.0
 
     @property
     def evidence(self) -> str:

@@ -32,8 +32,6 @@ SCATTER = Unknown("friction.scatter", "log-normal", (0.02, 3.0))
 """Standard deviation of ln(friction) between tests: nothing to more than 10 %."""
 OTHER = "friction.rig"
 """Path of a rig's own friction, where it is not that of the scene."""
-Columns = list[int] | None
-"""Those of a rig's friction and of its scatter among all inputs; None where it has none."""
 _ROUNDED = 0.005  # least relative error of a measured friction, as logs have two or three digits
 
 
@@ -57,18 +55,18 @@ def learnt(rig: Array, test: Mapping[str, Any], log_factor: Array) -> tuple[Arra
 
 def join_rig(
     ensemble: Ensemble, unknown: tuple[Unknown, ...]
-) -> tuple[tuple[Unknown, ...], Columns]:
-    """Inputs with those of a rig whose friction tests have measured, and their places."""
+) -> tuple[tuple[Unknown, ...], tuple[int, ...]]:
+    """Inputs with those of a rig whose friction tests have measured, and their places if any."""
     paths = [one.path for one in ensemble.unknown]
     measured = any(test.get("friction") is not None for test in ensemble.tests)
     if FRICTION not in paths or not measured:
-        return unknown, None
+        return unknown, ()
     own, joint = paths.index(FRICTION), list(unknown)
     column = own
     if not ensemble.same_rig:
         column = len(joint)
         joint.append(replace(ensemble.unknown[own], path=OTHER, correlated=()))
-    return (*joint, SCATTER), [column, len(joint)]
+    return (*joint, SCATTER), (column, len(joint))
 
 
 def join_oils(ensemble: Ensemble) -> tuple[tuple[Unknown, ...], dict[str, int]]:

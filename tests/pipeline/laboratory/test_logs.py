@@ -6,6 +6,7 @@ import pytest
 import pipeline
 from pipeline.cli import main
 from pipeline.laboratory.logs import outcome_of, read_log, read_trace
+from pipeline.laboratory.spreadsheet import read_rows
 from pipeline.scene.format import TRANSITION
 from pipeline.scene.units import to_si
 from pipeline.sweep.about import Measurement
@@ -242,3 +243,12 @@ def test_rows_of_several_oils_are_told_apart_and_counted_once(tmp_path):
     assert 'sheet "Log" (not read: Cover)' in log.sheet.form
     with pytest.raises(InputError, match='no sheet "Lag"; give one of Cover, Log'):
         read_log(book, {"sheet": "Lag"})
+
+
+def test_headings_are_sought_at_the_top_alone(tmp_path):
+    """A long file without headings that are known is read at once."""
+    (tmp_path / "long.csv").write_text("alpha;beta\n" + "1;2\n" * 5000)
+    asked = []
+    sheet = read_rows(tmp_path / "long.csv", lambda cells, _: bool(asked.append(cells)))
+    assert len(asked) < 1000
+    assert (len(sheet.rows), sheet.headings[1].text) == (5000, "beta")

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.laboratory import spreadsheet, surfaces
+from pipeline.laboratory import plain_scan, spreadsheet, surfaces
 from pipeline.laboratory.scan import surface_statistics
 from pipeline.laboratory.spreadsheet import read_rows
 from pipeline.laboratory.surfaces import filled, read_surface
@@ -229,7 +229,7 @@ REFUSALS = {
     "npy inf": (array(np.diag([np.inf] * 3)), "3 of 9 heights are not finite, the first at row 0"),
     # files of instruments
     "plain": (array(np.eye(20), unit=None), "a plain array has no unit of its own"),
-    "damaged": (patched(surfaces, "read_heights", damaged, array(np.eye(20))),
+    "damaged": (patched(plain_scan, "_read_array", damaged, array(np.eye(20))),
                 "not a plain array of numbers: ZeroDivisionError"),
     "image": (lambda: (Path("a.tif").touch(), read_surface("a.tif")), "an image, whose grey"),
     "profile": (instrument(FLAT), "a profile, or unevenly spaced"),

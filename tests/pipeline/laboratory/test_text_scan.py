@@ -77,10 +77,17 @@ def test_places_beside_and_above_a_matrix_are_no_heights(corner, tmp_path):
     assert surface.pixel_size == (pytest.approx((1.2e-6, 1e-6)) if corner != "0" else None)
 
 
-def test_the_word_of_a_file_for_a_hole_is_taken(tmp_path):
-    (tmp_path / "scan.asc").write_text("ncols 3\nNODATA_value -9999\n1 2 3\n4 -9999 6\n7 8 9\n")
+@pytest.mark.parametrize("word", ["-9999", "-3.4028235e+38"])
+def test_the_word_of_a_file_for_a_hole_is_taken(word, tmp_path):
+    text = f"ncols 3\nNODATA_value {word}\n1 2 3\n4 {word} 6\n7 8 9\n"
+    (tmp_path / "scan.asc").write_text(text)
     heights = read_surface(tmp_path / "scan.asc", 1.0).heights
     assert np.argwhere(np.isnan(heights)).tolist() == [[1, 1]]
+
+
+def test_a_remark_on_holes_without_their_word_is_no_number(tmp_path):
+    (tmp_path / "scan.txt").write_text("# no data ... in the corner\n1 2 3\n4 5 6\n7 8 9\n")
+    assert np.isfinite(read_surface(tmp_path / "scan.txt", 1.0).heights).all()
 
 
 @pytest.mark.parametrize(
