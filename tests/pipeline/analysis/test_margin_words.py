@@ -13,7 +13,6 @@ import pipeline
 from pipeline.analysis.margin import (
     _bounded,
     _decided_ends,
-    _ranked,
     error_band,
     outcome_in_words,
     percent,
@@ -29,7 +28,7 @@ from pipeline.analysis.margin_frame import (
     row_labels,
 )
 from pipeline.analysis.rise_error import RiseError
-from pipeline.analysis.transition import ABOVE, CROSSES, MILD, SEVERAL, SEVERE
+from pipeline.analysis.transition import ABOVE, CROSSES, MILD, SEVERAL, SEVERE, UNKNOWN, Turns
 from pipeline.scene.along import OperatingPoints, Place
 from tests.helpers import synthetic
 from tribo import InputError
@@ -153,24 +152,51 @@ def test_a_margin_has_its_place_ranges_and_counts(here):
     assert here.lowest < here.probability < here.highest
 
 
-def test_outcomes_are_one_or_how_many_cross():
+def turns_of(*members):
+    """Turns of members, each its outcome, its places, and if it is severe below the first."""
+    lines = [
+        SimpleNamespace(
+            outcome=outcome, places=places, begins_severe=begins, computed=(0.5, 4.0),
+            nearest=lambda here, places=places: places[0] if places else math.inf,
+            bridged=lambda place: 0,
+        )
+        for outcome, places, begins in members
+    ]  # fmt: skip
+    return Turns.of(lines, 1.0)
+
+
+def test_outcomes_are_one_or_that_of_half_or_how_many_cross():
+    places = {CROSSES: (2.0,), SEVERAL: (1.0, 1.5, 3.0)}
+
     def said(*codes):
-        return outcome_in_words(SimpleNamespace(outcome=np.array(codes)), "load")
+        members = [(code, places.get(code, ()), code == SEVERE) for code in codes]
+        return outcome_in_words(turns_of(*members), "load")
 
     assert said(MILD, MILD) == "mild throughout"
     assert said(SEVERE) == "severe throughout"
     assert said(ABOVE) == "mild at every load computed"
     assert said(SEVERAL) == "severe at some load and mild at a higher one"
     assert said(MILD, SEVERE) == "crosses on 0 of 2"
-    assert said(CROSSES, SEVERAL, CROSSES, MILD) == "crosses on 2 of 4"
+    assert said(CROSSES, SEVERAL, CROSSES, MILD) == "crosses on 2 of 4"  # half turns once
+    assert said(SEVERAL, CROSSES, SEVERAL) == "severe at some load and mild at a higher one"
+    to_mild = turns_of(*[(SEVERAL, (2.0,), True)] * 2, (SEVERE, (), True), (MILD, (), False))
+    assert outcome_in_words(to_mild, "load") == "severe at some load and mild at a higher one"
 
 
-def test_of_several_turns_the_nearest_by_its_ratio_is_ranked():
-    two = SimpleNamespace(alike=np.array([[1.0, 3.0], [1.2, 4.0]]), nearest=None)
-    assert _ranked(two, 1.8).tolist() == [1.0, 1.2]
-    assert _ranked(two, 2.2).tolist() == [3.0, 4.0]
-    unlike = SimpleNamespace(alike=np.empty((2, 0)), nearest=np.array([0.0, 2.0, math.inf]))
-    assert _ranked(unlike, 1.0).tolist() == [-math.inf, 2.0, math.inf]
+SHARES = (0.05, 0.5, 0.95)
+
+
+def test_of_several_turns_the_nearest_by_its_ratio_is_that_of_each_share():
+    two = turns_of((SEVERAL, (1.0, 3.0), False), (SEVERAL, (1.2, 4.0), False))
+    # Half turns at 1.1 and 3.5, between which √(1.1 · 3.5) = 1.96 is as near to either.
+    for here, expected in ((1.8, (1.0, 1.1, 1.2)), (2.2, (4.0, 3.5, 3.0))):
+        assert [two.nearest(here, share) for share in SHARES] == pytest.approx(expected)
+    assert two.nearest(2.2, to_severe=True) == pytest.approx(1.1)
+    members = (SEVERE, (), True), (CROSSES, (2.0,), False), (MILD, (), False)
+    unlike = turns_of(*members)
+    assert [unlike.nearest(1.0, share) for share in SHARES] == [0.0, 2.0, math.inf]
+    unknown = turns_of(*members, (UNKNOWN, (), False))
+    assert [*map(math.isnan, (unknown.nearest(1.0, share) for share in SHARES))] == [True] * 3
 
 
 # Numerical errors
@@ -267,7 +293,10 @@ class Line(Shares):
         return RiseError(0.0, None if value is None else math.expm1(value), 0.0)
 
     def turns(self, axis, load, here):
-        return SimpleNamespace(nearest=np.array([self.place]), computed=(0.5, 3.5))
+        code = UNKNOWN if math.isnan(self.place) else CROSSES
+        return Turns(
+            np.array([code]), (0.5, 3.5), 0, np.array([self.place]), np.array([1.0]), begins=0.0
+        )
 
 
 def test_ends_of_the_error_band_have_the_error_that_is_there():

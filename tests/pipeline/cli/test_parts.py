@@ -24,7 +24,7 @@ from pipeline.cli.next_steps import (
     more_of_boundary,
     point_that_decides,
 )
-from pipeline.cli.output import Result, counted, point_fields, rounded, show, state_of_task
+from pipeline.cli.output import Result, _words_on, counted, point_fields, rounded, show
 from pipeline.cli.parser import parse
 from pipeline.cli.stores import _scene_status, _stores_and_scenes
 from pipeline.cli.studies import _critical_velocities, _variation_lines
@@ -36,6 +36,7 @@ from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.model import Point
 from pipeline.sweep.physics import Effect
 from pipeline.sweep.samples import Design, Draw
+from pipeline.sweep.stages import Progress
 from pipeline.sweep.unknown import Fixed, Unknown
 from pipeline.sweep.variants import drawn_rows, placed_rows, rows, surfaces
 from pipeline.tradeoff.forecast import Estimate
@@ -190,8 +191,10 @@ def test_numbers_are_rounded_without_a_power_of_ten(value, digits, text):
 def test_things_are_counted_in_words():
     assert [counted(n, "load", "loads") for n in (0, 1, 2)] == ["0 loads", "1 load", "2 loads"]
     assert point_fields({"load": 1.0, "variant": (("oil", "a"),)}) == {"load": 1.0, "oil": "a"}
-    assert state_of_task("reading", 12.0, 0, 9) == "reading, 12 s so far"
-    assert state_of_task("reading", 12.0, 3, 9) == "reading: 3 of 9 done, 12 s so far, 24 s to go"
+    assert _words_on("reading", 12.0, Progress(done=0, total=9)) == "reading, 12 s so far"
+    assert _words_on("reading", 12.0, Progress(done=3, total=9)) == (
+        "reading: 3 of 9 done, 12 s so far, 24 s to go"
+    )
 
 
 def printed(capsys, result, **named):

@@ -63,7 +63,6 @@ def test_words_of_a_figure_have_no_formulas_and_no_controls_and_end_somewhere():
     assert len(long) <= 240
     assert long.endswith("word …")
     assert style.as_text("x" * 240) == "x" * 240
-    assert style.celsius(418.15) == pytest.approx(145.0)
     assert style.heating(OWN) == "friction 0.1, bulk 25 °C"
 
 

@@ -89,14 +89,17 @@ def test_a_scene_runs_and_its_margins_are_by_place(irg, tmp_path, monkeypatch):
     told = irg("gears", "fzg_a", "--places", "2", "--scene", "mesh.toml", *CRITICAL)
     assert "irg run mesh.toml -o mesh.zarr" in told
     irg("run", "mesh.toml", "-o", "mesh.zarr", "--preset", "draft", "--workers", "1")
-    temperatures = pipeline.margin("mesh.zarr")["decisive temperature [°C]"]
+    table = pipeline.margin("mesh.zarr")
+    temperatures = table["decisive temperature [°C]"]
     places = [p for p in gears.mesh(gears.read_pair("fzg_a"), 2).places if p.sliding]
     assert len(temperatures) == len(places) == 4
     for celsius, place in zip(temperatures, places, strict=True):
         # Rough flanks are hotter than smooth ones, and half as much at most.
         rise, smooth = celsius + 273.15 - 438.85, place.flash
         assert smooth < rise < 1.6 * smooth
-    assert "position [mm]" in irg("margin", "mesh.zarr")
+    # In the unit of the scene's own column, of which the format of scenes knows nothing.
+    assert table["position [m]"].tolist() == pytest.approx([p.position for p in places], rel=1e-6)
+    assert "position [m]" in irg("margin", "mesh.zarr")
 
 
 def test_a_simulation_takes_the_hottest_place_of_each_duty():

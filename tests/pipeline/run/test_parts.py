@@ -14,10 +14,11 @@ from pipeline.run import cluster, vary, work
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.cluster import Connection, client_of, threads_of
 from pipeline.run.schedule import _short_name, _Silence
-from pipeline.run.tally import Progress, Reports
+from pipeline.run.tally import Reports
 from pipeline.run.vary import Variation, Variations, _absolute
 from pipeline.run.work import ExecutionError, hash_of_code, other_packages, require_same_code
 from pipeline.sweep.model import Point
+from pipeline.sweep.stages import Progress
 from tests.helpers import synthetic
 from tests.helpers.scenes import SCENE
 from tribo import Corrections, Friction, InputError
@@ -28,11 +29,18 @@ from tribo import Corrections, Friction, InputError
 @pytest.mark.parametrize(
     ("progress", "words"),
     [
-        (Progress(3, 1, 9, 12.3, 61.0), "3 of 9 points done, 1 failed, 12 s so far, 1 min to go"),
-        (Progress(0, 0, 9, 0.2, None), "0 of 9 points done, 0 failed, 0 s so far"),
-        (Progress(9, 0, 9, 99.0, 0.0), "9 of 9 points done, 0 failed, 2 min so far"),
+        (
+            Progress("", 3, 9, 1, 12.3, 61.0),
+            "3 of 9 points done, 1 failed, 12 s so far, 1 min to go",
+        ),
+        (Progress("", 0, 9, 0, 0.2, None), "0 of 9 points done, 0 failed, 0 s so far"),
+        (Progress("", 9, 9, 0, 99.0, 0.0), "9 of 9 points done, 0 failed, 2 min so far"),
+        (Progress(done=3, total=9), "3 of 9 done"),  # of no sweep
+        (Progress(done=3, total=9, elapsed=12.3, time_to_go=61.0),
+         "3 of 9 done, 12 s so far, 1 min to go"),
+        (Progress("a note", 3, 9, 1, 12.3, 61.0), "a note"),
     ],
-)
+)  # fmt: skip
 def test_progress_says_what_is_done_and_the_time_to_go(progress, words):
     assert str(progress) == words
 
@@ -172,7 +180,7 @@ def test_workers_are_waited_for_and_the_wait_does_not_count():
     assert (threads.total(), link.workers) == (3, 2)
     assert link.absent == pytest.approx(13.0)
     assert link.clock() == pytest.approx(before)
-    assert said == ["there is no Dask worker; waiting up to 30 s for one"]
+    assert said == [Progress("there is no Dask worker; waiting up to 30 s for one")]
     quick = Connection(Threads(*[{}] * 9, {"a": 1}), 30.0, said.append)
     assert threads_of(quick).total() == 1
     assert len(said) == 1

@@ -8,12 +8,12 @@ import pytest
 
 import pipeline
 import tribo
+from pipeline.quantities import display, is_unit_of_head, shown_in, si_of
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.doubts import doubts, doubts_of_row
 from pipeline.scene.facts import Span, facts_of
-from pipeline.scene.faults import Faults
+from pipeline.scene.faults import Fault, Faults
 from pipeline.scene.headings import (
-    CellFault,
     as_entry,
     heading_of,
     listed_faults,
@@ -26,14 +26,10 @@ from pipeline.scene.parts import realizations_of
 from pipeline.scene.units import (
     UnitError,
     difference_in_si,
-    display,
     hardness_pressure,
     in_si,
-    is_shown_unit,
     require_count,
     share_of,
-    shown_in,
-    si_of,
     si_unit,
     to_si,
 )
@@ -136,9 +132,9 @@ def test_a_difference_of_temperatures_is_in_kelvin():
 def test_values_are_shown_in_usual_units_and_read_back(value, unit, shown):
     assert shown_in(value, unit) == pytest.approx(shown)
     assert si_of(shown, unit) == pytest.approx(value)
-    assert is_shown_unit(unit)
+    assert is_unit_of_head(unit)
     assert display(value, unit).partition(" ")[0] == f"{shown:g}"
-    assert not is_shown_unit("furlong")
+    assert not is_unit_of_head("furlong")
 
 
 def test_shares_and_counts_are_read_or_refused():
@@ -231,8 +227,11 @@ def test_rows_are_counted_in_words(numbers, words):
 
 
 def test_faults_of_one_kind_are_one_line():
-    faults = [CellFault(2, "load", '"a" has no unit'), CellFault(3, "load", '"b" has no unit')]
-    faults += [CellFault(3, "velocity", '"b" has no unit'), CellFault(9, "load", "is empty")]
+    cells = [
+        (2, "load", '"a" has no unit'), (3, "load", '"b" has no unit'),
+        (3, "velocity", '"b" has no unit'), (9, "load", "is empty"),
+    ]  # fmt: skip
+    faults = [Fault(name, problem, row=row) for row, name, problem in cells]
     assert listed_faults(faults) == [
         'rows 2 and 3, load: "a" has no unit',
         'row 3, velocity: "b" has no unit',

@@ -52,6 +52,7 @@ from pipeline.store.versions import provenance
 from pipeline.store.write import Writer, stored
 from pipeline.sweep.model import Plane, Point
 from pipeline.sweep.plan import PointRecord
+from pipeline.sweep.stages import Progress
 from pipeline.sweep.stored import Simulated
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
@@ -535,8 +536,8 @@ def test_a_store_is_clean_without_any_fault(damaged, shared, is_clean):
 def test_progress_of_a_verification_counts_points_that_are_done(path):
     commit(path, SWEEP, [POINT, Point(600.0, 1.0)])
     told = []
-    verify_store(path, progress=lambda *count: told.append(count))
-    assert told == [(2, 2)]
+    verify_store(path, progress=told.append)
+    assert told == [Progress(done=2, total=2)]
 
 
 def test_files_that_are_removed_or_come_make_their_chunk_one_to_read_again(copy):

@@ -2,18 +2,20 @@
 
 import math
 from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 
 import tribo
+from pipeline.sweep import stages
 from pipeline.sweep.about import Measurement, judged_by, oils_of, own_tests, plane_rows, point_rows
 from pipeline.sweep.conditions import celsius_text
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.selection import Selection, Trial
 from pipeline.sweep.shown import shown
-from pipeline.sweep.stages import duration, staged
+from pipeline.sweep.stages import Progress, duration
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, surface_words
 from pipeline.sweep.unknown import Unit, Unknown, without
 from pipeline.sweep.variants import surfaces
@@ -214,21 +216,28 @@ def test_durations_change_their_unit_at_a_minute_two_hours_and_a_century(seconds
     assert duration(seconds) == words
 
 
-def test_stages_say_which_begins_and_the_time_that_the_rest_will_take():
+def test_stages_say_which_begins_and_the_time_that_the_rest_will_take(monkeypatch):
     """By the weight of what is done: 4 s for 1 of 10 are 36 s for 9; none in the first 2 s."""
-    said, times = [], iter((0.0, 0.0, 1.9, 4.0))
+
+    def go(items, times, *names, **weights):
+        said = []
+        monkeypatch.setattr(stages, "time", SimpleNamespace(monotonic=iter(times).__next__))
+        assert list(stages.staged(items, said.append, *names, **weights)) == list(items)
+        return said
+
     weights = {"a": 0.5, "b": 0.5, "c": 9.0}
-    stages = staged("abc", said.append, weight=weights.get, clock=lambda: next(times))
-    assert list(stages) == ["a", "b", "c"]
-    assert said == ["1 of 3: a", "2 of 3: b", "3 of 3: c (about 36 s to go)"]
-    said.clear()
-    times = iter((10.0, 10.0, 12.0))
-    assert list(staged("ab", said.append, str.upper, clock=lambda: next(times))) == ["a", "b"]
-    assert said == ["1 of 2: A", "2 of 2: B (about 2 s to go)"]
-    said.clear()
-    assert list(staged("a", said.append)) == ["a"]
-    assert said == ["a"]
-    assert list(staged("ab", None)) == ["a", "b"]
+    assert go("abc", (0.0, 0.0, 1.9, 4.0), weight=weights.get) == [
+        Progress("1 of 3: a", 0, 3, elapsed=0.0),
+        Progress("2 of 3: b", 1, 3, elapsed=1.9),
+        Progress("3 of 3: c (about 36 s to go)", 2, 3, elapsed=4.0, time_to_go=36.0),
+    ]
+    assert go("ab", (10.0, 10.0, 12.0), str.upper) == [
+        Progress("1 of 2: A", 0, 2, elapsed=0.0),
+        Progress("2 of 2: B (about 2 s to go)", 1, 2, elapsed=2.0, time_to_go=2.0),
+    ]
+    assert go("a", (0.0, 0.5)) == [Progress("a", 0, 1, elapsed=0.5)]
+    monkeypatch.undo()
+    assert list(stages.staged("ab", stages.silent)) == ["a", "b"]
 
 
 @pytest.mark.parametrize(

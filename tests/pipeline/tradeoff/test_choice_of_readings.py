@@ -6,6 +6,7 @@ import pytest
 
 from pipeline.store.create import writing
 from pipeline.sweep.model import Point
+from pipeline.sweep.stages import Progress
 from pipeline.sweep.variants import surfaces
 from pipeline.tradeoff import choose
 from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity, measure_own_error
@@ -44,7 +45,7 @@ class Rig:
         points = tuple(Point(place.load, 1.0, place.variant) for place in places)
         return points, tuple(self.exponents.get(place.load, 1.0) for place in places)
 
-    def measured(self, sweep, points, exponents, tell):
+    def measured(self, sweep, points, exponents, progress):
         readings = (reading(1000.0, self.nodes + 1),) * (len(points) - 1)
         readings += (reading(1000.0, self.nodes),)
         return Yardstick(tuple(points), tuple(exponents), readings, 500.0, 300.0)
@@ -167,9 +168,12 @@ def test_choices_are_tried_from_draft_to_the_reference(rig, nodes, names):
     assert [trial.name for trial in picked.trials] == names
     tried = [name for name in names if not name.startswith("reference")]
     assert rig.said == [
-        "the boundary by the preset standard",
-        "the error of these steps themselves",
-        *(f"choice {k} of at most {len(tried)}: {name}" for k, name in enumerate(tried, 1)),
+        Progress("the boundary by the preset standard"),
+        Progress("the error of these steps themselves"),
+        *(
+            Progress(f"choice {k} of at most {len(tried)}: {name}", k - 1, len(tried))
+            for k, name in enumerate(tried, 1)
+        ),
     ]
     by_name = {trial.name.removesuffix(", solved tightly"): trial for trial in picked.trials}
     for preset in ("draft", "standard", "reference"):
@@ -322,7 +326,8 @@ def test_why_the_error_of_an_own_fidelity_is_not_known_is_told(rig):
     rig.err = err
     own = WORN.changed(fidelity=Fidelity(increments=30))
     assert measure_own_error(own, None, None, rig.said.append) is own
-    assert rig.said[-1].startswith("the error of [fidelity] is not known: the contact did not")
+    words = "the error of [fidelity] is not known: the contact did not converge"
+    assert rig.said[-1] == Progress(words)
 
 
 def test_the_error_of_an_own_fidelity_is_that_of_its_store(rig, tmp_path):

@@ -171,8 +171,8 @@ def test_four_loads_and_all_usual_presets_are_taken_where_nothing_is_told(rig):
     trade(SCENE.changed(loads=loads, preset="fine"), progress=said.append)
     assert [place.load for place in rig.places] == [60.0, 100.0, 140.0, 180.0]
     fine = "fine, "
-    assert said == [
-        f"{number} of 19: {name}"
+    assert [(one.words, one.done, one.total) for one in said] == [
+        (f"{number} of 19: {name}", number - 1, 19)
         for number, name in enumerate(
             [
                 "reference", "draft", "standard", "fine",
@@ -296,9 +296,9 @@ def test_the_yardstick_is_measured_at_each_point_and_once_more_on_larger_element
     made, said = runs(rise), []
     points = [Point(150.0, 0.5), Point(600.0, 1.0)]
     exact = measured(tiny.sweep(), points, [1.0, 0.5], said.append)
-    assert said == [
-        "1 of 2: nearly exact steps at 150 N, 0.5 m/s",
-        "2 of 2: nearly exact steps at 600 N, 1 m/s",
+    assert [(one.words, one.done, one.total) for one in said] == [
+        ("1 of 2: nearly exact steps at 150 N, 0.5 m/s", 0, 2),
+        ("2 of 2: nearly exact steps at 600 N, 1 m/s", 1, 2),
     ]
     assert (exact.own_work, exact.work, len(made.calls)) == (100.0, 200.0, 4)
     assert exact.coarser == pytest.approx(1 - 1.03**-2)
