@@ -18,6 +18,9 @@ from pipeline.store.place import PathLike
 
 Result = TypeVar("Result", xr.Dataset, xr.DataArray)
 
+_OWN = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
+"""Units in which columns of one's own are shown, by those of SI."""
+
 
 def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
     """The sweep of each scene: with each combination of the values of its entries."""
@@ -89,12 +92,12 @@ def shown_label(axis: xr.DataArray, value: Any) -> Any:
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
-    """Unit in which the values of an entry are shown: that of its example in the format."""
-    entry = find_entry(str(axis.name))
+    """Unit in which labels are shown: that of the entry's example, or a usual one."""
+    entry, unit = find_entry(str(axis.name)), str(axis.attrs.get("units", ""))
     quantity = entry and quantity_in(entry.kind)
-    if quantity and axis.attrs.get("units"):
+    if quantity and unit:
         return typeset(quantity.example.partition(" ")[2])
-    return str(axis.attrs.get("units", ""))
+    return _OWN.get(unit, unit)
 
 
 def frame_by_scene(

@@ -50,6 +50,7 @@ def test_text_that_is_no_such_quantity_is_refused(use, words):
         ("disk.roughness.ra", "m", 0.2e-6, "µm", "0.2 µm"),
         ("pin.radius", "m", 2e-3, "mm", "2 mm"),
         ("temperature.bulk", "K", 353.15, "°C", "80 °C"),
+        ("housing", "Pa", 2e9, "GPa", "2 GPa"),  # a column of one's own
         ("window.pixels", "1", 128.0, None, "128"),
         ("variant", "", 3.0, None, "3"),
     ],

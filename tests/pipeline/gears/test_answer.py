@@ -97,9 +97,10 @@ def test_a_scene_runs_and_its_margins_are_by_place(irg, tmp_path, monkeypatch):
         # Rough flanks are hotter than smooth ones, and half as much at most.
         rise, smooth = celsius + 273.15 - 438.85, place.flash
         assert smooth < rise < 1.6 * smooth
-    # In the unit of the scene's own column, of which the format of scenes knows nothing.
-    assert table["position [m]"].tolist() == pytest.approx([p.position for p in places], rel=1e-6)
-    assert "position [m]" in irg("margin", "mesh.zarr")
+    # A column of the scene's own, of which the format of scenes knows nothing.
+    expected = [1e3 * place.position for place in places]
+    assert table["position [mm]"].tolist() == pytest.approx(expected, rel=1e-6)
+    assert "position [mm]" in irg("margin", "mesh.zarr")
 
 
 def test_a_simulation_takes_the_hottest_place_of_each_duty():
