@@ -293,10 +293,10 @@ def _remade(place: StorePlace, sweep: Sweep, lost: StoreError) -> Root:
     table = kept.variants.within(facts.axes)
     root = Root(kept.changed(stations=stations, variants=table), facts, metadata)
     if are_rows(root):
-        require_likely(place, root)
-    if not (are_rows(root) and agrees(Store(place, root, is_damaged=True))):
-        raise StoreMismatchError(
-            f"{place} has lost its {ROOT}, and its points are not those of this scene; give the "
-            "scene that made it, with all its values, or write to another store"
-        )
-    return root
+        require_likely(place, facts, metadata)
+        if agrees(Store(place, root, is_damaged=True)):
+            return root
+    raise StoreMismatchError(
+        f"{place} has lost its {ROOT}, and its points are not those of this scene; give the "
+        "scene that made it, with all its values, or write to another store"
+    )

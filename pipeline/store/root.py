@@ -200,17 +200,16 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         raise LostRootError(f"{place}: {ROOT} is damaged: it is not what was written; {ELSEWHERE}")
     try:
         built: Facts = build(Facts, facts)
-        _require_known(place, built, arrays)
-        fault = root_fault(built, arrays)
     except CodecError as error:
-        fault = f"is damaged: {error}"
-    if fault:
-        raise StoreError(f"{place}: {ROOT} {fault}; {ELSEWHERE}")
+        raise _root_error(place, f"is damaged: {error}") from error
+    _require_known(place, built, arrays)
+    require_likely(place, built, arrays)
     try:
         root = Root(text_sweep(attributes["sweep"], _inputs(place, arrays)), built, arrays)
     except (CodecError, DamagedError) as error:
         raise LostRootError(f"{place}: {ROOT} is damaged: {error}; {ELSEWHERE}") from error
-    require_likely(place, root)
+    if not are_rows(root):
+        raise _root_error(place, "is damaged: its axes are not those of its sweep")
     return root
 
 
@@ -235,13 +234,14 @@ def _require_small_file(folder: Path) -> None:
         )
 
 
-def require_likely(place: StorePlace, root: Root) -> None:
-    """Refuse a root of more points, other arrays or axes than the store of its sweep has."""
-    fault = root_fault(root.facts, root.arrays)
-    if not (fault or are_rows(root)):
-        fault = "is damaged: its axes are not those of its sweep"
-    if fault:
-        raise StoreError(f"{place}: {ROOT} {fault}; {ELSEWHERE}")
+def require_likely(place: StorePlace, facts: Facts, arrays: Mapping[str, Any]) -> None:
+    """Refuse a root of more points, other arrays or axes than a store has."""
+    if fault := root_fault(facts, arrays):
+        raise _root_error(place, fault)
+
+
+def _root_error(place: StorePlace, fault: str) -> StoreError:
+    return StoreError(f"{place}: {ROOT} {fault}; {ELSEWHERE}")
 
 
 _WHO = ("versions", "later_versions", "worker_versions")
