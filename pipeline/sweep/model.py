@@ -40,14 +40,13 @@ def drop_last_digits(number: float) -> float:
 
 def leads_of(
     scenes: Iterable[tuple[Variant, Scene]],
-    places: Sequence[float] | None,
+    places: Sequence[float | None],
     velocities: Sequence[float],
 ) -> Mapping[Variant, Lead]:
     """For each variant the first one with its contacts, at velocities of a plane or its own."""
     first: dict[tuple[Scene, float | None], tuple[Variant, Scene, float | None]] = {}
     leads = {}
-    for number, (name, scene) in enumerate(scenes):
-        place = places[number] if places is not None else None
+    for (name, scene), place in zip(scenes, places, strict=True):
         number_there = None if place is None else drop_last_digits(wear_number(scene, place))
         key = mechanics(scene), number_there
         leader, leading, its_place = first.setdefault(key, (name, scene, place))
@@ -199,7 +198,8 @@ class Sweep:
         """For each row of the table, the first with the same contacts; see `Lead`."""
         table = self.variants
         scenes = ((name, self.variant(name).scene) for name in table.names)
-        return leads_of(scenes, table.velocities, self.plane.velocities)
+        places = table.velocities or (None,) * len(table)
+        return leads_of(scenes, places, self.plane.velocities)
 
     def contact_of(self, point: Point) -> tuple[float, Variant]:
         """Velocity and variant whose ramp of contacts leads through a point."""
