@@ -178,13 +178,9 @@ class _Run:
         """See what has become of the tasks; return whether any has ended."""
         ended = [task for task in self.running if task.future.done()]
         self.running = [task for task in self.running if task not in ended]
-        for task in ended:
-            if task.future.status == "finished":
-                self.computed[task.future.key] = task
-            else:
-                self._recover(task)
+        self.computed |= {task.future.key: task for task in ended}
         for key, task in [*self.computed.items()]:
-            if task.future.status in ("error", "cancelled"):  # lost, and once more when repeated
+            if task.future.status in ("error", "cancelled"):  # or lost, and once more when repeated
                 del self.computed[key]
                 self._recover(task)
             elif task.worker not in self._workers and task.future.status != "finished":
