@@ -96,12 +96,12 @@ def compute(
         while run.is_under_way():
             moved = run.look()
             run.submit()
-            tally.note(writer.written())
+            tally.count(writer.written())
             silence.watch(moved, run.computes, run.running)
             news.wait(_POLL)
             news.clear()
     writer.flush()
-    tally.note(writer.written())
+    tally.count(writer.written())
 
 
 class _Run:

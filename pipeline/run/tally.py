@@ -59,8 +59,8 @@ class Tally:
             self._looked = now
         self._report()
 
-    def note(self, records: Collection[PointRecord]) -> None:
-        """Take note of written points; `ExecutionError` if the first many have failed alike."""
+    def count(self, records: Collection[PointRecord]) -> None:
+        """Count written points; `ExecutionError` if the first many have failed alike."""
         for record in records:
             if record.data is not None:
                 self.computed += 1

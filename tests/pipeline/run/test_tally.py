@@ -73,9 +73,9 @@ def test_points_that_all_fail_alike_end_a_run(tmp_path):
         tally.begin(store, Connection(None))
         failures = [PointRecord(point, None, f"OSError: no file at {point}") for point in places]
         other = [PointRecord(point, None, "MemoryError: ") for point in places]
-        tally.note([*failures[:19], *other[:19]])
+        tally.count([*failures[:19], *other[:19]])
         with pytest.raises(ExecutionError, match=r"first 20 points failed alike, .*: OSError: no"):
-            tally.note(failures[19:20])
+            tally.count(failures[19:20])
         done = Tally(store, None, time.monotonic())
         done.begin(store, Connection(None))
-        done.note([PointRecord(places[-1], {}, wall_time=1.0), *failures])
+        done.count([PointRecord(places[-1], {}, wall_time=1.0), *failures])
