@@ -264,14 +264,14 @@ def copied(place: StorePlace, names: Iterable[str]) -> tuple[Stations, Facts, di
     """
     try:
         with reaches(place):
-            read = {f"{name}/{ROOT}": place.read(f"{name}/{ROOT}") for name in names}
-        if lost := [key for key, content in read.items() if content is None]:
-            raise ValueError(f"{lost[0]} is lost")
-        arrays = {name: json.loads(read[f"{name}/{ROOT}"] or b"") for name in names}
-        axes: dict[str, Any] = {k: () for k in arrays if is_coordinate(k) and k not in _NO_AXES}
-        along = {name: arrays[name] for name in axes}
+            read = {name: place.read(f"{name}/{ROOT}") for name in names}
+        if lost := [name for name, content in read.items() if content is None]:
+            raise ValueError(f"{lost[0]}/{ROOT} is lost")
+        arrays = {name: json.loads(content or b"") for name, content in read.items()}
+        along = {k: v for k, v in arrays.items() if is_coordinate(k) and k not in _NO_AXES}
         if not all(map(_is_plain, along.values())):
             raise ValueError("their axes are not those of a store")
+        axes = {}
         for name, array in arrays_of(place, along, read_only=True).items():
             with reads(place, name):
                 axes[name] = array[:].tolist()
