@@ -177,14 +177,10 @@ def _require_cluster(client: Client | None, dashboard: bool) -> None:
         )
 
 
-_Round = tuple[Sweep, Store, tuple[Task, ...]]
-"""A sweep, its store, and the tasks of its pending points."""
-
-
 def _rounds(
     store: Store, sweep: Sweep, further: Callable[[Store], Sweep] | None
-) -> Iterator[_Round]:
-    """Pending points of the sweep, then of each that follows it, until it asks for no others."""
+) -> Iterator[tuple[Sweep, Store, tuple[Task, ...]]]:
+    """The sweep, its store and the tasks of its pending points; then those of each that follows."""
     while True:
         if waiting := tasks(store.pending(), sweep):
             in_order = waiting if further else coarse_first(waiting, sweep.plane.velocities)
