@@ -166,14 +166,8 @@ class Sweep:
     @property
     def ramps(self) -> int:
         """Number of simulated ramps; a ramp passes all loads at one velocity."""
-        velocities, rows = self.lines
-        return len(velocities) * rows
-
-    @property
-    def lines(self) -> tuple[tuple[float, ...], int]:
-        """Velocities of the sweep, and the number of rows of its table that have each of them."""
         own = self.variants.velocities
-        return (self.plane.velocities, len(self.variants)) if own is None else (own, 1)
+        return len(own) if own else len(self.plane.velocities) * len(self.variants)
 
     def variant(self, variant: Variant = ()) -> Self:
         """The sweep of one row of its table alone; of the scene itself if none is given."""
