@@ -160,8 +160,7 @@ def root_document(root: Root) -> bytes:
 
 def sealed(document: dict[str, Any]) -> bytes:
     """The document of a root, with the hash of all of it in the text on its store."""
-    digest = _hash(_hashed(document, ""))
-    return json.dumps(_hashed(document, digest), allow_nan=False).encode()
+    return json.dumps(_hashed(document, _hash(document)), allow_nan=False).encode()
 
 
 def _hashed(document: dict[str, Any], digest: str) -> dict[str, Any]:
@@ -182,7 +181,7 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         attributes, arrays = document["attributes"], dict(document[_CONSOLIDATED]["metadata"])
         facts = json.loads(attributes.get("store", "{}")) or {"hash": "", **attributes}
         version, expected = facts.pop("format"), facts.pop("hash")
-        is_as_written = _hash(_hashed(document, "")) == expected if "store" in attributes else 1
+        is_as_written = "store" not in attributes or _hash(document) == expected
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         with reaches(place):
             has_points = _has_points(place.keys())
@@ -191,13 +190,13 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         raise StoreError(
             f"{place} is not the store of a sweep; give a folder that irg run made"
         ) from None
-    if is_as_written and version != FORMAT:
+    if not is_as_written:
+        raise LostRootError(f"{place}: {ROOT} is damaged: it is not what was written; {ELSEWHERE}")
+    if version != FORMAT:
         raise StoreError(
             f"{place} has format {version}, and this program reads format {FORMAT}; make it anew: "
             "irg run its scene into another folder with -o, or after moving this one away"
         )
-    if not is_as_written:
-        raise LostRootError(f"{place}: {ROOT} is damaged: it is not what was written; {ELSEWHERE}")
     try:
         built: Facts = build(Facts, facts)
     except CodecError as error:
@@ -381,8 +380,10 @@ def _has_points(keys: set[str]) -> bool:
     return any(key.startswith("status/c.") for key in keys)
 
 
-def _hash(document: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+def _hash(document: dict[str, Any]) -> str:
+    """Hash of the document of a root, as it is without one."""
+    text = json.dumps(_hashed(document, ""), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _no_store(place: StorePlace) -> StoreError:
