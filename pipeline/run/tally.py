@@ -16,7 +16,7 @@ import numpy as np
 
 from pipeline.run.cluster import Connection
 from pipeline.run.work import INSTALL, ExecutionError, WorkerReport, records_here
-from pipeline.store.schema import DONE, FAILED
+from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import Progress, Report
@@ -85,7 +85,7 @@ class Tally:
             return
         asked, flags, now = self._store.asked == 1, self._store.flags, time.monotonic()
         done, failed = (int(np.count_nonzero(flags[asked] == flag)) for flag in (DONE, FAILED))
-        pending = asked & (flags != DONE) & (flags != FAILED) & np.isnan(self._durations)
+        pending = asked & (flags == PENDING) & np.isnan(self._durations)
         time_to_go = None
         if self._connection and np.isfinite(self._durations).any():
             points = int(np.count_nonzero(pending))
