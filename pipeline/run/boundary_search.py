@@ -88,12 +88,11 @@ class BoundarySearch:
 
     def _asked(self, rows: Rows) -> set[Point]:
         """Points about the one transition of each load."""
-        curvature = self._curvature(rows)
         guesses = self._guesses(rows)
-        asked = set()
         if not guesses:
             ends = (self.loads[0], self.loads[len(self.loads) // 2], self.loads[-1])
-            asked = {Point(load, self._first_node(load)) for load in ends}
+            return {Point(load, self._first_node(load)) for load in ends}
+        curvature, asked = self._curvature(rows), set()
         for load, guess in guesses.items():
             asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature)}
         return asked
