@@ -202,8 +202,7 @@ class _Run:
         for worker, answer in self._reports.answers():
             self._take(worker, answer, now)
         self.computes = self._reports.computes(self._workers)
-        for task in [task for task in self.running if self._is_given_up(task)]:
-            self.running.remove(task)
+        self.running = [task for task in self.running if not self._is_given_up(task)]
         for task in [task for task in self.running if task.worker not in self._workers]:
             if not task.future.done():
                 self.running.remove(task)
