@@ -185,7 +185,7 @@ class Sweep:
 
     def below(self, name: Variant) -> Self:
         """The sweep at labels that are not drawn, on the rows that are drawn for them."""
-        return self.variant(name).changed(variants=self.variants.below(name)) if name else self
+        return self.variant(name).changed(variants=self.variants.below(name))
 
     @functools.cached_property
     def leads(self) -> Mapping[Variant, Lead]:
