@@ -253,9 +253,10 @@ def _unknown_inputs(sweep: Sweep) -> tuple[list[_Row], dict[str, Any]]:
 
 def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:
     """Cost of a sweep."""
+    velocities = sweep.variants.velocities or sweep.plane.velocities
     counts = [
         counted(len(sweep.plane.loads), "load", "loads"),
-        counted(len(sweep.lines[0]), "velocity", "velocities"),
+        counted(len(velocities), "velocity", "velocities"),
     ]
     names = {"realization": "surfaces", VARIANT: "samples" if sweep.variants.draw else "rows"}
     if any(column.name == "load" for column in sweep.variants.columns):

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
+from scipy.interpolate import BSpline, make_interp_spline
 
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
@@ -88,12 +88,11 @@ class BoundarySearch:
 
     def _asked(self, rows: Rows) -> set[Point]:
         """Points about the one transition of each load."""
-        curvature = self._curvature(rows)
         guesses = self._guesses(rows)
-        asked = set()
         if not guesses:
             ends = (self.loads[0], self.loads[len(self.loads) // 2], self.loads[-1])
-            asked = {Point(load, self._first_node(load)) for load in ends}
+            return {Point(load, self._first_node(load)) for load in ends}
+        curvature, asked = self._curvature(rows), set()
         for load, guess in guesses.items():
             asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature)}
         return asked
@@ -122,11 +121,9 @@ class BoundarySearch:
         """Logarithms of the velocities at which wear is expected to turn, with the heat there."""
         assert self.factor  # for the type checker
         x, y = np.log(np.array(row)).T
-        if len(x) == 1:
-            x, y = np.append(x, x + 1.0), np.append(y, y + _EXPONENT)
         fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
         limits = self.limit / self.factor(np.exp(fine))
-        is_severe = make_interp_spline(x, y, k=1)(fine) > np.log(limits)
+        is_severe = _line(x, y, _EXPONENT)(fine) > np.log(limits)
         before = np.flatnonzero(is_severe[1:] != is_severe[:-1])
         return dict(zip(fine[before].tolist(), limits[before].tolist(), strict=True))
 
@@ -177,10 +174,7 @@ class BoundarySearch:
         by_load = {load: self._guess(row) for load, row in rows.items() if row}
         if not by_load:
             return {}
-        x, y = np.log(list(by_load)), np.array(list(by_load.values()))
-        if len(x) == 1:
-            x, y = np.append(x, x + 1.0), np.append(y, y + _TREND)
-        line = make_interp_spline(x, y, k=1)  # which goes on beyond its ends
+        line = _line(np.log(list(by_load)), np.array(list(by_load.values())), _TREND)
         return {load: by_load.get(load, float(line(math.log(load)))) for load in self.loads}
 
     def _guess(self, row: Row) -> float:
@@ -235,6 +229,13 @@ class BoundarySearch:
         if velocity <= self.lowest * (1 + _ROUNDING):
             return self.lowest
         return self.highest if velocity >= self.highest * (1 - _ROUNDING) else velocity
+
+
+def _line(x: Array, y: Array, slope: float) -> BSpline:
+    """Straight lines through points, also beyond their ends; of this slope through a single one."""
+    if len(x) == 1:
+        x, y = np.append(x, x + 1.0), np.append(y, y + slope)
+    return make_interp_spline(x, y, k=1)
 
 
 def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:

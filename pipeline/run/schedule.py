@@ -96,12 +96,12 @@ def compute(
         while run.is_under_way():
             moved = run.look()
             run.submit()
-            tally.note(writer.written())
+            tally.count(writer.written())
             silence.watch(moved, run.computes, run.running)
             news.wait(_POLL)
             news.clear()
     writer.flush()
-    tally.note(writer.written())
+    tally.count(writer.written())
 
 
 class _Run:
@@ -178,13 +178,9 @@ class _Run:
         """See what has become of the tasks; return whether any has ended."""
         ended = [task for task in self.running if task.future.done()]
         self.running = [task for task in self.running if task not in ended]
-        for task in ended:
-            if task.future.status == "finished":
-                self.computed[task.future.key] = task
-            else:
-                self._recover(task)
+        self.computed |= {task.future.key: task for task in ended}
         for key, task in [*self.computed.items()]:
-            if task.future.status in ("error", "cancelled"):  # lost, and once more when repeated
+            if task.future.status in ("error", "cancelled"):  # or lost, and once more when repeated
                 del self.computed[key]
                 self._recover(task)
             elif task.worker not in self._workers and task.future.status != "finished":
@@ -206,8 +202,7 @@ class _Run:
         for worker, answer in self._reports.answers():
             self._take(worker, answer, now)
         self.computes = self._reports.computes(self._workers)
-        for task in [task for task in self.running if self._is_given_up(task)]:
-            self.running.remove(task)
+        self.running = [task for task in self.running if not self._is_given_up(task)]
         for task in [task for task in self.running if task.worker not in self._workers]:
             if not task.future.done():
                 self.running.remove(task)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import multiprocessing
-import threading
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -147,7 +146,6 @@ def run_sweep(
             most = len(first[2]) if further is None else CPU_COUNT
             count = min(workers or CPU_COUNT, most)
             with connected(client, count, patience, told, dashboard) as link:
-                threading.Thread(target=_import_readers, daemon=True).start()
                 for asked, store, waiting in itertools.chain([first], rounds):
                     tally.begin(store, link)
                     with Writer(store) as writer:
@@ -162,12 +160,6 @@ def run_sweep(
         failed=summary.failed,
         wall_time=time.monotonic() - began,
     )
-
-
-def _import_readers() -> None:
-    """Import meanwhile what opens the store in the end: 6 % of 12 × 30 points at `standard`."""
-    import dask.array  # noqa: F401 - which xarray imports with its first variable
-    import xarray  # noqa: F401
 
 
 def _require_cluster(client: Client | None, dashboard: bool) -> None:
@@ -185,14 +177,10 @@ def _require_cluster(client: Client | None, dashboard: bool) -> None:
         )
 
 
-_Round = tuple[Sweep, Store, tuple[Task, ...]]
-"""A sweep, its store, and the tasks of its pending points."""
-
-
 def _rounds(
     store: Store, sweep: Sweep, further: Callable[[Store], Sweep] | None
-) -> Iterator[_Round]:
-    """Pending points of the sweep, then of each that follows it, until it asks for no others."""
+) -> Iterator[tuple[Sweep, Store, tuple[Task, ...]]]:
+    """The sweep, its store and the tasks of its pending points; then those of each that follows."""
     while True:
         if waiting := tasks(store.pending(), sweep):
             in_order = waiting if further else coarse_first(waiting, sweep.plane.velocities)

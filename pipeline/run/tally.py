@@ -16,10 +16,10 @@ import numpy as np
 
 from pipeline.run.cluster import Connection
 from pipeline.run.work import INSTALL, ExecutionError, WorkerReport, records_here
-from pipeline.store.schema import DONE, FAILED
+from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord
-from pipeline.sweep.stages import Progress, Report
+from pipeline.sweep.stages import Progress, Report, silent
 
 _SEVERAL = 4  # points on each worker that tell the pace
 _ALIKE = 20  # points that fail alike before any is done, after which a run stops
@@ -29,7 +29,7 @@ _NUMBER = re.compile(r"\d[\d.e+-]*")
 class Tally:
     """Counts written points, and estimates the remaining time from the work done [s]."""
 
-    def __init__(self, store: Store, progress: Report | None, began: float) -> None:
+    def __init__(self, store: Store, progress: Report, began: float) -> None:
         self._progress, self._began = progress, began
         self._connection: Connection | None = None
         self._ended = 0  # points since the first ones
@@ -59,8 +59,8 @@ class Tally:
             self._looked = now
         self._report()
 
-    def note(self, records: Collection[PointRecord]) -> None:
-        """Take note of written points; `ExecutionError` if the first many have failed alike."""
+    def count(self, records: Collection[PointRecord]) -> None:
+        """Count written points; `ExecutionError` if the first many have failed alike."""
         for record in records:
             if record.data is not None:
                 self.computed += 1
@@ -81,11 +81,9 @@ class Tally:
         self._durations = np.where(store.flags == DONE, times, np.nan)
 
     def _report(self) -> None:
-        if self._progress is None:
-            return
         asked, flags, now = self._store.asked == 1, self._store.flags, time.monotonic()
         done, failed = (int(np.count_nonzero(flags[asked] == flag)) for flag in (DONE, FAILED))
-        pending = asked & (flags != DONE) & (flags != FAILED) & np.isnan(self._durations)
+        pending = asked & (flags == PENDING) & np.isnan(self._durations)
         time_to_go = None
         if self._connection and np.isfinite(self._durations).any():
             points = int(np.count_nonzero(pending))
@@ -98,12 +96,13 @@ class Tally:
         self._progress(Progress("", done, total, failed, elapsed, time_to_go))
 
 
-def shown_progress(progress: Report | None) -> Report | None:
-    """What shows progress: the callable that was given; in a notebook a line below the cell."""
-    ipython = sys.modules.get("IPython")
-    in_notebook = ipython is not None and hasattr(ipython.get_ipython(), "kernel")
-    if progress is not None or not in_notebook:
+def shown_progress(progress: Report | None) -> Report:
+    """What shows progress: the callable that was given, or in a notebook a line below the cell."""
+    if progress is not None:
         return progress
+    ipython = sys.modules.get("IPython")
+    if ipython is None or not hasattr(ipython.get_ipython(), "kernel"):
+        return silent
     from IPython.display import display
 
     line = display(  # type: ignore[no-untyped-call]

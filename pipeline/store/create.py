@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+import pandas as pd
 
 from pipeline.store.files import PARTIAL, sync
 from pipeline.store.inputs import DIM, inputs_variable, joined_arrays
@@ -136,13 +137,13 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep, lock: Lock
     if not before and isinstance(place, Bucket):  # whose steps cannot be added to
         room = _ROOM * kept.scene.fidelity.increments if len(axes["step"]) > 1 else 0
         axes["step"] = list(range(min(axes["step"][0], -room), 1))
-    points = math.prod(len(axes[dim]) for dim in wanted["status"].dims)
+    sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
+    points = math.prod(sizes.values())
     if points > MOST_POINTS:
         raise StoreError(
             f"{place} would have {points:.4g} points; a store has at most {MOST_POINTS:.0e}: give "
             "fewer loads or velocities"
         )
-    sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
     chunk = block_of(sizes, bytes_of_a_point(wanted, axes))
     is_inserted = before and any(axes[name][: len(old)] != old for name, old in before.axes.items())
     facts = Facts(generation=0, axes=axes, points_per_chunk=chunk, versions=package_versions())
@@ -214,11 +215,7 @@ def _remove_unfinished(path: Path) -> None:
 def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
     """Copy the stored values of points to their places in the arrays of a larger store."""
     arrays = arrays_of(beside, root.arrays, read_only=False)
-    numbers_of = [{value: k for k, value in enumerate(root.axes[dim])} for dim in store.dims]
-    moved = [
-        np.array([numbers[value] for value in store.axes[dim]])
-        for dim, numbers in zip(store.dims, numbers_of, strict=True)
-    ]
+    moved = [pd.Index(root.axes[dim]).get_indexer(store.axes[dim]) for dim in store.dims]
     where = np.zeros(arrays["status"].shape, bool)
     where[np.ix_(*moved)] = (store.flags != PENDING) | (store.asked != 0)
     shared = [name for name in arrays if not (name in AT_END or is_coordinate(name))]
@@ -293,10 +290,10 @@ def _remade(place: StorePlace, sweep: Sweep, lost: StoreError) -> Root:
     table = kept.variants.within(facts.axes)
     root = Root(kept.changed(stations=stations, variants=table), facts, metadata)
     if are_rows(root):
-        require_likely(place, root)
-    if not (are_rows(root) and agrees(Store(place, root, is_damaged=True))):
-        raise StoreMismatchError(
-            f"{place} has lost its {ROOT}, and its points are not those of this scene; give the "
-            "scene that made it, with all its values, or write to another store"
-        )
-    return root
+        require_likely(place, facts, metadata)
+        if agrees(Store(place, root, is_damaged=True)):
+            return root
+    raise StoreMismatchError(
+        f"{place} has lost its {ROOT}, and its points are not those of this scene; give the "
+        "scene that made it, with all its values, or write to another store"
+    )

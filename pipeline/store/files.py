@@ -52,8 +52,7 @@ def replace_file(file: Path, content: bytes) -> None:
 def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
     """Replace several files below a folder, side by side."""
     with ThreadPoolExecutor(THREADS) as threads:
-        files = [(root / key, content) for key, content in contents.items()]
-        list(threads.map(lambda file: replace_file(*file), files))
+        list(threads.map(replace_file, map(root.joinpath, contents), contents.values()))
 
 
 def make_folder(folder: Path) -> None:

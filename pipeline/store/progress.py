@@ -52,15 +52,14 @@ class Summary:
 def summarized(store: Store) -> Summary:
     """Count the points of an open store."""
     asked, flags = store.asked == 1, store.flags
-    counts = {flag: int(np.count_nonzero(flags[asked] == flag)) for flag in (PENDING, DONE)}
     failed = np.nonzero(asked & (flags == FAILED))
     messages = store.read("message", ...)[failed] if failed[0].size else ()
     return Summary(
         name=store.sweep.about.name,
         title=store.sweep.about.title,
         total=int(np.count_nonzero(asked)),
-        done=counts[DONE],
-        pending=counts[PENDING],
+        done=int(np.count_nonzero(asked & (flags == DONE))),
+        pending=int(np.count_nonzero(asked & (flags == PENDING))),
         failed=tuple(
             FailedPoint(*point[:2], str(message), point.variant, store.in_words(point))
             for point, message in zip(store.points_at(failed), messages, strict=True)

@@ -62,14 +62,12 @@ class _Backend(BackendEntrypoint):
         of_points = itertools.filterfalse(is_coordinate, store.arrays)
         if lost := [name for name in of_points if store.lacks(name, done, keys)]:
             raise StoreError(damaged(place, ", ".join(sorted(lost))))
-        made = made_coordinates(store.sweep, store.axes)
         present: dict[str, Any] = {"status": store.flags, "asked": store.asked}
+        present |= store.axes | made_coordinates(store.sweep, store.axes)
         variables = {}
         for name, array in store.arrays.items():
             if name == INPUTS:
                 present[name] = store.read(name, ...)
-            elif name in MADE:
-                present[name] = made[name]
             elif name in store.axes:
                 present[name] = np.array(store.axes[name], array.dtype)
             elif name not in present:

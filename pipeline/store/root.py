@@ -160,8 +160,7 @@ def root_document(root: Root) -> bytes:
 
 def sealed(document: dict[str, Any]) -> bytes:
     """The document of a root, with the hash of all of it in the text on its store."""
-    digest = _hash(_hashed(document, ""))
-    return json.dumps(_hashed(document, digest), allow_nan=False).encode()
+    return json.dumps(_hashed(document, _hash(document)), allow_nan=False).encode()
 
 
 def _hashed(document: dict[str, Any], digest: str) -> dict[str, Any]:
@@ -182,7 +181,7 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         attributes, arrays = document["attributes"], dict(document[_CONSOLIDATED]["metadata"])
         facts = json.loads(attributes.get("store", "{}")) or {"hash": "", **attributes}
         version, expected = facts.pop("format"), facts.pop("hash")
-        is_as_written = _hash(_hashed(document, "")) == expected if "store" in attributes else 1
+        is_as_written = "store" not in attributes or _hash(document) == expected
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         with reaches(place):
             has_points = _has_points(place.keys())
@@ -191,26 +190,25 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         raise StoreError(
             f"{place} is not the store of a sweep; give a folder that irg run made"
         ) from None
-    if is_as_written and version != FORMAT:
+    if not is_as_written:
+        raise LostRootError(f"{place}: {ROOT} is damaged: it is not what was written; {ELSEWHERE}")
+    if version != FORMAT:
         raise StoreError(
             f"{place} has format {version}, and this program reads format {FORMAT}; make it anew: "
             "irg run its scene into another folder with -o, or after moving this one away"
         )
-    if not is_as_written:
-        raise LostRootError(f"{place}: {ROOT} is damaged: it is not what was written; {ELSEWHERE}")
     try:
         built: Facts = build(Facts, facts)
-        _require_known(place, built, arrays)
-        fault = root_fault(built, arrays)
     except CodecError as error:
-        fault = f"is damaged: {error}"
-    if fault:
-        raise StoreError(f"{place}: {ROOT} {fault}; {ELSEWHERE}")
+        raise _root_error(place, f"is damaged: {error}") from error
+    _require_known(place, built, arrays)
+    require_likely(place, built, arrays)
     try:
         root = Root(text_sweep(attributes["sweep"], _inputs(place, arrays)), built, arrays)
     except (CodecError, DamagedError) as error:
         raise LostRootError(f"{place}: {ROOT} is damaged: {error}; {ELSEWHERE}") from error
-    require_likely(place, root)
+    if not are_rows(root):
+        raise _root_error(place, "is damaged: its axes are not those of its sweep")
     return root
 
 
@@ -235,13 +233,14 @@ def _require_small_file(folder: Path) -> None:
         )
 
 
-def require_likely(place: StorePlace, root: Root) -> None:
-    """Refuse a root of more points, other arrays or axes than the store of its sweep has."""
-    fault = root_fault(root.facts, root.arrays)
-    if not (fault or are_rows(root)):
-        fault = "is damaged: its axes are not those of its sweep"
-    if fault:
-        raise StoreError(f"{place}: {ROOT} {fault}; {ELSEWHERE}")
+def require_likely(place: StorePlace, facts: Facts, arrays: Mapping[str, Any]) -> None:
+    """Refuse a root of more points, other arrays or axes than a store has."""
+    if fault := root_fault(facts, arrays):
+        raise _root_error(place, fault)
+
+
+def _root_error(place: StorePlace, fault: str) -> StoreError:
+    return StoreError(f"{place}: {ROOT} {fault}; {ELSEWHERE}")
 
 
 _WHO = ("versions", "later_versions", "worker_versions")
@@ -264,14 +263,14 @@ def copied(place: StorePlace, names: Iterable[str]) -> tuple[Stations, Facts, di
     """
     try:
         with reaches(place):
-            read = {f"{name}/{ROOT}": place.read(f"{name}/{ROOT}") for name in names}
-        if lost := [key for key, content in read.items() if content is None]:
-            raise ValueError(f"{lost[0]} is lost")
-        arrays = {name: json.loads(read[f"{name}/{ROOT}"] or b"") for name in names}
-        axes: dict[str, Any] = {k: () for k in arrays if is_coordinate(k) and k not in _NO_AXES}
-        along = {name: arrays[name] for name in axes}
+            read = {name: place.read(f"{name}/{ROOT}") for name in names}
+        if lost := [name for name, content in read.items() if content is None]:
+            raise ValueError(f"{lost[0]}/{ROOT} is lost")
+        arrays = {name: json.loads(content or b"") for name, content in read.items()}
+        along = {k: v for k, v in arrays.items() if is_coordinate(k) and k not in _NO_AXES}
         if not all(map(_is_plain, along.values())):
             raise ValueError("their axes are not those of a store")
+        axes = {}
         for name, array in arrays_of(place, along, read_only=True).items():
             with reads(place, name):
                 axes[name] = array[:].tolist()
@@ -381,8 +380,10 @@ def _has_points(keys: set[str]) -> bool:
     return any(key.startswith("status/c.") for key in keys)
 
 
-def _hash(document: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+def _hash(document: dict[str, Any]) -> str:
+    """Hash of the document of a root, as it is without one."""
+    text = json.dumps(_hashed(document, ""), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _no_store(place: StorePlace) -> StoreError:

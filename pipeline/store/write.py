@@ -220,7 +220,7 @@ class Store:
         with self._writes():
             self.place.put(encoded)
             with ThreadPoolExecutor(THREADS) as threads:  # which ends when all have
-                list(threads.map(lambda chunk: self._put(*chunk), chunks.items()))
+                list(threads.map(self._put, chunks.keys(), chunks.values()))
         flags, changed = self.flags.copy(), np.zeros(self.flags.shape, bool)
         for index, status in statuses.items():
             flags[index], changed[index] = status, True

@@ -11,7 +11,7 @@ import hashlib
 import json
 import math
 import sys
-from collections.abc import Collection, Iterator, Mapping, Set
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
@@ -30,7 +30,7 @@ Arrays = dict[str, Array]
 _OF_PROTOCOL: dict[Any, dict[str, Any]] = {Pin: PINS, WearLaw: LAWS, Surface: {}}
 _CODE: dict[Any, tuple[Any, ...]] = {Pin: (), WearLaw: (Reference,), Surface: (Reference,)}
 """Classes that ship of each protocol, and what stands for a user's own."""
-_SEVERAL: dict[Any, Any] = {tuple: tuple, list: list, Collection: tuple | frozenset}
+_SEVERAL: dict[Any, Any] = {tuple: tuple, list: list, Collection: tuple}
 _GREATEST = {float: sys.float_info.max, int: 2**63 - 1}
 
 
@@ -59,8 +59,6 @@ def encode(value: Any, arrays: Arrays) -> Any:
     if isinstance(value, Mapping):
         items = [[encode(key, arrays), encode(one, arrays)] for key, one in value.items()]
         return {"type": "map", "items": items}
-    if isinstance(value, Set):
-        return {"type": "set", "items": [encode(one, arrays) for one in sorted(value)]}
     if type(value) is tuple:
         return [encode(one, arrays) for one in value]
     name = type(value).__name__
@@ -96,8 +94,6 @@ def decode(data: Any, arrays: Mapping[str, Array]) -> Any:
             pairs = [decode(one, arrays) for one in items]
             if all(len(pair) == 2 for pair in pairs):
                 return dict(pairs)
-        case "set", {"items": [*items], **others} if not others:
-            return frozenset(decode(one, arrays) for one in items)
         case str(name), _ if kind := _kind(name):
             return build(kind, {k: decode(value, arrays) for k, value in values.items()})
     raise CodecError(f"the type {data.get('type')!r} is unknown, or has other entries")

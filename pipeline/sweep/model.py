@@ -40,14 +40,13 @@ def drop_last_digits(number: float) -> float:
 
 def leads_of(
     scenes: Iterable[tuple[Variant, Scene]],
-    places: Sequence[float] | None,
+    places: Sequence[float | None],
     velocities: Sequence[float],
 ) -> Mapping[Variant, Lead]:
     """For each variant the first one with its contacts, at velocities of a plane or its own."""
     first: dict[tuple[Scene, float | None], tuple[Variant, Scene, float | None]] = {}
     leads = {}
-    for number, (name, scene) in enumerate(scenes):
-        place = places[number] if places is not None else None
+    for (name, scene), place in zip(scenes, places, strict=True):
         number_there = None if place is None else drop_last_digits(wear_number(scene, place))
         key = mechanics(scene), number_there
         leader, leading, its_place = first.setdefault(key, (name, scene, place))
@@ -167,14 +166,8 @@ class Sweep:
     @property
     def ramps(self) -> int:
         """Number of simulated ramps; a ramp passes all loads at one velocity."""
-        velocities, rows = self.lines
-        return len(velocities) * rows
-
-    @property
-    def lines(self) -> tuple[tuple[float, ...], int]:
-        """Velocities of the sweep, and the number of rows of its table that have each of them."""
         own = self.variants.velocities
-        return (self.plane.velocities, len(self.variants)) if own is None else (own, 1)
+        return len(own) if own else len(self.plane.velocities) * len(self.variants)
 
     def variant(self, variant: Variant = ()) -> Self:
         """The sweep of one row of its table alone; of the scene itself if none is given."""
@@ -192,14 +185,15 @@ class Sweep:
 
     def below(self, name: Variant) -> Self:
         """The sweep at labels that are not drawn, on the rows that are drawn for them."""
-        return self.variant(name).changed(variants=self.variants.below(name)) if name else self
+        return self.variant(name).changed(variants=self.variants.below(name))
 
     @functools.cached_property
     def leads(self) -> Mapping[Variant, Lead]:
         """For each row of the table, the first with the same contacts; see `Lead`."""
         table = self.variants
         scenes = ((name, self.variant(name).scene) for name in table.names)
-        return leads_of(scenes, table.velocities, self.plane.velocities)
+        places = table.velocities or (None,) * len(table)
+        return leads_of(scenes, places, self.plane.velocities)
 
     def contact_of(self, point: Point) -> tuple[float, Variant]:
         """Velocity and variant whose ramp of contacts leads through a point."""

@@ -39,10 +39,7 @@ from tribo.surface import UnknownHeights
 GROUP: Final = "irg_transition.laws"
 """Entry points by which an installed package registers its laws."""
 WEAR, SURFACE, CRITERION = "wear law", "surface", "criterion"
-_METHODS: dict[str, tuple[type, tuple[str, ...]]] = {
-    WEAR: (WearLaw, ("over",)),
-    SURFACE: (Surface, ("heights",)),
-}
+_METHODS: dict[str, tuple[type, str]] = {WEAR: (WearLaw, "over"), SURFACE: (Surface, "heights")}
 _PREFIX = "irg_own"
 _LARGEST = 1_000_000  # [bytes] of a module
 _loading = threading.RLock()  # a worker's second thread must not take a module that is half made
@@ -240,19 +237,18 @@ def _made(own: Own) -> Any:
 
 
 def _unlike(found: Any, kind: str) -> str | None:
-    """Reason why an object is not of a kind, by its type and the signatures of its methods."""
+    """Reason why an object is not of a kind, by its type and the signature of its method."""
     if kind == CRITERION:
         return None if issubclass(type(found), Rule) else "is not a tribo.Rule"
-    protocol, names = _METHODS[kind]
+    protocol, name = _METHODS[kind]
     of_class = found if issubclass(type(found), type) else type(found)
-    for name in names:
-        wanted = inspect.signature(getattr(protocol, name))
-        method: Any = inspect.getattr_static(of_class, name, None)
-        try:
-            inspect.signature(method).bind(*wanted.parameters)
-        except (TypeError, ValueError):
-            _, *given = wanted.parameters
-            return f"has no method {name}({', '.join(given)}); see tribo.{protocol.__name__}"
+    wanted = inspect.signature(getattr(protocol, name))
+    method: Any = inspect.getattr_static(of_class, name, None)
+    try:
+        inspect.signature(method).bind(*wanted.parameters)
+    except (TypeError, ValueError):
+        _, *given = wanted.parameters
+        return f"has no method {name}({', '.join(given)}); see tribo.{protocol.__name__}"
     return None
 
 

@@ -22,12 +22,11 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     """
     first = before or sweep
     about, plane = sweep.about, sweep.plane
-    record = first.record
     return replace(
         sweep,
         plane=plane if plane.chosen is None else replace(plane, chosen=()),
         variants=first.variants.union(sweep.variants),
-        record=replace(record, stations=choose_stations(first)),
+        record=replace(first.record, stations=choose_stations(first)),
         about=replace(about, selection=about.selection or first.about.selection),
     )
 

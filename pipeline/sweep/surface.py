@@ -83,16 +83,13 @@ def surface_words(sweep: Sweep) -> str | None:
 
 @functools.lru_cache(maxsize=1)  # asked for again whenever a store grows
 def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
-    if isinstance(rough, SelfAffineRoughness):
-        if math.prod(pixels.shape) > _MOST_PIXELS:
-            along_x, along_y = rough.correlation_length
-            lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
-            return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
-        heights = rough.heights(pixels)
-    elif rough is None:
+    if rough is None:
         return None
-    else:
-        heights = rough.array if isinstance(rough, MeasuredRoughness) else rough.heights(pixels)
+    if isinstance(rough, SelfAffineRoughness) and math.prod(pixels.shape) > _MOST_PIXELS:
+        along_x, along_y = rough.correlation_length
+        lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
+        return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
+    heights = rough.array if isinstance(rough, MeasuredRoughness) else rough.heights(pixels)
     level, rise = _level(heights)
     slopes = np.diff(level, axis=0) / pixels.spacing[0]  # along sliding; none of a single row
     return SurfaceFacts(

@@ -46,6 +46,11 @@ class Column:
         texts = tuple(self.texts[i] for i in numbers) if self.texts else ()
         return replace(self, values=tuple(self.values[i] for i in numbers), texts=texts)
 
+    def joined(self, later: Column) -> Column:
+        """A later column with the values of this one before its own."""
+        texts = (self.texts or self.values) + (later.texts or later.values)
+        return replace(later, values=self.values + later.values, texts=texts)
+
     @property
     def text_of(self) -> dict[Label, Any]:
         """The text of each value."""
@@ -184,8 +189,8 @@ class Variants:
         if not drawn:
             return Variants()
         numbers = [k for row, k in self._rows.items() if {*name} <= {*row}]
-        columns = (one.taken(numbers) for one in self.columns if (one.along or one.name) in drawn)
-        return Variants((*columns,), tuple(self.parts[k] for k in numbers), draw=self.draw)
+        columns = [one for one in self.columns if (one.along or one.name) in drawn]
+        return _select(columns, self.parts, numbers, {}, self.draw)
 
     def within(self, axes: Mapping[str, Collection[Label]]) -> Variants:
         """Rows whose labels are among those of some axes."""
@@ -194,12 +199,8 @@ class Variants:
             return all(value in axes.get(label, ()) for label, value in name)
 
         numbers = [k for name, k in self._rows.items() if is_within(name)]
-        return Variants(
-            tuple(column.taken(numbers) for column in self.columns),
-            tuple(self.parts[k] for k in numbers),
-            {name: part for name, part in self.given.items() if is_within(name)},
-            self.draw,
-        )
+        given = {name: part for name, part in self.given.items() if is_within(name)}
+        return _select(self.columns, self.parts, numbers, given, self.draw)
 
     def union(self, other: Variants) -> Variants:
         """Rows of both tables, which have the same dimensions; what both have is the other's.
@@ -218,25 +219,13 @@ class Variants:
                 f"neither has all combinations of values, such as {words} (in SI); give each entry "
                 "of sweep.over all of its values, those of the store included"
             )
-        mine, rows = {column.name: column for column in self.columns}, [numbers[n] for n in names]
-        pairs = [(mine[column.name], column) for column in other.columns]
-        columns = (
-            replace(
-                column,
-                values=own.values + column.values,
-                texts=(own.texts or own.values) + (column.texts or column.values),
-            ).taken(rows)
-            for own, column in pairs
-        )
-        parts = (*self.parts, *other.parts)
+        mine = {column.name: column for column in self.columns}
+        columns = [mine[column.name].joined(column) for column in other.columns]
         chosen = combinations({one.name: axes[one.name] for one in other.chosen})
-        given = {**self.given, **other.given}
-        return Variants(
-            tuple(columns),
-            tuple(parts[row] for row in rows),
-            {name: given[name] for name in chosen if name in given},
-            other.draw,
-        )
+        both = {**self.given, **other.given}
+        given = {name: both[name] for name in chosen if name in both}
+        rows = [numbers[name] for name in names]
+        return _select(columns, (*self.parts, *other.parts), rows, given, other.draw)
 
     def plane_of(
         self, name: Variant, loads: tuple[float, ...], velocities: tuple[float, ...]
@@ -244,6 +233,18 @@ class Variants:
         """Loads and velocities of a row: its own place, or those of the plane."""
         at, own = self._rows[name], [self._places(axis) for axis in ("load", "velocity")]
         return (own[0][at],) if own[0] else loads, (own[1][at],) if own[1] else velocities
+
+
+def _select(
+    columns: Iterable[Column],
+    parts: Sequence[Part],
+    numbers: Sequence[int],
+    given: Mapping[Variant, Part],
+    draw: Draw | None,
+) -> Variants:
+    """A table of some rows, by their numbers."""
+    taken = tuple(column.taken(numbers) for column in columns)
+    return Variants(taken, tuple(parts[k] for k in numbers), given, draw)
 
 
 def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:

@@ -94,13 +94,14 @@ def estimate(
     workers = workers or cores
     if boundary_only:
         sweep.require_search()
-    every = [*_searched(sweep)] if boundary_only else [*tasks(points_of(sweep), sweep)]
+    asked = _searched(sweep) if boundary_only else sweep
+    every = tasks(points_of(asked), asked)
     given = list(sweep.variants.given)
     scene = sweep.variant(given[len(given) // 2])
     contact_time, heat_time, state = _timed(scene)
     work = _Work(scene, contact_time, heat_time)
     alone = makespan(every, 1, work)[1]
-    contacts_of_one, temperatures = work.contacts, work.temperatures
+    steps, temperatures = work.contacts, work.temperatures
     parallel = min(workers, len(every))
     wall = makespan(every, parallel, work)[0] if len(every) < _MANY else alone / parallel
     points = sum(len(task.points) for task in every)
@@ -108,7 +109,7 @@ def estimate(
         points = min(2, len(sweep.plane.velocities)) * len(sweep.plane.loads) * len(sweep.variants)
     return Estimate(
         points=points,
-        steps=contacts_of_one,
+        steps=steps,
         temperatures=temperatures,
         tasks=len(every),
         workers=workers,
@@ -118,13 +119,12 @@ def estimate(
     )
 
 
-def _searched(sweep: Sweep) -> Iterator[Task]:
-    """Tasks that a search may take: two velocities a load; neighbours share one."""
+def _searched(sweep: Sweep) -> Sweep:
+    """The sweep that a search may take: two velocities a load; neighbours share one."""
     loads = sweep.plane.loads
     velocities = sweep.plane.velocities[: len(loads) + 1]
     low = tuple(load for load in loads if load <= np.median(loads))
-    asked = sweep.changed(loads=low, velocities=velocities)
-    yield from tasks(points_of(asked), asked)
+    return sweep.changed(loads=low, velocities=velocities)
 
 
 @dataclass(slots=True)

@@ -198,8 +198,6 @@ def critical_velocity(
     By secants of the logarithms, or by halving where one leads back, as beside a jump.
     """
     low, high = math.log(lowest), math.log(highest)
-    if not math.isfinite(limit):
-        return math.sqrt(lowest * highest)
     velocity, exponent = (low + high) / 2, _USUAL_EXPONENT
     tried: dict[float, float] = {}
     for _ in range(30):

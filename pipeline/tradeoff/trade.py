@@ -206,7 +206,8 @@ def trade(
     >>> print(pipeline.trade("first_try", presets=["draft"], base=None))  # doctest: +SKIP
     """
     sweep = sweep_of(sweep, own_laws)
-    for name in (*presets, *([base] if base else [])):
+    named = (*presets, *([base] if base else []))
+    for name in named:
         if name not in PRESETS:
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
     if not math.isfinite(rise_limit(sweep.conditions)):
@@ -214,14 +215,13 @@ def trade(
     asked = [Target(in_si("load", load, "600 N")) for load in loads or ()]
     asked = asked or [*some_places(sweep.changed(variants=Variants()), _LOADS)]
     places, exponents = near_the_boundary(sweep, asked)
-    exact = dividing_pixels(sweep, PRESETS["reference"])
     stages = staged(
-        [("reference", None, exact), *_candidates(sweep, presets, base)],
+        _candidates(sweep, named, base),
         progress or silent,
         name=lambda stage: stage[0],
         weight=lambda stage: _work(stage[2]),
     )
-    next(stages)
+    _, _, exact = next(stages)
     reference = probe(sweep, exact, places, with_memory=True)
     choices, failed = [], []
     for name, varied, fidelity in stages:
@@ -251,26 +251,25 @@ def _work(fidelity: Fidelity) -> float:
 def _candidates(
     sweep: Sweep, presets: Sequence[str], base: str | None
 ) -> list[tuple[str, str | None, Fidelity]]:
-    """Name, varied field and fidelity of all that is to be measured, each fidelity once."""
+    """Name, varied field and fidelity of all that is to be measured, the reference first.
+
+    Each fidelity stands there once, with its first name.
+    """
     candidates: list[tuple[str, str | None, Fidelity]] = [
-        (name, None, dividing_pixels(sweep, PRESETS[name]))
-        for name in presets
-        if name != "reference"
+        (name, None, dividing_pixels(sweep, PRESETS[name])) for name in ("reference", *presets)
     ]
-    if base and base not in presets:
-        candidates.append((base, None, dividing_pixels(sweep, PRESETS[base])))
-    fidelity = sweep.scene.fidelity
     if sweep.about.preset is None:
-        candidates.append(("as in the scene", None, fidelity))
+        candidates.append(("as in the scene", None, sweep.scene.fidelity))
     if base:
         start = dividing_pixels(sweep, PRESETS[base])
         for field, values in _variations(start, sweep.scene.unequal_bulks).items():
             for value in values:
                 changed = dividing_pixels(sweep, replace(start, **{field: value}))
                 candidates.append((f"{base}, {field} = {_shown(value)}", field, changed))
-    first = {candidate[2]: candidate for candidate in reversed(candidates)}
-    first.pop(dividing_pixels(sweep, PRESETS["reference"]), None)
-    return [candidate for candidate in candidates if candidate in first.values()]
+    first: dict[Fidelity, tuple[str, str | None, Fidelity]] = {}
+    for candidate in candidates:
+        first.setdefault(candidate[2], candidate)
+    return [*first.values()]
 
 
 def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ...]]:
@@ -325,7 +324,7 @@ def _choice(
 def _wasted(choices: Sequence[Choice], base: str | None) -> tuple[Wasted, ...]:
     """Choices of the base that cost much and gain nothing, the costliest of each field first."""
     start = next((choice for choice in choices if choice.name == base), None)
-    if start is None or base is None:
+    if start is None:
         return ()
     costliest: dict[str, Wasted] = {}
     for choice in sorted(choices, key=lambda choice: choice.work):
@@ -334,6 +333,6 @@ def _wasted(choices: Sequence[Choice], base: str | None) -> tuple[Wasted, ...]:
         moves = max(abs(one - other) for one, other in pairs)
         if choice.varied and saving >= _SAVES and moves <= _MOVES:
             value, cheaper = (getattr(one.fidelity, choice.varied) for one in (start, choice))
-            found = Wasted(base, choice.varied, value, cheaper, saving, moves)
+            found = Wasted(start.name, choice.varied, value, cheaper, saving, moves)
             costliest.setdefault(choice.varied, found)
     return tuple(costliest.values())

@@ -56,15 +56,15 @@ def drive(sweep, path, log, records=None, mistake=None, pace=0.0, workers=2):
 @contextmanager
 def noting(log):
     """Note the points that callers are told are done."""
-    note = Tally.note
+    count = Tally.count
 
     def noted(self, records):
         records = list(records)
         with Path(log).open("a") as stream:
             stream.writelines(f"{json.dumps(r.point)}\n" for r in records if r.data is not None)
-        note(self, records)
+        count(self, records)
 
-    with mock.patch.object(Tally, "note", noted):
+    with mock.patch.object(Tally, "count", noted):
         yield
 
 
@@ -78,7 +78,7 @@ def computing(records, pace):
         for task in waiting:
             writer.add([record_of(records, sweep, point) for point in task.points])
             writer.flush()
-            tally.note(writer.written())
+            tally.count(writer.written())
             time.sleep(pace)
 
     with (

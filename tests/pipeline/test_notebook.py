@@ -15,7 +15,7 @@ import pipeline
 from pipeline.run.sweep import Outcome
 from pipeline.run.tally import shown_progress
 from pipeline.store.progress import FailedPoint
-from pipeline.sweep.stages import Progress
+from pipeline.sweep.stages import Progress, silent
 from tests.helpers import samples, synthetic, tiny
 from tribo import MeasuredRoughness
 
@@ -84,7 +84,7 @@ def test_a_figure_shows_itself_as_a_picture():
 
 
 def test_a_notebook_shows_one_line_of_progress(monkeypatch):
-    assert shown_progress(None) is None
+    assert shown_progress(None) is silent
     monkeypatch.setattr("IPython.get_ipython", lambda: SimpleNamespace(kernel=None))
     assert shown_progress(print) is print
     texts = []

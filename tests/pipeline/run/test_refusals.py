@@ -79,7 +79,7 @@ ELSEWHERE = {
     "schedule._recover ExecutionError": "test_schedule.py, by workers that are lost",
     "schedule.watch ExecutionError": "test_schedule.py, by workers that do nothing",
     "tally._answer ExecutionError": "test_schedule.py, by a worker without this program",
-    "tally.note ExecutionError": "test_tally.py",
+    "tally.count ExecutionError": "test_tally.py",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 

@@ -96,7 +96,7 @@ def compute_sweep(tmp_path, monkeypatch):
 
     def compute_all(client=None, progress=silent):
         ended, learned = [], []
-        tally = SimpleNamespace(learn=learned.extend, note=ended.extend)
+        tally = SimpleNamespace(learn=learned.extend, count=ended.extend)
         with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
             waiting = tasks(points(SWEEP), SWEEP)
             link = Connection(client or LocalClient(), 1.0, progress)

@@ -12,6 +12,7 @@ from pipeline.store.create import writing
 from pipeline.store.schema import DONE
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, points
+from pipeline.sweep.stages import silent
 from tests.helpers import tiny
 
 START, COUNT = 10.0, 100
@@ -69,13 +70,13 @@ def test_points_that_all_fail_alike_end_a_run(tmp_path):
     sweep = tiny.sweep(velocities=tuple(np.linspace(0.5, 1.5, 10).tolist()))
     places = points(sweep)
     with writing(tmp_path / "out.zarr", sweep) as store:
-        tally = Tally(store, None, time.monotonic())
+        tally = Tally(store, silent, time.monotonic())
         tally.begin(store, Connection(None))
         failures = [PointRecord(point, None, f"OSError: no file at {point}") for point in places]
         other = [PointRecord(point, None, "MemoryError: ") for point in places]
-        tally.note([*failures[:19], *other[:19]])
+        tally.count([*failures[:19], *other[:19]])
         with pytest.raises(ExecutionError, match=r"first 20 points failed alike, .*: OSError: no"):
-            tally.note(failures[19:20])
-        done = Tally(store, None, time.monotonic())
+            tally.count(failures[19:20])
+        done = Tally(store, silent, time.monotonic())
         done.begin(store, Connection(None))
-        done.note([PointRecord(places[-1], {}, wall_time=1.0), *failures])
+        done.count([PointRecord(places[-1], {}, wall_time=1.0), *failures])

@@ -228,6 +228,8 @@ REFUSALS = {
                  "with the variable film"),
     "facts": (changed(forged(lambda texts, _: texts["store"].update(colour=1))), "Facts.colour"),
     "axes": (changed(forged(other_rows)), "its axes are not those of its sweep"),
+    "sizes": (changed(forged(lambda _, arrays: arrays["max_rise"].update(shape=[9, 9, 9]))),
+              "of the sizes of its axes"),
     "sweep": (changed(forged(lambda texts, _: texts["sweep"]["plane"].update(loads=3))),
               "Plane.loads"),
     "array": (changed(forged(lambda _, arrays: arrays["max_rise"].update(codecs=[])), load),
