@@ -132,7 +132,10 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
     """
     ds = dataset_of(ds)
     require_kind(ds, Kind.PLANE, Kind.SAMPLES)
-    return map_scenes(ds, _band_alone if sweep_kind(ds) is Kind.SAMPLES else boundary_under)
+    found = map_scenes(ds, _band_alone if sweep_kind(ds) is Kind.SAMPLES else boundary_under)
+    turns = [found[name].notnull() for name in found if "turn" in found[name].dims]
+    most = max(int(one.sum("turn").max()) for one in turns)
+    return found.isel(turn=slice(max(most, 1)))
 
 
 def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.Dataset:
@@ -164,7 +167,7 @@ def _attributes(conditions: Conditions) -> dict[str, Any]:
     return attributes | {"units_of_attributes": ", ".join(units)}
 
 
-_TURNS = 5  # turns of a line that are told; more are waves between points
+_TURNS = 64  # turns of a line that are told; more are waves between points
 
 
 def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dict[str, Any]:

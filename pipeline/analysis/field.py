@@ -233,27 +233,36 @@ class PointField:
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
     ) -> Array:
         """See `Field`."""
-        limit = self.limit * math.exp(-shift)
-        lines = self.lines("velocity", load, float(velocities[0]))
+        limit, here = self.limit * math.exp(-shift), float(velocities[0])
+        is_beyond = len(velocities) == 1 and self._is_beyond(load, here)
+        lines = self.lines("velocity", load, here, is_beyond)
         ranges = (replace(line, limit=limit).severe() for line in lines)
         shares = [severe_share(severe, velocities, scatter) for severe in ranges]
         return np.asarray(self.weights @ np.array(shares))
+
+    def _is_beyond(self, load: float, velocity: float) -> bool:
+        """A row of the sweep does not reach a velocity on each surface, where others may."""
+        rows = np.flatnonzero(self.planes[0].loads == load).tolist()
+        return any(math.isnan(curves[row].at(velocity)) for curves in self._curves for row in rows)
 
     def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
         """See `Field`."""
         return np.array([self.probability(load, velocities, scatter) for load in loads])
 
     @functools.cached_property
-    def lines(self) -> Callable[[str, float, float], list[Line]]:
+    def lines(self) -> Callable[..., list[Line]]:
         """Line of each member along an axis, through the rise at a load and a velocity.
 
         Between loads or velocities of the sweep, rises go on where wear is certainly mild or
-        severe.
+        severe. A row of the sweep has its own points alone, unless those of other rows are asked to
+        stand in for points that it lacks.
         """
         kept = functools.lru_cache(maxsize=2)  # those of one place are asked for several times
         return kept(lambda *place: [self._line(k, *place) for k in range(len(self.planes))])
 
-    def _line(self, number: int, axis: str, load: float, velocity: float) -> Line:
+    def _line(
+        self, number: int, axis: str, load: float, velocity: float, is_filled: bool = False
+    ) -> Line:
         plane, factor, limit = self.planes[number], self.conditions.friction_factor, self.limit
         x, other, place, along = plane.velocities, plane.loads, load, velocity
         rises, is_missing = plane.rises * factor(x), plane.is_missing
@@ -264,7 +273,8 @@ class PointField:
         is_between = above < len(other) and other[above] != place
         missing = np.logical_or.reduce(is_missing[above - is_between : above + 1])
         has_curve = self.conditions.has_friction_curve
-        if place in other:
+        is_row = place in other and not is_filled
+        if is_row:
             computed = going_on = rises[above]
         elif axis == "load":
             computed, here = self._load_rises(number, velocity), np.array([velocity])
@@ -281,9 +291,7 @@ class PointField:
                 for lines in (rises, rows)
             )
         done, missing = x[np.isfinite(computed)], x[missing]
-        rise, is_within = (
-            (math.nan, False) if place in other else self._rise(number, load, velocity)
-        )
+        rise, is_within = (math.nan, False) if is_row else self._rise(number, load, velocity)
         if is_within:
             number_there = int(np.searchsorted(x, along))
             if along not in x:
