@@ -7,7 +7,7 @@ was computed; a mean, which this would bias, is given only if every surface has 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -46,8 +46,8 @@ from pipeline.analysis.transition import (
 from pipeline.quantities import UNITS
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
+from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
-from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import cold_bodies, describe_cold_bodies, turn_parts
 from pipeline.sweep.surface import find_lubrication
@@ -160,9 +160,13 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
     return _add_errors(result, found, ds)
 
 
-def _attributes(conditions: Conditions) -> dict[str, Any]:
-    """Conditions as attributes, with their units."""
-    attributes = attributes_by(conditions)
+def _attributes(conditions: Conditions, drawn: Collection[str] = ()) -> dict[str, Any]:
+    """Conditions as attributes, with their units, but for those of drawn entries."""
+    attributes = {
+        name: value
+        for name, value in attributes_by(conditions).items()
+        if FIELDS.get(name) not in drawn
+    }
     units = [f"{name}: {unit}" for name, unit in CONDITION_UNITS.items() if name in attributes]
     return attributes | {"units_of_attributes": ", ".join(units)}
 
@@ -287,7 +291,9 @@ def _band_alone(ds: xr.Dataset) -> xr.Dataset:
     lines = [np.interp(DECIDED, np.maximum.accumulate(row), grid, 0.0, math.inf) for row in rows]
     result = xr.Dataset(
         coords={"load": ds["load"].variable, "quantile": ("quantile", list(DECIDED))},
-        attrs=_attributes(field.conditions),
+        attrs=_attributes(
+            field.conditions, [one.path for one in stored_sweep(ds).variants.unknown]
+        ),
     )
     words = "velocity at which the next run is severe with a probability"
     attrs = {"units": "m/s", "long_name": words}

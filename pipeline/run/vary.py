@@ -12,7 +12,7 @@ from distributed import Client
 
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.transition import outcomes
+from pipeline.analysis.frames import frames_of
 from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
 from pipeline.run.sweep import run_sweep
 from pipeline.scene.over import notes_on_first_values, scale_friction
@@ -43,8 +43,7 @@ class Variation:
     value: str
     #: Critical velocity at each load [m/s]; NaN where there is no transition within the sweep.
     critical_velocities: tuple[float, ...]
-    #: At each load ``"crosses"``, or where there is no transition, ``"mild throughout"`` or
-    #: ``"severe throughout"``.
+    #: At each load ``"crosses"``, the ranges of severe wear, or why there is no transition.
     outcomes: tuple[str, ...]
 
 
@@ -191,9 +190,9 @@ def vary(
         ds = at(path, criterion=own.reference if own else None, own_laws=bool(own))
         found, carried = boundary(ds).transpose(_ROW, ...), warned(ds)
         velocities = found["critical_velocity"].values.tolist()
-        codes, words = found["outcome_at_load"].values, outcomes("velocity")
+        words = np.reshape(frames_of(found)[0]["outcome"], found["outcome_at_load"].shape).tolist()
     unvaried, *rest = (
-        Variation(key, value, tuple(velocities[row]), tuple(words[code] for code in codes[row]))
+        Variation(key, value, tuple(velocities[row]), tuple(words[row]))
         for row, (key, value) in enumerate(variations)
     )
     counts = len(done), len(contacts)
