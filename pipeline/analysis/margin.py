@@ -317,5 +317,6 @@ def outcome_in_words(turns: Turns, axis: str) -> str:
     places, begins = turns.shared()
     if len(places) + begins > 1:
         return words[SEVERAL]
-    crossing = int(np.sum(turns.outcome == CROSSES))
-    return f"crosses on {crossing} of {len(turns.outcome)}"
+    kinds = [CROSSES] if CROSSES in codes else codes.tolist()
+    counts = [f"{words[kind]} on {np.sum(turns.outcome == kind)}" for kind in kinds]
+    return f"{', '.join(counts)} of {len(turns.outcome)}"

@@ -167,6 +167,8 @@ def _scenes_diagram(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
     title = f"transition to severe wear, by {entries}"
     if len({judged for _, judged in several}) == 1:
         title += f"; {judged_by([judged])}"
+    errors = dict.fromkeys(model_error(scene, point_field(scene)).worded for scene, _ in several)
+    title += f"\nthe model's own error: {' or '.join(errors)}"
     style.legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
     return figure
 

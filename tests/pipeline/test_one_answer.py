@@ -224,8 +224,10 @@ def over_surfaces(crossings, axis, place, here):
     codes = np.unique(line[f"outcome_at_{axis}"])
     words = outcomes(along)[int(codes[0])]
     if len(codes) > 1:
-        crossing = int((line[f"outcome_at_{axis}"] == CROSSES).sum())
-        words = f"crosses on {crossing} of {len(values)}"
+        found, kinds = line[f"outcome_at_{axis}"], outcomes(along)
+        told = [CROSSES] if CROSSES in codes else codes.tolist()
+        words = ", ".join(f"{kinds[code]} on {int((found == code).sum())}" for code in told)
+        words += f" of {len(values)}"
     return (middle if 0 < middle < np.inf else np.nan), words
 
 

@@ -176,7 +176,7 @@ def test_outcomes_are_one_or_that_of_half_or_how_many_cross():
     assert said(SEVERE) == "severe throughout"
     assert said(ABOVE) == "mild at every load computed"
     assert said(SEVERAL) == "severe at some load and mild at a higher one"
-    assert said(MILD, SEVERE) == "crosses on 0 of 2"
+    assert said(MILD, SEVERE) == "mild throughout on 1, severe throughout on 1 of 2"
     assert said(CROSSES, SEVERAL, CROSSES, MILD) == "crosses on 2 of 4"  # half turns once
     assert said(SEVERAL, CROSSES, SEVERAL) == "severe at some load and mild at a higher one"
     to_mild = turns_of(*[(SEVERAL, (2.0,), True)] * 2, (SEVERE, (), True), (MILD, (), False))
