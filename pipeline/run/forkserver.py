@@ -35,6 +35,8 @@ _MODULES = ["scipy.fft", "scipy.special", "distributed", "pipeline.run.work"]
 
 def start() -> None:
     """Start the process, unless it runs."""
+    if not hasattr(signal, "pthread_sigmask"):  # not a POSIX system, as the store will say
+        return
     # It imports from the same folders as this process, and not from the one where a user works.
     path = os.pathsep.join(folder or os.curdir for folder in sys.path)
     multiprocessing.set_forkserver_preload(_MODULES)
