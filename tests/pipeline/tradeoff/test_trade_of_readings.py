@@ -192,8 +192,10 @@ def test_four_loads_and_all_usual_presets_are_taken_where_nothing_is_told(rig):
 
 
 def test_a_base_that_is_not_among_the_presets_is_a_choice_too(rig):
-    names = [name for name, *_ in tradeoff._candidates(SCENE, ("fine", "reference"), "draft")]
-    assert names[:3] == ["fine", "draft", "as in the scene"]
+    names = [
+        name for name, *_ in tradeoff._candidates(SCENE, ("fine", "reference", "draft"), "draft")
+    ]
+    assert names[:4] == ["reference", "fine", "draft", "as in the scene"]
     assert "draft, averaging = mean" in names
     assert "draft, increments = 1" in names  # a quarter and a tenth of 5 are both 1
     assert names.count("draft, increments = 1") == 1
