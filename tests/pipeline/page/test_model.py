@@ -188,9 +188,7 @@ def banded():
     return with_fields(ds, conditions=replace(read_conditions(ds), corrections=falling))
 
 
-@pytest.mark.parametrize(
-    "factors", [(1.0, 1.01, 2.0), (1.0, 2.0), (1.0, 1.05, 0.9, 1.8), (1.0, 0.6)]
-)
+@pytest.mark.parametrize("factors", [(1.0, 1.01, 2.0), (1.0, 1.05, 0.9, 1.8)])
 def test_surfaces_that_turn_unlike_turn_where_half_of_them_do(factors):
     ds = banded()
     heats = [name for name in ds if name in ("rise_quantile", "mean_rise", "max_rise")]
@@ -198,7 +196,7 @@ def test_surfaces_that_turn_unlike_turn_where_half_of_them_do(factors):
     several = xr.concat(
         hotter, xr.Variable("realization", range(len(factors))), combine_attrs="override"
     )
-    places = [(float(load), v) for load in several["load"][::3] for v in (0.7, 1.5, 3.0)]
+    places = [(float(load), v) for load in several["load"][::5] for v in (0.7, 1.5, 3.0)]
     (pages,) = run(several, MARGINS, [{"conditions": {}, "places": places}])
     for page in pages:
         load, velocity = page["place"]
