@@ -234,16 +234,17 @@ class PointField:
     ) -> Array:
         """See `Field`."""
         limit, here = self.limit * math.exp(-shift), float(velocities[0])
-        is_beyond = len(velocities) == 1 and self._is_beyond(load, here)
-        lines = self.lines("velocity", load, here, is_beyond)
+        is_untold = len(velocities) == 1 and self._is_untold(load, here)
+        lines = self.lines("velocity", load, here, is_untold)
         ranges = (replace(line, limit=limit).severe() for line in lines)
         shares = [severe_share(severe, velocities, scatter) for severe in ranges]
         return np.asarray(self.weights @ np.array(shares))
 
-    def _is_beyond(self, load: float, velocity: float) -> bool:
-        """A row of the sweep does not reach a velocity on each surface, where others may."""
+    def _is_untold(self, load: float, velocity: float) -> bool:
+        """A row of the sweep has too few points to go on to a velocity, on any surface."""
         rows = np.flatnonzero(self.planes[0].loads == load).tolist()
-        return any(math.isnan(curves[row].at(velocity)) for curves in self._curves for row in rows)
+        own = [curves[row] for curves in self._curves for row in rows]
+        return any(len(curve.x) < 2 and velocity not in curve.x for curve in own)
 
     def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
         """See `Field`."""
