@@ -13,8 +13,7 @@ from pipeline.analysis.dataset import plane_of
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import (
     USUAL_SCATTER,
-    clipped_velocity,
-    critical_velocity,
+    comparison,
     laboratory_tests,
     model_error,
     own_conditions,
@@ -43,10 +42,9 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     field, found = point_field(ds), []
     for test in held:
         with suppress(InputError):  # as warm as the critical temperature
-            own = field.under(own_conditions(ds, test))
-            computed = clipped_velocity(own, test)
-            if computed > 0:  # not of a load beyond the sweep
-                found.append((test, computed, computed != critical_velocity(own, test)))
+            one = comparison(field.under(own_conditions(ds, test)), test)
+            if one.is_known and one.critical > 0:
+                found.append((test, one.critical, one.critical != one.turn))
     if not found:
         raise InputError("no test of the scene is in the sweep; add loads and velocities to it")
     figure, axes = style.canvas(ax, (6.6, 6.4))
