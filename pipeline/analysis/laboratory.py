@@ -6,6 +6,7 @@ import functools
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -19,8 +20,10 @@ from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import USUAL, ModelError, Scatter
 from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import frame_of, notes_of, short
+from pipeline.quantities import display
 from pipeline.sweep.about import Measurement, own_tests
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.severity import rise_limit
 from tribo import InputError
 
 NOT_KNOWN = "not known"
@@ -28,6 +31,7 @@ USUAL_SCATTER = 0.05
 """Relative standard deviation of the velocity of a transition that gives none."""
 _DEVIATIONS = 2.0  # standard deviations of a measured velocity within which a transition agrees
 _BESIDE = 0.1  # relative distance in load and velocity of a test that is beside a place
+_NEAR = 0.02  # relative difference of the limit that is not worth a word or a mark
 _HEADS = (
     "test", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]", "hold [s]",
     "computed", "decisive temperature [°C]", "agrees", "note",
@@ -145,12 +149,31 @@ def critical_velocity(own: PointField, test: Measurement) -> float:
     return turns.nearest(test.velocity, to_severe=to_severe)
 
 
-def tests_beside(ds: xr.Dataset, load: float, velocity: float) -> Iterator[str]:
-    """Tests at or beside a place, in words."""
+def tests_beside(
+    ds: xr.Dataset, conditions: Conditions, load: float, velocity: float
+) -> Iterator[str]:
+    """Tests at or beside a place, in words, with their own conditions if others are judged by.
+
+    Those as warm as the critical temperature are left out.
+    """
     for test in laboratory_tests(ds):
         apart = abs(test.normal_load / load - 1), abs(test.velocity / velocity - 1)
-        if max(apart) <= _BESIDE:
-            yield f"{test.outcome or 'severe'}, {test.normal_load:g} N, {test.velocity:g} m/s"
+        if max(apart) > _BESIDE:
+            continue
+        with suppress(InputError):
+            own, at = own_conditions(ds, test), ""
+            if not are_near(own, conditions, test.velocity):
+                bulk = display(own.bulk_temperature, "°C", 3)
+                at = f" at friction {own.friction_at(test.velocity):.3g} and bulk {bulk}"
+            yield f"{test.outcome or 'severe'}, {test.normal_load:g} N, {test.velocity:g} m/s{at}"
+
+
+def are_near(one: Conditions, other: Conditions, velocity: float) -> bool:
+    """True if the rises that two conditions allow at a velocity are next to equal."""
+    at = np.array(velocity)
+    limits = [rise_limit(each) / each.friction_factor(at) for each in (one, other)]
+    is_alike = one.bulk_ratio == other.bulk_ratio
+    return is_alike and bool(abs(limits[0] / limits[1] - 1) < _NEAR)
 
 
 def compared(ds: xr.Dataset) -> pd.DataFrame | None:

@@ -201,6 +201,19 @@ def test_tests_beside_a_place_are_named_and_those_farther_away_are_not():
     assert pipeline.margin(ds, 300.0, 1.5).tested == ()
 
 
+def test_a_test_beside_a_place_that_has_other_conditions_is_named_with_them():
+    own = {"friction": 0.14, "bulk_temperature": 330.0}
+    tests = Measurement(600.0, 1.5, outcome="mild"), Measurement(600.0, 1.5, outcome="mild", **own)
+    ds = synthetic.sweep(measured=(), tested=tests)
+    said = "mild, 600 N, 1.5 m/s"
+    usual = " at friction 0.1 and bulk 25 °C"
+    other = " at friction 0.14 and bulk 56.9 °C"
+    assert pipeline.margin(ds, 600.0, 1.5).tested == (said, said + other)
+    assert pipeline.margin(pipeline.at(ds, **own), 600.0, 1.5).tested == (said + usual, said)
+    cool = pipeline.at(ds, critical_temperature=320.0)  # below the bulk of one of them
+    assert pipeline.margin(cool, 600.0, 1.5).tested == (said,)
+
+
 def test_whether_a_test_agrees_does_not_depend_on_the_models_own_error():
     tests = (600.0, 0.8 * CRITICAL, "mild"), (600.0, 1.3 * CRITICAL, None)
     usual = swept_with(*tests)
