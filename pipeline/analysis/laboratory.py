@@ -6,21 +6,24 @@ import functools
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.dataset import Kind, scene_sweep, stored_sweep, sweep_kind
-from pipeline.analysis.field import Field, PointField, point_field, quantile
+from pipeline.analysis.field import Field, Here, PointField, point_field, quantile
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import USUAL, ModelError, Scatter
 from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import frame_of, notes_of, short
+from pipeline.quantities import display
 from pipeline.sweep.about import Measurement, own_tests
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.severity import rise_limit
 from tribo import InputError
 
 NOT_KNOWN = "not known"
@@ -28,6 +31,7 @@ USUAL_SCATTER = 0.05
 """Relative standard deviation of the velocity of a transition that gives none."""
 _DEVIATIONS = 2.0  # standard deviations of a measured velocity within which a transition agrees
 _BESIDE = 0.1  # relative distance in load and velocity of a test that is beside a place
+_NEAR = 0.02  # relative difference of the limit that is not worth a word or a mark
 _HEADS = (
     "test", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]", "hold [s]",
     "computed", "decisive temperature [°C]", "agrees", "note",
@@ -72,21 +76,53 @@ def model_error(ds: xr.Dataset, field: Field) -> Scatter:
 def _distance(ds: xr.Dataset, field: PointField, test: Measurement) -> tuple[float, bool] | None:
     """ln(measured/computed) of a test at its own conditions, and if its outcome is wrong there.
 
-    None beyond the loads of the sweep.
+    None beyond the loads of the sweep, and where velocities that were not computed may agree.
     """
     try:
-        own = field.under(own_conditions(ds, test))
-        is_severe = np.mean(own.temperatures(*_nearest_place(own, test)).is_severe) > 0.5
+        found = comparison(field.under(own_conditions(ds, test)), test)
     except InputError:
         return None
-    critical = clipped_velocity(own, test)
-    is_wrong = test.outcome is None or (test.outcome == "severe") != is_severe
-    return (math.log(test.velocity / critical), is_wrong) if critical > 0 else None
+    if not (found.is_known and found.critical > 0):
+        return None
+    return math.log(test.velocity / found.critical), not found.is_right
 
 
-def _nearest_place(field: PointField, test: Measurement) -> tuple[float, float]:
-    """Load [N] and velocity [m/s] of a test, or the end of the sweep's velocities before it."""
-    return test.normal_load, float(np.clip(test.velocity, *field.ends["velocity"]))
+class Comparison(NamedTuple):
+    """A test beside the line of wear that is computed at its own conditions."""
+
+    place: tuple[float, float]  # load [N] and velocity [m/s], or the last one computed before it
+    here: Here  # what is computed there
+    turn: float  # where wear turns; see `critical_velocity`
+    critical: float  # the same, but the end of what was computed where it lies beyond [m/s]
+    is_severe: bool  # on more than half of the surfaces
+    is_right: bool  # the test has the computed outcome
+    is_known: bool  # no velocity beyond the computed ones may make it right
+
+
+def comparison(own: PointField, test: Measurement) -> Comparison:
+    """Compare a test with the field at its own conditions.
+
+    Beyond the computed velocities wear may turn, from mild to severe with the velocity; with
+    friction by velocity it may turn either way.
+
+    Raises
+    ------
+    InputError
+        If the load lies outside the sweep, or too little of it is done to tell.
+    """
+    low, high = own.turns("velocity", test.normal_load, test.velocity).computed
+    end = float(np.clip(test.velocity, low, high))
+    if math.isnan(end):
+        end = float(np.clip(test.velocity, *own.ends["velocity"]))
+    here = own.temperatures(test.normal_load, end)
+    turn = critical_velocity(own, test)
+    is_severe = bool(np.mean(here.is_severe) > 0.5)
+    is_right = test.outcome is not None and (test.outcome == "severe") == is_severe
+    has_turn = test.outcome is None and 0 < turn < math.inf
+    may_turn = own.conditions.has_friction_curve or is_severe == (test.velocity < end)
+    is_known = is_right or has_turn or test.velocity == end or not may_turn
+    critical = min(max(turn, low), high)
+    return Comparison((test.normal_load, end), here, turn, critical, is_severe, is_right, is_known)
 
 
 def _residual(run: Sequence[tuple[str | None, float, bool]]) -> float | None:
@@ -113,18 +149,31 @@ def critical_velocity(own: PointField, test: Measurement) -> float:
     return turns.nearest(test.velocity, to_severe=to_severe)
 
 
-def clipped_velocity(own: PointField, test: Measurement) -> float:
-    """The same, but the end of what was computed where it lies beyond [m/s]."""
-    low, high = own.turns("velocity", test.normal_load, test.velocity).computed
-    return min(max(critical_velocity(own, test), low), high)
+def tests_beside(
+    ds: xr.Dataset, conditions: Conditions, load: float, velocity: float
+) -> Iterator[str]:
+    """Tests at or beside a place, in words, with their own conditions if others are judged by.
 
-
-def tests_beside(ds: xr.Dataset, load: float, velocity: float) -> Iterator[str]:
-    """Tests at or beside a place, in words."""
+    Those as warm as the critical temperature are left out.
+    """
     for test in laboratory_tests(ds):
         apart = abs(test.normal_load / load - 1), abs(test.velocity / velocity - 1)
-        if max(apart) <= _BESIDE:
-            yield f"{test.outcome or 'severe'}, {test.normal_load:g} N, {test.velocity:g} m/s"
+        if max(apart) > _BESIDE:
+            continue
+        with suppress(InputError):
+            own, at = own_conditions(ds, test), ""
+            if not are_near(own, conditions, test.velocity):
+                bulk = display(own.bulk_temperature, "°C", 3)
+                at = f" at friction {own.friction_at(test.velocity):.3g} and bulk {bulk}"
+            yield f"{test.outcome or 'severe'}, {test.normal_load:g} N, {test.velocity:g} m/s{at}"
+
+
+def are_near(one: Conditions, other: Conditions, velocity: float) -> bool:
+    """True if the rises that two conditions allow at a velocity are next to equal."""
+    at = np.array(velocity)
+    limits = [rise_limit(each) / each.friction_factor(at) for each in (one, other)]
+    is_alike = one.bulk_ratio == other.bulk_ratio
+    return is_alike and bool(abs(limits[0] / limits[1] - 1) < _NEAR)
 
 
 def compared(ds: xr.Dataset) -> pd.DataFrame | None:
@@ -173,23 +222,23 @@ def _rows(ds: xr.Dataset) -> Iterator[tuple[Any, ...]]:
         try:
             own = own_conditions(ds, test)
             at = own.friction, own.bulk_temperature
-            computed, temperature, agrees = _answer(test, under(own))
-            if (end := _nearest_place(field, test)) != place:
-                note = f"computed at {end[1]:g} m/s, where the sweep ends"
+            found = comparison(under(own), test)
+            computed, temperature, agrees = _answer(test, under(own), found)
+            if found.place != place:
+                note = f"computed at {found.place[1]:g} m/s, where the points end"
         except InputError as error:
             computed, temperature, agrees, note = NOT_KNOWN, None, NOT_KNOWN, str(error)
         kind = test.outcome or "transition"
         yield (kind, *place, *at, test.hold, computed, temperature, agrees, note)
 
 
-def _answer(test: Measurement, field: PointField) -> tuple[str, float, str]:
+def _answer(test: Measurement, field: PointField, found: Comparison) -> tuple[str, float, str]:
     """What is computed at a test, the deciding temperature [K], and whether it agrees.
 
     The numerical error and the scatter of the measurement count, and not the model's own error,
     which the tests have made.
     """
-    place = _nearest_place(field, test)
-    here, error = field.temperatures(*place), field.error(*place).total
+    here, error = found.here, field.error(*found.place).total
     temperature = quantile(here.values, field.weights, 0.5)
     rises = np.array([*map(field.conditions.temperature_error, here.values.tolist())])
     known = error is not None and np.abs(here.critical - here.values) > error * rises
@@ -201,11 +250,12 @@ def _answer(test: Measurement, field: PointField) -> tuple[str, float, str]:
         if len({*here.is_severe.tolist()}) > 1:
             said = f"severe on {here.is_severe.sum()} of {len(here.is_severe)} surfaces"
         agrees = NOT_DECIDED if verdict == NOT_DECIDED else "yes" if verdict == outcome else "no"
-        return said, temperature, agrees
-    critical = critical_velocity(field, test)
+        return said, temperature, agrees if found.is_known else NOT_KNOWN
     scatter = test.velocity_scatter or USUAL_SCATTER * test.velocity
-    near = abs(critical - test.velocity) <= _DEVIATIONS * scatter
-    said = f"at {critical:.3g} m/s" if 0 < critical < math.inf else verdict
+    near = abs(found.turn - test.velocity) <= _DEVIATIONS * scatter
+    said = f"at {found.turn:.3g} m/s" if 0 < found.turn < math.inf else verdict
+    if not found.is_known:
+        return said, temperature, NOT_KNOWN
     if error is None:
         return said, temperature, NOT_DECIDED
     away = NOT_DECIDED if verdict == NOT_DECIDED else "no"

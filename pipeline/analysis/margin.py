@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.analysis.field import Field, quantile
+from pipeline.analysis.field import Field, continued_friction, quantile
 from pipeline.analysis.model_error import Scatter, severe_share
 from pipeline.analysis.rise_error import RiseError
-from pipeline.analysis.transition import CROSSES, SEVERAL, Turns, outcomes
+from pipeline.analysis.transition import CROSSES, SEVERAL, Line, Turns, outcomes
 from pipeline.sweep.shown import shown
 from tribo.types import Array
 
@@ -228,15 +228,23 @@ def probabilities(
 
 
 def probabilities_alone(
-    rise: float, limit: float, scatter: Scatter, error: RiseError
+    rise: float,
+    limit: float,
+    scatter: Scatter,
+    error: RiseError,
+    friction: Callable[[Array], Array] = np.ones_like,
 ) -> tuple[float, float, float]:
-    """The same of a point by itself, whose rise [K] grows with exponent 1 at most."""
+    """The same of a point by itself, whose rise [K] grows with exponent 1 at most.
+
+    Friction is relative, by the velocity over that of the point, and known at every velocity.
+    """
+    curve = continued_friction(np.ones(1), np.array([rise]), friction)
 
     def share(shift: float) -> Array:
-        if not (rise > 0 and math.isfinite(limit)):
+        if curve is None or not math.isfinite(limit):
             return np.array(0.0)
-        critical = limit / rise * math.exp(-shift)  # over the velocity
-        return severe_share([(critical, math.inf)], np.array(1.0), scatter)
+        line = Line(curve, limit * math.exp(-shift), (1.0, 1.0), np.ones(1), np.array([]))
+        return severe_share(line.severe(), np.array(1.0), scatter)
 
     low, middle, high = map(float, _bounded(share, error))
     return low, middle, high

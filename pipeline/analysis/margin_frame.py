@@ -139,7 +139,7 @@ def judged(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Judged]:
         for place, own in places:
             try:
                 here = under(*own.items())
-                tested = [*tests_beside(field.source, *place)]
+                tested = [*tests_beside(field.source, here.conditions, *place)]
                 found = answer(here, place.load, place.velocity, scatter, tested)
                 yield Judged(here, place, own, found)
             except InputError as error:

@@ -84,6 +84,9 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
     frictions = conditions.get("friction")
     if isinstance(frictions, list):
         conditions["friction"] = tuple(frictions) if len(frictions) > 1 else frictions[0]
+    criterion = conditions.get("criterion", "share")
+    if "share" in conditions and criterion != "share" and ":" not in criterion:
+        raise InputError(f"criterion {criterion} has no share; leave out --share")
     return conditions | criterion_in(options)
 
 

@@ -53,7 +53,11 @@ def point(options: argparse.Namespace) -> Result:
     chances = None
     if distance is not None:
         rise = conditions.limit(decisive) if conditions.rise_factor else 0.0
-        chances = probabilities_alone(rise, rise_limit(conditions), model, relative)
+        here = abs(options.velocity)
+        chances = probabilities_alone(
+            rise, rise_limit(conditions), model, relative,
+            lambda ratio: conditions.friction_factor(here * ratio),
+        )  # fmt: skip
         judged = verdict_between(chances[0], chances[2])
         by_model = verdict_between(chances[1], chances[1]) == NOT_DECIDED
         if judged == NOT_DECIDED and not by_model:
@@ -116,9 +120,11 @@ def _point_lines(
         severe = f"wear is severe with {decisive.severe} {critical}; "
     yield f"{severe}the decisive temperature is {decisive.temperature}, its error {error.worded}"
     if (chance := document["probability"]) is not None:
+        law = ", with friction by velocity" if conditions.has_friction_curve else ""
+        most = "" if law else " at most"
         yield (
-            f"the next run is severe with {percent(chance)} probability at most, if the rise "
-            f"grows as the velocity; the model's own error: {document['model_error']}"
+            f"the next run is severe with {percent(chance)} probability{most}, if the rise "
+            f"grows as the velocity{law}; the model's own error: {document['model_error']}"
         )
     block = sweep.scene.pixels.shape[0] // len(result.state.pressure)
     if block > 1 and sweep.scene.roughness is not None:

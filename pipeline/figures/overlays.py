@@ -15,20 +15,18 @@ from scipy.ndimage import distance_transform_edt
 
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.field import point_field
-from pipeline.analysis.laboratory import critical_velocity, own_conditions
+from pipeline.analysis.laboratory import are_near, critical_velocity, own_conditions
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from pipeline.quantities import display
 from pipeline.store.schema import PLANE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import rise_limit
 from pipeline.sweep.surface import find_lubrication
 from tribo import Criterion, InputError, lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
 from tribo.types import Array, Mask
 
-_NEAR = 0.02  # relative difference of the limit that is not worth a mark of its own
 _REACH = 1.5  # times the ends of the sweep, beyond which a test would shrink the figure
 _SAME_BULK, _FAINT = 1.0, 0.35  # [K] between bulk temperatures, and opacity of tests at others
 _RESOLUTION = 60
@@ -133,7 +131,7 @@ def mark_own_transitions(
     for test in tests:
         try:
             own = own_conditions(ds, test)
-            if _is_near(own, conditions, test.velocity):
+            if are_near(own, conditions, test.velocity):
                 continue
             velocity = critical_velocity(field.under(own), test)
         except InputError:  # beyond the sweep, or as warm as the critical temperature
@@ -150,14 +148,6 @@ def mark_own_transitions(
         zorder=4.1, label="computed at the test's own conditions", gid="at own conditions",
     )  # fmt: skip
     return list(line)
-
-
-def _is_near(one: Conditions, other: Conditions, velocity: float) -> bool:
-    """True if the rises that two conditions allow at a velocity are next to equal."""
-    at = np.array(velocity)
-    limits = [rise_limit(each) / each.friction_factor(at) for each in (one, other)]
-    is_alike = one.bulk_ratio == other.bulk_ratio
-    return is_alike and bool(abs(limits[0] / limits[1] - 1) < _NEAR)
 
 
 def isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any) -> bool:

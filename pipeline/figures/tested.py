@@ -13,8 +13,7 @@ from pipeline.analysis.dataset import plane_of
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import (
     USUAL_SCATTER,
-    clipped_velocity,
-    critical_velocity,
+    comparison,
     laboratory_tests,
     model_error,
     own_conditions,
@@ -43,28 +42,30 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     field, found = point_field(ds), []
     for test in held:
         with suppress(InputError):  # as warm as the critical temperature
-            own = field.under(own_conditions(ds, test))
-            computed = clipped_velocity(own, test)
-            if computed > 0:  # not of a load beyond the sweep
-                found.append((test, computed, computed != critical_velocity(own, test)))
+            one = comparison(field.under(own_conditions(ds, test)), test)
+            if one.is_known and one.critical > 0:
+                found.append((test, one))
     if not found:
         raise InputError("no test of the scene is in the sweep; add loads and velocities to it")
     figure, axes = style.canvas(ax, (6.6, 6.4))
-    places = np.array([(computed, test.velocity) for test, computed, _ in found])
+    places = np.array([(one.critical, test.velocity) for test, one in found])
     ends = places.min() / _ROOM, places.max() * _ROOM
     scatter = model_error(ds, field)
     _draw_band(axes, ends, scatter)
     labels = set[str]()
-    for test, computed, is_beyond in found:
+    for test, one in found:
         name, gid, marker, mfc, mec, ms, mew = TESTS[test.outcome]
+        is_beyond = one.critical != one.turn
         label = name + ", beyond what was computed" * is_beyond
+        if test.outcome and one.is_severe != (test.velocity > one.critical):
+            marker, label = "v", f"{label}; computed severe below, mild above"
         error = 0.0 if test.outcome else test.velocity_scatter or USUAL_SCATTER * test.velocity
-        bars = axes.errorbar(
-            computed, test.velocity, error, ls="none", marker=marker, ms=ms, mfc=mfc, mec=mec,
-            mew=mew, ecolor=GREY, zorder=4, alpha=_FAINT if is_beyond else 1.0,
-            label="" if label in labels else label,
+        place, alpha = (one.critical, test.velocity), _FAINT if is_beyond else 1.0
+        axes.errorbar(*place, error, fmt="none", ecolor=GREY, zorder=4, alpha=alpha)
+        axes.plot(
+            *place, ls="none", marker=marker, ms=ms, mfc=mfc, mec=mec, mew=mew, zorder=4,
+            alpha=alpha, gid=gid, label="" if label in labels else label,
         )  # fmt: skip
-        bars.lines[0].set_gid(gid)
         labels.add(label)
     if unknown := len(held) - len(found):
         axes.plot([], [], ls="none", label=f"{unknown} of {len(held)} tests: not known")

@@ -27,11 +27,10 @@ function drawDiagram() {
   const label = "Points of the sweep by velocity and load; arrow keys move, Enter keeps one";
   const about = { tabindex: 0, role: "application", "aria-label": label, "aria-describedby": "tip" };
   const { left, top, right, bottom } = frame;
-  const size = { x: left, y: top, width: right - left, height: bottom - top };
-  const viewBox = Object.values(size).join(" ");
+  const size = { x: left, y: top, width: right - left, height: bottom - top }; // where all is cut off
   const drawn = [drawnBoundary, drawnMarks, drawnMeasured].flatMap((layer) => layer(frame));
   if (isInside(chosen, content)) drawn.push(cross(frame, chosen));
-  inside.append(svg("svg", { ...size, viewBox, class: "view" }, ...drawn)); // cut off at its frame
+  inside.append(svg("svg", { ...size, viewBox: Object.values(size).join(" "), class: "view" }, ...drawn));
   const [pointer, choice] = ["pointer", "choice"].map((look) => svg("circle", { class: look, r: 8 }));
   filled(root, about, [pointer, choice]);
   element("diagram").replaceChildren(root, tip);

@@ -70,8 +70,8 @@ function rangesAbove(x, y, limit) {
  * {AxisName} axis @param {number} node @param {Conditions} conditions @returns {Transition[]} */
 function transitions(axis, node, conditions) {
   const [known, { limit }] = [knownPlane(conditions), heatOf(conditions)];
-  const { fine, range, columns, friction_factors: factors } = content;
-  const turnsBack = axis === "velocity" && factors.some((factor) => factor !== factors[0]);
+  const { fine, range, columns } = content;
+  const turnsBack = axis === "velocity" && hasFrictionCurve && !conditions.strip_friction;
   return surfaces().map((surface) => {
     const own = axis === "load" ? columns[`${surface} ${node}`] : undefined;
     const y = fine[axis].map((_, n) => known[own !== undefined ? own + n
@@ -80,8 +80,7 @@ function transitions(axis, node, conditions) {
     const [from, to] = [x[0] ?? NaN, x[x.length - 1] ?? NaN];
     const severe = rangesAbove(fine[axis], y, limit);
     const places = severe.flat().filter((place) => place > 0 && place < Infinity);
-    const isHot = severe[0]?.[0] === 0;
-    const [isFirst, isLast] = [from <= range[axis][0], to >= range[axis][1]];
+    const [isHot, isFirst, isLast] = [severe[0]?.[0] === 0, from <= range[axis][0], to >= range[axis][1]];
     const isWhole = turnsBack ? isFirst && isLast : isHot ? isFirst : isLast;
     let outcome = isHot ? (isWhole ? SEVERE : BELOW) : isWhole ? MILD : ABOVE;
     if (places.length) outcome = places.length > 1 || isHot ? SEVERAL : CROSSES;

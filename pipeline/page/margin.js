@@ -1,16 +1,21 @@
 /* How likely the next run is severe at a node: the severe ranges about it, by the model's own error. */
 
-/** Each test at its own conditions: the nearest turn, ln(measured/computed), and if it is wrong. */
+/** Each test at its own conditions, as the command has it; no distance where what lies beyond may agree. */
 function judgedTests() {
   return content.measured.map((test) => {
-    const [own, [k, j]] = [{ ...chosen.conditions, ...test.own }, test.node];
+    const [own, [k]] = [{ ...chosen.conditions, ...test.own }, test.node];
     const [all, limit] = [transitions("velocity", k, own), heatOf(own).limit];
     const expected = nearestTurn(all, test.velocity, !test.outcome || test.run !== undefined);
     const [from, to] = [0, 1].map((end) => all.map(({ computed }) => computed[end]));
-    const critical = Math.min(Math.max(expected, Math.min(...from)), Math.max(...to));
-    const hot = surfaces().filter((surface) => planeOf(own)[indexOf(surface, k, j)] > limit);
-    const isRight = test.outcome && (test.outcome === "severe") === hot.length > surfaces().length / 2;
-    const isKnown = test.isInside && limit > Math.abs(heatOf(own).ratio) && critical > 0;
+    const within = (/** @type {number} */ x) => Math.min(Math.max(x, Math.min(...from)), Math.max(...to));
+    const [critical, velocity] = [within(expected), within(test.velocity)];
+    const at = surfaces().map((one) => indexOf(one, ...nearestNode({ load: test.load, velocity })));
+    const isHot = at.filter((node) => planeOf(own)[node] > limit).length > at.length / 2;
+    const isRight = test.outcome && (test.outcome === "severe") === isHot;
+    const mayTurn = (hasFrictionCurve && !own.strip_friction) || isHot === test.velocity < velocity;
+    const isTold = isRight || (!test.outcome && expected > 0 && expected < Infinity) || !mayTurn;
+    const isKnown = test.isInside && limit > Math.abs(heatOf(own).ratio) && critical > 0 &&
+      (isTold || test.velocity === velocity);
     const distance = isKnown ? Math.log(test.velocity / critical) : NaN;
     return { expected, distance, isWrong: !isRight, outcome: test.outcome, run: test.run };
   });
@@ -31,8 +36,7 @@ function residuals() {
 
 /** The model's own error under the present conditions: its distribution, and in words. */
 function modelError() {
-  const { distances, below, base, weight, words } = content.model;
-  const all = residuals();
+  const [all, { distances, below, base, weight, words }] = [residuals(), content.model];
   const n = all.length;
   const scale = Math.sqrt(base[n] + weight[n] * sum(all.map((one) => one * one)));
   return {

@@ -186,8 +186,7 @@ function showPoint() {
 /** Show the contact's share that is hotter than each temperature. @param {number[][]} curves [°C] */
 function showDistribution(curves) {
   const { critical_temperature: critical, failing_share } = chosen.conditions;
-  const share = 100 * failing_share;
-  const limits = critical === null ? [] : [critical - ZERO_CELSIUS];
+  const [share, limits] = [100 * failing_share, critical === null ? [] : [critical - ZERO_CELSIUS]];
   const rule = !limits.length || !hasShare ? "" : " Wear is severe where the curve passes above the " +
     `crossing of the dashed lines: more than ${shown(share)} % hotter than ${shown(limits[0], 6)} °C.`;
   const x = { ...ends([...curves.flat(), ...limits]), label: "temperature [°C]" };

@@ -12,6 +12,7 @@ const tables = {
 /** Planes by conditions. @type {Map<string, Float64Array>} */
 const planes = new Map();
 const hasShare = content.shares.length > 1;
+const hasFrictionCurve = new Set(content.friction_factors).size > 1; // by velocity
 /** Choices of the reader. @type {{conditions: Conditions, surface: number | null, point: Point | null,
  * load: number, velocity: number}} */
 const chosen = {

@@ -49,8 +49,7 @@ function outcomeText({ transitions }, unit) {
   if (transitions.length === 1) return outcomeWords(transitions[0], along, unit);
   const counts = words.map((_, code) => transitions.filter(({ outcome }) => outcome === code).length);
   const texts = counts.map((count, code) =>
-    code === CROSSES ? `${count} of ${transitions.length} cross` : `${count} ${words[code]}`,
-  );
+    code === CROSSES ? `${count} of ${transitions.length} cross` : `${count} ${words[code]}`);
   return texts.filter((_, code) => counts[code]).join(", ");
 }
 
@@ -93,8 +92,7 @@ function crossingText(rows) {
 /** Offer a table as CSV, as it is shown. @param {string} id @param {string} name */
 function offerCsv(id, name) {
   const lines = [...element(id).querySelectorAll("tr")].map((row) =>
-    [...row.cells].map(({ textContent }) => JSON.stringify(textContent)).join(","),
-  );
+    [...row.cells].map(({ textContent }) => JSON.stringify(textContent)).join(","));
   const href = `data:text/csv;charset=utf-8,${encodeURIComponent(lines.join("\r\n"))}`;
   Object.assign(element(`${id}-csv`), { href, download: `${name || "sweep"}_critical_${id}.csv` });
 }

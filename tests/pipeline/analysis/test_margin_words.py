@@ -237,6 +237,15 @@ def test_a_point_alone_is_severe_by_the_ratio_of_its_rise_to_the_limit(rise, lim
     assert found == pytest.approx((expected,) * 3, abs=1e-12)
 
 
+def test_a_point_alone_turns_where_its_known_friction_turns_wear():
+    """Beyond the point friction falls as 1/V², so that the rise has its top there."""
+    found = probabilities_alone(99.0, 100.0, Normal(), NONE, lambda v: np.where(v > 1, v**-2, 1))
+    assert found == pytest.approx((0.0,) * 3, abs=1e-12)
+    found = probabilities_alone(110.0, 100.0, Normal(), NONE, lambda v: np.where(v > 1, v**-2, 1))
+    below = [Normal().below(np.log(ratio)) for ratio in (100 / 110, 110 / 100)]
+    assert found == pytest.approx((below[1] - below[0],) * 3, abs=2e-3)
+
+
 class Shares:
     """A field whose probabilities of severe wear rise evenly between 1 and 3 m/s."""
 

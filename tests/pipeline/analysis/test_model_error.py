@@ -8,13 +8,16 @@ import pytest
 from scipy import integrate, stats
 
 import pipeline
+from pipeline.analysis.dataset import read_conditions
 from pipeline.analysis.field import point_field
-from pipeline.analysis.laboratory import compared, laboratory_tests, model_error
+from pipeline.analysis.laboratory import NOT_KNOWN, compared, laboratory_tests, model_error
 from pipeline.analysis.margin import NOT_DECIDED, answer, error_band, percent
 from pipeline.analysis.model_error import ModelError
 from pipeline.sweep.about import Measurement
 from tests.helpers import synthetic
+from tests.helpers.sweeps import with_fields
 from tests.pipeline.analysis.test_boundary import falling
+from tribo import Corrections, Friction
 
 EXPONENT = synthetic.VELOCITY_EXPONENT
 
@@ -110,7 +113,53 @@ def test_a_test_at_a_velocity_beyond_the_sweep_counts_where_the_line_is_known(ve
     assert scatter_of(ds).residuals == pytest.approx([math.log(velocity / CRITICAL)], abs=0.01)
     (row,) = compared(ds).to_dict("records")
     assert row["agrees"] == "no"
-    assert "where the sweep ends" in row["note"]
+    assert "where the points end" in row["note"]
+
+
+MILD, SEVERE = (
+    {"critical_temperature": 1200.0},
+    {"critical_temperature": 310.0},
+)  # at every velocity
+FALLING = Corrections(friction=Friction(by_velocity=((1.0, 1.0), (4.0, 0.9))))
+
+
+@pytest.mark.parametrize(
+    ("everywhere", "velocity", "outcome", "end"),
+    [
+        (MILD, 5.0, "severe", None),
+        (MILD, 5.0, "mild", None),  # right
+        (MILD, 0.1, "severe", 4.0),
+        (MILD, 5.0, None, None),
+        (MILD, 0.1, None, 4.0),
+        (SEVERE, 0.1, "mild", None),
+        (SEVERE, 0.1, "severe", None),  # right
+        (SEVERE, 5.0, "mild", 0.5),
+        (SEVERE, 0.1, None, None),
+        (SEVERE, 5.0, None, 0.5),
+    ],
+)
+def test_a_test_that_velocities_beyond_the_computed_ones_may_make_right_does_not_count(
+    everywhere, velocity, outcome, end
+):
+    ds = pipeline.at(swept_with((600.0, velocity, outcome)), **everywhere)
+    expected = [] if end is None else [math.log(velocity / end)]
+    assert scatter_of(ds).residuals == pytest.approx(expected)
+    told = "yes" if outcome == ("mild" if everywhere is MILD else "severe") else NOT_KNOWN
+    assert compared(ds)["agrees"].to_list() == [told if end is None else "no"]
+
+
+def test_a_test_beyond_the_points_that_are_done_is_judged_at_their_end():
+    ds = swept_with((200.0, 3.6, None), (200.0, 3.6, "severe"))
+    ds = ds.where((ds["load"] > 200.0) | (ds["velocity"] < 2.6))
+    assert scatter_of(ds).residuals == ()
+    assert set(compared(ds)["agrees"]) == {NOT_KNOWN}
+
+
+@pytest.mark.parametrize(("velocity", "outcome"), [(0.1, "severe"), (30.0, "mild")])
+def test_with_friction_by_velocity_nothing_is_known_beyond_the_velocities(velocity, outcome):
+    ds = swept_with((600.0, velocity, outcome))
+    judged = replace(read_conditions(ds), corrections=FALLING)
+    assert scatter_of(with_fields(ds, conditions=judged)).residuals == ()
 
 
 @pytest.mark.parametrize("velocity", [0.6, 1.0, 1.2, 1.6, 2.2, 2.6, 3.5])
@@ -150,6 +199,19 @@ def test_tests_beside_a_place_are_named_and_those_farther_away_are_not():
     assert found.tested == ("severe, 600 N, 1.5 m/s",)
     assert found.sentence.endswith("tested there: severe, 600 N, 1.5 m/s")
     assert pipeline.margin(ds, 300.0, 1.5).tested == ()
+
+
+def test_a_test_beside_a_place_that_has_other_conditions_is_named_with_them():
+    own = {"friction": 0.14, "bulk_temperature": 330.0}
+    tests = Measurement(600.0, 1.5, outcome="mild"), Measurement(600.0, 1.5, outcome="mild", **own)
+    ds = synthetic.sweep(measured=(), tested=tests)
+    said = "mild, 600 N, 1.5 m/s"
+    usual = " at friction 0.1 and bulk 25 °C"
+    other = " at friction 0.14 and bulk 56.9 °C"
+    assert pipeline.margin(ds, 600.0, 1.5).tested == (said, said + other)
+    assert pipeline.margin(pipeline.at(ds, **own), 600.0, 1.5).tested == (said + usual, said)
+    cool = pipeline.at(ds, critical_temperature=320.0)  # below the bulk of one of them
+    assert pipeline.margin(cool, 600.0, 1.5).tested == (said,)
 
 
 def test_whether_a_test_agrees_does_not_depend_on_the_models_own_error():

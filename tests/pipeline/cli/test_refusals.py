@@ -57,6 +57,8 @@ REFUSALS = {
     "at entry": (irg("boundary", "tiny.zarr", "--at", "pin.radius=3"), "pin.radius is 3, without"),
     "set twice": (irg("check", "first_try", "--set=increments=5", "--set=fidelity.increments=6"),
                   "--set: increments is given more than once"),
+    "share of another": (irg("boundary", "tiny.zarr", "--criterion=highest", "--share=10%"),
+                         "criterion highest has no share; leave out --share"),
     "sheet": (irg("margin", "tiny.zarr", "--sheet", "one"), "--sheet names a sheet of --points"),
     "no place": (irg("margin", "tiny.zarr", "--load", "250 N"), "no operating point is given"),
     "two places": (irg("margin", "tiny.zarr", "--points", "a.csv", *PLACE),

@@ -22,6 +22,7 @@ from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
+from tests.pipeline.analysis.test_boundary import falling
 from tribo import InputError
 
 NARROW = (200.0, 400.0, 600.0), (1.0, 2.0, 4.0)
@@ -406,6 +407,10 @@ def test_regions_are_named_on_their_own_side_and_over_no_test(log):
     assert not crowded.texts
 
 
+def lines_of_tests(axes):
+    return [line for line in axes.lines if str(line.get_gid()).startswith("tested")]
+
+
 def test_tests_over_computed_are_in_one_scale_with_the_line_of_equals():
     tests = (Measurement(400.0, 2.25, 0.1), Measurement(600.0, 1.2, 0.1, outcome="severe"))
     figure = measured_over_computed(synthetic.sweep(measured=tests[:1], tested=tests[1:]))
@@ -432,10 +437,20 @@ def test_a_test_of_a_slow_transition_is_drawn_too():
     fast = synthetic.sweep(velocities=[0.1, 0.2, 0.4, 0.8], measured=(),
                            tested=(Measurement(750.0, 0.4, 0.2, outcome="mild"),))  # fmt: skip
     (axes,) = measured_over_computed(fast).axes
-    ((x, y),) = axes.containers[0].lines[0].get_xydata()
+    ((x, y),) = lines_of_tests(axes)[0].get_xydata()
     assert x == pytest.approx(synthetic.critical_velocity(750.0, synthetic.limit(0.2)), rel=1e-3)
     assert x < 1.0
     assert y == 0.4
+
+
+def test_a_test_beside_a_turn_to_mild_wear_points_down_and_the_legend_tells_its_sides():
+    tests = tuple(Measurement(400.0, v, None, outcome="mild") for v in (1.0, 2.3, 2.7))
+    band = synthetic.sweep(rise=falling, measured=(), tested=tests)
+    figure = measured_over_computed(band)
+    markers = [line.get_marker() for line in lines_of_tests(figure.axes[0])]
+    assert markers == ["^", "v", "v"]
+    said = labels(figure.legends[0])
+    assert {"test: mild wear", "test: mild wear; computed severe below, mild above"} <= set(said)
 
 
 # Bars

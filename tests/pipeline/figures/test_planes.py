@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 import pipeline
 import tribo
 from pipeline.analysis.dataset import stored_sweep
+from pipeline.analysis.laboratory import are_near
 from pipeline.figures import diagram as module
 from pipeline.figures.diagram import diagram
 from pipeline.figures.overlays import (
-    _is_near,
     _roomiest,
     film_lines,
     isoline,
@@ -286,7 +286,7 @@ def test_logarithmic_scales_leave_rest_out():
     ],
 )
 def test_conditions_are_near_where_they_allow_nearly_the_same_rise(changes, is_near):
-    assert _is_near(replace(OWN, **changes), OWN, 2.0) == is_near
+    assert are_near(replace(OWN, **changes), OWN, 2.0) == is_near
 
 
 def test_conditions_are_near_where_friction_by_velocity_is_that_of_the_test():
@@ -294,11 +294,11 @@ def test_conditions_are_near_where_friction_by_velocity_is_that_of_the_test():
     law = replace(OWN, corrections=tribo.Corrections(friction=falling))
     at_four, elsewhere = replace(OWN, friction=0.05), replace(OWN, friction=0.2)
     assert law.friction_factor(np.array(4.0)) == pytest.approx(0.5)
-    assert _is_near(law, at_four, 4.0)
-    assert _is_near(at_four, law, 4.0)
-    assert not _is_near(law, at_four, 1.0)
-    assert _is_near(law, OWN, 1.0)
-    assert not _is_near(law, elsewhere, 4.0)
+    assert are_near(law, at_four, 4.0)
+    assert are_near(at_four, law, 4.0)
+    assert not are_near(law, at_four, 1.0)
+    assert are_near(law, OWN, 1.0)
+    assert not are_near(law, elsewhere, 4.0)
 
 
 def test_a_test_at_another_friction_is_joined_with_its_own_transition():

@@ -303,17 +303,18 @@ def test_each_test_is_drawn_over_the_velocity_of_the_closed_form_at_its_own_fric
     axes = plot(ds, "tests").axes[0]
     drawn = {}
     for bars in axes.containers:
-        (point,) = bars.lines[0].get_xydata()
-        drawn[tuple(point)] = bars
+        (ends,) = bars.lines[2][0].get_segments()
+        drawn[ends[0, 0], round(float(ends[:, 1].mean()), 9)] = ends
+    points = {tuple(point) for line in axes.lines if line.get_gid() for point in line.get_xydata()}
+    assert {y for _, y in points} == {y for _, y in drawn}
     for test in (*transitions, mild):
         limit = (418.15 - 298.15) / (test.friction or 0.1)
         ratio = limit / synthetic.rise(test.normal_load, 1.0, 0.9)
         critical = ratio ** (1 / synthetic.VELOCITY_EXPONENT)
         ((x, y),) = (place for place in drawn if place[1] == test.velocity)
         assert x == pytest.approx(critical, rel=1e-3)
-        (ends,) = drawn[x, y].lines[2][0].get_segments()
         error = 0.0 if test.outcome else test.velocity_scatter or 0.05 * y
-        assert np.ptp(ends[:, 1]) == pytest.approx(2 * error)
+        assert np.ptp(drawn[x, y][:, 1]) == pytest.approx(2 * error)
     (far,) = (place for place in drawn if place[1] == beyond.velocity)
     assert far[0] == VELOCITIES[-1]  # where the computed points end
     said = [text.get_text() for text in axes.figure.legends[0].get_texts()]

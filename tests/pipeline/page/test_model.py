@@ -239,6 +239,31 @@ def test_a_page_of_bands_measures_transitions_against_turns_to_severe_wear():
     assert run(ds, "return modelError().words") == found.worded
 
 
+ENDS = [{}, {"critical_temperature": 1200.0}, {"critical_temperature": 310.0}]
+
+
+@pytest.mark.parametrize("make", [synthetic.sweep, lambda: banded().sel(velocity=slice(0.7, 2.5))])
+@pytest.mark.parametrize("is_whole", [True, False])
+def test_a_page_counts_the_tests_beyond_the_velocities_that_the_command_counts(make, is_whole):
+    tests = tuple(
+        Measurement(600.0, velocity, friction, outcome=outcome)
+        for velocity in (0.2, 1.0, 7.0)
+        for friction, outcome in ((None, "mild"), (None, "severe"), (None, None), (0.1, "mild"))
+    )
+    ds, counted = with_fields(make(), measured=tests, tested=()), set()
+    ds = ds.where(is_whole | (ds["load"] != 600.0) | (abs(ds["velocity"] - 1.5) < 0.6))
+    script = """return argument.map((given) => {
+      chosen.conditions = { ...content.conditions, ...given };
+      return residuals();
+    });"""
+    for given, told in zip(ENDS, run(ds, script, ENDS), strict=True):
+        there = pipeline.at(ds, **given)
+        expected = model_error(there, fields(there)[0]).residuals
+        assert told == pytest.approx(expected, abs=0.01)
+        counted.add(len(expected))
+    assert 0 < min(counted) < max(counted) < len(tests)
+
+
 GRID = """
 return argument.map((friction) => {
   const middle = excess(0.5, { ...chosen.conditions, friction });
