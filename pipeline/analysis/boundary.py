@@ -87,7 +87,8 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
         - ``rise_exponent`` (at loads alone): d ln(rise) over d ln(velocity) at the crossing.
 
         Attributes are the conditions, with units in ``units_of_attributes``; ``model_error``, what
-        the model's own error rests on; and ``missing_points``, the number of those missing.
+        the model's own error rests on; ``missing_points``, the number of those missing; and
+        ``misfit``, why the tests contradict the model, where they do.
 
         Over several surfaces all but the band have a dimension ``realization`` in front, and these
         are added, likewise for ``critical_load``:
@@ -277,7 +278,8 @@ def _add_errors(boundaries: xr.Dataset, field: Field, ds: xr.Dataset) -> xr.Data
         ("severe_above", bands[:, 1], "above this velocity the next run is severe"),
     ):
         boundaries[name] = "load", ends, {"units": "m/s", "long_name": words}
-    return boundaries.assign_attrs(model_error=scatter.worded)
+    misfit = {"misfit": field.misfit} if field.misfit else {}
+    return boundaries.assign_attrs(model_error=scatter.worded, **misfit)
 
 
 def _band_alone(ds: xr.Dataset) -> xr.Dataset:

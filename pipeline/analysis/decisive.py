@@ -36,15 +36,20 @@ def attributes_by(conditions: Conditions) -> dict[str, Any]:
     return plain
 
 
+def require_lists(ds: xr.Dataset, *names: str) -> None:
+    """Raise an `InputError` at a dataset that was cut to one value of these dimensions."""
+    for name in names:
+        if name not in ds.dims:
+            raise InputError(
+                f"the dataset has a single {name}, and no dimension of it; select a list of one, "
+                f"such as ds.sel({name}=[{ds[name].item():g}])"
+            )
+
+
 def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     """Rise at friction 1 that decides at each point [K], dims (..., load, velocity), or NaN."""
     ds = dataset_of(ds)
-    for name in ("load", "velocity"):
-        if name not in ds.dims:
-            raise InputError(
-                f"the dataset has a single {name}, so it is no plane; select a list of one, such "
-                f"as ds.sel({name}=[{ds[name].item():g}])"
-            )
+    require_lists(ds, "load", "velocity")
     if "step" in ds.coords and not (ds["step"] == 0).any():
         raise InputError(
             "the dataset has not step 0, the end of each point, which decides: take it as well, "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
@@ -42,7 +43,7 @@ def map_scenes(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]
     }
     others = {
         name: (names, np.reshape([row.get(name) for row in rows], sizes))
-        for name in rows[0]
+        for name in dict.fromkeys(itertools.chain(*rows))
         if name not in {*alike, *names}
     }
     for axis in reversed(axes):

@@ -221,19 +221,26 @@ class Turns(NamedTuple):
         """The place nearest by its ratio at which half turns, or of another share beside that.
 
         It is infinite where the share is mild at all that is known, 0 where it is severe, and NaN
-        where that of a member is not known. Turns to severe wear alone may be asked for.
+        where that of a member is not known; likewise where another share does not turn between
+        the turns of the half beside that. Turns to severe wear alone may be asked for.
         """
         if (self.outcome == UNKNOWN).any():
             return math.nan
         places, begins = self.shared(share)
         half, half_begins = self.shared()
+        none = 0.0 if begins else math.inf
         if counted := half[int(half_begins) :: 2] if to_severe else half:
             here = min(counted, key=lambda place: abs(math.log(place / here)))
-            is_rise = half.index(here) % 2 == half_begins
-            places = places[int(begins == is_rise) :: 2]
+            number = half.index(here)
+            is_rise = number % 2 == half_begins
+            # Another turn of the half ends the reach of this one.
+            low, _, high = (0.0, *half, math.inf)[number : number + 3]
+            same = places[int(begins == is_rise) :: 2]
+            places = tuple(place for place in same if low < place < high)
+            # There a smaller share is severe all along, and a larger one nowhere.
+            none = 0.0 if (share < 0.5) == is_rise else math.inf
         elif to_severe:
             places = ()
-        none = 0.0 if begins else math.inf
         return min(places, key=lambda place: abs(math.log(place / here)), default=none)
 
     @classmethod

@@ -236,6 +236,7 @@ def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
         "basis": [*samples.basis_of(ensemble, weighed), f"the model's own error: {scatter.worded}"],
         "measured": [_told(test) for test in laboratory_tests(ds)],
         "outside": _outside(loads, velocities),
+        "misfit": [("wear", field.misfit)] if field.misfit else [],
         "loads": loads.tolist(),
         "velocities": velocities.tolist(),
         "probability": packed_array([plane], "<f4"),

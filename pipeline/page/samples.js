@@ -71,7 +71,7 @@ function judge(load, velocity) {
   drawSamples();
   if (!isInside(operating, samples)) return showMargin(samples.outside);
   showMargin([
-    ["probability of severe wear", percent(probabilityAt(load, velocity))],
+    ...samples.misfit, ["probability of severe wear", percent(probabilityAt(load, velocity))],
     ...samples.shares.map((share) => turnsRow(share, load)),
   ]);
 }

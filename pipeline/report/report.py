@@ -332,7 +332,7 @@ def sections_of_samples(ds: xr.Dataset, points: OperatingPoints | None) -> Secti
     lines = boundary(ds)
     basis = f", given {weighed.evidence}" if weighed else ", before any test"
     return {
-        "Question and answer": _question_of_samples(ensemble, lines, basis),
+        "Question and answer": _question_of_samples(field, lines, basis),
         f"Not known exactly{basis}": samples.basis_of(ensemble, weighed),
         "Transition diagram": _drawn(ds),
         "Boundary in numbers": boundary_parts(lines),
@@ -340,17 +340,32 @@ def sections_of_samples(ds: xr.Dataset, points: OperatingPoints | None) -> Secti
     }
 
 
-def _question_of_samples(ensemble: Any, lines: xr.Dataset, basis: str) -> Iterator[Part]:
+def _question_of_samples(field: Any, lines: xr.Dataset, basis: str) -> Iterator[Part]:
     """Question that samples answer, and the answer in a sentence."""
-    slowest, fastest = ensemble.velocities
+    count = len(field.ensemble.inputs)
     yield (
-        f"{_QUESTION}, with inputs that are not known exactly? {len(ensemble.inputs)} samples of "
-        "them were simulated"
+        f"{_QUESTION}, with inputs that are not known exactly? {count} samples of them were "
+        "simulated"
     )
-    words = []
-    beyond = {0.0: f"below {slowest:.3g}", math.inf: f"beyond {fastest:.3g}"}
-    for load in dict.fromkeys(lines["load"].values[[0, -1]].tolist()):
-        row = lines["critical_velocity_quantile"].sel(load=load).values.tolist()
-        low, middle, high = (f"{beyond.get(v, f'{v:.3g}')} m/s" for v in row)
-        words.append(f"from {middle} on at {load:g} N ({low} to {high} with 90 % probability)")
-    yield f"Answer{basis}: the next run is as likely severe as mild {' and '.join(words)}"
+    if field.misfit:
+        yield field.misfit
+    answers = (
+        _answer_at(lines.sel(load=load), field.ends["velocity"])
+        for load in dict.fromkeys(lines["load"].values[[0, -1]].tolist())
+    )
+    yield f"Answer{basis}: the next run is, likelier than not, {'; '.join(answers)}"
+
+
+def _answer_at(line: xr.Dataset, ends: tuple[float, float]) -> str:
+    """Where the next run of samples is likelier severe than mild, at one load."""
+    turns = line["turns_at_load_median"].dropna("turn").values
+    begins, at = line["begins_severe_at_load_median"].item(), f"at {line['load'].item():g} N"
+    words = "severe throughout" if begins else "mild throughout"
+    if len(turns):
+        words = severe_ranges(turns, begins, "velocity")
+    if begins or len(turns) > 1:  # more than the first place of each probability
+        return f"{words} {at}"
+    beyond = {0.0: f"below {ends[0]:.3g}", math.inf: f"beyond {ends[1]:.3g}"}
+    quantiles = line["critical_velocity_quantile"].values[[0, -1]].tolist()
+    low, high = (f"{beyond.get(v, f'{v:.3g}')} m/s" for v in quantiles)
+    return f"{words} {at} (turns severe at {low} to {high} with 90 % probability)"

@@ -33,7 +33,7 @@ from pipeline.analysis.dataset import (
     sweep_kind,
     values_of,
 )
-from pipeline.analysis.decisive import require_sound
+from pipeline.analysis.decisive import require_lists, require_sound
 from pipeline.analysis.scenes import scenes
 from pipeline.store.place import PathLike
 from pipeline.store.read import Reader
@@ -144,6 +144,12 @@ class Ensemble:
                 "it into a new store"
             )
         require_one_scene(ds)
+        if VARIANT not in ds.dims:
+            raise InputError(
+                "the dataset has a single sample, and answers follow from all of them; select none "
+                f"by {VARIANT}"
+            )
+        require_lists(ds, "load")
         sweep = stored_sweep(ds)
         draw = sweep.variants.draw
         assert draw is not None  # for the type checker, as samples were drawn

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -24,7 +25,7 @@ from pipeline.sweep.samples import JUDGED
 from pipeline.uncertain.answers import STEPS, draws_of, line_turns
 from pipeline.uncertain.ensemble import Axis, Ensemble
 from pipeline.uncertain.ensemble import keep_fits as keep_fits
-from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, Draws
+from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION, Draws
 from pipeline.uncertain.posterior import Posterior
 from pipeline.uncertain.weigh import basis_of as basis_of
 from pipeline.uncertain.weigh import posterior_at
@@ -189,20 +190,16 @@ class SampleField:
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
     ) -> Array:
         """See `Field`: of each draw by the places at which its wear turns."""
-        x, lines = self._lines(load)
-        ends = slice(2), slice(-2, None)
-        slopes = (np.diff(lines[:, end])[:, 0] / np.diff(x[end]) for end in ends)
-        low, high = (np.maximum(slope, LEAST_SLOPE) * _FAR for slope in slopes)
-        far = np.column_stack([lines[:, 0] - low, lines, lines[:, -1] + high]) + shift
-        turns, places = line_turns(np.array([x[0] - _FAR, *x, x[-1] + _FAR]), far)
+        x, lines = self._lines(load, _FAR)
+        turns, places = line_turns(x, lines + shift)
         rows, columns = np.nonzero(turns)
-        begins = float(self.weights @ (far[:, 0] > 0))
+        begins = float(self.weights @ (lines[:, 0] + shift > 0))
         signs, at = turns[rows, columns], places[rows, columns]
         result = np.full(len(velocities), begins)
         for below, weights in self._parts(scatter):
             weight = weights[rows] * signs
             # On a grid, since draws are many.
-            grid = np.linspace(x[0] - _FAR, x[-1] + _FAR, _GRID)
+            grid = np.linspace(x[0], x[-1], _GRID)
             step = grid[1] - grid[0]
             k = np.clip(((at - grid[0]) / step).astype(int), 0, _GRID - 2)
             share = (at - grid[k]) / step
@@ -230,16 +227,42 @@ class SampleField:
         for sd, odds in zip(scatter.scatters.tolist(), scatter.by_draw.T, strict=True):
             yield functools.partial(_normal_below, sd), self.weights * odds
 
-    def _lines(self, load: float) -> tuple[Array, Array]:
-        """Logarithms of velocities, and the excess of the next run by draw (n, m)."""
+    def _lines(self, load: float, beyond: float = 0.0) -> tuple[Array, Array]:
+        """Logarithms of velocities, and the excess of the next run by draw (n, m).
+
+        They may go on beyond those of the samples, where at friction 1 the excess is a power.
+        """
         if load not in self._kept:
             self._keep([load])
-        return self._kept[load]
+        x, lines = self._kept[load]
+        if beyond:
+            ends = slice(2), slice(-2, None)
+            slopes = (np.diff(lines[:, end])[:, 0] / np.diff(x[end]) for end in ends)
+            low, high = (np.maximum(slope, LEAST_SLOPE) * beyond for slope in slopes)
+            lines = np.column_stack([lines[:, 0] - low, lines, lines[:, -1] + high])
+            x = np.array([x[0] - beyond, *x, x[-1] + beyond])
+        if not self.conditions.has_friction_curve:
+            return x, lines
+        nodes = np.union1d(x, _friction_nodes(self.conditions, x))
+        above = np.clip(np.searchsorted(x, nodes), 1, len(x) - 1)
+        share = (nodes - x[above - 1]) / (x[above] - x[above - 1])
+        heat = lines[:, above - 1] * (1 - share) + lines[:, above] * share
+        return nodes, heat + self._log_factor(nodes)
+
+    def _log_factor(self, x: Array) -> Array:
+        """Logarithm of the factor of friction by logarithms of velocities."""
+        factor = self.conditions.friction_factor(np.exp(x))
+        return np.asarray(np.log(np.maximum(factor, LEAST_FRICTION)))
 
     def _keep(self, loads: Sequence[float]) -> None:
-        """Find the lines at some loads, which takes hardly longer than at one of them."""
+        """Find the lines at some loads, which takes hardly longer than at one of them.
+
+        Friction by velocity is left out of what is kept, since it bends within a step.
+        """
         velocities = np.geomspace(*self.ensemble.velocities, STEPS)
         lines = self._chance_excess(loads, velocities)
+        if self.conditions.has_friction_curve:
+            lines -= self._log_factor(np.log(velocities))
         if len(self._kept) > _MOST_KEPT:
             self._kept.clear()
         for number, load in enumerate(loads):
@@ -253,6 +276,17 @@ class SampleField:
         return (lines.T + self.rig_scatter * chance).T
 
 
+def _friction_nodes(conditions: Conditions, x: Array) -> Array:
+    """Logarithms of velocities within others, between which ln(friction) is about linear."""
+    nodes = np.log([velocity for velocity, _ in conditions.friction_law.by_velocity])
+    nodes = np.array([nodes[0] - math.log(2), *nodes, nodes[-1] + math.log(2)])
+    parts = max(1, round(_FINE / len(nodes)))
+    steps = np.arange((len(nodes) - 1) * parts + 1) / parts
+    places = np.interp(steps, np.arange(len(nodes)), nodes)
+    return np.asarray(places[(places > x[0]) & (places < x[-1])])
+
+
+_FINE = 120  # places at which friction by velocity is taken
 _GRID = 4001
 _MOST_KEPT = 64  # loads, of 1.3 MB each
 

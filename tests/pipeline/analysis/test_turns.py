@@ -71,3 +71,13 @@ def test_a_share_that_never_turns_is_severe_from_0_on_or_nowhere():
     assert one.nearest(1.0, 0.95) == math.inf
     assert turns((), outcome=MILD).nearest(1.0) == math.inf
     assert math.isnan(turns((), outcome=UNKNOWN).nearest(1.0))
+
+
+def test_other_shares_end_at_the_turns_of_the_half_beside_the_nearest():
+    # A quarter stays severe from 1 on; all the others are mild between 2 and 4.
+    one = turns((1.0,), (1.1, 2.0, 4.0), (1.2, 2.1, 4.1), (1.3, 2.2, 4.2))
+    assert len(one.shared()[0]) == 3
+    for here, ends in ((1.0, (1.0, 1.3)), (2.1, (math.inf, 2.0)), (4.1, (0.0, 4.2))):
+        found = [one.nearest(here, share) for share in (0.05, 0.95)]
+        assert found == pytest.approx(ends, rel=0.03)
+        assert min(found) <= one.nearest(here) <= max(found)

@@ -194,6 +194,8 @@ def test_a_page_of_samples_tells_the_probability_at_any_place(page, monkeypatch)
         assert "probability of severe wear" in text
         (said,) = re.findall(r"50 % at this load (\S+) m/s", text)
         assert float(said) == pytest.approx(half, rel=0.01)
+    driver.execute_script(f"samples.misfit.push(['wear', 'contradicted']); judge({load}, 2)")
+    assert driver.find_element(By.ID, "margin").text.startswith("wear contradicted")
     driver.execute_script(
         f"showTip(axes(400, 300, {{low: 0, high: 9}}, {{low: 0, high: 900}}).frame, {load}, 2)"
     )

@@ -225,26 +225,48 @@ def test_a_report_has_no_sections_that_nothing_was_asked_for(tmp_path):
     assert "<h1>White oil on ground steel</h1>" in text
 
 
+def samples_field(misfit=""):
+    ensemble = SimpleNamespace(inputs=range(64))
+    return SimpleNamespace(ensemble=ensemble, ends={"velocity": (0.5, 4.0)}, misfit=misfit)
+
+
+def samples_boundary(quantiles, turns, begins, loads=(200.0, 400.0, 750.0)):
+    columns = {
+        "critical_velocity_quantile": (("load", "share"), quantiles),
+        "turns_at_load_median": (("load", "turn"), turns),
+        "begins_severe_at_load_median": ("load", begins),
+    }
+    return xr.Dataset(columns, {"load": list(loads)})
+
+
 def test_samples_are_answered_at_the_lowest_and_the_highest_load_with_their_interval():
-    ensemble = SimpleNamespace(velocities=(0.5, 4.0), inputs=range(64))
-    quantiles = [[1.25, 2.0, 3.0], [0.6, 0.9, 1.3], [0.0, 0.7, math.inf]]
-    lines = xr.Dataset(
-        {"critical_velocity_quantile": (("load", "share"), quantiles)},
-        {"load": [200.0, 400.0, 750.0]},
-    )
-    question, said = _question_of_samples(ensemble, lines, ", before any test")
+    quantiles = [[1.25, 2.0, 3.0], [0.6, 0.9, 1.3], [0.0, math.inf, math.inf]]
+    turns = [[2.0, math.nan], [0.9, math.nan], [math.nan, math.nan]]
+    lines = samples_boundary(quantiles, turns, [False, False, False])
+    question, said = _question_of_samples(samples_field(), lines, ", before any test")
     assert question.endswith(
         ", with inputs that are not known exactly? 64 samples of them were simulated"
     )
     assert said == (
-        "Answer, before any test: the next run is as likely severe as mild from 2 m/s on at 200 N "
-        "(1.25 m/s to 3 m/s with 90 % probability) and from 0.7 m/s on at 750 N "
-        "(below 0.5 m/s to beyond 4 m/s with 90 % probability)"
+        "Answer, before any test: the next run is, likelier than not, severe from 2 m/s on at "
+        "200 N (turns severe at 1.25 m/s to 3 m/s with 90 % probability); mild throughout at 750 N "
+        "(turns severe at below 0.5 m/s to beyond 4 m/s with 90 % probability)"
     )
-    _, once = _question_of_samples(ensemble, lines.isel(load=[1]), "")
+    _, once = _question_of_samples(samples_field(), lines.isel(load=[1]), "")
     assert once == (
-        "Answer: the next run is as likely severe as mild from 0.9 m/s on at 400 N "
-        "(0.6 m/s to 1.3 m/s with 90 % probability)"
+        "Answer: the next run is, likelier than not, severe from 0.9 m/s on at 400 N "
+        "(turns severe at 0.6 m/s to 1.3 m/s with 90 % probability)"
+    )
+
+
+def test_samples_whose_wear_turns_mild_again_are_answered_by_all_their_turns():
+    turns = [[0.8, 3.0, 3.5], [math.nan, math.nan, math.nan]]
+    lines = samples_boundary([[0.6, 0.8, 3.7], [0.0] * 3], turns, [True, True], (200.0, 750.0))
+    _, contradicted, said = _question_of_samples(samples_field("it does not fit"), lines, "")
+    assert contradicted == "it does not fit"
+    assert said == (
+        "Answer: the next run is, likelier than not, severe up to 0.8 m/s and from 3 to 3.5 m/s at "
+        "200 N; severe throughout at 750 N"
     )
 
 

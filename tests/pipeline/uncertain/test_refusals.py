@@ -208,6 +208,15 @@ REFUSALS = {
         scene('"oil.density" = { from = "800 kg/m^3", to = "900 kg/m^3" }', text=SCENE + OIL),
         "depends on it",
     ),
+    # datasets
+    "cut to a load": (
+        lambda: pipeline.boundary(dataset(ensemble()).sel(load=400.0)),
+        "a single load, and no dimension of it; select a list of one, such as ds.sel(load=[400])",
+    ),
+    "cut to a sample": (
+        lambda: pipeline.margin(dataset(ensemble()).isel(variant=0), 400.0, 2.0),
+        "a single sample, and answers follow from all of them; select none by variant",
+    ),
     # correlations
     "no other": (joint('"pin.radius"', FRICTIONS), "this is not another input of [unknown]"),
     "a list": (

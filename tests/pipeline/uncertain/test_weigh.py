@@ -9,6 +9,7 @@ from scipy import stats
 from scipy.special import ndtr
 
 import pipeline
+from pipeline.page.content import content_of_samples
 from pipeline.sweep.unknown import Unknown, correlations, drawn
 from pipeline.uncertain import weigh
 from pipeline.uncertain.evidence import decisive_tests, log_between
@@ -339,6 +340,9 @@ def test_friction_that_falls_with_velocity_is_a_fault_of_the_model_and_not_of_a_
     assert pipeline.margin(weighed, table)["verdict"][0] == "not decided"
     crossings = pipeline.boundary(weighed)
     assert crossings[["mild_below", "severe_above"]].to_array().isnull().all()
+    assert crossings.attrs["misfit"] == told.misfit
+    assert "misfit" not in pipeline.boundary(ds).attrs
+    assert content_of_samples(weighed)["misfit"] == [("wear", told.misfit)]
 
 
 def test_an_input_that_is_pressed_against_its_end_is_a_fault_of_the_model():

@@ -122,6 +122,7 @@ type Model = {
 /** Result of pipeline.page.content.content_of_samples, by load and velocity or probability. */
 type Samples = {
   outside: string;
+  misfit: [string, string][];
   name: string;
   measured: Measurement[];
   loads: number[];
