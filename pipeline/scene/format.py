@@ -373,7 +373,7 @@ TEMPERATURES = Table({
 MODEL = Table({
     "scatter": Optional(Share(at_least=0, below=1),
         "Relative scatter of measured velocities about the model. It weighs as much as four tests; "
-        "0 for none.", default=0.1),
+        f"0 for none. {LATER}", default=0.1),
 })
 
 FIDELITY = Table({

@@ -113,6 +113,8 @@ def test_what_acts_later_and_is_not_taken_is_refused_with_a_command_that_works(i
     few = [f"--set={path}={json.dumps(value)}" for path, value in FEW.items()]
     assert "computed" not in irg(*command, *few, "--workers=1")
     assert "earlier turns of the disk, 0.1 m" in irg("boundary", store)
+    said = irg("boundary", store, "--at", "model.scatter=0.2", code=2)
+    assert "acts after the simulation, but --at does not take it" in said
     assert "run irg run first_try --set" in irg(
         "boundary", store, "--at", "pin.radius=1 mm", code=2
     )
