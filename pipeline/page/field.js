@@ -62,7 +62,12 @@ function rangesAbove(x, y, limit) {
   const known = x.map((_, k) => k).filter((k) => !Number.isNaN(y[k]));
   const turns = known.slice(1).map((b, n) => [known[n], b]).filter(([a, b]) => y[a] > limit !== y[b] > limit)
     .map(([a, b]) => x[a] * (x[b] / x[a]) ** (Math.log(limit / y[a]) / Math.log(y[b] / y[a])));
-  const all = y[known[0]] > limit ? [0, ...turns] : turns;
+  return rangesBetween(turns, y[known[0]] > limit);
+}
+
+/** Ranges of severe wear. @param {number[]} turns @param {boolean} isHot below them @returns {Ends[]} */
+function rangesBetween(turns, isHot) {
+  const all = isHot ? [0, ...turns] : turns;
   return all.flatMap((begin, k) => (k % 2 ? [] : [[begin, all[k + 1] ?? Infinity]]));
 }
 
@@ -98,10 +103,9 @@ function endsOf({ severe, outcome, computed: [from, to] }) {
   return [-Infinity, outcome === SEVERE ? -Infinity : from];
 }
 
-/** Nearest turn of half of the surfaces, or one to severe wear; infinite or 0 without any. @param
- * {Transition[]} all @param {number} here @param {boolean} toSevere */
-function nearestTurn(all, here, toSevere = false) {
-  if (all.some(({ outcome }) => outcome === UNKNOWN)) return NaN;
+/** Turns of half of the surfaces, and if it begins severe. @param {Transition[]} all @returns {[number[],
+ * boolean]} */
+function halfTurns(all) {
   const turns = all.flatMap(({ severe }) => severe.flatMap(([begin, end]) => [[begin, 2], [end, -2]]));
   const begins = sum(turns.map(([place, step]) => (place === 0 ? step : 0))) - all.length;
   let [more, side, tied] = [begins, Math.sign(begins), NaN]; // of severe surfaces than of mild ones
@@ -112,7 +116,16 @@ function nearestTurn(all, here, toSevere = false) {
     tied = more ? NaN : place;
     if (more) side = Math.sign(more);
     return before && side !== before ? [(from + place) / 2] : [];
-  }).filter((_, k) => !toSevere || k % 2 === Number(begins > 0));
+  });
+  return [places, (begins || side) >= 0];
+}
+
+/** Nearest of these turns, or one to severe wear; infinite or 0 without any. @param {Transition[]} all @param
+ * {number} here @param {boolean} toSevere */
+function nearestTurn(all, here, toSevere = false) {
+  if (all.some(({ outcome }) => outcome === UNKNOWN)) return NaN;
+  const [half, isHot] = halfTurns(all);
+  const places = half.filter((_, k) => !toSevere || k % 2 === Number(isHot));
   const away = (/** @type {number} */ place) => Math.abs(Math.log(place / here));
-  return places.sort((a, b) => away(a) - away(b))[0] ?? ((begins || side) < 0 ? Infinity : 0);
+  return places.sort((a, b) => away(a) - away(b))[0] ?? (isHot ? 0 : Infinity);
 }

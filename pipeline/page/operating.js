@@ -61,7 +61,7 @@ function wayText(axis, node, now, unit) {
   const words = outcomeText({ transitions: all }, unit);
   const place = nearestTurn(all, now) || Infinity;
   if (!Number.isFinite(place)) return words;
-  const ranges = all.length === 1 && all[0].outcome === SEVERAL ? `; ${words}` : "";
+  const ranges = all.some(({ outcome }) => outcome === SEVERAL) ? `; ${words}` : "";
   return `${shown(place)} ${unit}, ${shown(place / now, 3)} times${ranges}`;
 }
 

@@ -29,14 +29,17 @@ function table(heads, rows, words = 0) {
   return html("table", {}, html("thead", {}, html("tr", {}, ...top)), html("tbody", {}, ...body));
 }
 
+/** Ranges of severe wear in words. @param {Ends[]} severe @param {string} unit */
+function rangesText(severe, unit) {
+  const ranges = severe.map(([begin, end]) => end === Infinity ? `from ${shown(begin, 3)} ${unit} on`
+    : `${begin ? `from ${shown(begin, 3)}` : "up"} to ${shown(end, 3)} ${unit}`);
+  return `severe ${ranges.join(" and ")}`;
+}
+
 /** Outcome in words, with how far was computed, as pipeline.analysis.transition has it. @param {Transition}
  * transition @param {"velocity" | "load"} along @param {string} unit */
 function outcomeWords({ outcome, computed, severe }, along, unit) {
-  if (outcome === SEVERAL) {
-    const ranges = severe.map(([begin, end]) => end === Infinity ? `from ${shown(begin, 3)} ${unit} on`
-      : `${begin ? `from ${shown(begin, 3)}` : "up"} to ${shown(end, 3)} ${unit}`);
-    return `severe ${ranges.join(" and ")}`;
-  }
+  if (outcome === SEVERAL) return rangesText(severe, unit);
   const [from, to] = computed.map((end) => `${shown(end)} ${unit}`);
   const reach = outcome === ABOVE ? ` (to ${to})` : outcome === BELOW ? ` (from ${from})` : "";
   return content.outcomes[along][outcome] + reach;
@@ -47,6 +50,10 @@ function outcomeText({ transitions }, unit) {
   const along = unit === "N" ? "load" : "velocity";
   const words = content.outcomes[along];
   if (transitions.length === 1) return outcomeWords(transitions[0], along, unit);
+  const [places, isHot] = halfTurns(transitions);
+  if (places.length && transitions.some(({ outcome }) => outcome === SEVERAL)) {
+    return `half of the surfaces ${rangesText(rangesBetween(places, isHot), unit)}`;
+  }
   const counts = words.map((_, code) => transitions.filter(({ outcome }) => outcome === code).length);
   const texts = counts.map((count, code) =>
     code === CROSSES ? `${count} of ${transitions.length} cross` : `${count} ${words[code]}`);
@@ -79,6 +86,11 @@ function showTables() {
 /** @param {Summary[]} rows by load */
 function crossingText(rows) {
   if (!isJudged()) return "Give a critical temperature to see where wear turns severe.";
+  if (rows.some(({ transitions }) => transitions.some(({ outcome }) => outcome === SEVERAL))) {
+    const ends = [...new Set([0, rows.length - 1])];
+    const texts = ends.map((i) => `${shown(content.loads[i], 6)} N: ${outcomeText(rows[i], "m/s")}`);
+    return `At ${texts.join("; at ")}.`;
+  }
   const places = rows.flatMap(({ middle }, i) =>
     (Number.isFinite(middle) ? [`${shown(middle)} m/s at ${shown(content.loads[i], 6)} N`] : []));
   if (!places.length) {

@@ -1,6 +1,7 @@
 """Numbers of a page's scripts, run by Node, beside `irg boundary` and `irg margin`."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.dataset import read_conditions
 from pipeline.analysis.field import fields
+from pipeline.analysis.frames import frames_of
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import answer
 from pipeline.analysis.transition import CROSSES, SEVERAL
@@ -203,6 +205,16 @@ def test_surfaces_that_turn_unlike_turn_where_half_of_them_do(factors):
         nearest = fields(several)[0].turns("velocity", load, velocity).nearest(velocity)
         told = nearest if nearest < math.inf else math.nan  # which JSON does not have
         assert page["velocity"] == pytest.approx(told, rel=5e-3, nan_ok=True)
+    rows = "return boundaries().velocity.map((row) => outcomeText(row, 'm/s'));"
+    frame = frames_of(pipeline.boundary(several))[0]
+    numbers, told = re.compile(r"[\d.]+"), 0
+    for page, expected in zip(run(several, rows), frame["half of them"], strict=True):
+        if page.startswith("half of the surfaces"):
+            said, asked = ([*map(float, numbers.findall(words))] for words in (page, expected))
+            assert said == pytest.approx(asked, rel=0.02)
+            assert numbers.sub("", page) == numbers.sub("", f"half of the surfaces {expected}")
+            told += 1
+    assert told > 3
 
 
 def test_bands_of_severe_wear_have_all_their_ends():
