@@ -191,9 +191,8 @@ def answer(
         for axis, one in turns.items()
         for name, value in (
             ("outcome", outcome_in_words(one, axis)),
-            ("turns", one.shared()[0]),
+            *zip(("turns", "begins_severe"), one.shared(), strict=True),
             ("member_turns", one.by_member),
-            ("begins_severe", one.shared()[1]),
             ("range", one.computed),
             ("bridged", one.bridged),
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -191,9 +190,9 @@ class Turns(NamedTuple):
     by_member: tuple[tuple[float, ...], ...] = ()  # the places of each, where members are few
 
     def shared(self, share: float = 0.5) -> tuple[tuple[float, ...], bool]:
-        """Places at which more than a share of the members turns severe, or mild, ascending.
+        """Places beyond which more, or less, than a share of the members is severe, ascending.
 
-        And whether it is severe below the first of them. Of members that turn once these are their
+        And whether more is below the first of them. Of members that turn once these are their
         quantiles.
         """
         order = np.argsort(self.places, kind="stable")
@@ -207,9 +206,8 @@ class Turns(NamedTuple):
         signs = np.sign((shares - share).round(12))
         (known,) = signs.nonzero()
         found = []
-        for low, high in itertools.pairwise(known.tolist()):
-            if signs[low] == signs[high]:
-                continue
+        (turning,) = np.nonzero(np.diff(signs[known]))
+        for low, high in zip(known[turning], known[turning + 1], strict=True):
             if high == low + 1:
                 part = (share - shares[low]) / (shares[high] - shares[low])
                 found.append(float(x[low] + part * (x[high] - x[low])))

@@ -88,6 +88,6 @@ def _decisive(store: Path) -> Iterator[tuple[float, float]]:
     """Temperatures that decide and their errors [K], of the rows of a store."""
     # The critical temperature moves none of them.
     table = pipeline.margin(pipeline.at(store, critical_temperature=1000.0))
-    temperatures = table["decisive temperature [°C]"].astype(float) + si_of(0.0, "°C")
+    temperatures = (si_of(one, "°C") for one in table["decisive temperature [°C]"].astype(float))
     errors = table["temperature error [K]"].astype(float).fillna(math.inf)
-    return zip(temperatures.tolist(), errors.tolist(), strict=True)
+    return zip(temperatures, errors.tolist(), strict=True)
