@@ -248,6 +248,7 @@ def test_where_a_row_is_not_done_those_beside_it_tell_what_the_whole_sweep_does(
     for velocity in (2.25, 3.9):
         whole, part = (pipeline.margin(ds, 400.0, velocity) for ds in (full, partial))
         assert part.decisive_temperature == pytest.approx(whole.decisive_temperature, rel=5e-3)
+        # Rises between loads are off by 0.5 %, which moves the velocity by as much of its 10 %.
         assert part.probability == pytest.approx(whole.probability, abs=0.05)
 
 
