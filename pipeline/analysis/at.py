@@ -76,22 +76,25 @@ def at(
         Dataset of `pipeline.open_sweep`, or folder or address of the store.
     friction : float or several, optional
         Coefficient of friction, at least 0.
-    bulk_temperature, critical_temperature : float, str or mapping, optional
-        Temperature far from the contact, and the one above which the lubricant fails [K]; or text
-        with a unit, such as ``"80 degC"``. In a sweep of bodies of unequal bulk temperatures, such
-        as ``{"pin": "60 degC", "disk": "25 degC"}`` for both.
+    bulk_temperature : float, str or mapping, optional
+        Temperature of the bodies far from the contact. A number in K, or text with a unit, such as
+        ``"80 degC"``; in a sweep of bodies of unequal bulk temperatures, such as
+        ``{"pin": "60 degC", "disk": "25 degC"}`` for both.
+    critical_temperature : float or str, optional
+        Temperature above which the lubricant fails. A number in K, or text with a unit.
     share : float or str, optional
-        Wear is severe where more than this share of the contact area is hotter than the critical
-        temperature, such as 0.1 or ``"10%"``; 0 is Blok's criterion, the maximum temperature.
+        Share of the contact above the critical temperature beyond which wear is severe, such as 0.1
+        or ``"10%"``; 0 for the maximum temperature. The latter is Blok's criterion.
     criterion : str, optional
         Temperature that decides: ``"share"``, which that share exceeds, ``"highest"`` or
-        ``"mean"``; see `tribo.CRITERIA`. Or your own, such as ``"laws:hottest"``.
+        ``"mean"``; or your own, such as ``"laws:hottest"``. See `tribo.CRITERIA`.
     own_laws : bool
         Allow your own criterion to run, which is code of a file in the working folder.
     given_measured : bool
         Weigh the inputs of samples by the transitions and tests of their scene.
     scatter : float, optional
-        Relative standard deviation of the velocities of these tests; see `pipeline.posterior`.
+        Relative standard deviation of measured velocities, where the scene gives none. See
+        `pipeline.posterior`.
     **entries
         Values by the paths of entries [SI], or text with a unit: of an entry with several values
         (``[sweep] over``), the one or those to take; of an unknown input of samples, the one to fix

@@ -9,15 +9,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.cli import values
-
-_PRESETS = "draft, standard, fine, reference, as-published"  # as `tribo.PRESETS`, but sooner here
+from pipeline.cli.documented import expand_help
 
 
 class Option:
     """An option or a positional argument, with the settings of `argparse`."""
 
-    def __init__(self, *names: str, **settings: Any) -> None:
-        self.names, self.settings = names, settings
+    def __init__(self, *names: str, help: str, **settings: Any) -> None:
+        self.names, self.settings = names, settings | {"help": expand_help(help)}
 
     def but(self, **settings: Any) -> Option:
         """The option with some settings replaced."""
@@ -77,26 +76,22 @@ FIGURE_OR_TABLE = output(
     partial(values.table, or_figure=True),
 )  # fmt: skip
 
-SCENE = Option("scene", metavar="SCENE.toml", type=Path, help="scene file, or a shipped scene")
-PRESET = Option("--preset", metavar="NAME", help=f"preset of the numerical choices: {_PRESETS}")
+SCENE = Option("scene", metavar="SCENE.toml", type=Path, help="{load_scene.path}")
+PRESET = Option("--preset", metavar="NAME", help="{load_scene.preset}")
 SET = Option(
     "--set", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
     help="change a numerical choice, such as increments=50, or an entry of the scene, such as "
     "wear.pattern=local or without=motion; may be repeated for other keys",
 )  # fmt: skip
-OWN_LAWS = flag(
-    "--own-laws",
-    "run the code of laws, surfaces and criteria that are named as module:name; read it first",
-)
+OWN_LAWS = flag("--own-laws", "{load_scene.own_laws}; read it first")
 OF_SCENE = (SCENE, PRESET, SET, OWN_LAWS)
 ACCURACY = Option(
     "--accuracy", metavar="BOUND", type=values.share,
-    help="pick the cheapest fidelity whose boundary errs by this at most, such as 2%%",
+    help="{choose_fidelity.accuracy}",
 )  # fmt: skip
 BOUNDARY_ONLY = Option(
     "--boundary-only", metavar="TOLERANCE", nargs="?", const=0.01, type=values.share,
-    help="compute the boundary alone, to this tolerance, at velocities that the run chooses; "
-    "default: 1%%",
+    help="{run_sweep.boundary_only}; default: 1%%",
 )  # fmt: skip
 
 STORE = Option("store", metavar="OUT.zarr", type=values.store, help="store that irg run has made")
@@ -107,7 +102,7 @@ STORE_OR_FOLDER = STORE.but(
     metavar="OUT.zarr", nargs="?", default=Path("results"),
     help="store that irg run has made, or a folder of stores; default: results",
 )  # fmt: skip
-REPAIR = flag("--repair", "mark damaged points as pending, so that irg run computes them again")
+REPAIR = flag("--repair", "{verify_store.repair}; irg run computes them again")
 
 
 SHEET = Option("--sheet", metavar="NAME", help="sheet of a workbook; default: its first one")
@@ -120,14 +115,11 @@ OF_NEW = (
             LIST.but(help="list the shipped scenes"),
         ),
     ),
-    flag("--full", "add every unused entry as a comment with its meaning"),
+    flag("--full", "{new_scene.full}"),
     Option("--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"),
 )  # fmt: skip
 
-WORKERS = Option(
-    "--workers", metavar="N", type=values.count,
-    help="number of workers; default: one for each core",
-)  # fmt: skip
+WORKERS = Option("--workers", metavar="N", type=values.count, help="{run_sweep.workers}")
 KEPT = (
     Option(
         "--store", metavar="OUT.zarr", dest="kept", type=values.new_store,
@@ -148,15 +140,15 @@ OF_RUN = (
             ),
         ),
     ),
-    flag("--dashboard", "print the link of Dask's dashboard, which this machine's users can read"),
-    flag("--retry-failed", "compute failed points again"),
+    flag("--dashboard", "{run_sweep.dashboard}"),
+    flag("--retry-failed", "{run_sweep.retry_failed}"),
     BOUNDARY_ONLY,
     ACCURACY,
 )  # fmt: skip
 
 PLACE = (
-    quantity("--load", "F", "750 N", "normal load"),
-    quantity("--velocity", "V", "1.25 m/s", "sliding velocity", is_signed=True),
+    quantity("--load", "F", "750 N", "{run_point.load}"),
+    quantity("--velocity", "V", "1.25 m/s", "{run_point.velocity}", is_signed=True),
 )
 NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
 POINTS = (
@@ -169,7 +161,7 @@ POINTS = (
 )  # fmt: skip
 REALIZATION = Option(
     "--realization", metavar="SEED", type=partial(values.count, least=0),
-    help="seed of one of several random surfaces",
+    help="{run_point.realization}",
 )  # fmt: skip
 AT = Option(
     "--at", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
@@ -177,26 +169,24 @@ AT = Option(
     'of samples, or of a condition, like "temperature.critical=150 degC"; may be repeated',
 )  # fmt: skip
 
-FRICTION = Option("--friction", metavar="MU", type=values.friction, help="coefficient of friction")
-FRICTIONS = FRICTION.but(action="append", help="coefficient of friction; may be repeated")
+FRICTION = Option("--friction", metavar="MU", type=values.friction, help="{at.friction}")
+FRICTIONS = FRICTION.but(action="append", help="{at.friction}; may be repeated")
 BULK = Option(
     "--bulk-temperature", metavar="T", type=values.bulk,
-    help='bulk temperature, like "25 degC"; "pin=60 degC, disk=25 degC" if they differ',
+    help='{at.bulk_temperature}, like "25 degC"; "pin=60 degC, disk=25 degC" if they differ',
 )  # fmt: skip
 CRITERION = Option(
     "--criterion", metavar="NAME", type=values.criterion,
-    help="temperature that decides: share (exceeded on the failing share of the contact), highest "
-    "or mean; or your own, like laws:hottest, with --own-laws",
+    help="{at.criterion}, with --own-laws",
 )  # fmt: skip
 _THRESHOLD = (
     quantity(
         "--critical-temperature", "T", "145 degC",
-        "temperature above which the lubricant fails", is_signed=True,
+        "{at.critical_temperature}", is_signed=True,
     ),
     Option(
         "--share", type=values.failing_share,
-        help="share of the contact above the critical temperature beyond which wear is severe, "
-        "like 10%% or 0.1; 0 for the maximum temperature",
+        help="{at.share}",
     ),
     CRITERION,
 )  # fmt: skip
@@ -206,29 +196,21 @@ CONDITIONS_AT_FRICTIONS = CONDITIONS._replace(options=(FRICTIONS, *_ONE_EACH[1:]
 
 OVER = Option(
     "--over", metavar="KEY=VALUE,VALUE", type=values.settings, action="append", default=[],
-    help="entry of the scene and its values, such as 0.08,0.12, or -20%%,+20%% of the value in "
-    "the scene; may be repeated",
+    help="{vary.over}, such as 0.08,0.12, or -20%%,+20%% of the value in the scene; may be "
+    "repeated",
 )  # fmt: skip
-PHYSICS = flag(
-    "--physics",
-    "size each effect beside the two half-spaces: counted, left out, or impossible to size",
-)
+PHYSICS = flag("--physics", "{vary.physics}")
 SCATTER = Option(
     "--scatter", metavar="SHARE", type=values.share,
-    help="relative standard deviation of measured velocities, where the scene gives none; "
-    "default: 5%%",
+    help="{at.scatter}; default: 5%%",
 )  # fmt: skip
-GIVEN_MEASURED = flag(
-    "--given-measured", "use the posterior: inputs weighed by the scene's transitions and tests"
-)
+GIVEN_MEASURED = flag("--given-measured", "{at.given_measured}")
 WEIGHED = (GIVEN_MEASURED, SCATTER)
 JUDGED = (AT, CONDITIONS, OWN_LAWS)
 
 OF_TRADE = (
     *OF_SCENE,
-    Option(
-        "--base", metavar="NAME", default="fine", help="preset whose choices are varied one by one"
-    ),
+    Option("--base", metavar="NAME", default="fine", help="{trade.base}"),
     FIGURE_OR_TABLE,
 )
 
@@ -248,7 +230,7 @@ OF_PLOT = (
             ),
         ),
     ),
-    quantity("--width", "W", "8.5 cm", "width of the figure; its text keeps its size"),
+    quantity("--width", "W", "8.5 cm", "{plot.width}"),
     flag("--no-title", "draw no title, where a caption gives it"),
     flag("--log", "logarithmic axes of the diagram"),
     Option("--show", metavar="NAME", help="variable that a ramp shows, such as wear_volume"),

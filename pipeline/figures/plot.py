@@ -57,8 +57,8 @@ def plot(
     out : path, optional
         File to write; its suffix, one of .pdf, .png and .svg, decides the format.
     width : float or str, optional
-        Width of the figure [m], or as text, such as "8.5 cm"; words stay readable. Its own if not
-        given.
+        Width of the figure, whose text keeps its size. A number in m, or text such as
+        ``"8.5 cm"``; its own if not given.
     with_title : bool
         Draw the titles of the figure.
     **options

@@ -41,7 +41,7 @@ COMMANDS = (
             Option(
                 "--critical-temperature", metavar="T",
                 type=values.quantity("145 degC", is_signed=True),
-                help='temperature above which the lubricant fails, like "250 degC"',
+                help='{at.critical_temperature}, like "250 degC"',
             ),
             Option(
                 "--stages", action="store_true",

@@ -14,14 +14,13 @@ _SCAN = (
     ),
     Option(
         "--height-unit", metavar="UNIT",
-        help='unit of the heights, like "um", where the file gives none or a wrong one',
+        help="{surface_statistics.height_unit}",
     ),
     Option(
         "--pixel-size", metavar="DX[,DY]", type=values.sides,
-        help='sides of a pixel along x and y, like "0.8 um" or "0.8 um,0.9 um", where the file '
-        "gives none; after --transpose",
+        help='{surface_statistics.pixel_size}, like "0.8 um" or "0.8 um,0.9 um"',
     ),
-    o.flag("--transpose", "exchange x and y of the file"),
+    o.flag("--transpose", "{surface_statistics.transpose}"),
 )  # fmt: skip
 _TESTS = (
     Option(

@@ -213,11 +213,11 @@ def surface_statistics(
     path : str or Path
         Plain array (.npy, .csv), or the file of an instrument, with the extra ``surfaces``.
     height_unit : float or str, optional
-        Length of one unit of the file's heights [m], or its name, such as ``"um"``; needed for a
-        plain array, and used in place of a unit that the file says wrongly.
+        Unit of the heights, such as ``"um"``, where the file gives none or a wrong one. A
+        name, or a length in m.
     pixel_size : two of float or str, optional
-        Sides of a pixel along x and y after any exchange [m], or text with a unit; needed for a
-        plain array.
+        Sides of a pixel along x and y after any exchange, where the file gives none. Numbers in m,
+        or text with a unit.
     transpose : bool
         Exchange x and y of the file.
     flip : {"no", "x", "y", "heights"}

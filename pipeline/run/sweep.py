@@ -87,10 +87,10 @@ def run_sweep(
     retry_failed : bool, optional
         True to try the points again that failed in an earlier run.
     boundary_only : float, optional
-        Compute the boundary alone, to this relative error of the critical velocity in addition to
-        that of the scene's fidelity, such as 0.01: a few points at velocities that a search chooses
-        between the sweep's lowest and highest, for each of several surfaces. It begins with what is
-        in the store, which can be completed to the whole sweep later.
+        Compute the boundary alone, to this relative error of the critical velocity, at velocities
+        that the run chooses. They lie between the sweep's lowest and highest, for each of several
+        surfaces; the error comes on top of that of the scene's fidelity. The run begins with what
+        is in the store, which can be completed to the whole sweep later.
     patience : float, optional
         Time to wait for an answer of the scheduler, and for workers if there are none [s]; long for
         workers that wait in a queue.

@@ -134,8 +134,8 @@ def vary(
         Scene file, or name of a shipped scene; between its lowest and highest velocity the
         boundary is searched at its loads.
     over : mapping
-        Values by the key path of the entry that takes them, one entry at a time: as a scene file
-        has them, or such as ``"+20%"`` of the scene's own. A coefficient of friction scales the
+        Values by the key path of the entry that takes them, one entry at a time. Each as a scene
+        file has it, or such as ``"+20%"`` of the scene's own. A coefficient of friction scales the
         friction by velocity, too.
     preset, overrides, own_laws : optional
         See `pipeline.load_scene`.

@@ -58,15 +58,15 @@ def load_scene(
         Scene file, or name of a shipped scene. Files named in it are relative to the folder of the
         file that names them.
     preset : str, optional
-        Name of the fidelity to use in place of the scene's whole table ``[fidelity]``, its preset
-        and its single entries.
+        Preset of the numerical choices, in place of the scene's whole table ``[fidelity]``: draft,
+        standard, fine, reference or as-published. Single entries of that table are left out, too.
     overrides : mapping, optional
         Fields of `tribo.Fidelity`, applied last; or entries of the scene by their key path, such
         as ``wear.pattern`` or ``title``, in place of the file's; ``without`` leaves out entries
         of the file, before the others are set.
     own_laws : bool
-        Allow the wear law, surface and criterion that the scene names as ``"module:name"`` to run,
-        which are code of a file in its folder or of an installed package.
+        Allow the wear law, surface and criterion that are named as ``"module:name"`` to run. They
+        are code of a file in the scene's folder or of an installed package.
 
     Raises
     ------
@@ -328,10 +328,10 @@ def run_point(
     sweep : Sweep, str or path
         The scene, or its path.
     load : float or str
-        Normal load on the whole pin at the end of the ramp [N], or text with a unit, such as
-        ``"600 N"``.
+        Normal load on the whole pin at the end of the ramp. A number in N, or text with a unit,
+        such as ``"600 N"``.
     velocity : float or str
-        Sliding velocity [m/s], or text with a unit.
+        Sliding velocity. A number in m/s, or text with a unit.
     realization : int, optional
         Seed of the random surface in place of the sweep's own.
     sample : int, optional

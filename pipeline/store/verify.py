@@ -86,8 +86,8 @@ def verify_store(
     path : str or path
         Path of the store, which may be in use unless it is to be repaired.
     repair : bool
-        True to make damaged points pending, and to restore shared data. What is replaced is kept in
-        the folder ``damaged`` of the store.
+        True to mark damaged points as pending, and restore shared data. What is replaced is kept
+        in the folder ``damaged`` of the store.
     progress : callable, optional
         Called now and then with a `Progress`, whose parts are the points that are read.
 

@@ -161,8 +161,8 @@ def choose_fidelity(
         Scene to choose for, or its path or name; of its fidelity, only
         `pipeline.sweep.selection.KEPT_FIELDS` are kept.
     accuracy : float or str or None
-        Largest relative error of the boundary velocity, such as 0.02 or ``"2%"``. None keeps the
-        scene's own choice, and measures its error.
+        Pick the cheapest fidelity whose boundary errs by this at most, such as 0.02 or ``"2%"``.
+        None keeps the scene's own choice, and measures its error.
     points : sequence of Point, optional
         Points to be accurate at; if not given, the boundary, which is looked at for four loads
         from the lowest to the highest.

@@ -184,7 +184,7 @@ def trade(
     presets : sequence of str
         Presets to compare with ``reference``.
     base : str, optional
-        Preset whose numerical choices are varied, one at a time; None for none.
+        Preset whose numerical choices are varied, one at a time. None for none.
     loads : sequence of float or str, optional
         Loads at which to look at the boundary [N], or text with a unit; four of the sweep's if
         not given.

@@ -19,14 +19,11 @@ _INFER = (
     ),
     Option(
         "--for", metavar="ENTRY", dest="target",
-        help="target of the next test: an unknown input, such as temperature.critical, or a load, "
-        'such as "400 N", for the boundary there; default: the whole boundary',
+        help="with --next: {candidates.target}",
     ),
     o.SCATTER,
     o.flag(
-        "--discrepancy",
-        "for samples: tell how much likelier a further slope of the rise over velocity or bulk "
-        "temperature makes the tests; it moves no input",
+        "--discrepancy", "for samples: {posterior.discrepancy}"
     ),
     o.quantity(
         "--contact-width", "W", "348 um",
@@ -38,7 +35,7 @@ _INFER = (
     ),
     o.BULK.but(
         action="append",
-        help='bulk temperature, like "25 degC"; with --next a candidate, may be repeated',
+        help='{at.bulk_temperature}, like "25 degC"; with --next a candidate, may be repeated',
     ),
     o.FIGURE_OR_TABLE.but(
         metavar="TABLE.csv", help="file of the table, .csv or .md; for samples also of a figure"

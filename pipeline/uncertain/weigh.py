@@ -49,8 +49,8 @@ def posterior(ensemble: Ensemble, scatter: float = SCATTER, discrepancy: bool = 
         Relative standard deviation of measured velocities that give none of their own. The scatter
         is inferred with the inputs, about this value within a factor of 3.
     discrepancy : bool
-        True to find how much likelier two slopes make the tests that the rise of the model does not
-        have, over velocity and bulk temperature. They move no input.
+        True to find how much likelier a further slope of the rise over velocity or bulk temperature
+        makes the tests. The slope moves no input.
 
     Raises
     ------

@@ -6,8 +6,10 @@ import shutil
 import pytest
 import xarray as xr
 
+import pipeline
 from pipeline.analysis.rise_error import error_of_point
 from pipeline.cli import main
+from pipeline.cli.documented import parameter_help
 from pipeline.cli.parser import FIRST, commands
 from tests.helpers.scenes import MEASURED, SCENE
 from tribo import WarningKind
@@ -244,6 +246,28 @@ def test_the_help_lists_first_what_everybody_needs_and_then_each_other_command_o
     listed = [line.split()[0] for line in lines[heads[0] : last] if re.match("  [a-z]", line)]
     assert listed[: len(FIRST)] == [*FIRST]
     assert sorted(listed) == sorted(command.name for command in commands())
+
+
+def test_the_help_of_an_option_is_what_the_docstring_says_of_its_parameter(irg):
+    said = " ".join(irg("boundary", "--help").split())
+    assert "--friction MU coefficient of friction, at least 0; may be repeated" in said
+    documented = " ".join(pipeline.at.__doc__.split())
+    assert "Coefficient of friction, at least 0. bulk_temperature" in documented
+    said = " ".join(irg("vary", "--help").split())  # two sentences, of which a help is the first
+    assert "takes them, one entry at a time, such as 0.08,0.12, or -20%,+20% of the" in said
+
+
+@pytest.mark.parametrize(
+    ("function", "parameter", "said"),
+    [
+        ("run_sweeps", "workers", "pipeline has no function run_sweeps"),
+        ("run_sweep", "worker", "the docstring of pipeline.run_sweep has no parameter worker"),
+        ("to_si", "vale", "the docstring of pipeline.to_si has no parameter vale"),
+    ],
+)
+def test_a_help_that_no_docstring_has_is_an_error(function, parameter, said):
+    with pytest.raises(LookupError, match=said):
+        parameter_help(function, parameter)
 
 
 @pytest.mark.parametrize(
