@@ -58,7 +58,7 @@ def test_scenes_load_and_raise_no_doubts(scene, folder):
     path = folder / "bearing.toml"
     path.write_text(scene, encoding="utf-8")
     sweep = pipeline.load_scene(path)
-    assert doubts(sweep, facts_of(sweep)) == (note_on_ends(sweep),)
+    assert [doubt.words for doubt in doubts(sweep, facts_of(sweep))] == [note_on_ends(sweep)]
 
 
 WALK = (ROOT / "workflows" / "YOUR_SYSTEM.md").read_text(encoding="utf-8")

@@ -135,6 +135,6 @@ def _point_lines(
         )
     if velocity < 0:
         yield from remarks("note", "the velocity is negative, so the disk slides towards −x")
-    yield from remarks("note", *sweep.about.notes)
+    yield from map(str, sweep.about.notes)
     warnings = [text for _, text in result.warnings]
     yield from remarks("warning", *warnings, MOLTEN * document["molten"], document["not_counted"])

@@ -28,7 +28,7 @@ from pipeline.sweep.about import library_tables
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import own_laws, refer
 from pipeline.sweep.physics import note_on_turns
-from pipeline.sweep.remarks import remarks
+from pipeline.sweep.remarks import Remark, remarks
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import VARIANT
@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> Result:
     """Run or resume a sweep, or the part of it that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_in(options, store=out)
-    tell(*remarks("note", *sweep.about.notes))
+    tell(*map(str, sweep.about.notes))
     require_bearable_load(sweep, min(sweep.plane.loads), "sweep.loads")
     tell(*remarks("warning", note_on_turns(sweep)))
     is_elsewhere = options.scheduler or options.scheduler_file
@@ -89,36 +89,35 @@ def check(options: argparse.Namespace) -> Result:
     sweep = scene_in(options)
     require_bearable_load(sweep, max(sweep.plane.loads), "sweep.loads")
     require_free_names(sweep)
-    facts, memory, saved = facts_of(sweep), worker_bytes(sweep), tuple(savings(sweep))
-    doubted = list(doubts(sweep, facts))
+    facts, memory = facts_of(sweep), worker_bytes(sweep)
+    warned = doubts(sweep, facts)
     machine = psutil.virtual_memory().total
     is_too_large = memory > machine
     if is_too_large:
-        doubted.append(
+        words = (
             f"this machine has {display(machine, 'GB', '.0f')} of memory, less than a worker "
             "needs: the time is not estimated; give fewer window.pixels, or a coarser fidelity"
         )
+        warned += (Remark("window.pixels", "warning", words),)
     on_unknown, unknown = _unknown_inputs(sweep)
+    saved, said = [*savings(sweep)], [*sweep.about.notes, *warned]
     nx, ny = sweep.scene.grid.shape
     document: dict[str, Any] = {
         "title": sweep.about.title,
-        "notes": sweep.about.notes,
         "meaning": facts.as_dict(),
         "library": [entry._asdict() for entry in sweep.about.sources],
-        "saved": saved,
         "worker_bytes": memory,
         **unknown,
-        "warnings": doubted,
+        "remarks": [one._asdict() for one in (*saved, *said)],
     }
     meaning = frame_of(
         _HEADS,
         [
             *_meaning(sweep, facts),
             *_library(sweep),
-            *(("saved", work) for work in saved),
+            *((one.grade, one.worded) for one in saved),
             *on_unknown,
-            *(("note", note) for note in sweep.about.notes),
-            *(("warning", doubt) for doubt in doubted),
+            *((one.grade, one.worded) for one in said),
             ("grid", f"{nx} × {ny} elements"),
             ("memory", f"about {display(memory, 'MB', '.0f')} a worker"),
         ],

@@ -50,20 +50,20 @@ def _read_tests(
     try:
         log = read_log(path, entries, row_of)
     except InputError as error:
-        faults.note(place, str(error))
+        faults.add(place, str(error))
         return []
     for problem in log.faults:
-        faults.note(place, f"{path.name}, {problem}")
+        faults.add(place, f"{path.name}, {problem}")
     if log.is_unclear:
-        faults.note(place, f"what is understood of it is printed by: irg tests {path}")
+        faults.add(place, f"what is understood of it is printed by: irg tests {path}")
     if log.unused:
-        faults.notes.append(f"{place}: columns not used: {', '.join(log.unused)}")
+        faults.note(place, f"columns not used: {', '.join(log.unused)}")
     if log.guessed:
-        faults.notes.append(f"{place}: read {', '.join(log.guessed)}")
+        faults.note(place, f"read {', '.join(log.guessed)}")
     for rows, said in (
         (log.twice, "the same as rows before, and not counted"),
         (log.left_out, "without load and velocity left out"),
     ):
         if rows:
-            faults.notes.append(f"{place}: {numbered(rows)} {said}")
+            faults.note(place, f"{numbered(rows)} {said}")
     return log.tests

@@ -248,7 +248,7 @@ def window_heights(
     if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):
         size = " × ".join(display(side, "µm") for side in surface.pixel_size)
         problem = f"the pixels of disk.roughness.file are {size}; give those"
-        faults.note("window.pixel_size", problem)
+        faults.add("window.pixel_size", problem)
     heights: Array | None = surface.heights
     if table["crop"] is not None and pixels:
         heights = _cropped(surface.heights, table, pixels, faults)
@@ -262,16 +262,18 @@ def window_heights(
         heights = level
     if table["repeat"] != "no" and pixels and np.less(heights.shape, pixels).any():
         is_mirrored = table["repeat"] == "mirror"  # stays continuous; tiles step, but keep a lay
-        faults.notes.append(
-            f"disk.roughness.file: {heights.shape[0]} × {heights.shape[1]} heights were "
+        faults.note(
+            "disk.roughness.file",
+            f"{heights.shape[0]} × {heights.shape[1]} heights were "
             f"{'mirrored' if is_mirrored else 'tiled'} to fill the window of {pixels[0]} × "
-            f"{pixels[1]}, so that the surface repeats itself"
+            f"{pixels[1]}, so that the surface repeats itself",
         )
         more = np.maximum(0, np.subtract(pixels, heights.shape)).tolist()
         heights = np.pad(heights, [(0, n) for n in more], "symmetric" if is_mirrored else "wrap")
     levelled_words = ", levelled" if table["level"] else ""
     noted = f"{file.name}{levelled_words}; {axis_note(table['transpose'])}"
-    faults.notes += [f"disk.roughness.file: {note}" for note in (*said, noted)]
+    for note in (*said, noted):
+        faults.note("disk.roughness.file", note)
     return heights
 
 
@@ -284,7 +286,7 @@ def _cropped(
         left = np.subtract(heights.shape, table["crop"])
         rows, columns = np.minimum(pixels, np.maximum(left, 1)).tolist()
     if i + rows > heights.shape[0] or j + columns > heights.shape[1]:
-        faults.note(
+        faults.add(
             "disk.roughness.crop",
             f"a patch of {rows} × {columns} heights by x and y from {i}, {j} on reaches beyond "
             f"the surface of {heights.shape[0]} × {heights.shape[1]}; begin at lower numbers, or "
@@ -300,7 +302,7 @@ def _fill_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
     if not len(holes):
         return heights
     if len(holes) == heights.size:
-        faults.note("disk.roughness.file", "all heights are missing; give another file")
+        faults.add("disk.roughness.file", "all heights are missing; give another file")
         return None
     share = f"{len(holes)} of {heights.size} heights ({100 * len(holes) / heights.size:.2g} %)"
     if missing == "refuse":
@@ -309,8 +311,8 @@ def _fill_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
             f"{share} are missing, the first at x {i}, y {j} (counted from 0); crop them off, or "
             'give "fill"'
         )
-        faults.note("disk.roughness.missing", problem)
+        faults.add("disk.roughness.missing", problem)
         return None
-    note = f"disk.roughness.file: {share} are missing and were filled from around them"
-    faults.notes.append(note)
+    words = f"{share} are missing and were filled from around them"
+    faults.note("disk.roughness.file", words)
     return filled(heights)

@@ -12,6 +12,7 @@ from pipeline.quantities import display, shown_in
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import columns_in_closed_form, note_on_ends, note_on_turns
+from pipeline.sweep.remarks import Remark
 from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
 from pipeline.sweep.wear_rates import note_on_wear
@@ -38,122 +39,127 @@ _LONGEST = 1 / 3  # correlation length in sides of the window
 _REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
 _MOST_RISE = 2.0  # rise of the mean plane over the window, in Rq
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
+_Doubt = tuple[str, str]
+"""Path of the entry that is in doubt, empty if it is none alone, and words."""
 
 
-def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
-    """Probable slips, and limits to know of before the simulation; a line each."""
+def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
+    """Probable slips, and limits to know of before the simulation."""
     found = (
         *_unusual(sweep, facts),
-        note_on_wear(sweep),
+        ("wear.specific_wear_rate", note_on_wear(sweep)),
         *_wear_doubts(sweep, facts),
         *_test_doubts(sweep),
-        note_on_turns(sweep),
+        ("", note_on_turns(sweep)),
         *_motion_doubts(sweep),
         *(_surface_doubts(sweep, facts.surface) if facts.surface else ()),
         *_contact_doubts(sweep, facts),
         *_heat_doubts(sweep, facts),
     )
-    return tuple(filter(None, found))
+    return tuple(Remark(place, "warning", words) for place, words in found if words)
 
 
-def _unusual(sweep: Sweep, facts: Facts) -> Iterator[str]:
+def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     """Quantities outside their usual ranges."""
     for name, value, low, high, unit in _quantities(sweep, facts):
         shown = math.nan if value is None else shown_in(value, unit)
         if math.isfinite(shown) and not low <= shown <= high:
-            of = f" {unit}" if unit else ""
-            yield (
-                f"{name} is {shown:.3g}{of}, where {low:g} to {high:g}{of} are usual: check the "
-                "number and its unit"
-            )
+            of, (place, _, part) = f" {unit}" if unit else "", name.partition(": ")
+            words = f"{part} {shown:.3g}{of}, where {low:g} to {high:g}{of} are usual: check the "
+            yield place, f"{words.lstrip()}number and its unit"
     band, friction = sweep.about.friction_band, sweep.conditions.friction
     if band and not min(band) <= friction <= max(band):
-        yield (
-            f"friction.band is {min(band):g} to {max(band):g}, and friction.coefficient is "
-            f"{friction:g}, beside it: give a band that holds the coefficient"
-        )
+        outside = f"{min(band):g} to {max(band):g} does not hold friction.coefficient, {friction:g}"
+        yield "friction.band", f"{outside}: give a band that does"
 
 
 def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
-    """Words, the value in SI, the usual range in a unit, and the unit."""
+    """Place, and part of it, the value in SI, the usual range in a unit, and the unit."""
     scene, pin, plane, conditions = sweep.scene, sweep.scene.pin, sweep.plane, sweep.conditions
-    bodies = {"the pin's": pin.material, "the disk's": scene.disk}
-    for owner, material in bodies.items() if pin.material != scene.disk else [("the", scene.disk)]:
+    bodies = {"disk": scene.disk} | ({"pin": pin.material} if pin.material != scene.disk else {})
+    for body, material in bodies.items():
         for name, usual in _MATERIAL.items():
-            yield f"{owner} {name.replace('_', ' ')}", getattr(material, name), *usual
+            yield f"{body}.material: {name.replace('_', ' ')}", getattr(material, name), *usual
         share = material.hardness / material.elastic_modulus
-        yield f"{owner} hardness", share, *USUAL_HARDNESS, "times the elastic modulus"
+        yield f"{body}.material: hardness", share, *USUAL_HARDNESS, "times the elastic modulus"
     for size in sizes_of(pin):
         longest = 1000 if size in ("radius", "length") else 100_000
-        yield f"the pin's {size.replace('_', ' ')}", getattr(pin, size), 0.1, longest, "mm"
+        yield f"pin.{size}", getattr(pin, size), 0.1, longest, "mm"
     yield "friction", max([conditions.friction, *(sweep.about.friction_band or [])]), 0, 1, ""
-    yield "the highest velocity", max(plane.velocities), 0, 100, "m/s"
-    yield "the bulk temperature", conditions.bulk_temperature, *_USUAL_BULK, "K"
+    yield "sweep.velocities", max(plane.velocities), 0, 100, "m/s"
+    yield "temperature.bulk", conditions.bulk_temperature, *_USUAL_BULK, "K"
     for body, track in tracks_of(sweep).items():
-        yield f"the {body}'s track", track.length, 20, 10_000, "mm"
+        yield f"{body}.track_length", track.length, 20, 10_000, "mm"
     kept = conditions.corrections or Corrections()
     for body, bulk in (("pin", kept.pin_bulk), ("disk", kept.disk_bulk)):
         if bulk and bulk.capacity:
-            yield f"the {body}'s heat capacity", bulk.capacity, 0.5, 1e6, "J/K"
+            yield f"{body}.capacity", bulk.capacity, 0.5, 1e6, "J/K"
     if isinstance(scene.wear, Wear) and scene.wears:
-        yield "the specific wear rate", scene.wear.specific_wear_rate, 1e-11, 1e-2, "mm³/(N m)"
-    yield "the time until the end", facts.duration.high, 0.05, 1e6, "s"
+        rate = scene.wear.specific_wear_rate
+        yield "wear.specific_wear_rate", rate, 1e-11, 1e-2, "mm³/(N m)"
+    yield "loading: time until the end", facts.duration.high, 0.05, 1e6, "s"
     if isinstance(scene.loading, Ramp):  # whose steps it sets
         highest, load = max(plane.loads), scene.loading.reference_load
         yield "loading.reference_load", load, highest / 100, highest * 100, "N"
     if oil := sweep.about.oil:
-        yield "the oil's kinematic viscosity", max(oil.viscosities), 0.5, 1e5, "mm²/s"
-        yield "the oil's density", oil.density, 500, 2000, "kg/m³"
+        yield "oil: kinematic viscosity", max(oil.viscosities), 0.5, 1e5, "mm²/s"
+        yield "oil.density", oil.density, 500, 2000, "kg/m³"
     if facts.surface:
-        yield "the disk's Ra", facts.surface.ra, 0.001, 10, "µm"
+        yield "disk.roughness: Ra", facts.surface.ra, 0.001, 10, "µm"
 
 
-def _wear_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
+def _wear_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     """A pin that keeps its shape, or turns too seldom to wear evenly."""
     scene = sweep.scene
     if scene.wear is None:
         yield (
-            "there is no [wear]: the pin keeps its shape, so its contact stays narrow and gets "
-            "hotter than a worn one"
+            "wear",
+            "not given: the pin keeps its shape, so its contact stays narrow and gets hotter than "
+            "a worn one",
         )
     speeds = [abs(scene.velocities_at(v).pin) for v in sweep.plane.velocities if v]
     turns = [facts.duration.low * speed / scene.track_length for speed in speeds]
     few = sum(turn < FEWEST_TURNS for turn in turns)
     if scene.wears and few and any(turns):
         yield (
+            "sweep.velocities",
             f"the pin turns only {min(turns):.2g} times until the end at the lowest load, fewer "
             f"than {FEWEST_TURNS} at {few} of {len(turns)} velocities, and its wear is taken to "
-            "spread evenly around it: leave such velocities out, or let the pin turn faster"
+            "spread evenly around it: leave such velocities out, or let the pin turn faster",
         )
 
 
-def _motion_doubts(sweep: Sweep) -> Iterator[str]:
+def _motion_doubts(sweep: Sweep) -> Iterator[_Doubt]:
     speeds = [sweep.scene.velocities_at(velocity) for velocity in sweep.plane.velocities]
     for body, track in tracks_of(sweep).items():
         if not any(getattr(speed, body) for speed in speeds):
             yield (
+                body,
                 f"the {body} is at rest, so that no earlier turn warms its track of "
-                f"{display(track.length, 'mm', 4)}: leave out the {body}'s diameter or track_length"
+                f"{display(track.length, 'mm', 4)}: leave out the {body}'s diameter or "
+                "track_length",
             )
 
 
-def _contact_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
+def _contact_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     share = facts.contact_width.high / 2 / sweep.scene.pin.radius
     if share > WIDEST:
         yield (
+            "pin.radius",
             f"half of the contact's width is expected to reach {share:.2g} of the pin's radius, "
             f"where at most {WIDEST:g} is sound: the bodies are no half-spaces, and a worn pin has "
-            "lost its shape"
+            "lost its shape",
         )
     if note := note_on_ends(sweep):
-        yield note
+        yield "pin.length", note
     across = facts.contact_width.low / sweep.scene.pixels.spacing[0]
     fewest = FEWEST_ACROSS if sweep.scene.pin.length is None else FEWEST_ROWS
     if across < fewest:
         yield (
+            "window.pixel_size",
             f"the contact is expected to be {across:.2g} pixels wide at the lowest load and "
-            f"velocity; with fewer than {fewest} the rise is mostly too low, by 5 to 70 %: give a "
-            "smaller window.pixel_size"
+            f"velocity; with fewer than {fewest} the rise is mostly too low, by 5 to 70 %: give "
+            "smaller pixels",
         )
     side, window = facts.window[0], "window"
     if sweep.scene.pin.length is None:
@@ -163,22 +169,24 @@ def _contact_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
     hertz = 2 * facts.hertz_half_width.high
     if hertz >= side:
         yield (
+            "window.pixels",
             f"the contact of Hertz is {display(hertz, 'µm', 3)} wide at {max(sweep.plane.loads):g} "
-            f"N, the {window} {display(side, 'µm', 3)}: give more window.pixels"
+            f"N, the {window} {display(side, 'µm', 3)}: give more pixels",
         )
         return
     points = len(sweep.plane.loads) * len(sweep.plane.velocities)
     wide = [width for row in facts.contact_widths for width in row if width >= side]
     if wide:
         yield (
+            "window.pixels",
             f"the contact is expected to grow up to {display(max(wide), 'µm', 3)} wide, the "
             f"{window} is {display(side, 'µm', 3)}: it carries too little load at its edges at "
             f"about {len(wide)} of {points} points, those of high load and velocity; give more "
-            "window.pixels if these matter"
+            "pixels if these matter",
         )
 
 
-def _heat_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
+def _heat_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     """Points at which steel would melt."""
     grid = itertools.product(sweep.plane.loads, sweep.plane.velocities)
     widths = itertools.chain(*facts.contact_widths)
@@ -189,10 +197,11 @@ def _heat_doubts(sweep: Sweep, facts: Facts) -> Iterator[str]:
     if molten := sum(temperature > MELTS for temperature, _, _ in places):
         temperature, load, velocity = max(places)
         yield (
+            "",
             f"steel would melt at about {molten} of {len(places)} points: at {load:g} N and "
             f"{velocity:g} m/s even a smooth contact would reach some "
             f"{display(temperature, '°C', 2)}, and steel melts from {display(MELTS, '°C', '.0f')} "
-            "on; the bodies of the model do not: check load, velocity and units"
+            "on; the bodies of the model do not: check load, velocity and units",
         )
 
 
@@ -217,7 +226,7 @@ def _smooth_temperature(sweep: Sweep, load: float, velocity: float, width: float
 
 
 def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
-    """Conditions of a test or an operating point that are probably in another unit."""
+    """Conditions of a test or an operating point that are probably in another unit, in words."""
     if (own.get("friction") or 0.0) > 1:
         yield f"friction is {own['friction']:g}, where 0 to 1 is usual: is it in per cent?"
     bulk, (coldest, hottest) = own.get("bulk_temperature"), _USUAL_BULK
@@ -228,7 +237,7 @@ def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
         )
 
 
-def _test_doubts(sweep: Sweep) -> Iterator[str]:
+def _test_doubts(sweep: Sweep) -> Iterator[_Doubt]:
     """Tests so far outside the sweep that their units are in doubt."""
     loads, velocities = Span.of(sweep.plane.loads), Span.of(sweep.plane.velocities)
     far = [
@@ -239,24 +248,26 @@ def _test_doubts(sweep: Sweep) -> Iterator[str]:
     ]
     for test in [*sweep.about.measured, *sweep.about.tested]:
         for doubt in doubts_of_row(asdict(test)):
-            yield f"the test of {test.normal_load:g} N at {test.velocity:g} m/s: {doubt}"
+            yield "", f"the test of {test.normal_load:g} N at {test.velocity:g} m/s: {doubt}"
     if far:
         spans = f"{loads.low:g} to {loads.high:g} N and {velocities.low:g} to {velocities.high:g}"
         more = f" and {len(far) - 1} more" if len(far) > 1 else ""
         verb = "lie" if len(far) > 1 else "lies"
         yield (
+            "",
             f"the test of {far[0]}{more} {verb} far outside the sweep, {spans} m/s, and cannot be "
-            "compared with it: check the units, or widen the sweep"
+            "compared with it: check the units, or widen the sweep",
         )
 
 
-def _surface_doubts(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
+def _surface_doubts(sweep: Sweep, surface: SurfaceFacts) -> Iterator[_Doubt]:
     for axis, rise in zip("xy", surface.rise, strict=True):
         if surface.measured and abs(rise) > _MOST_RISE * surface.rq:
             yield (
+                "disk.roughness.level",
                 f"the surface is tilted: its mean plane rises by {display(rise, 'µm', 3)} along "
                 f"{axis} over the window, beside an Rq of {display(surface.rq, 'µm', 3)}; take the "
-                "plane off with level = true under [disk.roughness]"
+                "plane off with level = true",
             )
     if isinstance(sweep.scene.roughness, SelfAffineRoughness):
         yield from _correlation_doubts(sweep, sweep.scene.roughness)
@@ -264,30 +275,35 @@ def _surface_doubts(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
         return
     if sweep.scene.wear and sweep.scene.wear.pattern == "swept":
         yield (
+            "wear.pattern",
             'the grooves lie along sliding, and pattern = "swept" assumes that ever new ones pass '
             "the pin; where the same ones persist around the whole track (rings turned or ground "
-            'along it), give pattern = "local": there "swept" makes the rise about half too high'
+            'along it), give pattern = "local": there "swept" makes the rise about half too high',
         )
     if surface.measured:
         yield (
+            "disk.roughness.transpose",
             "the grooves lie along x, the sliding direction; if they should lie across it, "
-            "exchange x and y of the file with transpose under [disk.roughness]"
+            "exchange x and y of the file with transpose = true",
         )
 
 
-def _correlation_doubts(sweep: Sweep, roughness: SelfAffineRoughness) -> Iterator[str]:
+def _correlation_doubts(sweep: Sweep, roughness: SelfAffineRoughness) -> Iterator[_Doubt]:
     """Correlation lengths that the pixels do not resolve, or the window does not hold."""
     sides = zip("xy", roughness.correlation_length, sweep.scene.pixels.shape, strict=True)
     for (axis, length, count), pixel in zip(sides, sweep.scene.pixels.spacing, strict=True):
-        said = f"the correlation length along {axis}, {display(length, 'µm', 3)}, is"
+        place = "disk.roughness.correlation_length"
+        said = f"that along {axis}, {display(length, 'µm', 3)}, is"
         if length < FEWEST_PIXELS * pixel * (1 - 1e-9):
             yield (
+                place,
                 f"{said} {length / pixel:.2g} pixels; below {FEWEST_PIXELS:g} the slopes of the "
-                "roughness depend on the pixels: give a smaller window.pixel_size"
+                "roughness depend on the pixels: give a smaller window.pixel_size",
             )
         if length > _LONGEST * count * pixel:
             yield (
+                place,
                 f"{said} {length / (count * pixel):.2g} of the window's side; above a third the "
                 "temperature differs much from surface to surface: give more window.pixels, or "
-                "several surfaces (sweep.realizations)"
+                "several surfaces (sweep.realizations)",
             )

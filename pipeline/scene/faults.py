@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from pipeline.scene.shipped import name_of
 from pipeline.scene.units import UnitError
 from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.remarks import Remark
 from tribo import InputError, TriboError
 
 _SHOWN = 100  # faults, at most, where there are thousands
@@ -42,21 +43,25 @@ class Faults(list[Fault]):
 
     def __init__(self) -> None:
         super().__init__()
-        self.notes: list[str] = []
+        self.notes: list[Remark] = []
 
-    def note(self, key: str, problem: str, rival: str = "") -> None:
+    def add(self, key: str, problem: str, rival: str = "") -> None:
         """Add a fault of the entry at a key path."""
         self.append(Fault(key, problem, rival=rival))
 
+    def note(self, place: str, words: str) -> None:
+        """Note what is no fault of the entry at a place."""
+        self.notes.append(Remark(place, "note", words))
+
     @contextmanager
     def at(self, key: str) -> Iterator[None]:
-        """Note an error as a fault of the entry at a key path."""
+        """Add an error as a fault of the entry at a key path."""
         try:
             yield
         except OwnLawError:
             raise  # alone, since nothing else of such a scene is worth a look
         except (InputError, UnitError) as error:
-            self.note(key, " ".join(str(error).split()))
+            self.add(key, " ".join(str(error).split()))
 
     def touch(self, path: str) -> bool:
         """True if the entry at a path, one within it, or a table around it is faulty."""

@@ -8,6 +8,7 @@ from typing import Any, Literal, NamedTuple
 
 from pipeline.quantities import display, display_sides
 from pipeline.sweep.conditions import PATHS, Conditions
+from pipeline.sweep.remarks import Remark
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import Line
 from tribo import MeasuredRoughness, Oil, Ramp, Scene, SelfAffineRoughness, Wear
@@ -91,7 +92,7 @@ class About:
     preset: str | None = None  # that the fidelity equals
     selection: Selection | None = None  # reasons of a fidelity picked for its accuracy
     sources: tuple[FromLibrary, ...] = ()
-    notes: tuple[str, ...] = ()  # assumptions made on reading the scene
+    notes: tuple[Remark, ...] = ()  # assumptions made on reading the scene
     # Arguments by which the command reads the scene; none if it was not read from a file.
     arguments: tuple[str, ...] = field(default=(), compare=False)
 

@@ -77,7 +77,8 @@ def surface_words(sweep: Sweep) -> str | None:
     if isinstance(law := sweep.scene.roughness, Reference):
         return f"own law {law.reference} (SHA-256 {law.digest[:8]}…)"
     facts = surface_facts(sweep)
-    done = [note for note in sweep.about.notes if note.startswith("disk.roughness")]
+    noted = (note for note in sweep.about.notes if note.place.startswith("disk.roughness"))
+    done = [note.worded for note in noted]
     return None if facts is None else "; ".join([facts.words, *done])
 
 

@@ -18,6 +18,7 @@ from pipeline.sweep.hand_out import makespan
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, record_at, step_count, tasks
 from pipeline.sweep.plan import points as points_of
+from pipeline.sweep.remarks import Remark
 from pipeline.sweep.shown import shown
 from pipeline.sweep.station_choice import choose_stations
 from tribo import State
@@ -216,8 +217,12 @@ def _point_bytes(sweep: Sweep, state: State) -> float:
     return stored + fields * field
 
 
-def savings(sweep: Sweep) -> Iterator[str]:
-    """Lines on the work that this scene does not need, each with the reason."""
+def savings(sweep: Sweep) -> Iterator[Remark]:
+    """Remarks on the work that this scene does not need, each with the reason."""
+    return (Remark("", "saved", words) for words in _saved_work(sweep))
+
+
+def _saved_work(sweep: Sweep) -> Iterator[str]:
     scene, plane = sweep.scene, sweep.plane
     nx, ny = scene.grid.shape
     steps = max(step_count(scene, load) for load in plane.loads)

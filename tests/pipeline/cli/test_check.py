@@ -45,7 +45,10 @@ def test_the_document_holds_the_same(check):
     assert ra["value"] == pytest.approx(0.27e-6, rel=1e-2)
     assert ra["unit"] == "m"
     assert meaning["surface"]["lay"] == "none"
-    assert document["warnings"] == [note_on_ends(pipeline.load_scene(SCENE))]
+    saved, said = document["remarks"][:-1], document["remarks"][-1]
+    assert {remark["grade"] for remark in saved} == {"saved"}
+    words = note_on_ends(pipeline.load_scene(SCENE))
+    assert said == {"place": "pin.length", "grade": "warning", "words": words}
     assert document["seconds"] > 0
 
 

@@ -166,7 +166,7 @@ def test_without_friction_there_is_no_heat_and_no_claim_about_it(tmp_path, irg):
     scene.write_text(text.replace('["1 m/s", "2 m/s", "4 m/s"]', '["1 m/s", "4 m/s"]'))
     document = irg("check", scene, "--json")
     assert document["temperatures"] == 0
-    assert any("friction coefficient is 0" in reason for reason in document["saved"])
+    assert any("friction coefficient is 0" in remark["words"] for remark in document["remarks"])
     irg("run", scene, "-o", out, "--workers", 1)
     assert "mild throughout" in irg("boundary", out)
     assert "without any heat" in irg("boundary", out, "--friction", "0.1", code=2)

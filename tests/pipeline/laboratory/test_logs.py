@@ -46,7 +46,7 @@ def test_rows_of_a_log_stand_beside_tables(lab):
         Measurement(400.0, 2.5, 0.1, bulk_temperature=333.15, outcome="severe", number="row 2"),
         Measurement(600.0, 1.5, hold=10.0, outcome="mild", number="row 4"),
     )
-    assert "tested[1].file: columns not used: date" in scene.about.notes
+    assert "tested[1].file: columns not used: date" in [note.worded for note in scene.about.notes]
 
 
 @pytest.mark.parametrize(
@@ -132,8 +132,8 @@ def test_a_log_of_an_office_is_read_as_it_is(tmp_path, encoding):
         Measurement(400.0, 1.75, 0.098, bulk_temperature=298.15, outcome="mild", number="1"),
         Measurement(1200.5, 2.75, bulk_temperature=298.15, outcome="severe", number="2"),
     )
-    assert any('"Normalkraft F_N / N" as load' in note for note in about.notes)
-    assert any("row 6 without load and velocity left out" in note for note in about.notes)
+    assert any('"Normalkraft F_N / N" as load' in note.words for note in about.notes)
+    assert any("row 6 without load and velocity left out" in note.words for note in about.notes)
 
 
 def test_a_sheet_of_excel_is_read_as_the_same_csv(tmp_path):

@@ -139,7 +139,7 @@ def test_a_scene_says_which_way_x_goes_and_doubts_a_steep_plane(scan):
         "disk.roughness.transpose": True,
         "window.pixels": [192, 240],
     }
-    notes = load_scene("first_try", overrides=turned).about.notes
+    notes = [str(note) for note in load_scene("first_try", overrides=turned).about.notes]
     assert any("x, the sliding direction, is along the rows of the file" in one for one in notes)
     assert any("the scan is tilted by" in one for one in notes)
 

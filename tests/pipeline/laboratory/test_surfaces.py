@@ -168,7 +168,7 @@ def test_a_scene_takes_a_patch_levelled_and_filled(read, library):
     expected = levelled(filled(patch))
     np.testing.assert_array_equal(sweep.scene.roughness.array, expected)
     note, _ = sweep.about.notes
-    assert "2 of 1280 heights (0.16 %) are missing and were filled" in note
+    assert "2 of 1280 heights (0.16 %) are missing and were filled" in note.words
 
 
 def test_a_scan_that_is_too_small_is_repeated_on_request(read, library):
@@ -180,7 +180,7 @@ def test_a_scan_that_is_too_small_is_repeated_on_request(read, library):
     np.testing.assert_array_equal(kept, HEIGHTS[2:])
     np.testing.assert_array_equal(second[: rows - 2], HEIGHTS[2:][::-1])
     note, _ = sweep.about.notes
-    assert f"{rows - 2} × {columns} heights were mirrored" in note
+    assert f"{rows - 2} × {columns} heights were mirrored" in note.words
 
 
 @pytest.mark.parametrize(

@@ -137,17 +137,17 @@ def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
 @pytest.mark.parametrize(
     ("sweep", "said"),
     [
-        (SMOOTH.changed(wear=None), "no [wear]"),
+        (SMOOTH.changed(wear=None), "wear: not given"),
         (
             rough(waves() + 1e-7 * np.indices((64, 32))[1]),
             "tilted: its mean plane rises by 3.2 µm along y",
         ),
         (rough(waves(along=1)), 'pattern = "swept" assumes'),
-        (rough(waves(along=1), wear=tribo.Wear(1.2e-15, "local")), "with transpose under"),
+        (rough(waves(along=1), wear=tribo.Wear(1.2e-15, "local")), "with transpose = true"),
     ],
 )
 def test_what_is_hardly_meant_is_doubted(sweep, said):
-    assert any(said in doubt for doubt in doubts(sweep, facts_of(sweep)))
+    assert any(said in doubt.worded for doubt in doubts(sweep, facts_of(sweep)))
 
 
 def test_of_two_moving_bodies_the_velocities_and_turns_are_told():

@@ -199,8 +199,9 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     fitted = read((ramp, record + "\nfit = true"))
     assert fitted.scene.loading == tribo.MeasuredLoad(times, loads, 500.0).ramp()
     (note,) = fitted.about.notes
-    assert "fitted by" in note
-    assert "N/s" in note
+    assert note.place == "loading.file"
+    assert "fitted by" in note.words
+    assert "N/s" in note.words
     (fault,) = faults((ramp, record.replace("500", "900")))
     assert fault.startswith("loading.file: ")
     assert "reaches 800 N" in fault

@@ -11,6 +11,7 @@ from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import facts_of
 from pipeline.sweep.codec import sweep_text, text_sweep
 from pipeline.sweep.own_laws import own_laws
+from pipeline.sweep.remarks import Remark
 from pipeline.sweep.wear_rates import note_on_wear
 from tests.pipeline.conftest import commit_all
 
@@ -95,7 +96,8 @@ def test_a_wear_rate_of_another_bulk_temperature_is_told():
         "first_try", overrides=BY_TEMPERATURE | {"temperature.bulk": "62.5 degC"}
     )
     assert "is 5.71e-07 mm³/(N m)" in note_on_wear(warm)  # √(0.37 · 0.88)
-    assert note_on_wear(warm) in doubts(warm, facts_of(warm))
+    warned = Remark("wear.specific_wear_rate", "warning", note_on_wear(warm))
+    assert warned in doubts(warm, facts_of(warm))
     right = {"wear.specific_wear_rate": "0.57e-6 mm^3/(N m)", "temperature.bulk": "62.5 degC"}
     assert note_on_wear(pipeline.load_scene("first_try", overrides=BY_TEMPERATURE | right)) is None
 

@@ -210,4 +210,6 @@ FIELDS += " not ask for them (up to {} MB)"
 )  # fmt: skip
 def test_work_that_is_saved_is_named_with_its_reason(changes, said):
     kept = SWEEP.changed(fields=True, steps="end", pixels=Grid((256, 96), (2e-6, 2e-6)))
-    assert list(savings(kept.changed(**changes))) == said
+    remarks = list(savings(kept.changed(**changes)))
+    assert [remark.words for remark in remarks] == said
+    assert all(remark.grade == "saved" for remark in remarks)
