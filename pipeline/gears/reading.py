@@ -153,14 +153,14 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     for body, gear in _BODIES.items():
         if isinstance(named[body], str) and named[body] not in materials:
             known = ", ".join(map(quoted, materials)) or "a table [materials]"
-            faults.add(
+            faults.refuse(
                 f"{gear}.material",
                 f"{quoted(named[body])} is neither in the library nor in {known}; give one of it",
             )
     _check_oil(tables["oil"], faults)
     temperature = tables["temperature"]
     if temperature and not faults and (temperature["bulk"] is None) == (temperature["oil"] is None):
-        faults.add("temperature", "give one of bulk, that of the teeth, and oil")
+        faults.refuse("temperature", "give one of bulk, that of the teeth, and oil")
     oil = oil_of(tables["oil"], faults) if not faults else None
     if faults:
         raise SceneFileError(given, [*map(document.line, faults)])
@@ -180,9 +180,9 @@ def _check_oil(oil: Mapping[str, Any] | None, faults: Faults) -> None:
     if oil is None or faults.touch("oil"):
         return
     if (oil["kinematic_viscosity"] is None) == (oil["dynamic_viscosity"] is None):
-        faults.add("oil", "give one of kinematic_viscosity and dynamic_viscosity")
+        faults.refuse("oil", "give one of kinematic_viscosity and dynamic_viscosity")
     elif oil["kinematic_viscosity"] is not None and oil["density"] is None:
-        faults.add("oil.density", "missing; a kinematic viscosity needs one")
+        faults.refuse("oil.density", "missing; a kinematic viscosity needs one")
 
 
 def _make_pair(

@@ -50,12 +50,12 @@ def _read_tests(
     try:
         log = read_log(path, entries, row_of)
     except InputError as error:
-        faults.add(place, str(error))
+        faults.refuse(place, str(error))
         return []
     for problem in log.faults:
-        faults.add(place, f"{path.name}, {problem}")
+        faults.refuse(place, f"{path.name}, {problem}")
     if log.is_unclear:
-        faults.add(place, f"what is understood of it is printed by: irg tests {path}")
+        faults.refuse(place, f"what is understood of it is printed by: irg tests {path}")
     if log.unused:
         faults.note(place, f"columns not used: {', '.join(log.unused)}")
     if log.guessed:

@@ -248,7 +248,7 @@ def window_heights(
     if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):
         size = " × ".join(display(side, "µm") for side in surface.pixel_size)
         problem = f"the pixels of disk.roughness.file are {size}; give those"
-        faults.add("window.pixel_size", problem)
+        faults.refuse("window.pixel_size", problem)
     heights: Array | None = surface.heights
     if table["crop"] is not None and pixels:
         heights = _cropped(surface.heights, table, pixels, faults)
@@ -286,7 +286,7 @@ def _cropped(
         left = np.subtract(heights.shape, table["crop"])
         rows, columns = np.minimum(pixels, np.maximum(left, 1)).tolist()
     if i + rows > heights.shape[0] or j + columns > heights.shape[1]:
-        faults.add(
+        faults.refuse(
             "disk.roughness.crop",
             f"a patch of {rows} × {columns} heights by x and y from {i}, {j} on reaches beyond "
             f"the surface of {heights.shape[0]} × {heights.shape[1]}; begin at lower numbers, or "
@@ -302,7 +302,7 @@ def _fill_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
     if not len(holes):
         return heights
     if len(holes) == heights.size:
-        faults.add("disk.roughness.file", "all heights are missing; give another file")
+        faults.refuse("disk.roughness.file", "all heights are missing; give another file")
         return None
     share = f"{len(holes)} of {heights.size} heights ({100 * len(holes) / heights.size:.2g} %)"
     if missing == "refuse":
@@ -311,7 +311,7 @@ def _fill_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
             f"{share} are missing, the first at x {i}, y {j} (counted from 0); crop them off, or "
             'give "fill"'
         )
-        faults.add("disk.roughness.missing", problem)
+        faults.refuse("disk.roughness.missing", problem)
         return None
     words = f"{share} are missing and were filled from around them"
     faults.note("disk.roughness.file", words)

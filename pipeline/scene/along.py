@@ -127,7 +127,7 @@ def _pairs(document: Document, faults: Faults) -> list[dict[str, Any]]:
     entries, before = document.entries(), len(faults)
     asked = entry_at(entries, "sweep.along")
     if asked is None and entry_at(entries, "sweep.around") is not None:
-        faults.add("sweep.around", "sweep.along is not given, which it belongs to; leave it out")
+        faults.refuse("sweep.around", "sweep.along is not given, which it belongs to; leave it out")
     if isinstance(asked, str) and asked:
         rows = _file_rows(document.file_of("sweep.along").parent / asked, faults)
     elif isinstance(asked, list) and all(isinstance(row, dict) for row in asked):
@@ -142,7 +142,7 @@ def _pairs(document: Document, faults: Faults) -> list[dict[str, Any]]:
         place = {name: row[name] for name in _PLACE.keys.keys() & row.keys()}
         if row.keys() != first:
             other = ", ".join(sorted(row.keys() ^ first))
-            faults.add(f"sweep.along[{number}]", f"not all rows have {other}; give it in each")
+            faults.refuse(f"sweep.along[{number}]", f"not all rows have {other}; give it in each")
         row |= _PLACE.read(place, f"sweep.along[{number}]", faults)
     return rows if len(faults) == before else []
 
@@ -215,10 +215,10 @@ def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
     try:
         sheet = read_sheet(path, _ROW.keys, _PLACE.keys)
     except InputError as error:
-        faults.add("sweep.along", str(error))
+        faults.refuse("sweep.along", str(error))
         return []
     for fault in (*sheet.faults, *sheet.of_rows):
-        faults.add("sweep.along", f"{path}: {fault}")
+        faults.refuse("sweep.along", f"{path}: {fault}")
     names = {place: name for name, place in sheet.places.items()}
     tables = [dict[str, Any]() for _ in sheet.rows]
     for place, heading in enumerate(sheet.headings):
@@ -226,10 +226,10 @@ def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
             cell = row.cells[place]
             if wrong := sheet.doubt(cell) if cell else "is empty":
                 where = f"row {row.number}, column {quoted(heading.text)}"
-                faults.add("sweep.along", f"{path}: {where} {wrong}")
+                faults.refuse("sweep.along", f"{path}: {where} {wrong}")
             table[names.get(place, heading.title)] = as_entry(cell, heading.unit)
     if sheet.sheet_notes:
         faults.note("sweep.along", f"{path.name}, {sheet.sheet_notes}")
     if not tables and not sheet.faults:
-        faults.add("sweep.along", f"{path} has no rows; give a load and a velocity in each")
+        faults.refuse("sweep.along", f"{path} has no rows; give a load and a velocity in each")
     return tables

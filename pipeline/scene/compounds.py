@@ -53,7 +53,7 @@ class List(Kind):
             for index, item in enumerate(items):
                 if item is not None and first.setdefault(item, index) != index:
                     problem = f"{quoted(value[index])} equals entry [{first[item]}]"
-                    faults.add(f"{place}[{index}]", f"{problem}; give each value once")
+                    faults.refuse(f"{place}[{index}]", f"{problem}; give each value once")
         return None if None in items else tuple(items)
 
 
@@ -162,7 +162,7 @@ class Table(Kind):
             if key not in self.keys:
                 hint = did_you_mean(key, self.keys)
                 problem = f"unknown key{hint}; give one of {', '.join(self.keys)}"
-                faults.add(joined(place, key), problem)
+                faults.refuse(joined(place, key), problem)
         entries = {}
         for key, entry in self.keys.items():
             if key in value:
@@ -171,7 +171,7 @@ class Table(Kind):
                 entries[key] = entry.default
             else:
                 entries[key] = None
-                faults.add(joined(place, key), f"missing; give {entry.kind}")
+                faults.refuse(joined(place, key), f"missing; give {entry.kind}")
         return entries
 
 

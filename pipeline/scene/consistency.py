@@ -41,7 +41,7 @@ def check_tables(
         _body_faults(sound), _motion_faults(sound), _track_faults(sound), _condition_faults(sound),
         _oil_faults(sound), _step_faults(sound, fidelity.increments), _test_faults(tables),
     ):  # fmt: skip
-        faults.add(*misfit)
+        faults.refuse(*misfit)
 
 
 def _check_materials(tables: dict[str, Any], faults: Faults) -> None:
@@ -54,7 +54,7 @@ def _check_materials(tables: dict[str, Any], faults: Faults) -> None:
             known = {**materials, **library()["materials"]}
             hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
             problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
-            faults.add(f"{body}.material", f"{problem}; give {choices}, or add a table for it")
+            faults.refuse(f"{body}.material", f"{problem}; give {choices}, or add a table for it")
 
 
 def _check_pixels(
@@ -68,17 +68,17 @@ def _check_pixels(
         with faults.at("window.pixel_size"):
             tribo.Grid(pixels, sides)
     if any(n % block for n in pixels):
-        faults.add(
+        faults.refuse(
             "window.pixels",
             f"{size} cannot be averaged {block} × {block}; give multiples of {block}, or another "
             "fidelity.pixels_per_element",
         )
     if pixels == (1, 1) and isinstance(roughness, tribo.SelfAffineRoughness):
         problem = "[1, 1] cannot be rough; give more pixels, or no disk.roughness"
-        faults.add("window.pixels", problem)
+        faults.refuse("window.pixels", problem)
     if isinstance(roughness, tribo.MeasuredRoughness) and roughness.array.shape != pixels:
         nx, ny = roughness.array.shape
-        faults.add(
+        faults.refuse(
             "disk.roughness.file",
             f"the surface has {nx} × {ny} heights along x and y, window.pixels is {size}; give "
             "both the same size: cut out a patch (disk.roughness.crop), exchange x and y "

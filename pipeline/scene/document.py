@@ -136,7 +136,7 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
     for key, value in overrides.items():
         *tables, _ = key.split(".")
         if _table(top, *tables) is None or _table(entries, *tables) is None:
-            faults.add(key, f"{'.'.join(tables)} is not a table; give its own key")
+            faults.refuse(key, f"{'.'.join(tables)} is not a table; give its own key")
         else:
             top = _merged(top, replace_value({}, key, value))
     return Document((FileEntries(document.file, top), *document.layers))
@@ -151,7 +151,7 @@ def _leave_out(value: Any, has_preset: bool, base: Document, path: Path, faults:
         depth = _depth(entries, parts)
         if depth < len(parts):
             present = list(_table(entries, *parts[:depth]) or {})
-            wrong.add(
+            wrong.refuse(
                 f"without[{index}]",
                 f"{quoted(key)} is not an entry of {name_of(base.file)}"
                 f"{did_you_mean(parts[depth], present)}; give one that it has, such as "

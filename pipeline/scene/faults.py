@@ -45,7 +45,7 @@ class Faults(list[Fault]):
         super().__init__()
         self.notes: list[Remark] = []
 
-    def add(self, key: str, problem: str, rival: str = "") -> None:
+    def refuse(self, key: str, problem: str, rival: str = "") -> None:
         """Add a fault of the entry at a key path."""
         self.append(Fault(key, problem, rival=rival))
 
@@ -61,7 +61,7 @@ class Faults(list[Fault]):
         except OwnLawError:
             raise  # alone, since nothing else of such a scene is worth a look
         except (InputError, UnitError) as error:
-            self.add(key, " ".join(str(error).split()))
+            self.refuse(key, " ".join(str(error).split()))
 
     def touch(self, path: str) -> bool:
         """True if the entry at a path, one within it, or a table around it is faulty."""

@@ -216,7 +216,7 @@ class Sheet:
                     continue
                 table[name] = as_entry(cell, self.headings[place].unit)
                 if place not in self.sure and (doubt := self.doubt(cell)):
-                    wrong.add(name, doubt)
+                    wrong.refuse(name, doubt)
             if "number" in row_of.keys:
                 table.setdefault("number", f"row {row.number}")
             values = row_of.read(table, "", wrong)

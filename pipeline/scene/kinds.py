@@ -41,7 +41,7 @@ class Kind(ABC):
         try:
             return self._read(value, place, faults)
         except (UnfitError, UnitError) as problem:
-            faults.add(place, f"{problem}; give {self}")
+            faults.refuse(place, f"{problem}; give {self}")
             return None
 
     @abstractmethod

@@ -71,7 +71,9 @@ def _filled(
     known = library()[kind]
     if like not in known:
         hint = did_you_mean(like, known) or f" ({', '.join(map(quoted, known))})"
-        faults.add(f"{place}.like", f"{quoted(like)} is not in the library{hint}; give one of it")
+        faults.refuse(
+            f"{place}.like", f"{quoted(like)} is not in the library{hint}; give one of it"
+        )
         like = next(iter(known))  # so that nothing else seems to be missing
     has_viscosity = any(key in table for key in _VISCOSITY)
     added = {}

@@ -169,7 +169,7 @@ def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
         if not faults.touch("disk.roughness"):
             surface = "smooth" if rough is None else "measured"
             asked = wanted if isinstance(wanted, int) else list(wanted)
-            faults.add(
+            faults.refuse(
                 "sweep.realizations",
                 f"{quoted(asked)} does not fit a {surface} disk; leave it out, or give a "
                 "[disk.roughness] that is made from a seed",
@@ -190,7 +190,7 @@ def roughness_of(
     table, law = entry_at(tables, "disk.roughness"), entry_at(tables, "disk.surface")
     if law:
         if table is not None:
-            faults.add("disk.surface", "there is a [disk.roughness], too; leave out one of them")
+            faults.refuse("disk.surface", "there is a [disk.roughness], too; leave out one of them")
         if faults.touch("disk.surface"):
             return None
         with faults.at("disk.surface.law"):

@@ -35,7 +35,7 @@ def _read_stages(entry: dict[str, Any], place: str, faults: Faults) -> Iterator[
     given = {outcome: key for outcome, key in _STAGES if entry[key] is not None}
     if len(varied) != 1:
         problem = "both load and velocity are" if not varied else "neither load nor velocity is"
-        faults.add(place, f"{problem} given beside stages; give the one that all stages have")
+        faults.refuse(place, f"{problem} given beside stages; give the one that all stages have")
         return
     (name,) = varied
     read = _KINDS[name].read
@@ -44,7 +44,7 @@ def _read_stages(entry: dict[str, Any], place: str, faults: Faults) -> Iterator[
         return
     if len(stages) > 1 and not stages["mild"] < stages["severe"]:
         low, high = (display(stages[outcome], UNITS[name]) for outcome in ("severe", "mild"))
-        faults.add(f"{place}.severe_at", f"{low} is not above mild_up_to, {high}; exchange them")
+        faults.refuse(f"{place}.severe_at", f"{low} is not above mild_up_to, {high}; exchange them")
         return
     run = entry["run"] if entry["run"] is not None else f"number {entry['number']}"
     common = {key: entry[key] for key in TEST.keys if key in entry} | {"run": run}

@@ -180,7 +180,7 @@ class _Reader:
         )
         for body, fault in track_faults(sweep):
             given = "diameter" if entry_at(tables, f"{body}.diameter") else "track_length"
-            faults.add(f"{body}.{given}", fault)
+            faults.refuse(f"{body}.{given}", fault)
         return sweep, tables
 
     def _once(self, tables: list[Any], make: Callable[[], Any]) -> Any:
@@ -255,7 +255,9 @@ def _path_overrides(
             paths = [path for path, _ in all_keys() if path.partition(".")[0] not in _UNSET]
             hint = did_you_mean(key, [*fields, *paths])
             problem = f"unknown key{hint}; give one of {', '.join(fields)}"
-            faults.add(key, f"{problem}; or an entry such as wear.pattern, loading.hold or title")
+            faults.refuse(
+                key, f"{problem}; or an entry such as wear.pattern, loading.hold or title"
+            )
     return replaced
 
 

@@ -101,7 +101,7 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     for one in known:
         faults.note("unknown", f"{one}, because a value is given, too")
     if len(inputs) > MOST_INPUTS:
-        faults.add("unknown", f"{len(inputs)} inputs are unknown; give {MOST_INPUTS} at most")
+        faults.refuse("unknown", f"{len(inputs)} inputs are unknown; give {MOST_INPUTS} at most")
     layers = [_layer(one, sweep, reading.make, faults) for one in inputs]
     if len(faults) > before:
         return sweep
@@ -149,20 +149,20 @@ def _correlated(
         key = f"unknown.{quoted(path)}.correlated.{quoted(other)}"
         if other not in table or other == path:
             hint = did_you_mean(other, [name for name in table if name != path])
-            faults.add(key, f"this is not another input of [unknown]{hint}")
+            faults.refuse(key, f"this is not another input of [unknown]{hint}")
         elif not {path, other} <= set(order):
             continue  # one of them is faulty
         elif unknown[order[other]].kind == "list":
             problem = "each value of a list is as likely, whatever else is; give a distribution"
-            faults.add(key, problem)
+            faults.refuse(key, problem)
         elif unknown[order[other]].varies != unknown[order[path]].varies:
             problem = "one of them varies from part to part, and the other does not"
-            faults.add(key, f"{problem}; give both the same varies, or leave this out")
+            faults.refuse(key, f"{problem}; give both the same varies, or leave this out")
         else:
             earlier, later = sorted((order[path], order[other]))
             before, _ = pairs.setdefault((later, earlier), (correlation, key))
             if before != correlation:
-                faults.add(key, f"{correlation:g} is {before:g} elsewhere; give it once")
+                faults.refuse(key, f"{correlation:g} is {before:g} elsewhere; give it once")
     joint = list(unknown)
     for (later, earlier), (correlation, _) in sorted(pairs.items()):
         if correlation:
@@ -171,7 +171,7 @@ def _correlated(
     if (i := first_unfit(correlations(joint))) is not None:
         *_, key = (key for (later, _), (_, key) in pairs.items() if later == i)
         problem = "the correlations of this input cannot all be; give smaller ones"
-        faults.add(key, f"{problem}, or leave one out")
+        faults.refuse(key, f"{problem}, or leave one out")
     return tuple(joint)
 
 
@@ -256,22 +256,22 @@ def _layer(one: Unknown, sweep: Sweep, make: Make, faults: Faults) -> Layer:
         try:
             other = make({one.path: _entry(one, value)})
         except InputError as error:
-            faults.add(key, f"{where}{error}{instead}")
+            faults.refuse(key, f"{where}{error}{instead}")
             return "conditions"
         changed |= {name for name, _ in differing_inputs(sweep, other)} - {"sources"}
         alike = {name for name, _ in differing_inputs(sweep, _same_heat(other, sweep))}
         is_heat_alone &= not alike & _SIMULATED
         if step_count(other.scene, highest) != step_count(sweep.scene, highest):
-            faults.add(key, "it changes the number of steps, which must stay; give it")
+            faults.refuse(key, "it changes the number of steps, which must stay; give it")
             return "conditions"
     if one.path == _SHARE and sweep.conditions.criterion != "share":
         changed.clear()  # which no other criterion looks at
     if not changed:
-        faults.add(key, "it changes nothing in this scene; leave it out")
+        faults.refuse(key, "it changes nothing in this scene; leave it out")
     elif not changed & _DECISIVE:
         names = " and ".join(sorted(name.replace("_", " ") for name in changed))
         problem = f"no temperature or wear depends on it, only the {names}; leave it out"
-        faults.add(key, problem)
+        faults.refuse(key, problem)
     if not changed & _SIMULATED:
         # Each sample has a rise of its own share, and of its own corrections.
         return "conditions" if one.path in _APPLIED else "heat"

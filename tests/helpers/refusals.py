@@ -95,7 +95,7 @@ class Refusals:
             return on_error
 
         def on_call(frame: Any, event: str, argument: Any) -> Any:
-            if frame.f_code.co_name == "note" and "problem" in frame.f_locals:
+            if frame.f_code.co_name == "refuse" and "problem" in frame.f_locals:
                 said, caller = "{key}: {problem}".format(**frame.f_locals), frame.f_back
                 places.append((caller.f_code.co_filename, caller.f_lineno, said))
             if not frame.f_code.co_filename.startswith(room):
@@ -116,7 +116,7 @@ class Refusals:
         return Outcome(message, places)
 
     def _statements(self) -> Iterator[tuple[str, range, str]]:
-        """Each statement that raises or notes, with its lines and its name."""
+        """Each statement that raises or refuses, with its lines and its name."""
         for file in sorted(self.room.rglob("*.py")) if self.room.is_dir() else [self.room]:
             for function in ast.walk(ast.parse(file.read_text("utf-8"))):
                 if isinstance(function, ast.FunctionDef):
@@ -135,11 +135,11 @@ def _passed(error: BaseException | None) -> Iterator[tuple[str, int, str]]:
 
 
 def _refusal(node: ast.AST) -> str | None:
-    """Class of the error that a statement makes, or "fault" where it notes one."""
+    """Class of the error that a statement makes, or "fault" where it refuses an entry."""
     match node:
         case ast.Raise(exc=ast.Call(func=error)):
             return ast.unparse(error)
-        case ast.Call(func=ast.Attribute(attr="note")):
+        case ast.Call(func=ast.Attribute(attr="refuse")):
             return "fault"
     return None
 
