@@ -28,7 +28,7 @@ def _leave(code: int, line: str = "") -> None:
 
 def _report(dropped: Any) -> None:
     if issubclass(dropped.exc_type, KeyboardInterrupt):  # as in the import of a module
-        interrupts.again()
+        interrupts.resend_interrupt()
     else:
         sys.__unraisablehook__(dropped)
 

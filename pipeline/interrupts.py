@@ -49,6 +49,6 @@ def raised() -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def again() -> None:
-    """Interrupt once more, soon, where Python has dropped the exception."""
+def resend_interrupt() -> None:
+    """Send SIGINT once more, in 0.1 s, where Python has dropped the exception of the first."""
     threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()

@@ -241,7 +241,7 @@ def _drawn_value(unknown: Unknown, value: float | str) -> float:
         nearest = min(unknown.parameters, key=lambda one: abs(one - number))
         if abs(nearest - number) <= _ROUNDED * abs(nearest):
             return nearest
-        listed = ", ".join(f"{shown.of(one):g}" for one in unknown.parameters)
+        listed = ", ".join(f"{shown.express(one):g}" for one in unknown.parameters)
         allowed = f"one of {listed}{shown.suffix}"
     else:
         low, high = unknown.quantile(ndtr(np.array([-REACH, REACH]))).tolist()
@@ -250,9 +250,9 @@ def _drawn_value(unknown: Unknown, value: float | str) -> float:
         slack = _ROUNDED * (high - low)
         if low - slack <= number <= high + slack:
             return number
-        allowed = f"one from {shown.of(low):.4g} to {shown.of(high):.4g}{shown.suffix}"
+        allowed = f"one from {shown.express(low):.4g} to {shown.express(high):.4g}{shown.suffix}"
     raise InputError(
-        f"{unknown.path} is {shown.of(number):.6g}{shown.suffix}, beyond the samples; give "
+        f"{unknown.path} is {shown.express(number):.6g}{shown.suffix}, beyond the samples; give "
         f"{allowed}, or run the scene with --set {unknown.path}=… into another store"
     )
 

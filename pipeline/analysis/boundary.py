@@ -143,7 +143,7 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
     """The boundary of one scene, under given conditions or its own."""
     found = point_field(ds, conditions)
     coords = {name: ds[name].variable for name in ("realization", *PLANE) if name in ds.indexes}
-    result = xr.Dataset(coords=coords, attrs=_attributes(found.conditions))
+    result = xr.Dataset(coords=coords, attrs=_condition_attributes(found.conditions))
     for axis, line in (("velocity", "load"), ("load", "velocity")):
         result = result.assign(_transitions(found, axis, line, ds))
     result.attrs["missing_points"] = int(sum(plane.is_missing.sum() for plane in found.planes))
@@ -161,12 +161,12 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
     return _add_errors(result, found, ds)
 
 
-def _attributes(conditions: Conditions, drawn: Collection[str] = ()) -> dict[str, Any]:
-    """Conditions as attributes, with their units, but for those of drawn entries."""
+def _condition_attributes(conditions: Conditions, sampled: Collection[str] = ()) -> dict[str, Any]:
+    """Conditions as attributes, with their units, but for those of sampled entries."""
     attributes = {
         name: value
         for name, value in attributes_by(conditions).items()
-        if FIELDS.get(name) not in drawn
+        if FIELDS.get(name) not in sampled
     }
     units = [f"{name}: {unit}" for name, unit in CONDITION_UNITS.items() if name in attributes]
     return attributes | {"units_of_attributes": ", ".join(units)}
@@ -293,7 +293,7 @@ def _band_alone(ds: xr.Dataset) -> xr.Dataset:
     lines = [np.interp(DECIDED, np.maximum.accumulate(row), grid, 0.0, math.inf) for row in rows]
     result = xr.Dataset(
         coords={"load": ds["load"].variable, "quantile": ("quantile", list(DECIDED))},
-        attrs=_attributes(
+        attrs=_condition_attributes(
             field.conditions, [one.path for one in stored_sweep(ds).variants.unknown]
         ),
     )

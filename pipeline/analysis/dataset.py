@@ -26,10 +26,10 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import Own, OwnLawError, Reference
 from pipeline.sweep.severity import (
     RISES,
-    bulk_rises,
     columns_needed,
     corrected_columns,
     require_bulks,
+    rises_above_colder,
 )
 from pipeline.sweep.variants import VARIANT, Column, Label, Variant, written_of
 from tribo import InputError
@@ -387,7 +387,7 @@ def sweep_at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """Take rises of a sweep at the bulk temperatures of conditions, above the colder body."""
     if conditions.bulk_ratio == 0 and not conditions.corrections:
         return ds
-    return _changed_rises(ds, conditions, bulk_rises)
+    return _changed_rises(ds, conditions, rises_above_colder)
 
 
 def corrected_sweep(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:

@@ -33,7 +33,7 @@ def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
 
 def boundary_parts(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
     """The frames of a boundary, its error, what its film means, and how many points it lacks."""
-    yield from _decided(boundaries)
+    yield from _next_run_lines(boundaries)
     alone = ["friction"] if "friction" in boundaries.attrs else []
     for frame in frames_of(boundaries):
         yield short(frame, [*alone, *JUDGED.values()])
@@ -58,8 +58,8 @@ def boundary_parts(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
         yield f"{missing} points are pending or failed and were left out"
 
 
-def _decided(boundaries: xr.Dataset) -> Iterator[str]:
-    """The answer for those who decide: where the next run is mild, and where it is severe."""
+def _next_run_lines(boundaries: xr.Dataset) -> Iterator[str]:
+    """Velocities below which the next run is mild and above which severe, a line a scene."""
     for labels, part in parts_of(boundaries):
         said = []
         for load in dict.fromkeys(part["load"].values[[0, -1]].tolist()):

@@ -251,7 +251,7 @@ def _interpolation(
     if gaps and all(0 < gap[0] < velocity < gap[-1] for gap in gaps):
         parts.append(_gap_error(grid, "velocity", max(gaps, key=lambda gap: gap[-1] / gap[0])))
     elif gaps:
-        parts.append(max(_continued_error(grid, gap[gap > 0], velocity) for gap in gaps))
+        parts.append(max(_extrapolation_error(grid, gap[gap > 0], velocity) for gap in gaps))
     return None if None in parts else math.hypot(*filter(None, parts))
 
 
@@ -275,13 +275,13 @@ def _missed(grid: RisePlane, axis: str) -> float | None:
     return float(np.sqrt(np.mean(every**2))) if every.size else None
 
 
-def _continued_error(grid: RisePlane, gap: Array, velocity: float) -> float:
-    """Error of continuing from two points: the exponent is another one, the more the further."""
+def _extrapolation_error(grid: RisePlane, nearest: Array, velocity: float) -> float:
+    """Error of extrapolating from the nearest velocities, whose exponent changes with distance."""
     lines = _powers(grid.velocities, grid.rises)
     slopes = np.concatenate([(np.diff(y) / np.diff(x)).ravel() for x, y in lines])
-    way = max(math.log(gap[0] / velocity), math.log(velocity / gap[-1]))
+    way = max(math.log(nearest[0] / velocity), math.log(velocity / nearest[-1]))
     spread = float(np.std(slopes)) if slopes.size else 0.0
-    return way * math.hypot(spread, BEYOND * (way + math.log(gap[-1] / gap[0])))
+    return way * math.hypot(spread, BEYOND * (way + math.log(nearest[-1] / nearest[0])))
 
 
 def _powers(x: Array, rows: Array) -> Iterator[tuple[Array, Array]]:

@@ -148,7 +148,7 @@ def writing_to(out: Path) -> Iterator[None]:
 
 
 def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
-    """Path of a file with one of some suffixes, examined before the work that it is to hold."""
+    """Path of a file to write; raise if its suffix is not allowed, or its folder not writable."""
     path = Path(out)
     if path.suffix.lower() not in suffixes:
         allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"

@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> Result:
         text.append("try these again with: the same command and --retry-failed")
     elif outcome.done:
         words = [str(out), *(["--criterion", own.reference, "--own-laws"] if own else [])]
-        commands = (shlex.join(["irg", name, *words]) for name in sweep.variants.answers)
+        commands = (shlex.join(["irg", name, *words]) for name in sweep.variants.answer_commands)
         text.append(f"next: {', '.join(commands)}")
     code = output.SOME_FAILED if outcome.failed else output.DONE
     return Result(document, text, pipeline.warned(judged), code=code)

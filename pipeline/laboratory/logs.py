@@ -281,7 +281,7 @@ def _steps_of(column: Array | None) -> Array | None:
 
 
 def read_trace(path: Path, given: Mapping[str, Any] | None = None) -> Trace | None:
-    """Read a trace of friction over time, with what it does not say; None from another file."""
+    """Read a trace of friction over time, with given quantities that it lacks; None if no trace."""
 
     def is_trace(found: Collection[str]) -> bool:
         return {"time", "friction"} <= {*found} or {"time", "friction_force", "load"} <= {*found}

@@ -300,7 +300,7 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
         _ask(sheet, form, missing)
         return True
     if "ratio" in found:
-        _take_percent(sheet, found["ratio"])
+        _assume_percent(sheet, found["ratio"])
     faults = [*_cell_faults(sheet, {one: found[one] for one in (*inputs, *ends)})]
     sheet.of_rows += listed_faults(faults)
     faulty = {fault.row for fault in faults}
@@ -356,7 +356,7 @@ def _cell_faults(sheet: Sheet, used: Mapping[str, int]) -> Iterator[Fault]:
                 yield Fault(sheet.headings[k].text, problem, row=number)
 
 
-def _take_percent(sheet: Sheet, place: int) -> None:
+def _assume_percent(sheet: Sheet, place: int) -> None:
     """Take ratios without a unit for percent if any is above 2, which none of two surfaces is."""
     heading = sheet.headings[place]
     values = (_value("ratio", row.cells[place], heading) for row in sheet.rows)

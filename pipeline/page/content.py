@@ -128,7 +128,7 @@ def _course(ds: xr.Dataset) -> dict[str, Any]:
         "steps": steps,
         "loads": packed_array(of_load, "<f4"),
         "rises": packed_array(values_of(ds, "max_rise"), "<f4"),
-        "own": digits(values_of(ds, "own_grid")),
+        "own": digit_string(values_of(ds, "own_grid")),
     }
 
 
@@ -200,8 +200,8 @@ def _point_states(ds: xr.Dataset) -> dict[str, Any]:
     return {
         "done": int((status == DONE).sum()),
         "has_warnings": bool(((status == DONE) & (values_of(ds, "message") != "")).any()),
-        "status": digits(status),
-        "asked": digits(asked(ds).transpose(*POINT, missing_dims="ignore")),
+        "status": digit_string(status),
+        "asked": digit_string(asked(ds).transpose(*POINT, missing_dims="ignore")),
         "numbers": [
             {"label": label, "unit": unit}
             | {"values": packed_array(shown_in(values_of(end, name), unit.split()[0]), "<f4")}
@@ -326,7 +326,7 @@ def _planes(
             for k, (surface, j) in enumerate(own_columns.tolist())
         },
         "errors": packed_array(node_errors(point_field(ds), state, fine_loads, nodes), "<f4"),
-        "state": digits(state) + digits(within),
+        "state": digit_string(state) + digit_string(within),
         "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
         "error": max(
             error_of_lines(at_own, velocities, by_velocity, conditions.friction_factor),
@@ -422,7 +422,7 @@ def _nearest(
     return [tuple(place) for place in places.tolist()]
 
 
-def digits(values: Any) -> str:
+def digit_string(values: Any) -> str:
     """An array of codes from 0 to 9 as the text of them; 0 for points that were masked."""
     return "".join(f"{code:.0f}" for code in np.nan_to_num(np.asarray(values, float)).flat)
 

@@ -179,7 +179,7 @@ def vary(
     others |= {effect.key: effect.scene for effect in effects if effect.scene}
     variations = [("", ""), *others]
     scenes = [sweep, *others.values()]
-    varied = _varied(sweep.variant(), variations, scenes)
+    varied = _combine(sweep.variant(), variations, scenes)
     with stored(out) as path:
         run_sweep(varied, path, workers, client, progress, boundary_only=tolerance)
         store = opened(path)
@@ -200,8 +200,8 @@ def vary(
     return Variations(sweep.about.title, loads, unvaried, tuple(rest), *counts, carried, effects)
 
 
-def _varied(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Iterable[Sweep]) -> Sweep:
-    """The sweep with a table of the scenes, a row each."""
+def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Iterable[Sweep]) -> Sweep:
+    """The sweep with a variant for each scene, by the inputs in which that differs."""
     words = (f"{key} = {value}" if key else "the unchanged scene" for key, value in variations)
     changes: dict[Label, dict[str, Any]] = {
         label: {

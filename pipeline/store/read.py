@@ -172,7 +172,7 @@ class Reader:
 
         Of few points all are compared, but for fields in a bucket, where each is a request.
         """
-        wanted = {*indices, *self._few} - self._sound
+        wanted = {*indices, *self._done_if_few} - self._sound
         for point, fault in faults_at(self._store, wanted) if wanted else ():
             if fault and self._is_in_place():
                 place = self._store.place
@@ -183,7 +183,7 @@ class Reader:
         self._sound |= wanted
 
     @functools.cached_property
-    def _few(self) -> set[_Index]:
+    def _done_if_few(self) -> set[_Index]:
         """Points that are done, if they are few enough to compare them all."""
         store = self._store
         is_slow = isinstance(store.place, Bucket) and not AT_END.keys().isdisjoint(store.arrays)

@@ -193,7 +193,7 @@ def sweep_text(sweep: Sweep, arrays: Arrays) -> str:
 
 
 def text_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
-    """The sweep of its JSON; a `CodecError` if the text is not that of a sweep, whatever it is."""
+    """Read a sweep from its JSON; raise a `CodecError` for any other text."""
     try:
         sweep = decode(json.loads(text), arrays)
     except CodecError:

@@ -25,8 +25,8 @@ class Lead(NamedTuple):
     ratio: float = 1.0  # its velocity over that of the other, with the same wear number
     places: tuple[float, float] | None = None  # velocities of both, if they have one each [m/s]
 
-    def velocity_for(self, velocity: float) -> float | None:
-        """Velocity of the lead with the contacts of another [m/s]; None at no place of that."""
+    def leading_velocity(self, velocity: float) -> float | None:
+        """The lead's velocity with the same contacts [m/s]; None where the variant has no point."""
         if self.places:
             own, leading = self.places
             return leading if velocity == own else None
@@ -198,7 +198,7 @@ class Sweep:
     def contact_of(self, point: Point) -> tuple[float, Variant]:
         """Velocity and variant whose ramp of contacts leads through a point."""
         lead = self.leads.get(point.variant)
-        velocity = lead and lead.velocity_for(point.velocity)
+        velocity = lead and lead.leading_velocity(point.velocity)
         return point[1:] if lead is None or velocity is None else (velocity, lead.variant)
 
     def require_search(self) -> None:

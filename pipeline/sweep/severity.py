@@ -44,14 +44,14 @@ def rise_limit(conditions: Conditions) -> float:
 
 
 def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
-    """Share of the contact above the critical temperature, by quantiles of `bulk_rises` [K]."""
+    """Share of the contact above the critical temperature, by its quantiles of the rise [K]."""
     return failed_share(rise_quantile, rise_limit(conditions))
 
 
 def momentary_rises(scene: Scene, state: State, conditions: Conditions) -> Mapping[str, Any]:
-    """Rises at one moment of a simulation with temperature, as `bulk_rises` gives them."""
+    """Rises at one moment of a simulation with temperature, as `rises_above_colder` gives them."""
     plain = replace(conditions, corrections=None)
-    return bulk_rises(moment_of(scene, state, conditions.corrections), plain)
+    return rises_above_colder(moment_of(scene, state, conditions.corrections), plain)
 
 
 def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
@@ -62,10 +62,10 @@ def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
 def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:
     """Rise that decides at points, each at its worst moment [K]; NaN where it is not known.
 
-    Columns are those of `bulk_rises` and ``normal_load`` (..., n_step) [N], with ``quantile`` where
-    they are not at all of `tribo.QUANTILES`; loads have the shape (..., 1) [N].
+    Columns are those of `rises_above_colder` and ``normal_load`` (..., n_step) [N], with
+    ``quantile`` where they are not at all of `tribo.QUANTILES`; loads are (..., 1) [N].
     """
-    rises = conditions.decisive.rise(bulk_rises(columns, conditions))
+    rises = conditions.decisive.rise(rises_above_colder(columns, conditions))
     worst = worst_moment(rises, columns["normal_load"], load)
     decisive: Array = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
     return decisive
@@ -83,7 +83,7 @@ def boundary_velocity_error(rise: float, expected: float, exponent: float) -> fl
     return math.expm1(-math.log(rise / expected) / exponent)
 
 
-def bulk_rises(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
+def rises_above_colder(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
     """Rises of the contact above the colder body, for each unit of `Conditions.rise_factor` [K].
 
     Columns are ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above the
@@ -96,7 +96,7 @@ def bulk_rises(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[st
 
 
 def columns_needed(conditions: Conditions) -> tuple[str, ...]:
-    """Columns that `bulk_rises` needs in addition to the deciding columns of some conditions."""
+    """Columns that `rises_above_colder` needs beside the deciding columns of some conditions."""
     unequal = ("bulk_rise_quantile", "mean_bulk_response") if conditions.bulk_ratio else ()
     return unequal + (NEEDED if conditions.corrections else ())
 

@@ -38,8 +38,8 @@ class Unit:
         if self.size <= 0:
             raise InputError(f"the unit {self.name} has the size {self.size:g}; give one above 0")
 
-    def of(self, value: Any) -> Any:
-        """A value, or an array of them, in this unit."""
+    def express(self, value: Any) -> Any:
+        """A value in SI, or an array of them, in this unit."""
         return (value - self.zero) / self.size
 
     @property
@@ -70,7 +70,7 @@ class Unknown:
         if self.kind not in get_args(Form) or not all(map(math.isfinite, terms)):
             raise InputError(f"{self.kind} with {terms} is not a distribution; give finite numbers")
         unit, fault = self.shown, None
-        first, last = (f"{unit.of(value):g}{unit.suffix}" for value in (terms[0], terms[-1]))
+        first, last = (f"{unit.express(value):g}{unit.suffix}" for value in (terms[0], terms[-1]))
         match self.kind, terms:
             case "normal", (_, spread) if spread <= 0:
                 fault = f"sd is {spread:g}; give above 0"
@@ -119,9 +119,9 @@ class Unknown:
 
     def __str__(self) -> str:
         unit = self.shown.suffix
-        values = [f"{self.shown.of(value):.6g}" for value in self.parameters]
+        values = [f"{self.shown.express(value):.6g}" for value in self.parameters]
         first, second = values[0], self.parameters[1]
-        spread = f"{self.spread.of(second):.6g}{self.spread.suffix}"
+        spread = f"{self.spread.express(second):.6g}{self.spread.suffix}"
         words = {
             "normal": f"normal, mean {first}{unit}, sd {spread}",
             "log-normal": f"log-normal, median {first}{unit}, factor {second:.6g}",
@@ -142,7 +142,7 @@ class Fixed:
 
     def __str__(self) -> str:
         unit = self.unknown.shown
-        return f"{self.unknown.path} is fixed at {unit.of(self.value):.6g}{unit.suffix}"
+        return f"{self.unknown.path} is fixed at {unit.express(self.value):.6g}{unit.suffix}"
 
 
 def without(unknown: Sequence[Unknown], paths: Collection[str]) -> tuple[Unknown, ...]:

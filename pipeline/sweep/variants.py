@@ -163,8 +163,8 @@ class Variants:
         return self.velocities is None and self._places("load") is None
 
     @property
-    def answers(self) -> tuple[str, ...]:
-        """Commands that answer first: by probabilities, by a boundary, or at the rows' places."""
+    def answer_commands(self) -> tuple[str, ...]:
+        """Commands that answer first, by what the rows are: samples, planes or single points."""
         if self.draw:
             return "boundary", "sensitivity"
         return ("boundary" if self.has_plane else "margin"), "plot"

@@ -134,7 +134,7 @@ def measure_own_error(
 
 
 def _find_stored(store: PathLike | None) -> Sweep | None:
-    """The sweep of a store that a run goes on with; None of one to be made, which must be able."""
+    """Sweep of a store that a run goes on with; None for a new store, which must be writable."""
     stored = None if store is None else find_sweep(store)
     if store is not None and stored is None:
         require_writable(store)  # before the probe takes its time

@@ -142,7 +142,7 @@ def _simulated(
 
 def _worded(fixed: Fixed) -> str:
     shown = fixed.unknown.shown
-    return f"{shown.of(fixed.value):.4g}{shown.suffix}"
+    return f"{shown.express(fixed.value):.4g}{shown.suffix}"
 
 
 def _percent(probability: float, beside: float) -> str:

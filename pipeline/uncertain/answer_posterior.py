@@ -183,7 +183,7 @@ def measurements_to_make(
         head = "measurements to make next, the best first"
     # The unit of spreads: percent of a velocity, and of an input whose ratios count.
     unit = Unit("%", 0.01) if unknown is None or unknown.is_relative else unknown.spread
-    before = f"± {rounded(unit.of(ranked[0].before))}{unit.suffix}"
+    before = f"± {rounded(unit.express(ranked[0].before))}{unit.suffix}"
     sentence = f"{head}; {options.target or 'the boundary, in velocity'} is known to {before} today"
     frame = _measurements(ranked, unit)
     lines = [sentence, frame, *filter(None, [ranked[-1].comparison])]
@@ -195,7 +195,7 @@ def _measurements(ranked: Sequence[Candidate], unit: Unit) -> pd.DataFrame:
     left = "left, ±" if unit.name == "1" else f"left, ± [{unit.name}]"
     columns = {
         "measurement": [one.what for one in ranked], "runs": [one.runs for one in ranked],
-        left: [unit.of(one.spread) for one in ranked],
+        left: [unit.express(one.spread) for one in ranked],
         "narrows by [%]": [100 * one.narrows for one in ranked],
     }  # fmt: skip
     return pd.DataFrame(columns)

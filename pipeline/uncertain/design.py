@@ -238,21 +238,21 @@ class Chances:
         low, high = entry.parameters
         risk = self.goal.risk
 
-        def worst(value: float) -> tuple[float, float, int]:
+        def highest_probability(value: float) -> tuple[float, float, int]:
             """Highest probability over the places, its error, and the number of the place."""
             found = [self.probability(place, {**at, over: value}) for place in places]
             number = int(np.argmax([probability for probability, _ in found]))
             return *found[number], number
 
         values = np.linspace(low, high, _VALUES)
-        found = [worst(value) for value in values.tolist()]
+        found = [highest_probability(value) for value in values.tolist()]
         chances = np.array([one[0] for one in found])
         best = int(np.argmin(chances))
         if chances[best] <= risk:  # a check of the best value may still confirm it
             risk = max(risk - self.spare, float(chances[best]))
 
         def off(value: float) -> float:
-            return math.log(max(worst(value)[0], _LEAST) / max(risk, _LEAST))
+            return math.log(max(highest_probability(value)[0], _LEAST) / max(risk, _LEAST))
 
         if chances[best] > risk or (chances <= risk).all():
             side, ends = ("none", None) if chances[best] > risk else ("any", (low, high))
@@ -271,7 +271,7 @@ class Chances:
             ends = float(below), float(above)
             side = "at least" if last == _VALUES - 1 else "at most" if first == 0 else "between"
             value = at_place = ends[0] if side == "at least" else ends[1]
-            chance, error, number = worst(value)
+            chance, error, number = highest_probability(value)
             step = (high - low) / (8 * _VALUES)
             slope = (off(min(value + step, high)) - off(max(value - step, low))) / (2 * step)
             apart = OF_90 * error / max(chance, _LEAST) / max(abs(slope), 1e-300)
@@ -296,9 +296,9 @@ class Chances:
         """Logarithm of the rise, hotter by the shift and the numerical error, over its limit."""
         emulated, slope = rise
         hotter = emulated.values + self.shift + self.numerical
-        return emulated._replace(values=hotter - self._log_limit(inputs, values)), slope
+        return emulated._replace(values=hotter - self._log_rise_limit(inputs, values)), slope
 
-    def _log_limit(self, inputs: Array, values: Mapping[str, float]) -> Array:
+    def _log_rise_limit(self, inputs: Array, values: Mapping[str, float]) -> Array:
         """Logarithm of the rise at friction 1 that leaves the margin, of each draw."""
         friction, bulk, critical = (values.get(path) for path in (FRICTION, BULK, CRITICAL))
         return self.ensemble.log_limit(inputs, friction, bulk, self.goal.margin, critical)
@@ -342,7 +342,7 @@ class Chances:
         rng = np.random.default_rng([ensemble.design.seed, 2718, seed])
         rows = rng.choice(len(drawn), SIMULATED, p=drawn / drawn.sum())
         worth = draws.weights[rows] / drawn[rows]
-        limits, found = self._log_limit(inputs, values), np.empty(SIMULATED)
+        limits, found = self._log_rise_limit(inputs, values), np.empty(SIMULATED)
         fixed, known = fix_values(ensemble, inputs, values), dict[int, float]()
         for number, row in enumerate(rows.tolist()):
             progress(Progress(done=number, total=SIMULATED))

@@ -36,5 +36,5 @@ def scene_values(ensemble: Ensemble, row: Sequence[float] | Array) -> dict[str, 
 def _entry(unknown: Unknown, value: float) -> float | int | str:
     unit = unknown.shown
     if unit.name != "1":
-        return f"{float(unit.of(value))!r} {unit.name}"
+        return f"{float(unit.express(value))!r} {unit.name}"
     return int(value) if unknown.kind == "list" and value == int(value) else float(value)

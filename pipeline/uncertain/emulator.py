@@ -122,7 +122,7 @@ def fitted(
     def leave_out() -> Array:
         rests = [~rows for rows in parts] if len(outputs) <= _MOST_TO_LEAVE else []
         fits = [data, *((features[one], dimensions, contacts[one], data[3][one]) for one in rests)]
-        return np.array([_constants(*fit) for fit in fits])
+        return np.array([_fit_constants(*fit) for fit in fits])
 
     constants, *without = kept_or_found(keeper, data, leave_out)
     solve = functools.partial(_solved, features, dimensions, contacts, outputs - mean)
@@ -187,8 +187,8 @@ def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
     return kernel
 
 
-def _constants(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Array:
-    """Constants of the greatest posterior density under a weak prior, by its gradient."""
+def _fit_constants(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Array:
+    """Constants of the kernel with the greatest posterior density under a weak prior."""
     count = int(dimensions.max(initial=-1)) + 1
     middle = np.concatenate([_BEGIN, np.full(count, _LENGTH)])
     spread = np.concatenate([np.full(5, 3.0), np.full(count, 1.0)])  # spread of a weak prior

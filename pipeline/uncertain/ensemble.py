@@ -168,7 +168,7 @@ class Ensemble:
         _require_enough(int(np.count_nonzero(done)), len(numbers))
         hold = float(getattr(sweep.scene.loading, "hold", 0.0))
         tests = tuple(test.as_dict() for test in (*sweep.about.measured, *sweep.about.tested))
-        hold_ensembles = {
+        rises_by_hold = {
             other: decisive_rises(until, loads, of_rows)[done]
             for other in {float(test.get("hold", hold)) for test in tests}
             if other < hold and (until := columns_until(columns, loads, other, done)) is not None
@@ -186,7 +186,7 @@ class Ensemble:
             widths=values_of(end_of_point(ds[["time", "contact_width"]]), "contact_width")[done],
             tests=tests,
             hold=hold,
-            rises_by_hold=hold_ensembles,
+            rises_by_hold=rises_by_hold,
             fixed=draw.fixed,
             missing=int(np.count_nonzero(~done)),
             same_rig=sweep.about.same_rig,
@@ -299,7 +299,7 @@ class Ensemble:
         return np.asarray(np.log(law.at(temperature=temperatures)))
 
     @functools.cached_property
-    def hold_ensembles(self) -> dict[float, Ensemble]:
+    def ensembles_by_hold(self) -> dict[float, Ensemble]:
         """The ensemble at its own hold, and at shorter holds of tests that the samples have."""
         return {self.hold: self} | {
             hold: replace(self, rises=rises, hold=hold, rises_by_hold={})
@@ -376,7 +376,7 @@ def keep_fits(ds: xr.Dataset) -> None:
     for scene in scenes(ds):
         with suppress(InputError):  # too few are done
             ensemble = Ensemble.of(scene)
-            for held in ensemble.hold_ensembles.values():
+            for held in ensemble.ensembles_by_hold.values():
                 _ = held._rise
             _ = ensemble._width
 

@@ -51,7 +51,7 @@ _DECISIVE = _SIMULATED | {"conditions"}
 def _written(one: Unknown, value: float) -> str | float:
     """A value of an input as the file would write it: whole if it is one of whole numbers."""
     if one.written:
-        return f"{one.written.of(value):.6g} {one.written.name}"
+        return f"{one.written.express(value):.6g} {one.written.name}"
     is_whole = one.kind == "list" and all(map(float.is_integer, one.parameters))
     return round(value) if is_whole else value
 

@@ -57,7 +57,7 @@ def require_possible(ensemble: Ensemble) -> None:
         except InputError as error:
             raise InputError(f"{place}: {error}") from error
         hold = test.get("hold", ensemble.hold)
-        if hold not in ensemble.hold_ensembles:
+        if hold not in ensemble.ensembles_by_hold:
             raise InputError(
                 f"{place} held the load for {hold:g} s, the samples for {ensemble.hold:g} s: give "
                 "loading.hold of the longest test, and run the samples with it"
@@ -81,15 +81,15 @@ class Truths(NamedTuple):
 def distances_of(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
     """Distances of draws from tests."""
     found = np.empty((4, len(tests), len(truths.inputs)))
-    for hold, held in ensemble.hold_ensembles.items():
+    for hold, held in ensemble.ensembles_by_hold.items():
         numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
         if numbers:
-            found[:, numbers] = _hold_distances(held, [tests[number] for number in numbers], truths)
+            found[:, numbers] = _distances_at_hold(held, [tests[i] for i in numbers], truths)
     return Distances(*found)
 
 
-def _hold_distances(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
-    """Distances of draws from tests that held the load as the ensemble does."""
+def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
+    """Distances of draws from tests that held the load as long as the ensemble does."""
     inputs, rig, slopes, oils = truths
     count = _FINE if ensemble.conditions.has_friction_curve else _NODES
     nodes = np.geomspace(*ensemble.velocities, count)

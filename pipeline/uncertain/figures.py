@@ -135,11 +135,11 @@ def draw_posterior(posterior: Posterior) -> Figure:
     figure = style.Picture(figsize=(3.4 * columns, 3.0 * rows + 0.9))
     axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
     for number, (quantity, panel) in enumerate(zip(unknown, axes, strict=False)):
-        values = quantity.shown.of(posterior.prior.inputs[:, number])
+        values = quantity.shown.express(posterior.prior.inputs[:, number])
         low, high = (posterior.prior.quantile(values, share) for share in (0.001, 0.999))
         bins = np.linspace(low, high, _BINS)
         if quantity.kind == "list":
-            listed = np.sort(quantity.shown.of(np.array(quantity.parameters)))
+            listed = np.sort(quantity.shown.express(np.array(quantity.parameters)))
             middles = (listed[1:] + listed[:-1]) / 2
             bins = np.array([2 * listed[0] - middles[0], *middles, 2 * listed[-1] - middles[-1]])
         for draws, colour, label in (
@@ -147,7 +147,7 @@ def draw_posterior(posterior: Posterior) -> Figure:
             (posterior.draws, BLUE, "posterior, after the tests"),
         ):
             panel.hist(
-                quantity.shown.of(draws.inputs[:, number]), bins.tolist(),
+                quantity.shown.express(draws.inputs[:, number]), bins.tolist(),
                 weights=draws.weights, density=True, histtype="stepfilled", color=colour,
                 alpha=0.45, ec=colour, label=label,
             )  # fmt: skip
@@ -200,14 +200,14 @@ def draw_design(limits: Limit | Sequence[Limit], title: str) -> Figure:
     limit = limits[0]
     goal, shown = limit.goal, limit.entry.shown
     if not limit.at:
-        values = shown.of(np.array(limit.values))
+        values = shown.express(np.array(limit.values))
         chances = np.array(limit.probabilities)
         percent = 100 * np.where(chances > _FAR * goal.risk, chances, np.nan)
         axes.semilogy(values, percent, "o-", ms=4, color=BLUE, label="emulated")
         axes.axhline(100 * goal.risk, color=GREY, lw=1.0, label=f"goal, {100 * goal.risk:g} %")
         if limit.value is not None and limit.interval is not None:
-            ends = [shown.of(end) for end in limit.interval]
-            axes.axvline(shown.of(limit.value), color=VERMILION, label="limit")
+            ends = [shown.express(end) for end in limit.interval]
+            axes.axvline(shown.express(limit.value), color=VERMILION, label="limit")
             axes.axvspan(*ends, color=VERMILION, alpha=0.15, label="90 % interval of the limit")
         style.plain_numbers(axes, "y")
         axes.legend()
@@ -218,9 +218,9 @@ def draw_design(limits: Limit | Sequence[Limit], title: str) -> Figure:
         other = limit.at[0].unknown
         found = [(one.at[0].value, one.value) for one in limits if one.value is not None]
         x, y = np.array(found).reshape(-1, 2).T
-        axes.plot(other.shown.of(x), shown.of(y), "o-", color=VERMILION)
-        axes.set(xlim=[other.shown.of(end) for end in other.parameters], xlabel=_label(other))
-        axes.set(ylim=[shown.of(end) for end in limit.entry.parameters])
+        axes.plot(other.shown.express(x), shown.express(y), "o-", color=VERMILION)
+        axes.set(xlim=[other.shown.express(end) for end in other.parameters], xlabel=_label(other))
+        axes.set(ylim=[shown.express(end) for end in limit.entry.parameters])
         side = next((one.side for one in limits if one.value is not None), "no value")
         axes.set_ylabel(f"{_label(limit.entry)}, {side}")
     place = limit.binding

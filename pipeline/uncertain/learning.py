@@ -63,7 +63,7 @@ class Knowledge:
         mild = [ndtr((t.values[first:] - t.low) / t.deviation[first:]) for t in tests]
         return self._spreads(target, np.stack(mild)[:, None])
 
-    def knowing(self, column: Array, target: Array) -> float:
+    def spread_given(self, column: Array, target: Array) -> float:
         """Spread of a target that is left once an input (n_draw,), one of a list, is known."""
         parts = np.where(column == np.unique(column)[:, None], 1.0, 0.0)
         return float(self._spreads(target, parts[None])[0])

@@ -292,7 +292,7 @@ class _Plan:
             ranked.append(Candidate(m.what, left, self.before, m.test, m.runs))
         for number, quantity in enumerate(self._posterior.unknown):
             if quantity.kind == "list" and not quantity.varies:
-                left = self._known.knowing(self._inputs[_TRUTHS:, number], self._target)
+                left = self._known.spread_given(self._inputs[_TRUTHS:, number], self._target)
                 ranked.append(Candidate(f"{quantity.path} itself", left, self.before))
         best = dict[Any, Candidate]()
         for one in sorted(ranked, key=lambda candidate: -candidate.told):

@@ -200,15 +200,15 @@ class Posterior:
             if unknown.kind == "list":
                 odds = after["probability"]
                 best = max(odds, key=odds.__getitem__)
-                value = f"{mean.of(float(best)):g}{mean.suffix}"
+                value = f"{mean.express(float(best)):g}{mean.suffix}"
                 said = f"{value} likeliest, {odds[best]:.2f}"
                 yield unknown.path, f"one of {len(odds)}", said, ""
                 continue
             moments = [
-                f"{mean.of(of['mean']):.4g} ± {spread.of(of['sd']):.3g}"
+                f"{mean.express(of['mean']):.4g} ± {spread.express(of['sd']):.3g}"
                 for of in (row["prior"], after)
             ]
-            within = " to ".join(f"{mean.of(value):.4g}" for value in after["interval"])
+            within = " to ".join(f"{mean.express(value):.4g}" for value in after["interval"])
             unit = mean.suffix if spread == mean else f"{mean.suffix}, ± in{spread.suffix}"
             yield unknown.path, *moments, f"{within}{unit}"
 

@@ -92,7 +92,7 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
         quantity.correlated for quantity in ensemble.unknown
     )
     if is_dependent:
-        first = _first_of(draws, values)
+        first = _first_order_indices(draws, values)
         both, by_points = np.array([first, np.full_like(first, np.nan)]), np.zeros(1)
     else:
         both, by_points = indices(
@@ -137,8 +137,8 @@ def indices(
     return both.mean(axis=0), OF_90 * both.std(axis=0, ddof=1) / math.sqrt(_SCRAMBLES)
 
 
-def _first_of(draws: Draws, values: Array) -> Array:
-    """First indices: variances of means over parts of each input, less those for want of draws."""
+def _first_order_indices(draws: Draws, values: Array) -> Array:
+    """Variances of means over parts of each input, less those by chance, over the variance."""
     weights = draws.weights
     y = values - draws.mean(values)
     by_chance = np.sum((weights[:, None] * y) ** 2, axis=0)  # variance of the mean of all

@@ -61,7 +61,7 @@ def entries_of(unknown, values):
 def written(unknown, value):
     """A value as it would stand in the scene."""
     unit = unknown.shown
-    number = repr(float(unit.of(value)))
+    number = repr(float(unit.express(value)))
     return float(number) if unit.name == "1" else f"{number} {unit.name}"
 
 

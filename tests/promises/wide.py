@@ -7,7 +7,7 @@ import numpy as np
 
 import tribo
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import bulk_rises
+from pipeline.sweep.severity import rises_above_colder
 from pipeline.sweep.variants import surfaces
 from tests.helpers.sweeps import sweep_of_fields
 from tests.promises.scenes import PAIRS, ROUGHLY, state_at, window_guess
@@ -157,7 +157,7 @@ def _with_boundary(sweep, velocity, bulks):
         conditions = replace(conditions, disk_temperature=conditions.bulk_temperature + apart)
         warmest = conditions.bulk_temperature + max(0.0, apart)
         conditions = replace(conditions, critical_temperature=warmest + 1000.0)
-    rise = float(conditions.decisive.rise(bulk_rises(state.heat.columns, conditions)))
+    rise = float(conditions.decisive.rise(rises_above_colder(state.heat.columns, conditions)))
     critical = conditions.contact_temperature(rise)
     return sweep.changed(
         unequal_bulks=bulks != 0,

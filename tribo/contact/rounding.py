@@ -32,7 +32,7 @@ def largest(field: Array) -> float:
 
 
 def lost_by_updates(updates: int, rounding: float, displacement: float) -> float:
-    """Largest error of a displacement after updates, by its largest value [m]."""
+    """Largest error that updates leave in a displacement [m], given its largest value [m]."""
     return (_LOST_AT_ONCE + _LOST_A_STEP * updates) * rounding * displacement
 
 

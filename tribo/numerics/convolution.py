@@ -54,8 +54,8 @@ def _wrapped_indices(grid: Grid, axis: int) -> Indices:
     return np.where(index <= (n - 1) // 2, index, index - n)
 
 
-def _pair_kernel(kernel: Spectrum, offsets: Indices, axis: int) -> Spectrum:
-    """The kernel between means over pairs of elements along `axis`, at offsets in pairs."""
+def _coarse_kernel(kernel: Spectrum, offsets: Indices, axis: int) -> Spectrum:
+    """Kernel between means over pairs of elements along `axis`, at offsets counted in pairs."""
     beside = [kernel.take(2 * offsets + side, axis, mode="wrap") for side in (-1, 1)]
     pairs: Spectrum = kernel.take(2 * offsets, axis, mode="wrap")
     return pairs + (beside[0] + beside[1]) / 2
@@ -209,10 +209,10 @@ class Convolution:
         modes = self.spectrum.astype(np.complex128)
         kernel: Spectrum = np.fft.ifft(modes, axis=0, out=modes)
         if fx == 2:
-            kernel = _pair_kernel(kernel, _wrapped_indices(grid, 0), axis=0)
+            kernel = _coarse_kernel(kernel, _wrapped_indices(grid, 0), axis=0)
         if fy == 2:
             values = np.fft.irfft(kernel, n=self._lengths[1], axis=1)
-            kernel = np.fft.rfft(_pair_kernel(values, _wrapped_indices(grid, 1), axis=1), axis=1)
+            kernel = np.fft.rfft(_coarse_kernel(values, _wrapped_indices(grid, 1), axis=1), axis=1)
         return self._copied(grid, np.fft.fft(kernel, axis=0))
 
     def _copied(self, grid: Grid, modes: Spectrum) -> Self:

@@ -145,7 +145,7 @@ class Friction:
         return float(max(own, limits[nodes < temperature].max(initial=0.0)))
 
     def sensitivity(self, temperature: float, bulk: float) -> float:
-        """Change of a temperature over the relative one of its rise at friction 1 [K]."""
+        """Derivative of a temperature by the logarithm of its rise at friction 1 [K]."""
         if not self.by_temperature:
             return temperature - bulk
         rise = self.limit(temperature, bulk) * (1 + np.array([0.0, 1e-6]))

@@ -78,7 +78,7 @@ def block_average(heights: Array, factor: int) -> Array:
     >>> block_average(np.array([[1.0, 3.0], [5.0, 7.0]]), 2)
     array([[4.]])
     """
-    averaged: Array = _blocks(heights, factor).mean(axis=(1, 3))
+    averaged: Array = _split_into_blocks(heights, factor).mean(axis=(1, 3))
     return averaged
 
 
@@ -91,11 +91,11 @@ def block_sample(heights: Array, factor: int) -> Array:
     array([[4.]])
     """
     middle = factor // 2
-    sampled: Array = _blocks(heights, factor)[:, middle, :, middle]
+    sampled: Array = _split_into_blocks(heights, factor)[:, middle, :, middle]
     return np.ascontiguousarray(sampled)
 
 
-def _blocks(heights: Array, factor: int) -> Array:
+def _split_into_blocks(heights: Array, factor: int) -> Array:
     """Pixels by block and place in it, shape ``(nx/factor, factor, ny/factor, factor)``."""
     nx, ny = heights.shape
     if factor < 1 or nx % factor or ny % factor:

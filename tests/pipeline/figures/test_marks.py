@@ -312,7 +312,7 @@ def test_a_design_is_drawn_with_its_goal_its_limit_and_its_interval():
     two = [replace(limit, value=value, at=(Fixed(other, rate),)) for rate, value in RATES]
     axes = pipeline.plot(two, title=ensemble.title).axes[0]
     x, y = axes.lines[0].get_data()
-    assert x == pytest.approx(unknowns.RATE.shown.of(np.array([rate for rate, _ in RATES])))
+    assert x == pytest.approx(unknowns.RATE.shown.express(np.array([rate for rate, _ in RATES])))
     assert y == pytest.approx([value - 273.15 for _, value in RATES])
     assert axes.get_ylim() == pytest.approx((110.0, 200.0))
     assert axes.get_ylabel() == "temperature: critical [°C], at least"

@@ -19,7 +19,7 @@ from pipeline.analysis.model_error import ModelError
 from pipeline.page.content import (
     along,
     content,
-    digits,
+    digit_string,
     divided,
     error_of_lines,
     packed_array,
@@ -307,8 +307,8 @@ def test_straight_lines_err_by_nothing_on_power_laws_and_by_their_bend_else():
 
 
 def test_codes_and_arrays_are_written_as_they_are_read():
-    assert digits(np.array([[1, 0], [4, np.nan]])) == "1040"
-    assert digits([True, False]) == "10"
+    assert digit_string(np.array([[1, 0], [4, np.nan]])) == "1040"
+    assert digit_string([True, False]) == "10"
     assert np.frombuffer(base64.b64decode(packed_array([1.5, -2], "<f4")), "<f4").tolist() == [
         1.5, -2.0
     ]  # fmt: skip

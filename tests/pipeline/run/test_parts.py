@@ -445,7 +445,7 @@ def test_a_variation_of_an_effect_is_labelled_by_it(tmp_path):
     (tmp_path / "scene.toml").write_text(SCENE)
     sweep = pipeline.load_scene(tmp_path / "scene.toml")
     thin = sweep.changed(pin=replace(sweep.scene.pin, radius=1e-3), loads=(1.0,), fields=False)
-    made = vary._varied(sweep, [("", ""), ("pin.radius", "1 mm")], [sweep, thin])
+    made = vary._combine(sweep, [("", ""), ("pin.radius", "1 mm")], [sweep, thin])
     assert made.plane == sweep.plane
     assert [dict(name)["variation"] for name in made.variants.names] == [
         "the unchanged scene",

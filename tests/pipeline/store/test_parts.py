@@ -671,7 +671,7 @@ def test_a_point_that_is_damaged_is_not_read_though_others_are_asked_for(copy):
         Reader(opened(copy)).require_sound([(1, 1)])
     reader = Reader(opened(copy))
     shutil.rmtree(copy)  # which leaves a dataset in memory whole
-    reader._few = set()
+    reader._done_if_few = set()
     assert not reader._is_in_place()
 
 

@@ -190,11 +190,11 @@ def test_bulk_temperatures_of_some_bodies_are_refused(bulks, named):
 
 
 def test_a_lead_has_the_velocity_of_the_same_wear_number():
-    assert Lead(()).velocity_for(1.2345) == 1.2345
-    assert Lead((), 2.0).velocity_for(1.5) == 3.0
-    assert Lead((), 1.1).velocity_for(3.0) == 3.3  # without the rounding of the last digits
+    assert Lead(()).leading_velocity(1.2345) == 1.2345
+    assert Lead((), 2.0).leading_velocity(1.5) == 3.0
+    assert Lead((), 1.1).leading_velocity(3.0) == 3.3  # without the rounding of the last digits
     placed = Lead((), places=(1.5, 0.7))
-    assert (placed.velocity_for(1.5), placed.velocity_for(1.0)) == (0.7, None)
+    assert (placed.leading_velocity(1.5), placed.leading_velocity(1.0)) == (0.7, None)
     assert drop_last_digits(0.1 + 0.2) == 0.3
 
 

@@ -11,13 +11,13 @@ from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import (
     MOLTEN,
     boundary_velocity_error,
-    bulk_rises,
     columns_needed,
     failed_fraction,
     momentary_rise,
     momentary_rises,
     require_bulks,
     rise_limit,
+    rises_above_colder,
     verdict,
     worst_moment,
     worst_rises,
@@ -81,7 +81,7 @@ def test_rises_count_from_the_colder_body_and_temperatures_do_not_depend_on_it(p
     conditions = Conditions(0.1, pin, 418.15, disk_temperature=disk)
     ratio = 10 * (disk - pin)
     kept = np.array([EVEN + 0.4 * warmth for warmth in BULK_RATIOS])  # 0.4 K for each kelvin
-    at_ratio = bulk_rises({"rise_quantile": EVEN, "bulk_rise_quantile": kept}, conditions)
+    at_ratio = rises_above_colder({"rise_quantile": EVEN, "bulk_rise_quantile": kept}, conditions)
     rises = at_ratio["rise_quantile"]
     assert (rises > 0).all()
     np.testing.assert_allclose(
@@ -157,7 +157,7 @@ def test_unequal_bulks_are_refused_where_nothing_is_kept_for_them():
     of_one = columns(EVEN, loads=[600.0])
     for refused in (
         lambda: require_bulks(of_one, WARM_DISK),
-        lambda: bulk_rises(of_one, WARM_DISK),
+        lambda: rises_above_colder(of_one, WARM_DISK),
         lambda: verdict(of_one, 600.0, WARM_DISK),
     ):
         with pytest.raises(InputError, match=said):
@@ -165,7 +165,7 @@ def test_unequal_bulks_are_refused_where_nothing_is_kept_for_them():
     for kept in ("bulk_rise_quantile", "mean_bulk_response"):
         require_bulks({kept: 0.0}, WARM_DISK)
     require_bulks(of_one, OWN)
-    assert bulk_rises(of_one, OWN) is of_one
+    assert rises_above_colder(of_one, OWN) is of_one
 
 
 @pytest.mark.parametrize("disk", [None, 318.15])
@@ -173,11 +173,11 @@ def test_a_moment_of_a_simulation_has_the_rises_that_are_stored_of_it(disk):
     conditions = replace(OWN, corrections=FILM, disk_temperature=disk)
     warm = tiny.sweep(conditions=conditions, unequal_bulks=disk is not None)
     result = run_point(warm, 600.0, 1.5)
-    expected = bulk_rises(result.columns, conditions)
+    expected = rises_above_colder(result.columns, conditions)
     found = momentary_rises(warm.scene, result.state, conditions)
     for name in ("max_rise", "mean_rise", "rise_quantile"):
         np.testing.assert_allclose(found[name], expected[name][-1], rtol=1e-6)
-    plain = bulk_rises(result.columns, replace(conditions, corrections=None))
+    plain = rises_above_colder(result.columns, replace(conditions, corrections=None))
     assert found["mean_rise"] > 1.001 * plain["mean_rise"][-1]
     assert momentary_rise(warm.scene, result.state, conditions) == pytest.approx(
         worst_rises(result.columns, 600.0, conditions), rel=1e-6

@@ -22,7 +22,7 @@ def test_a_point_is_said_with_its_place_and_variant():
 
 def test_inputs_are_said_in_the_unit_of_the_scene():
     celsius = Unit("°C", zero=273.15)
-    assert f"{celsius.of(418.15):g}{celsius.suffix}" == "145 °C"
+    assert f"{celsius.express(418.15):g}{celsius.suffix}" == "145 °C"
     rate = Unknown(
         "wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1", Unit("mm^3/(N m)", 1e-9)
     )

@@ -96,7 +96,7 @@ def simulated_rise(entries, load, velocity):
     row = np.zeros(len(UNKNOWN))
     for number in (1, 3):  # what the rise at friction 1 depends on
         text, one = entries[UNKNOWN[number].path], UNKNOWN[number]
-        row[number] = float(text.split()[0]) / one.shown.of(1.0)
+        row[number] = float(text.split()[0]) / one.shown.express(1.0)
     return np.log(rise(row[None], load, velocity, UNKNOWN)[0])
 
 

@@ -63,7 +63,7 @@ def test_spreads_are_root_mean_squares_over_targets():
 def test_a_value_of_a_list_leaves_the_spread_within_its_parts():
     value = np.arange(COUNT) % 2
     target = DRAWS + 10.0 * value
-    assert known().knowing(value, target[None]) == pytest.approx(SPREAD, rel=2e-3)
+    assert known().spread_given(value, target[None]) == pytest.approx(SPREAD, rel=2e-3)
     assert known().spread(target[None]) == pytest.approx(math.hypot(SPREAD, 5.0), rel=2e-3)
 
 
