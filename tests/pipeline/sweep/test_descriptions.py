@@ -310,6 +310,7 @@ def test_a_large_random_surface_has_the_lay_of_lengths_that_differ_by_two(length
     )
     assert (facts.lay, facts.slope, facts.ra) == (lay, None, 0.27e-6)
     assert facts.rq == pytest.approx(0.27e-6 * math.sqrt(math.pi / 2))
+    assert (facts.mean_height, facts.rise) == (0.0, (0.0, 0.0))
 
 
 RATES = (298.15, 0.4e-15), (373.15, 0.8e-15)
