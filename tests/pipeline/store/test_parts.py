@@ -528,6 +528,8 @@ def test_a_bucket_has_room_for_the_steps_of_twice_the_reference_load():
     assert found.axes["step"] == list(range(-2 * 6, 1))
     few = create._grown_root(Memory("s3://bucket/b"), None, tiny.full(increments=30), None)
     assert few.axes["step"] == list(range(-2 * 30, 1))
+    ends = create._grown_root(Memory("s3://bucket/c"), None, tiny.full(steps="end"), None)
+    assert ends.axes["step"] == [0]  # no course, and so no room for one
 
 
 def test_a_bucket_takes_what_lies_behind_its_values_and_not_between_them():
@@ -560,6 +562,7 @@ def test_a_lost_root_is_made_again_though_statuses_are_lost_too(copy):
     assert verify_store(copy, repair=True).shared == ("the statuses are damaged",)
     assert len(done_points(copy)) == 9
     assert not restore_root(copy, SWEEP)
+    assert not restore_root(copy.with_name("none.zarr"), SWEEP)
 
 
 def test_marks_that_are_lost_are_named_though_some_points_are_pending(path):
