@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from pipeline.sweep.conditions import FIELDS, PATHS, Conditions, changes_of
-from tribo import Bulk, Corrections, Friction
+from tribo import Bulk, Corrections, Friction, Ramp
 
 CURVE = Corrections(friction=Friction(by_velocity=((1.0, 1.2), (4.0, 0.8))), disk_bulk=Bulk(650.0))
 BENT = Conditions(0.1, 298.15, 418.15, corrections=CURVE)
@@ -36,3 +36,10 @@ def test_entries_of_a_scene_are_known_by_the_fields_of_conditions_and_by_names_o
     assert FIELDS["failing_share"] == PATHS["share"] == "temperature.failing_share"
     assert {*FIELDS.values()} == {*PATHS.values()}
     assert changes_of(**dict.fromkeys(PATHS, None)) == {}
+
+
+def test_corrections_know_the_load_before_and_are_the_same_once_they_do():
+    under = BENT.under(Ramp(150.0, 750.0))
+    assert under.corrections == CURVE.under(Ramp(150.0, 750.0)) != CURVE
+    assert under.under(Ramp(150.0, 750.0)) is under
+    assert WARM.under(Ramp(150.0, 750.0)) is WARM
