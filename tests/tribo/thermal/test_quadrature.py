@@ -21,6 +21,7 @@ def test_a_source_gets_past_a_distance_when_its_front_or_its_rear_is_there(reach
 
 def test_at_rest_the_front_gets_anywhere_and_the_rear_nowhere():
     assert diffusion_length(6.0, 0.0, 3.0) == 0.5
+    assert diffusion_length(0.5, 0.0, 3.0) == 6.0
     assert diffusion_length(-6.0, 0.0, 3.0) == math.inf
 
 
