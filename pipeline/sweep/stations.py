@@ -18,10 +18,10 @@ Steps = Literal["course", "end"]
 class Stations:
     """Stations of all points of a sweep, by the word of its scene."""
 
-    steps: Steps = "end"
+    steps: Steps
     # A body warms as a whole while a hold wears the contact away: the worst moment lies inside.
-    judges_hold: bool = False
-    holds: tuple[float, ...] = ()  # durations of the tests at the full load [s]
+    judges_hold: bool
+    holds: tuple[float, ...]  # durations of the tests at the full load [s]
 
     def asked(self, scene: Scene, load: float) -> frozenset[int]:
         """Indices of the steps at which a temperature is asked for on the scene's own grid.

@@ -110,7 +110,7 @@ class Disc:
         fourier = diffusivity * age / radius**2
         early = fourier < _EARLY * (1 - inner) ** 2
         late = np.where(early, 1.0, fourier)[..., None]
-        series = (weights * np.exp(-np.minimum(roots**2 * late, 700.0))).sum(axis=-1)
+        series = (weights * np.exp(-(roots**2) * late)).sum(axis=-1)
         lost, root = biot - 0.5, np.sqrt(np.where(early, fourier, 1.0))
         short = 1 / (math.sqrt(math.pi) * root) - lost * scipy.special.erfcx(lost * root)
         left: Array = np.where(early, short, series) * np.exp(-decay * age) / radius

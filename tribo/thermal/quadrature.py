@@ -38,7 +38,7 @@ def panels(
     """Split the diffusion lengths from `start` to `end` so that Gauss' rule resolves each part.
 
     Heat spreads in proportion to s, hence panels that double. Within one panel the source moves by
-    at most half of `REACH` diffusion lengths, unless Filon's rule takes care of that.
+    at most `REACH` diffusion lengths, unless Filon's rule takes care of that.
     """
     low = start
     while low < end:

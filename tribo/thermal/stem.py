@@ -95,7 +95,7 @@ def stem_fraction(time: float | Array) -> Array:
     """
     tau = np.asarray(time, dtype=float)
     odd = 2 * np.arange(_TERMS) + 1.0
-    series = np.exp(-np.minimum(odd**2 * (math.pi**2 / 4) * tau[..., None], 700.0)) / odd**2
+    series = np.exp(-(odd**2) * (math.pi**2 / 4) * tau[..., None]) / odd**2
     settled: Array = 1 - 8 / math.pi**2 * series.sum(axis=-1)
     # The series needs ever more terms at short times, where no end is felt yet.
     return np.where(tau < _EARLY, 2 * np.sqrt(tau / math.pi), settled)
@@ -104,6 +104,6 @@ def stem_fraction(time: float | Array) -> Array:
 def _integrated_fraction(tau: Array) -> Array:
     """Integral of `stem_fraction` from 0 to τ."""
     odd = 2 * np.arange(_TERMS) + 1.0
-    series = np.exp(-np.minimum(odd**2 * (math.pi**2 / 4) * tau[..., None], 700.0)) / odd**4
+    series = np.exp(-(odd**2) * (math.pi**2 / 4) * tau[..., None]) / odd**4
     settled = tau - 1 / 3 + 32 / math.pi**4 * series.sum(axis=-1)
     return np.where(tau < _EARLY, 4 / 3 * np.sqrt(tau**3 / math.pi), settled)

@@ -25,7 +25,7 @@ from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.layout import arrays_of
 from pipeline.store.lock import held
-from pipeline.store.place import StoreError, StoreMismatchError, place_of
+from pipeline.store.place import StoreError, StoreMismatchError, larger, place_of, smaller
 from pipeline.store.progress import summary
 from pipeline.store.root import sealed
 from pipeline.store.verify import verify_store
@@ -248,6 +248,17 @@ def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkey
     commit(path, tiny.full(loads=(100.0, 900.0), velocities=(0.75,)), [other])
     assert_is_as_computed(path, [POINT, other] if was_killed else [POINT, ADDED, other])
     assert verify_store(path).is_clean
+    assert not list(path.rglob(f"*{PARTIAL}"))
+
+
+def test_what_a_killed_growth_left_beside_a_store_goes_when_that_is_written(path):
+    make(path, SWEEP)
+    for beside in (larger(path), smaller(path)):
+        (beside / "mean_rise").mkdir(parents=True)
+    (path / f"zarr.json{PARTIAL}").touch()
+    (path / "load" / f"c.0{PARTIAL}").touch()
+    make(path, SWEEP)
+    assert [entry.name for entry in path.parent.iterdir()] == [path.name]
     assert not list(path.rglob(f"*{PARTIAL}"))
 
 

@@ -166,12 +166,22 @@ def test_a_commit_during_which_the_lock_is_deleted_is_not_told_as_done(path, mon
         assert OTHER in store.pending()
 
 
-@pytest.mark.parametrize("fault", [errno.ENOLCK, errno.EOPNOTSUPP])
-def test_a_disk_without_locks_has_a_heartbeat(path, monkeypatch, fault):
-    def refused(*_):
+def refused(fault):
+    def flock(*_):
         raise OSError(fault, os.strerror(fault))
 
-    monkeypatch.setattr(fcntl, "flock", refused)
+    return flock
+
+
+def test_a_disk_that_fails_is_not_taken_for_one_in_use(path, monkeypatch):
+    monkeypatch.setattr(fcntl, "flock", refused(errno.EIO))
+    with pytest.raises(StoreError, match=f"^{path} cannot be written: Input/output error"):
+        commit(path, SWEEP, ())
+
+
+@pytest.mark.parametrize("fault", [errno.ENOLCK, errno.EOPNOTSUPP])
+def test_a_disk_without_locks_has_a_heartbeat(path, monkeypatch, fault):
+    monkeypatch.setattr(fcntl, "flock", refused(fault))
     monkeypatch.setattr(lock, "SETTLE", 0.0)
     with writing(path, SWEEP):
         refuse(path, f"{HERE}; wait for it, or write to another store; it was last heard of")

@@ -2,6 +2,7 @@
 
 import errno
 import shutil
+from copy import deepcopy as copy_deeply
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -438,6 +439,54 @@ def test_a_store_has_as_many_points_as_its_most_and_no_more(path, monkeypatch):
         opened(path)
 
 
+def of_array(name, **entries):
+    return lambda axes, arrays: arrays[name].update(entries)
+
+
+def chunked(*sizes):
+    return {"chunk_grid": {"configuration": {"chunk_shape": [*sizes]}}}
+
+
+SIZES = (
+    "is damaged: its arrays are not of Zarr 3, or not those of a store, of the sizes of its axes"
+)
+ROOT_FAULTS = {
+    "none": (lambda axes, arrays: None, ""),
+    "no checksums": (lambda axes, arrays: arrays.pop("checksum"), SIZES),
+    "no loads": (lambda axes, arrays: arrays.pop("load"), SIZES),
+    "no status": (lambda axes, arrays: arrays.pop("status"), SIZES),
+    "an axis without an array": (lambda axes, arrays: arrays.pop("cooler_share"), SIZES),
+    "a coordinate without values": (lambda axes, arrays: axes.pop("step"), SIZES),
+    "a variable as an axis": (lambda axes, arrays: axes.update(checksum=["a"]), SIZES),
+    "an axis of another length": (lambda axes, arrays: axes["load"].append(700.0), SIZES),
+    "Zarr 2": (of_array("mean_rise", zarr_format=2), SIZES),
+    "a codec that runs code": (of_array("mean_rise", codecs=[{"name": "pickle"}]), SIZES),
+    "a shape": (of_array("mean_rise", shape=[3, 3, 8]), SIZES),
+    "no dimensions": (of_array("mean_rise", dimension_names=["load", "velocity"]), SIZES),
+    "chunks of nothing": (of_array("mean_rise", **chunked(3, 0, 7)), SIZES),
+    "no words": (of_array("mean_rise", attributes={"units": "K"}), SIZES),
+    "a way out": (lambda axes, arrays: arrays.update({"../x": arrays["mean_rise"]}), SIZES),
+    "no list": (lambda axes, arrays: axes.update(load=7.0), SIZES),
+    "NaN": (lambda axes, arrays: axes["load"].__setitem__(1, float("nan")),
+            "is damaged: its axis load is missing, or not of the kind that a run writes"),
+    "text": (lambda axes, arrays: axes["velocity"].__setitem__(0, "fast"),
+             "is damaged: its axis velocity is missing, or not of the kind that a run writes"),
+    "a step between two": (lambda axes, arrays: axes["step"].__setitem__(0, -6.5),
+                           "is damaged: its axis step is missing, or not of the kind that a run w"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ROOT_FAULTS)
+def test_a_root_is_that_of_a_store_or_has_a_fault(alone, name):
+    change, fault = ROOT_FAULTS[name]
+    found = opened(alone).root
+    axes, arrays = copy_deeply(found.axes), copy_deeply(found.arrays)
+    change(axes, arrays)
+    said = root.root_fault(replace(found.facts, axes=axes), arrays)
+    assert said.startswith(fault)
+    assert bool(said) == bool(fault)
+
+
 def test_rows_with_a_load_and_a_velocity_each_are_those_of_their_store(path, tmp_path):
     rows = """along = [
       { "pin.radius" = "3 mm", load = "300 N", velocity = "1 m/s" },
@@ -479,6 +528,8 @@ def test_a_bucket_has_room_for_the_steps_of_twice_the_reference_load():
     assert found.axes["step"] == list(range(-2 * 6, 1))
     few = create._grown_root(Memory("s3://bucket/b"), None, tiny.full(increments=30), None)
     assert few.axes["step"] == list(range(-2 * 30, 1))
+    ends = create._grown_root(Memory("s3://bucket/c"), None, tiny.full(steps="end"), None)
+    assert ends.axes["step"] == [0]  # no course, and so no room for one
 
 
 def test_a_bucket_takes_what_lies_behind_its_values_and_not_between_them():
@@ -511,6 +562,7 @@ def test_a_lost_root_is_made_again_though_statuses_are_lost_too(copy):
     assert verify_store(copy, repair=True).shared == ("the statuses are damaged",)
     assert len(done_points(copy)) == 9
     assert not restore_root(copy, SWEEP)
+    assert not restore_root(copy.with_name("none.zarr"), SWEEP)
 
 
 def test_marks_that_are_lost_are_named_though_some_points_are_pending(path):

@@ -88,6 +88,14 @@ def test_another_scene_on_the_same_axes_is_refused_and_nothing_written(copy):
     assert contents(copy) == before
 
 
+def test_another_scene_is_refused_too_where_most_points_are_still_to_do(path):
+    commit(path, SWEEP, points(SWEEP)[:2])
+    (path / "zarr.json").unlink()
+    with pytest.raises(StoreMismatchError, match="its points are not those of this scene"):
+        restore_root(path, tiny.full(pin=tribo.Cylinder(9e-3, 3.375e-3, SWEEP.scene.disk)))
+    assert restore_root(path, SWEEP)
+
+
 def test_a_scene_with_one_other_row_makes_no_root_again(path, tmp_path):
     def load(radius):
         rows = f"""along = [

@@ -1,10 +1,13 @@
-"""The page of the dataset is what its variables say."""
+"""The page of the dataset is what its variables say, and rows differ in what they have to."""
 
 import pytest
 
+import tribo
 from pipeline.scene.shipped import WORKFLOWS
 from pipeline.store import schema
 from pipeline.store.layout import block_of
+from pipeline.sweep.variants import Variants, placed_rows, rows, surfaces
+from tests.helpers import tiny
 from tests.house import reference
 
 
@@ -33,3 +36,34 @@ def test_a_new_variable_of_a_point_stands_on_the_page(monkeypatch):
 )
 def test_a_chunk_holds_some_hundred_points_all_loads_first(sizes, bytes_of_a_point, block):
     assert block_of(sizes, bytes_of_a_point) == block
+
+
+RAMPS = rows("ramp", {"slow": {"loading": tribo.Ramp(50.0, 750.0)}, "fast": {}})
+TESTS = {"a": {}, "b": {}}
+
+
+@pytest.mark.parametrize(
+    ("variants", "time", "distance", "status"),
+    [
+        (Variants(), "load", "load velocity", "load velocity"),
+        (surfaces((1, 2)), "load", "load velocity", "realization load velocity"),
+        (RAMPS, "ramp load", "ramp load velocity", "ramp load velocity"),
+        (surfaces((1, 2)) * RAMPS, "ramp load", "ramp load velocity",
+         "realization ramp load velocity"),
+        (rows("test", TESTS, velocities=(0.5, 1.0)), "load", "test load", "test load"),
+        (rows("test", TESTS, loads=(200.0, 300.0)), "test", "test velocity", "test velocity"),
+        (rows("test", TESTS, (0.5, 1.0), (200.0, 300.0)), "test", "test", "test"),
+        (placed_rows([(), ()], [], [200.0, 300.0], [0.5, 1.0]), "variant", "variant", "variant"),
+    ],
+    ids=["plane", "surfaces", "ramps", "surfaces and ramps", "velocities", "loads", "places",
+         "rows"],
+)  # fmt: skip
+def test_time_and_distance_differ_between_rows_whose_ramps_or_velocities_do(
+    variants, time, distance, status
+):
+    """No more than that, or a sweep of many surfaces would store the same times for each."""
+    wanted = schema.variables_of(tiny.full(variants=variants))
+    assert wanted["status"].dims == tuple(status.split())
+    assert wanted["mean_rise"].dims == (*status.split(), "step")
+    for name, dims in (("time", time), ("normal_load", time), ("sliding_distance", distance)):
+        assert wanted[name].dims == (*dims.split(), "step")

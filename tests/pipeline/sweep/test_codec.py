@@ -2,7 +2,9 @@
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -13,7 +15,15 @@ import pipeline
 import tribo
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.scene.shipped import shipped_scenes
-from pipeline.sweep.codec import CodecError, content_hash, decode, encode, sweep_text, text_sweep
+from pipeline.sweep.codec import (
+    CodecError,
+    content_hash,
+    decode,
+    encode,
+    fits,
+    sweep_text,
+    text_sweep,
+)
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.variants import rows, surfaces
 from tests.helpers import synthetic, tiny
@@ -94,6 +104,45 @@ def same(one, other):
 @given(part=PARTS)
 def test_any_part_comes_back_with_its_type(part):
     assert same(decode(json.loads(json.dumps(encode(part, {}))), {}), part)
+
+
+@pytest.mark.parametrize(
+    ("value", "hint", "is_fit"),
+    [
+        (2**63 - 1, int, True),  # the largest of a variable of whole numbers
+        (-(2**63) + 1, int, True),
+        (2**63, int, False),
+        (1.0, int, False),
+        (True, int, False),
+        (3, float, True),
+        (1.7976931348623157e308, float, True),
+        (10**400, float, False),
+        (math.inf, float, True),
+        ("3", float, False),
+        (True, float, False),
+        (True, bool, True),
+        (1, bool, False),
+        ("a", str, True),
+        (True, str, False),
+        (None, float | None, True),
+        ("b", Literal["a", "b"], True),
+        ("c", Literal["a", "b"], False),
+        ((1.0, 2), tuple[float, int], True),
+        ((1.0,), tuple[float, int], False),
+        ((1.0, 2.0), tuple[float, int], False),
+        ((1.0, 2.0, 3.0), tuple[float, ...], True),
+        ((1.0, "a"), tuple[float, ...], False),
+        ([1.0], tuple[float, ...], False),
+        ([1.0], list[float], True),
+        ({"a": 1.0}, dict[str, float], True),
+        ({"a": "b"}, dict[str, float], False),
+        ({1: 1.0}, Mapping[str, float], False),
+        (np.ones(3), tribo.types.Array, True),
+        (object(), Any, True),
+    ],
+)
+def test_a_value_fits_the_kind_of_its_field(value, hint, is_fit):
+    assert fits(value, hint) is is_fit
 
 
 def test_kinds_of_numbers_of_numpy_are_those_of_python():

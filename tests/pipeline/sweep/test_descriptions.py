@@ -241,6 +241,28 @@ def test_stages_say_which_begins_and_the_time_that_the_rest_will_take(monkeypatc
 
 
 @pytest.mark.parametrize(
+    ("progress", "words"),
+    [
+        (Progress("the probe", 1, 2, failed=1, elapsed=3.0), "the probe"),
+        (Progress(done=1, total=8), "1 of 8 done"),
+        (Progress(done=1, total=8, failed=0), "1 of 8 points done, 0 failed"),
+        (Progress(done=1, total=8, elapsed=0.0), "1 of 8 done, 0 s so far"),
+        (Progress(done=1, total=8, elapsed=3.0, time_to_go=90.0),
+         "1 of 8 done, 3 s so far, 2 min to go"),
+    ],
+)  # fmt: skip
+def test_progress_says_what_is_known_of_it(progress, words):
+    assert str(progress) == words
+
+
+def test_a_long_list_is_cut_within_its_line_and_says_how_many_more():
+    answer = Values(many=("a word or two of text",) * 20)
+    (line,) = [line for line in repr(answer).splitlines() if line.startswith("  many")]
+    assert line.endswith(" … and 14 more")
+    assert 60 < len(line.removeprefix("  many      ")) <= 76
+
+
+@pytest.mark.parametrize(
     ("facts", "words"),
     [
         (SurfaceFacts(False, 0.27e-6, 0.338e-6), "random: Ra 0.27 µm, Rq 0.338 µm, no lay"),
@@ -310,6 +332,7 @@ def test_a_large_random_surface_has_the_lay_of_lengths_that_differ_by_two(length
     )
     assert (facts.lay, facts.slope, facts.ra) == (lay, None, 0.27e-6)
     assert facts.rq == pytest.approx(0.27e-6 * math.sqrt(math.pi / 2))
+    assert (facts.mean_height, facts.rise) == (0.0, (0.0, 0.0))
 
 
 RATES = (298.15, 0.4e-15), (373.15, 0.8e-15)
@@ -370,6 +393,9 @@ def test_a_choice_says_what_was_asked_for_what_it_errs_and_what_was_tried():
     assert "more than asked for" not in str(equal)
     assert "with 1 times less work" in str(equal)
     assert "more than asked for: nothing finer is known" in str(replace(picked, error=0.021))
+    assert "errs by up to 5 %, the change with elements of twice the pixels' size: give" in str(
+        replace(picked, coarser=0.05)
+    )
     coarse = replace(picked, coarser=None)
     assert str(coarse).endswith(
         "; its pixels cannot be joined to larger ones; the probe took 12.3 s"

@@ -210,8 +210,13 @@ def test_the_hold_of_each_test_is_stored():
         ({"loading": RECORD}, "end"),
         ({"variants": rows("oil", {"a": {}, "b": {"disk.thermal_conductivity": 30.0}})}, "end"),
         ({"variants": surfaces([1, 2])}, "course"),
+        ({"variants": rows("wear", {"some": {}, "none": {"wear": None}})}, "course"),
+        ({"variants": rows("hold", {"a": {}, "b": {"loading": RAMP}})}, "end"),
     ],
-    ids=["ramp", "no wear", "hold", "record", "shared contacts", "surfaces"],
+    ids=[
+        *("ramp", "no wear", "hold", "record", "shared contacts", "surfaces"),
+        *("one that wears", "one that is held"),
+    ],
 )
 def test_the_course_is_stored_of_what_wears_on_a_ramp_of_its_own(changes, steps):
     assert choose_stations(tiny.sweep(**changes)).steps == steps

@@ -20,7 +20,7 @@ def direct(grid, kernel, field):
 
 
 @pytest.mark.parametrize("periodic", AXES)
-@pytest.mark.parametrize("shape", [(1, 1), (1, 6), (7, 1), (5, 4), (6, 7)])
+@pytest.mark.parametrize("shape", [(1, 1), (1, 6), (7, 1), (2, 3), (5, 4), (6, 7)])
 def test_equals_the_sum_that_defines_it(shape, periodic):
     grid = Grid(shape, (1.0, 0.5), periodic)
     random = np.random.default_rng(1)
@@ -94,6 +94,9 @@ def test_single_precision_is_taken_only_where_it_holds_the_influence(influence):
     convolve = Convolution.from_kernel(grid, np.ones(padded_shape(grid)))
     assert convolve.faster_precision(1.0).rounding > convolve.rounding
     assert convolve.faster_precision(influence).rounding == convolve.rounding
+    small = Grid((8, 8), (1.0, 1.0))  # on which it would gain nothing
+    convolve = Convolution.from_kernel(small, np.ones(padded_shape(small)))
+    assert convolve.faster_precision(1.0) is convolve
 
 
 def test_a_spectrum_of_the_wrong_shape_is_refused():

@@ -30,6 +30,21 @@ def test_quantiles_are_those_of_numpy(nodes):
     assert contact_quantiles(rise, rise > 0) == pytest.approx(expected, rel=1e-13)
 
 
+def test_shares_that_a_user_asks_for_are_kept_and_not_interpolated():
+    asked = [0.0, 0.1, 1.0, 2.5, *range(5, 100, 5), 99.0, 100.0]  # % of the contact, the highest 0
+    kept = {round(100 * (1 - quantile), 6) for quantile in QUANTILES}
+    assert {*asked} <= kept
+    assert kept - {*asked} == {7.5, 9.0, 11.0, 12.5, 17.5}  # finer about the usual 10 %
+    assert sorted(QUANTILES) == [*QUANTILES]
+
+
+def test_bulk_ratios_of_a_store_are_those_of_its_format():
+    """A store lists them along its axis, and another list would be another format."""
+    positive = (200.0, 500.0, 1e3, 2e3, 5e3, 1e4, 3e4, 1e8)
+    assert tuple(-ratio for ratio in BULK_RATIOS[::-1]) == BULK_RATIOS
+    assert BULK_RATIOS[8:] == positive
+
+
 def test_only_the_contact_counts():
     rise = np.array([[10.0, 500.0], [20.0, 30.0]])
     contact = np.array([[True, False], [True, True]])
@@ -53,6 +68,19 @@ def test_a_share_beyond_the_stored_quantiles_is_refused_and_not_extrapolated():
     for share in (0.09, 0.51):
         with pytest.raises(InputError, match=r"the stored quantiles allow from 0\.1 to 0\.5"):
             rise_exceeded(rises, share, stored)
+
+
+def test_between_the_kept_bulk_ratios_quantiles_are_linear():
+    at_zero, slope = np.linspace(0.0, 50.0, len(QUANTILES)), np.linspace(0.5, 1.0, len(QUANTILES))
+    kept = np.array([at_zero + slope * ratio for ratio in BULK_RATIOS])
+    for ratio in (-7e6, -3000.0, -200.0, -1.0, 0.0, 120.0, 500.0, 750.0, 6e4):
+        found = combine_bulks(at_zero, kept, ratio)
+        assert found == pytest.approx(at_zero + slope * ratio, rel=1e-12)
+    assert combine_bulks(at_zero, kept, 0.0) is at_zero
+    bend = kept + 30.0 * (np.array(BULK_RATIOS) == 500.0)[:, None]  # at one of them alone
+    for ratio, share in ((200.0, 0.0), (350.0, 0.5), (500.0, 1.0), (800.0, 0.4), (1000.0, 0.0)):
+        found = combine_bulks(at_zero, bend, ratio) - at_zero - slope * ratio
+        assert found == pytest.approx(np.full(len(QUANTILES), 30.0 * share), abs=1e-11)
 
 
 @pytest.mark.parametrize("side", [-1, 1])

@@ -21,17 +21,27 @@ def test_the_heated_end_of_a_rod_warms_as_finite_differences_have_it():
 
 def test_a_rod_warms_by_its_own_flux_in_time():
     """A ramp and a hold of heat, a record that falls, by the sum of the steps of its flux."""
-    rod = tribo.Stem(2.0, settling_time=4.0)
-    for times, loads in (
-        ([5.0], [3.0]), ([5.0, 65.0], [3.0, 3.0]), ([0.5, 1.0, 1.0, 2.0], [4.0, 4.0, 1.0, 2.0])
-    ):  # fmt: skip
-        grid = np.linspace(0.0, times[-1], 40001)
+    for settling, times, loads in (
+        (4.0, [5.0], [3.0]),
+        (4.0, [5.0, 65.0], [3.0, 3.0]),
+        (4.0, [0.5, 1.0, 1.0, 2.0], [4.0, 4.0, 1.0, 2.0]),
+        (400.0, [0.5, 1.0, 1.0, 2.0], [4.0, 4.0, 1.0, 2.0]),  # whose far end is never felt
+    ):
+        rod = tribo.Stem(2.0, settling_time=settling)
+        grid = np.linspace(0.0, times[-1], 10001)
         flux = np.interp(grid, [0.0, *times], [0.0, *loads])
         ages = times[-1] - (grid[1:] + grid[:-1]) / 2
-        warmed = 2.0 * float(np.diff(flux) @ stem_fraction(ages / 4.0))
+        warmed = 2.0 * float(np.diff(flux) @ stem_fraction(ages / settling))
         found = rod.resistance_under(np.array(times), np.array(loads))
         assert found * loads[-1] == pytest.approx(warmed, rel=1e-3)
     assert tribo.Stem(2.0).resistance_under(np.array([5.0]), np.array([3.0])) == 2.0
+
+
+def test_a_heat_that_grows_evenly_warms_an_endless_rod_by_two_thirds_of_its_last():
+    rod = tribo.Stem(3.0, settling_time=1e4)
+    constant = 3.0 * 2 * np.sqrt(5.0 / 1e4 / np.pi)
+    found = rod.resistance_under(np.array([5.0]), np.array([750.0]))
+    assert found == pytest.approx(2 / 3 * constant, rel=1e-12)
 
 
 def test_a_rod_is_endless_at_first_and_a_resistance_at_last():

@@ -28,7 +28,7 @@ def test_one_pass_leaves_what_kelvin_s_sources_leave(width):
     assert warming == pytest.approx(strip(0.2, width, 100.0), rel=1e-9)
 
 
-@pytest.mark.parametrize("age", [1e-3, 1.0])
+@pytest.mark.parametrize("age", [1e-3, 0.05, 0.1, 1.0])  # a sum of images, then of waves
 @pytest.mark.parametrize("body_width", [3.4e-3, 5e-3])
 def test_a_body_between_insulated_sides_is_a_row_of_strips(age, body_width):
     """Strips side by side at a distance of the body's width, summed one by one."""

@@ -1,0 +1,104 @@
+"""Which temperature decides, and in which words (tribo/thermal/criterion.py)."""
+
+import numpy as np
+import pytest
+
+from tribo import QUANTILES, InputError
+from tribo.errors import InvariantError
+from tribo.thermal import BULK_RATIOS, Criterion, Rule, add_bulk_ratio
+
+EVEN = 100.0 * np.array(QUANTILES)
+"""Rises spread evenly over the contact from 0 to 100 K."""
+COLUMNS = {"rise_quantile": EVEN, "mean_rise": 40.0}
+LOWEST = Rule("rise_quantile", lambda rises, *_: rises[..., 0], "lowest", "all above")
+UPPER = Rule("rise_quantile", lambda rises, share, _: rises[..., -1], "of {share:g} %", "own")
+
+
+@pytest.mark.parametrize(
+    ("criterion", "rise", "temperature", "severe", "takes_share"),
+    [
+        (Criterion(), 90.0, "exceeded on 10 % of the contact",
+         "more than 10 % of the contact above", True),
+        (Criterion(share=0.25), 75.0, "exceeded on 25 % of the contact",
+         "more than 25 % of the contact above", True),
+        (Criterion(share=0.0), 100.0, "maximum", "any of the contact above", True),
+        (Criterion("highest"), 100.0, "maximum", "any of the contact above", False),
+        (Criterion("mean"), 40.0, "mean of the contact", "the mean of the contact above", False),
+        (Criterion("mean", 0.0), 40.0, "mean of the contact", "the mean of the contact above",
+         False),
+        (Criterion("own", rule=LOWEST), 0.0, "lowest", "all above", False),
+        (Criterion("own", 0.2, UPPER), 100.0, "of 20 %", "own", True),
+    ],
+)  # fmt: skip
+def test_a_criterion_decides_by_one_temperature_and_says_which(
+    criterion, rise, temperature, severe, takes_share
+):
+    assert criterion.rise(COLUMNS) == pytest.approx(rise)
+    assert (criterion.temperature, criterion.severe) == (temperature, severe)
+    assert criterion.takes_share is takes_share
+    assert Criterion.of(criterion) is criterion
+
+
+def test_a_share_stands_for_its_criterion_and_quantiles_may_be_few():
+    assert Criterion.of(0.2) == Criterion("share", 0.2)
+    few = {"rise_quantile": np.array([10.0, 20.0, 40.0]), "quantile": np.array([0.5, 0.8, 1.0])}
+    assert Criterion(share=0.2).rise(few) == pytest.approx(20.0)
+    assert Criterion("highest").rise(few) == pytest.approx(40.0)
+
+
+def test_at_its_limit_wear_is_mild_and_what_is_not_known_is_neither():
+    rises = np.array([99.0, 100.0, 101.0, np.nan])
+    assert Criterion.is_severe(rises, 100.0).tolist() == [False, False, True, False]
+    assert Criterion.is_mild(rises, 100.0).tolist() == [True, True, False, False]
+
+
+@pytest.mark.parametrize(
+    ("rises", "fault"),
+    [
+        ([[10.0, 50.0], [0.0, 5.0]], None),  # the lowest of one point, the highest of the other
+        ([[10.0 - 4e-8, 0.0], [0.0, 5.0]], None),  # by rounding of 1e-9 of the highest, 50 K
+        ([[10.0, 50.0 + 4e-8], [0.0, 5.0]], None),
+        ([[10.0 - 6e-8, 0.0], [0.0, 5.0]], "beyond the lowest and highest"),
+        ([[10.0, 50.0 + 6e-8], [0.0, 5.0]], "beyond the lowest and highest"),
+        ([[np.nan, 0.0], [0.0, 5.0]], "or is not a number"),
+        ([[10.0, np.nan], [0.0, 5.0]], None),  # of a point without a contact
+        ([10.0, 0.0], r"shape \(2,\); they must have \(2, 2\), one for each row"),
+    ],
+)
+def test_a_rise_of_ones_own_lies_within_its_contact(rises, fault):
+    contacts = [(10.0, 50.0), (0.0, 50.0), (0.0, 50.0), (5.0, 50.0)]
+    stored = np.array([np.linspace(low, high, len(QUANTILES)) for low, high in contacts])
+    stored = stored.reshape(2, 2, -1)
+    if fault is None and np.isnan(rises).any():
+        stored[np.isnan(rises)] = np.nan
+    own = Criterion("own", rule=Rule("rise_quantile", lambda *_: np.array(rises), "own", "own"))
+    if fault:
+        with pytest.raises(InvariantError, match=f"criterion own: .*{fault}"):
+            own.rise({"rise_quantile": stored})
+        return
+    assert np.array_equal(own.rise({"rise_quantile": stored}), rises, equal_nan=True)
+
+
+def test_a_mean_of_ones_own_has_no_quantiles_to_lie_within():
+    own = Criterion("own", rule=Rule("mean_rise", lambda mean, *_: 3 * mean, "own", "own"))
+    assert own.rise({"mean_rise": np.array([40.0, np.nan])})[0] == 120.0
+
+
+def test_a_warmer_disk_raises_quantiles_maximum_and_mean():
+    """By 0.8 K for each kelvin at all elements, and at friction 1."""
+    kept = np.array([EVEN + 0.8 * ratio for ratio in BULK_RATIOS])
+    columns = COLUMNS | {"max_rise": 100.0, "bulk_rise_quantile": kept, "mean_bulk_response": 0.8}
+    for ratio in (200.0, -300.0, 40.0):
+        warm = add_bulk_ratio(columns, ratio)
+        assert warm["rise_quantile"] == pytest.approx(EVEN + 0.8 * ratio)
+        assert warm["max_rise"] == pytest.approx(100.0 + 0.8 * ratio)
+        assert warm["mean_rise"] == pytest.approx(40.0 + 0.8 * ratio)
+        assert warm["bulk_rise_quantile"] is kept
+    assert add_bulk_ratio(columns, 0.0) is columns
+    for name in ("rise_quantile", "mean_rise"):
+        needed = {"rise_quantile": "bulk_rise_quantile", "mean_rise": "mean_bulk_response"}[name]
+        alone = add_bulk_ratio({name: columns[name], needed: columns[needed]}, 200.0)
+        assert alone.keys() == {name, needed}
+    with pytest.raises(InputError, match=r"temperatures differ, .* with equal ones"):
+        add_bulk_ratio(COLUMNS, 1.0)
+    assert add_bulk_ratio(COLUMNS, 0.0) is COLUMNS
