@@ -123,10 +123,10 @@ def _course(ds: xr.Dataset) -> dict[str, Any]:
     """Load and highest rise at each step of each point, and which steps are on its own grid."""
     loads = values_of(ds, "normal_load")
     steps = loads.shape[-1]
-    of_load = loads.reshape(-1, ds.sizes["load"], ds.sizes["velocity"], steps)[0, :, 0]
+    planes = loads.reshape(-1, ds.sizes["load"], ds.sizes["velocity"], steps)
     return {
         "steps": steps,
-        "loads": packed_array(of_load, "<f4"),
+        "loads": packed_array(np.fmax.reduce(planes, axis=(0, 2)), "<f4"),
         "rises": packed_array(values_of(ds, "max_rise"), "<f4"),
         "own": digits(values_of(ds, "own_grid")),
     }
