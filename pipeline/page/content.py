@@ -156,8 +156,9 @@ def _page_facts(ds: xr.Dataset, sweep: Sweep) -> dict[str, Any]:
 
 
 def _told(test: Measurement) -> dict[str, Any]:
-    """A test, and its place by the names of the axes."""
-    return test.as_dict() | {"load": test.normal_load}
+    """A test, its place by the names of the axes, and its sign in the legend."""
+    sign = f"test-{test.outcome}" if test.outcome else "transition"
+    return test.as_dict() | {"load": test.normal_load, "sign": sign}
 
 
 def _tests(ds: xr.Dataset, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
@@ -199,7 +200,6 @@ def _point_states(ds: xr.Dataset) -> dict[str, Any]:
     end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
     return {
         "done": int((status == DONE).sum()),
-        "has_warnings": bool(((status == DONE) & (values_of(ds, "message") != "")).any()),
         "status": digits(status),
         "asked": digits(asked(ds).transpose(*POINT, missing_dims="ignore")),
         "numbers": [

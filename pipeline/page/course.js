@@ -15,7 +15,7 @@ function showCourse(point) {
     const way = row.map(({ at, value }) => (own[at] === "1" ? NaN : frame.y(value)));
     const marks = row.map(({ value }, k) => [load[k], value, way[k]])
       .filter(([, value, height]) => Number.isFinite(value) && Number.isNaN(height))
-      .map(([newtons, value]) => mark("unjudged", frame.x(newtons), frame.y(value), 5));
+      .map(([newtons, value]) => sign("unjudged", frame.x(newtons), frame.y(value), 1.25));
     const look = rows.length > 1 ? "faint" : "curve";
     return [svg("path", { class: look, d: path(load.map(frame.x), way) }), ...marks];
   }));

@@ -36,7 +36,7 @@ function drawnBand(frame) {
     return svg("path", { class: k === 1 ? "boundary" : "own", d: contour(x, y, [over], true) });
   });
   const look = { preserveAspectRatio: "none", href: `data:image/png;base64,${picture}` };
-  return [svg("image", { ...size, ...look }), ...lines];
+  return [svg("image", { class: "probability", ...size, ...look }), ...lines];
 }
 
 /** Draw the diagram, and show the probability at the pointer. */
@@ -44,9 +44,7 @@ function drawSamples() {
   const { loads, velocities, measured } = samples;
   const { root, inside, frame } = planeAxes(velocities, loads, measured);
   inside.append(...drawnBand(frame));
-  for (const { velocity, load, outcome } of measured) {
-    inside.append(testMark(frame.x(velocity), frame.y(load), outcome));
-  }
+  inside.append(...measured.map((test) => sign(test.sign, frame.x(test.velocity), frame.y(test.load))));
   if (isInside(operating, samples)) inside.append(cross(frame, operating));
   root.addEventListener("pointerleave", () => tip.toggleAttribute("hidden", true));
   root.addEventListener("pointermove", (event) => {
@@ -54,6 +52,7 @@ function drawSamples() {
     showTip(frame, frame.load(event.clientY - top), frame.velocity(event.clientX - left));
   });
   element("diagram").replaceChildren(root, tip);
+  showLegend();
 }
 
 /** Show the probability beside a place. @param {Frame} frame @param {number} load @param {number} velocity */

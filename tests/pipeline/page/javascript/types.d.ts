@@ -34,6 +34,8 @@ type Measurement = {
   friction: number | null;
   bulk_temperature?: number;
   outcome?: "mild" | "severe";
+  /** Its sign in the legend. */
+  sign: string;
   /** That several tests share. */
   run?: string;
   /** Conditions that it is judged at, in place of the reader's. */
