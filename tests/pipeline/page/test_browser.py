@@ -129,6 +129,13 @@ def test_the_legend_has_the_signs_of_what_the_diagram_holds(page):
     assert not {"median", "band", "mixed"} & signs(driver)
 
 
+def test_enter_in_a_form_leaves_the_page_as_it_is(page):
+    driver = page(synthetic.sweep())
+    for name, text in (("friction", "0.12"), ("at-load", "400")):
+        typed(driver, name, text + Keys.ENTER)
+    assert driver.execute_script("return [chosen.conditions.friction, chosen.load]") == [0.12, 400]
+
+
 def test_what_is_typed_or_moved_changes_the_boundary_unless_it_cannot_be(page):
     driver = page(synthetic.sweep())
     before, unchanged = driver.execute_script("return chosen.conditions"), table(driver)
