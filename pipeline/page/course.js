@@ -2,7 +2,7 @@
 
 /** Show the highest temperature while the load grows. @param {Point} point */
 function showCourse(point) {
-  const [{ steps, own }, { loads, rises }] = [content.course, tables.course];
+  const { steps, own, loads, rises } = content.course;
   const load = [...loads.slice(point.i * steps, (point.i + 1) * steps)];
   const rows = placesOf(point).map((place) => load.map((_, k) => place * steps + k).map((at) =>
     ({ at, value: temperature(rises[at]) - ZERO_CELSIUS })));

@@ -1,14 +1,13 @@
 /* The page of a sweep of samples: probabilities of severe wear, which Python has tabulated. */
 
 /** @type {Samples} */
-const samples = JSON.parse(element("content").textContent ?? "");
-const probability = floats(samples.probability);
+const samples = readContent();
 /** The operating point. */
 const operating = { load: NaN, velocity: NaN };
 
 /** Probability at a place, by the table. @param {number} load @param {number} velocity */
 function probabilityAt(load, velocity) {
-  const { loads, velocities } = samples;
+  const { loads, velocities, probability } = samples;
   const n = velocities.length;
   const rows = loads.map((_, i) => linear(velocities, probability.subarray(i * n, (i + 1) * n), velocity));
   return linear(loads, rows, load);
@@ -28,7 +27,7 @@ function turnsRow(share, load) {
 
 /** The probability as colours, and where it has the three values. @param {Frame} frame */
 function drawnBand(frame) {
-  const { loads, velocities, picture, shares } = samples;
+  const { loads, velocities, probability, picture, shares } = samples;
   const [x, y, n] = [velocities.map(frame.x), loads.map(frame.y), velocities.length];
   const size = { x: x[0], y: y[y.length - 1], width: x[n - 1] - x[0], height: y[0] - y[y.length - 1] };
   const lines = shares.map((share, k) => {
