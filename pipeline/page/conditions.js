@@ -12,7 +12,6 @@ function faultOf(conditions, { name, least, most, fault }) {
 }
 
 function listenToConditions() {
-  element("conditions").addEventListener("submit", (event) => event.preventDefault());
   for (const control of content.controls) {
     for (const source of [input(control.name), input(`${control.name}-range`)]) {
       source.addEventListener("input", () => change(control, source));

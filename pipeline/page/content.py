@@ -123,10 +123,10 @@ def _course(ds: xr.Dataset) -> dict[str, Any]:
     """Load and highest rise at each step of each point, and which steps are on its own grid."""
     loads = values_of(ds, "normal_load")
     steps = loads.shape[-1]
-    of_load = loads.reshape(-1, ds.sizes["load"], ds.sizes["velocity"], steps)[0, :, 0]
+    planes = loads.reshape(-1, ds.sizes["load"], ds.sizes["velocity"], steps)
     return {
         "steps": steps,
-        "loads": packed_array(of_load, "<f4"),
+        "loads": packed_array(np.fmax.reduce(planes, axis=(0, 2)), "<f4"),
         "rises": packed_array(values_of(ds, "max_rise"), "<f4"),
         "own": digit_string(values_of(ds, "own_grid")),
     }
@@ -156,8 +156,9 @@ def _page_facts(ds: xr.Dataset, sweep: Sweep) -> dict[str, Any]:
 
 
 def _told(test: Measurement) -> dict[str, Any]:
-    """A test, and its place by the names of the axes."""
-    return test.as_dict() | {"load": test.normal_load}
+    """A test, its place by the names of the axes, and its sign in the legend."""
+    sign = f"test-{test.outcome}" if test.outcome else "transition"
+    return test.as_dict() | {"load": test.normal_load, "sign": sign}
 
 
 def _tests(ds: xr.Dataset, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
@@ -199,7 +200,6 @@ def _point_states(ds: xr.Dataset) -> dict[str, Any]:
     end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
     return {
         "done": int((status == DONE).sum()),
-        "has_warnings": bool(((status == DONE) & (values_of(ds, "message") != "")).any()),
         "status": digit_string(status),
         "asked": digit_string(asked(ds).transpose(*POINT, missing_dims="ignore")),
         "numbers": [

@@ -2,7 +2,7 @@
 
 /** Show the highest temperature while the load grows. @param {Point} point */
 function showCourse(point) {
-  const [{ steps, own }, { loads, rises }] = [content.course, tables.course];
+  const { steps, own, loads, rises } = content.course;
   const load = [...loads.slice(point.i * steps, (point.i + 1) * steps)];
   const rows = placesOf(point).map((place) => load.map((_, k) => place * steps + k).map((at) =>
     ({ at, value: temperature(rises[at]) - ZERO_CELSIUS })));
@@ -15,7 +15,7 @@ function showCourse(point) {
     const way = row.map(({ at, value }) => (own[at] === "1" ? NaN : frame.y(value)));
     const marks = row.map(({ value }, k) => [load[k], value, way[k]])
       .filter(([, value, height]) => Number.isFinite(value) && Number.isNaN(height))
-      .map(([newtons, value]) => mark("unjudged", frame.x(newtons), frame.y(value), 5));
+      .map(([newtons, value]) => sign("unjudged", frame.x(newtons), frame.y(value), 1.25));
     const look = rows.length > 1 ? "faint" : "curve";
     return [svg("path", { class: look, d: path(load.map(frame.x), way) }), ...marks];
   }));

@@ -2,8 +2,6 @@
 
 /** @type {{frame: Frame, root: SVGElement, pointer: SVGElement, choice: SVGElement}} */
 let diagram;
-/** @type {("mild" | "severe" | "mixed" | "unjudged" | "failed" | "pending")[]} */
-const KINDS = ["mild", "severe", "mixed", "unjudged", "failed", "pending"];
 
 /** Ends of an axis that holds some values, with room about them. @param {number[]} values */
 function ends(values) {
@@ -44,7 +42,6 @@ function drawDiagram() {
 function drawnBoundary(frame) {
   if (!isJudged()) return [];
   const [x, y] = [content.inner.map(frame.x), content.fine.load.map(frame.y)];
-  if (Math.min(x.length, y.length) < 2) return drawnPlace(frame);
   const negative = (/** @type {number[][]} */ grid) => grid.map((row) => row.map((value) => -value));
   const middle = excess(0.5, chosen.conditions);
   /** @type {[string, ...number[][][]][]} */
@@ -59,8 +56,9 @@ function drawnBoundary(frame) {
     parts.push(["band", hot, negative(cold)]);
   }
   const shades = parts.map(([look, ...grids]) => svg("path", { class: look, d: contour(x, y, grids) }));
-  const d = contour(x, y, [middle], true);
-  return d ? [...shades, svg("path", { class: "boundary", d })] : shades;
+  const look = surfaces().length > 1 ? "boundary median" : "boundary";
+  const line = svg("path", { class: look, d: contour(x, y, [middle], true) });
+  return [...shades, line, ...(Math.min(x.length, y.length) < 2 ? drawnPlace(frame) : [])];
 }
 
 /** The transition of a sweep at one load or one velocity. @param {Frame} frame */
@@ -95,14 +93,14 @@ function everyPoint() {
 
 /** Marks of the points, ringed where they carry a warning. @param {Frame} frame */
 function drawnMarks(frame) {
-  const r = content.loads.length * content.velocities.length < 1500 ? 3.4 : 2;
+  const r = content.loads.length * content.velocities.length < 1500 ? 3.4 : 2; // 4 in the legend
   return everyPoint().flatMap((point) => {
     const kind = kindOf(point);
     if (!kind) return [];
     const [x, y] = [frame.x(content.velocities[point.j]), frame.y(content.loads[point.i])];
     const isWarned = risesAt(point).length && messagesOf(point).length;
-    const signs = [mark(kind, x, y, r)];
-    return isWarned ? [svg("circle", { class: "ring", cx: x, cy: y, r: r + 3 }), ...signs] : signs;
+    const signs = [sign(kind, x, y, r / 4)];
+    return isWarned ? [sign("warned", x, y, (r + 3) / 6), ...signs] : signs;
   });
 }
 
@@ -120,24 +118,9 @@ function drawnMeasured(frame) {
     if (!test.isDrawn) return [];
     const [x, y] = [frame.x(test.velocity), frame.y(test.load)];
     const expected = frame.x(judged[number].expected);
-    const sign = testMark(x, y, test.outcome);
-    if (!hasOwnConditions(test) || !Number.isFinite(expected)) return [sign];
+    const signs = [sign(test.sign, x, y)];
+    if (!hasOwnConditions(test) || !Number.isFinite(expected)) return signs;
     const line = svg("path", { class: "own", d: `M${x},${y}H${expected}` });
-    return [line, diamond(expected, y, 4.5, "expected"), sign];
+    return [line, sign("own", expected, y, 0.9), ...signs];
   });
-}
-
-/** Show the signs of what the diagram holds, of those that its sweep may have. */
-function showLegend() {
-  const [kinds, isMany] = [new Set(everyPoint().map(kindOf)), surfaces().length > 1];
-  const signs = {
-    boundary: isJudged() && !isMany, median: isJudged() && isMany, band: isJudged() && isMany,
-    "region-mild": isJudged(), "region-severe": isJudged(), friction: isJudged(),
-    ...Object.fromEntries(KINDS.map((kind) => [kind, kinds.has(kind)])),
-    own: isJudged() && content.measured.some((test) => test.isDrawn && hasOwnConditions(test)),
-    operating: isInside(chosen, content),
-  };
-  for (const [name, isThere] of Object.entries(signs)) {
-    document.getElementById(`sign-${name}`)?.toggleAttribute("hidden", !isThere);
-  }
 }

@@ -144,14 +144,6 @@ def _plane_scene(held: dict[str, Any]) -> str:
     sizes = f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}"
     tests, agreement = held.pop("tests"), held.pop("agreement")
     band = held["friction_band"]
-    signs = {
-        **_test_signs(held),
-        "region-mild": not held["chosen"],
-        "region-severe": not held["chosen"],
-        "friction": band is not None,
-        "warned": held["has_warnings"],
-        "own": any(test["isDrawn"] for test in held["measured"]),
-    }
     own = {
         "tests": tests,
         "without_tests": "" if tests else "hidden",
@@ -165,7 +157,7 @@ def _plane_scene(held: dict[str, Any]) -> str:
         "error": f"{100 * held['error']:.2g} %",
         "accuracy": html.escape(held.pop("accuracy")),
     }
-    return _strip_signs(_filled("plane.html", _scene_values(held, sizes) | own), signs)
+    return _filled("plane.html", _scene_values(held, sizes) | own)
 
 
 def _samples_scene(held: dict[str, Any]) -> str:
@@ -178,22 +170,7 @@ def _samples_scene(held: dict[str, Any]) -> str:
         "scale": scale,
     }
     sizes = f"{len(table)} loads, {held['samples']} samples"
-    return _strip_signs(
-        _filled("samples.html", _scene_values(held, sizes) | own), _test_signs(held)
-    )
-
-
-def _test_signs(held: dict[str, Any]) -> dict[str, bool]:
-    """Whether there are tests of each kind, by the sign of the legend."""
-    kinds = {test.get("outcome") for test in held["measured"] if test.get("isDrawn", True)}
-    names = {"transition": None, "test-mild": "mild", "test-severe": "severe"}
-    return {name: kind in kinds for name, kind in names.items()}
-
-
-def _strip_signs(page: str, signs: dict[str, bool]) -> str:
-    """The page without the signs of the legend that its sweep cannot have."""
-    absent = tuple(f'<li id="sign-{name}">' for name, is_there in signs.items() if not is_there)
-    return "".join(line for line in page.splitlines(True) if not line.startswith(absent))
+    return _filled("samples.html", _scene_values(held, sizes) | own)
 
 
 def _scene_values(held: dict[str, Any], sizes: str) -> dict[str, str]:

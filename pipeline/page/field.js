@@ -24,12 +24,12 @@ function picksOf(conditions, width, last) {
 
 /** Deciding rise at the nodes of all surfaces [K]. @param {Conditions} conditions */
 function planeOf(conditions) {
-  const { shares, bulk_ratios, friction_factors: factors, state } = content;
+  const { plane, shares, bulk_ratios, friction_factors: factors, state } = content;
   const { failing_share, strip_friction } = conditions;
   const picks = picksOf(conditions, shares.length, weights(shares, failing_share));
   return kept(JSON.stringify([picks, strip_friction]), () => Float64Array.from(state, (_, node) => {
     const begin = node * shares.length * bulk_ratios.length;
-    const rise = sum(picks.map(([k, weight]) => weight * tables.plane[begin + k]));
+    const rise = sum(picks.map(([k, weight]) => weight * plane[begin + k]));
     return strip_friction ? rise / factors[node % factors.length] : rise;
   }));
 }

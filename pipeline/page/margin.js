@@ -50,7 +50,7 @@ function modelError() {
 function marginAt([k, j], conditions) {
   const [plane, { velocity }, { below }] = [planeOf(conditions), content.fine, modelError()];
   const places = surfaces().map((surface) => indexOf(surface, k, j));
-  const error = Math.max(...places.map((place) => tables.errors[place]));
+  const error = Math.max(...places.map((place) => content.errors[place]));
   const share = (/** @type {number} */ place) => below(Math.log(place / velocity[j]));
   const probabilities = [1 / (1 + error), 1, 1 + error].map((factor) => sum(places.map((place) => {
     const row = plane.subarray(place - j, place - j + velocity.length);

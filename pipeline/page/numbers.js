@@ -30,10 +30,7 @@ function nearest(x, place) {
 /** Value that a share of all stays below; NaN is left out. @param {number[]} values @param {number} share */
 function quantileOf(values, share) {
   const ranked = values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
-  const rank = share * (ranked.length - 1);
-  const [low, high] = [ranked[Math.floor(rank)] ?? NaN, ranked[Math.ceil(rank)] ?? NaN];
-  if (!Number.isFinite(low) || !Number.isFinite(high)) return low + high;
-  return low + (rank - Math.floor(rank)) * (high - low);
+  return linear([...ranked.keys()], ranked, share * (ranked.length - 1));
 }
 
 /** The same; NaN where it depends on those that are not known. @param {Ends[]} ends @param {number} share */

@@ -13,7 +13,6 @@ function listenToOperatingPoint(take) {
     input(id).setAttribute("aria-invalid", `${input(id).value.trim() !== "" && Number.isNaN(value)}`);
     return value;
   };
-  element("operating").addEventListener("submit", (event) => event.preventDefault());
   element("operating").addEventListener("input", () => take(read("at-load"), read("at-velocity")));
 }
 

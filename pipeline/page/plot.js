@@ -98,9 +98,13 @@ function showChart(id, isThere, text, x, y, draw) {
   element(id).append(filled(root, { role: "img", "aria-label": text }, []));
 }
 
-/** Numbers of base64. @param {string} text */
-function floats(text) {
-  return new Float32Array(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
+/** Content of the page; its tables are numbers in base64. */
+function readContent() {
+  const packed = ["plane", "errors", "rises", "times", "values", "loads", "probability"];
+  return JSON.parse(element("content").textContent ?? "", (name, value) => {
+    if (typeof value !== "string" || !packed.includes(name)) return value;
+    return new Float32Array(Uint8Array.from(atob(value), (letter) => letter.charCodeAt(0)).buffer);
+  });
 }
 
 /** Path through points; a gap where one is not finite. @param {number[]} x @param {number[]} y in pixels */
@@ -110,28 +114,19 @@ function path(x, y) {
     ? `${isThere[k - 1] ? "L" : "M"}${across.toFixed(2)},${y[k].toFixed(2)}` : "").join("");
 }
 
-/** The mark of a kind of point. @param {string} kind @param {number} x @param {number} y @param {number} r */
-function mark(kind, x, y, r) {
-  const look = { class: `mark is-${kind}` };
-  if (kind === "failed") {
-    return svg("path", { ...look, d: `M${x - r},${y - r}l${2 * r},${2 * r}m0,${-2 * r}l${-2 * r},${2 * r}` });
-  }
-  if (kind === "severe" || kind === "mixed") {
-    return svg("rect", { ...look, x: x - r, y: y - r, width: 2 * r, height: 2 * r });
-  }
-  return svg("circle", { ...look, cx: x, cy: y, r: kind === "mild" ? r : r * 0.7 });
+/** A sign of the legend at a place, in some size. @param {string} name @param {number} x @param {number} y
+ * @param {number} [size] */
+function sign(name, x, y, size = 1) {
+  const shape = document.querySelector(`#sign-${name} svg > *`)?.cloneNode() ?? "";
+  return svg("g", { transform: `translate(${x} ${y}) scale(${size}) translate(-13 -7)` }, shape);
 }
 
-/** A square on its corner. @param {number} x @param {number} y @param {number} r @param {string} look */
-function diamond(x, y, r, look) {
-  return svg("path", { class: look, d: `M${x - r},${y}L${x},${y - r}L${x + r},${y}L${x},${y + r}Z` });
-}
-
-/** Mark of a measured transition, or of a test: open where wear stayed mild. @param {number} x @param
- * {number} y @param {"mild" | "severe" | undefined} outcome */
-function testMark(x, y, outcome) {
-  if (!outcome) return diamond(x, y, 6.5, "measured");
-  return svg("path", { class: `tested tested-${outcome}`, d: `M${x - 7},${y + 5}l7,-12l7,12Z` });
+/** Show the signs of what the diagram holds: of shapes of the same class. */
+function showLegend() {
+  for (const shape of element("legend").querySelectorAll("svg > *")) {
+    const isThere = element("diagram").querySelector(`[class="${shape.getAttribute("class")}"]`);
+    shape.closest("li")?.toggleAttribute("hidden", !isThere);
+  }
 }
 
 /** The mark of an operating point. @param {Frame} frame @param {{load: number, velocity: number}} place */

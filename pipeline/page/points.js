@@ -128,7 +128,7 @@ function quantilesAt(place) {
   const { quantiles: { length }, bulk_ratios } = content;
   return content.quantiles.map((_, q) => {
     const picks = picksOf(chosen.conditions, length, [[q, 1]]);
-    const rises = picks.map(([k, weight]) => weight * tables.rises[place * length * bulk_ratios.length + k]);
+    const rises = picks.map(([k, weight]) => weight * content.rises[place * length * bulk_ratios.length + k]);
     return temperature(sum(rises)) - ZERO_CELSIUS;
   });
 }
@@ -158,11 +158,11 @@ function description(point, isFull) {
       const above = curves.map((curve) => 100 * (1 - linear(curve, content.quantiles, limit)));
       rows.push(["contact above critical", banded(above, "%", 3)]);
     }
-    content.numbers.slice(0, isFull ? undefined : 1).forEach(({ label, unit }, k) => {
-      const values = all.map(({ place }) => tables.numbers[k][place]);
-      if (values.some(Number.isFinite)) rows.push([label, banded(values, unit)]);
-    });
-    if (isFull) rows.push(["at its worst after", banded(all.map(({ place }) => tables.times[place]), "s")]);
+    for (const { label, unit, values } of content.numbers.slice(0, isFull ? undefined : 1)) {
+      const numbers = all.map(({ place }) => values[place]);
+      if (numbers.some(Number.isFinite)) rows.push([label, banded(numbers, unit)]);
+    }
+    if (isFull) rows.push(["at its worst after", banded(all.map(({ place }) => content.times[place]), "s")]);
   }
   for (const message of messagesOf(point)) rows.push([all.length ? "warning" : "message", message]);
   return rows;

@@ -1,14 +1,13 @@
 /* The page of a sweep of samples: probabilities of severe wear, which Python has tabulated. */
 
 /** @type {Samples} */
-const samples = JSON.parse(element("content").textContent ?? "");
-const probability = floats(samples.probability);
+const samples = readContent();
 /** The operating point. */
 const operating = { load: NaN, velocity: NaN };
 
 /** Probability at a place, by the table. @param {number} load @param {number} velocity */
 function probabilityAt(load, velocity) {
-  const { loads, velocities } = samples;
+  const { loads, velocities, probability } = samples;
   const n = velocities.length;
   const rows = loads.map((_, i) => linear(velocities, probability.subarray(i * n, (i + 1) * n), velocity));
   return linear(loads, rows, load);
@@ -28,7 +27,7 @@ function turnsRow(share, load) {
 
 /** The probability as colours, and where it has the three values. @param {Frame} frame */
 function drawnBand(frame) {
-  const { loads, velocities, picture, shares } = samples;
+  const { loads, velocities, probability, picture, shares } = samples;
   const [x, y, n] = [velocities.map(frame.x), loads.map(frame.y), velocities.length];
   const size = { x: x[0], y: y[y.length - 1], width: x[n - 1] - x[0], height: y[0] - y[y.length - 1] };
   const lines = shares.map((share, k) => {
@@ -36,7 +35,7 @@ function drawnBand(frame) {
     return svg("path", { class: k === 1 ? "boundary" : "own", d: contour(x, y, [over], true) });
   });
   const look = { preserveAspectRatio: "none", href: `data:image/png;base64,${picture}` };
-  return [svg("image", { ...size, ...look }), ...lines];
+  return [svg("image", { class: "probability", ...size, ...look }), ...lines];
 }
 
 /** Draw the diagram, and show the probability at the pointer. */
@@ -44,9 +43,7 @@ function drawSamples() {
   const { loads, velocities, measured } = samples;
   const { root, inside, frame } = planeAxes(velocities, loads, measured);
   inside.append(...drawnBand(frame));
-  for (const { velocity, load, outcome } of measured) {
-    inside.append(testMark(frame.x(velocity), frame.y(load), outcome));
-  }
+  inside.append(...measured.map((test) => sign(test.sign, frame.x(test.velocity), frame.y(test.load))));
   if (isInside(operating, samples)) inside.append(cross(frame, operating));
   root.addEventListener("pointerleave", () => tip.toggleAttribute("hidden", true));
   root.addEventListener("pointermove", (event) => {
@@ -54,6 +51,7 @@ function drawSamples() {
     showTip(frame, frame.load(event.clientY - top), frame.velocity(event.clientX - left));
   });
   element("diagram").replaceChildren(root, tip);
+  showLegend();
 }
 
 /** Show the probability beside a place. @param {Frame} frame @param {number} load @param {number} velocity */

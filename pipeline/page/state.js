@@ -3,12 +3,7 @@
 const ZERO_CELSIUS = 273.15;
 
 /** @type {Content} */
-const content = JSON.parse(element("content").textContent ?? "");
-const tables = {
-  plane: floats(content.plane), errors: floats(content.errors), rises: floats(content.rises),
-  times: floats(content.times), numbers: content.numbers.map(({ values }) => floats(values)),
-  course: { loads: floats(content.course.loads), rises: floats(content.course.rises) },
-};
+const content = readContent();
 /** Planes by conditions. @type {Map<string, Float64Array>} */
 const planes = new Map();
 const hasShare = content.shares.length > 1;

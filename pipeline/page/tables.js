@@ -10,11 +10,10 @@ function boundaries() {
   };
 }
 
-/** Quantiles over surfaces, or the one transition. @param {Transition[]} all @returns {Summary} */
+/** Quantiles over surfaces, for one its transition. @param {Transition[]} all @returns {Summary} */
 function summaryOf(all) {
   const [low, middle, high] = BAND.map((share) => quantileOfEnds(all.map(endsOf), share));
-  const first = all[0].severe.map(([begin]) => begin).find((begin) => begin > 0) ?? NaN;
-  return { low, middle: all.length > 1 ? middle : first, high, transitions: all };
+  return { low, middle, high, transitions: all };
 }
 
 /** A table of texts; columns of numbers stand to the right. @param {string[]} heads @param {string[][]} rows

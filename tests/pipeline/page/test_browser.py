@@ -18,6 +18,7 @@ from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import agreement, compared, model_error
 from pipeline.analysis.margin import answer, percent
 from pipeline.analysis.transition import ABOVE, MILD
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.variants import Column, Variants
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import samples, synthetic
@@ -100,6 +101,39 @@ def test_a_page_begins_with_the_conditions_of_the_store_and_tells_messages_as_te
     assert message in driver.find_element(By.ID, "point").text
     assert len(driver.find_elements(By.CSS_SELECTOR, "#diagram circle.ring")) == 1
     assert driver.find_element(By.ID, "sign-warned").is_displayed()
+
+
+def signs(driver):
+    """Names of the signs that the legend shows."""
+    listed = driver.find_elements(By.CSS_SELECTOR, "#legend li")
+    return {one.get_attribute("id").removeprefix("sign-") for one in listed if one.is_displayed()}
+
+
+def test_the_legend_has_the_signs_of_what_the_diagram_holds(page):
+    few = [200.0, 400.0, 600.0], [1.0, 2.0, 4.0, 6.0]
+    regions = {"boundary", "region-mild", "region-severe", "mild", "severe"}
+    tested = Measurement(400.0, 2.0, None, outcome="severe")
+    driver = page(synthetic.sweep(*few, tested=(tested,)))
+    assert signs(driver) == regions | {"friction", "transition", "own", "test-severe"}
+    for name, text in (("at-load", "400"), ("at-velocity", "2")):
+        typed(driver, name, text)
+    assert "operating" in signs(driver)
+    ds = synthetic.sweep(*few, friction_band=None, measured=())
+    ds["message"][0, 0] = "careful"
+    assert signs(page(ds)) == regions | {"warned"}
+    driver = page(sweeps.over_surfaces())
+    assert {"median", "band", "mixed"} < signs(driver)
+    assert "boundary" not in signs(driver)
+    Select(driver.find_element(By.ID, "surface")).select_by_visible_text("surface 0")
+    assert "boundary" in signs(driver)
+    assert not {"median", "band", "mixed"} & signs(driver)
+
+
+def test_enter_in_a_form_leaves_the_page_as_it_is(page):
+    driver = page(synthetic.sweep())
+    for name, text in (("friction", "0.12"), ("at-load", "400")):
+        typed(driver, name, text + Keys.ENTER)
+    assert driver.execute_script("return [chosen.conditions.friction, chosen.load]") == [0.12, 400]
 
 
 def test_what_is_typed_or_moved_changes_the_boundary_unless_it_cannot_be(page):
@@ -186,6 +220,7 @@ def test_a_page_of_samples_tells_the_probability_at_any_place(page, monkeypatch)
     half = float(np.interp(0.5, field.probability(load, grid, scatter), grid))
     driver = page(ds)
     assert len(driver.find_elements(By.CSS_SELECTOR, "#diagram image, #diagram .boundary")) == 2
+    assert signs(driver) == {"probability", "even", "ends", "transition"}
     for velocity in (0.8 * half, half):
         expected = field.probability(load, np.array([velocity]), scatter)[0]
         place = f"return [probabilityAt({load}, {velocity}), judge({load}, {velocity})][0]"

@@ -77,6 +77,14 @@ def test_the_course_of_each_point_is_there_with_what_is_on_its_own_grid():
     assert loads[:, -1].tolist() == ds["load"].values.tolist()
 
 
+def test_a_load_has_its_course_where_its_first_velocity_is_not_done():
+    whole, lacking = (
+        content(synthetic.sweep(interval=1, status=status))["course"]["loads"]
+        for status in ({}, {(float(synthetic.LOADS[0]), float(synthetic.VELOCITIES[0])): 0})
+    )
+    assert lacking == whole
+
+
 def test_points_are_asked_for_on_their_own_surface():
     axis = "realization"
     ds = sweeps.over_surfaces(axis).isel({axis: slice(2)})

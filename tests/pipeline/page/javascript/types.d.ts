@@ -34,6 +34,8 @@ type Measurement = {
   friction: number | null;
   bulk_temperature?: number;
   outcome?: "mild" | "severe";
+  /** Its sign in the legend. */
+  sign: string;
   /** That several tests share. */
   run?: string;
   /** Conditions that it is judged at, in place of the reader's. */
@@ -77,11 +79,11 @@ type Content = {
   friction_factors: number[];
   /** Temperatures of the contact [K], and the factor of friction at each. */
   friction_by_temperature: [number[], number[]];
-  plane: string;
+  plane: Float32Array;
   /** Nodes at which lines along load begin that have their points alone, by surface and velocity. */
   columns: { [place: string]: number };
   state: string;
-  errors: string;
+  errors: Float32Array;
   missing: number[];
   model: Model;
   misfit: string;
@@ -94,10 +96,10 @@ type Content = {
   asked: string;
   outside: string;
   origins: string[];
-  times: string;
-  rises: string;
-  numbers: { label: string; unit: string; values: string }[];
-  course: { steps: number; loads: string; rises: string; own: string };
+  times: Float32Array;
+  rises: Float32Array;
+  numbers: { label: string; unit: string; values: Float32Array }[];
+  course: { steps: number; loads: Float32Array; rises: Float32Array; own: string };
   deciding: string;
   outcomes: { velocity: string[]; load: string[] };
   range: { velocity: Ends; load: Ends };
@@ -127,7 +129,7 @@ type Samples = {
   measured: Measurement[];
   loads: number[];
   velocities: number[];
-  probability: string;
+  probability: Float32Array;
   picture: string;
   shares: number[];
 };
