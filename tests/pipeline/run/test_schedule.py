@@ -367,9 +367,10 @@ class Stage(Connection):
         super().__init__(self, progress=lambda progress: self.said.append(progress.words))
         self.there, self.said, self.cancelled, self.written = workers, [], [], []
         self.placed, self.priorities, self.cancel = [], [], self.cancelled.extend
+        self.now, self.asked = 0.0, []
 
     def clock(self):
-        return 0.0
+        return self.now
 
     def nthreads(self, **_):
         return dict.fromkeys(self.there, 3)
@@ -383,7 +384,13 @@ class Stage(Connection):
 
     def run(self, waiting=()):
         writer = SimpleNamespace(add=self.written.extend)
-        reports = SimpleNamespace(knows=lambda worker: worker != "new", wake=None)
+        reports = SimpleNamespace(
+            knows=lambda worker: worker != "new",
+            wake=None,
+            ask=lambda workers, keys: self.asked.append((self.now, keys)),
+            answers=lambda: (),
+            computes=lambda workers: False,
+        )
         run = _Run(self, "label", writer, reports, None, waiting)
         run._workers = Counter(self.nthreads())
         return run
@@ -498,3 +505,55 @@ def test_a_task_whose_worker_is_gone_goes_to_another_and_its_points_are_suspecte
     assert run.is_under_way()  # it is to be tried alone
     run._hand_out_again(running("key", "gone", is_alone=True))
     assert len(stage.cancelled) == 5  # nothing: it is suspected as it is
+
+
+@pytest.mark.parametrize(
+    ("worker", "status", "is_back"),
+    [("w", "pending", False), ("gone", "finished", False), ("gone", "pending", True)],
+)
+def test_a_result_that_has_gone_with_its_worker_is_computed_again(worker, status, is_back):
+    stage = Stage("w")
+    run, task = stage.run(), running("key", worker)
+    task.future.status = status
+    run.computed = {"key": task}
+    run.look()
+    assert run.computed == ({} if is_back else {"key": task})
+    assert bool(run._waiting) == is_back
+
+
+@pytest.mark.parametrize(
+    ("worker", "is_alone", "state"),
+    [
+        ("w", False, (True, False, {})),
+        ("w", True, (True, False, {})),
+        ("gone", False, (False, True, {})),
+        ("gone", True, (False, False, {PLACE: 1})),
+    ],
+)
+def test_a_task_goes_on_with_its_worker_and_without_goes_to_another_or_is_lost(
+    worker, is_alone, state
+):
+    run = Stage("w").run()
+    run.running = [running("key", worker, is_alone)]
+    assert not run.look()
+    assert (bool(run.running), bool(run._waiting), run._losses) == state
+
+
+def test_workers_are_asked_once_a_second_sooner_in_the_beginning_and_at_once_in_the_end():
+    stage = Stage("w")
+    run, done = stage.run(), running("done", "w")
+    run.running = [running("key", "w")]
+    for stage.now in (0.0, 0.5, 0.54, 0.56, 20.0, 20.9, 21.0, 21.1):
+        run.look()
+    done.future.status = "finished"
+    run.computed = {"done": done}
+    stage.now = 21.2  # while another runs
+    run.look()
+    run.running = []
+    done.future.status = "pending"
+    stage.now = 21.3
+    run.look()
+    done.future.status = "finished"
+    stage.now = 21.4
+    run.look()
+    assert stage.asked == [(now, []) for now in (0.0, 0.5, 0.56, 20.0, 21.0)] + [(21.4, ["done"])]
