@@ -508,6 +508,8 @@ def test_percents_are_of_the_scene_s_own_value(tmp_path, key, value, absolute):
     given = {"fidelity.increments": 50}
     (found,) = _absolute(tmp_path / "scene.toml", key, [value], given)
     assert (found, type(found)) == (absolute, type(absolute))
+    several = [*_absolute(tmp_path / "scene.toml", key, ["7", value, 8], given)]
+    assert several == ["7", absolute, 8]
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ from pipeline.sweep.plan import PointRecord, points, run_point
 from pipeline.sweep.variants import rows
 from tests.helpers import tiny
 from tests.helpers.stores import opened
+from tribo import Corrections, Friction
 
 
 def search(**values):
@@ -85,6 +86,7 @@ def test_two_velocities_or_a_rise_on_one_side_tell_no_bend_and_a_sharp_one_is_li
         ({1.0: 900.0, 2.0: 1300.0}, 0.6, 0.5, [1.41421]),  # no guess is below the bracket
         ({1.0: 900.0, 1.41421: 1300.0}, 1.2, 0.5, []),  # 0.5 · 0.347² / 8 is below 1 %
         ({1.0: 900.0, 1.41421: 1300.0}, 1.2, 1.0, [1.18921]),  # on an axis twice as fine
+        ({1.0: 900.0, 1.41421: 1300.0}, 1.2, 0.7, [1.18921]),  # 0.7 · 0.347² / 8 is 1.05 %
         ({1.1: 900.0, 1.41421: 1300.0}, 1.2, 2.0, [1.18921]),
         ({1.0: 900.0, 1.18921: 1300.0}, 1.1, 4.0, [1.09051]),  # four times as fine
         ({0.5: 1300.0}, 0.5, 0.5, []),  # severe throughout
@@ -105,6 +107,10 @@ def test_scenes_that_share_contacts_ask_at_the_same_product_of_wear_rate_and_vel
     for load in (200.0, 400.0, 750.0):
         first = search()._first_node(load)
         assert shared._first_node(load) == pytest.approx(first, rel=1e-5)  # six figures
+    # A node beside an end, as 0.707107/√2 and 11.3137/√2, is the end.
+    beside = search(scale=2**0.5)
+    assert [beside._node(number, 0) for number in (1, 9)] == [0.5, 8.0]
+    assert search(scale=2**1.5)._node(3, 0) == 0.5
 
 
 @pytest.mark.parametrize(
@@ -160,6 +166,21 @@ def test_points_that_failed_are_asked_for_again_if_the_user_says_so(path):
         assert further(store).plane.chosen == first
         again = further(store, retry_failed=True).plane.chosen
     assert again == first
+
+
+def test_a_failed_point_leaves_its_load_the_ends_of_the_range_unless_it_is_tried_again(path):
+    """Where friction by velocity may turn wear several times."""
+    curve = Corrections(friction=Friction(by_velocity=((0.5, 1.2), (1.5, 0.8))))
+    sweep = SWEEP.changed(conditions=replace(SWEEP.conditions, corrections=curve))
+    further = boundary_search(sweep, 0.01)
+    first = further(None).plane.chosen
+    assert len(first) == 3
+    failed = min(first)
+    with writing(path, sweep.changed(chosen=first)) as store:
+        store.commit([PointRecord(failed, None, "out of memory")])
+        ends = {Point(failed.load, velocity) for velocity in (0.5, 1.5)}
+        assert further(store).plane.chosen == first | ends
+        assert further(store, retry_failed=True).plane.chosen == first
 
 
 def test_scenes_of_the_same_points_are_asked_for_them_together():
