@@ -88,8 +88,8 @@ def more_of_boundary(ds: xr.Dataset, store: Path | str, conditions: Mapping[str,
     sweep = scene_sweep(ds)
     missing = {int(status) for status in ds["status"].values[asked(ds).values]} - {DONE}
     settings = [] if missing else _settings(sweep, conditions)
-    replaced = tuple(setting[: setting.rindex("=") + 1] for setting in settings)
-    words = [word for word in _arguments(sweep) if not (replaced and word.startswith(replaced))]
+    replaced = tuple(f"{setting.rpartition('=')[0]}=" for setting in settings if "=" in setting)
+    words = [word for word in _arguments(sweep) if not word.startswith(replaced)]
     if sweep.about.selection and (accuracy := sweep.about.selection.accuracy):
         words.append(f"--accuracy={accuracy:g}")
     words += ["-o", str(store)]

@@ -1,12 +1,15 @@
 """Stores beside each other: their differences, and those of a folder."""
 
 import json
+import os
+from datetime import datetime
 
 import numpy as np
+import pytest
 
 import pipeline
 import tribo
-from pipeline.cli import main
+from pipeline.cli import main, stores
 from tests.helpers import synthetic
 from tests.helpers.scenes import SCENE, STEEL
 
@@ -49,3 +52,58 @@ def test_the_status_of_a_folder_runs_no_code_that_a_scene_names(tmp_path, capsys
     (tmp_path / "own.toml").write_text('extends = "first_try"\nwear = { law = "laws:Own" }\n')
     assert main(["status", str(tmp_path)]) == 0
     assert "extends first_try" in capsys.readouterr().out
+
+
+def test_two_stores_are_printed_with_their_points_counted(monkeypatch, irg):
+    """The second is hotter at the higher load by a tenth; the third has one velocity less."""
+
+    def hotter(load, *place):
+        return (1.1 if np.max(load) > 300.0 else 1.0) * synthetic.rise(load, *place)
+
+    loads, velocities = (200.0, 400.0), synthetic.VELOCITIES[:11]
+    held = {
+        "a": synthetic.sweep(loads, velocities),
+        "b": synthetic.sweep(loads, velocities, rise=hotter),
+        "c": synthetic.sweep(loads, velocities[1:]),
+    }
+    monkeypatch.setattr(pipeline, "open_sweep", lambda path: held[str(path)])
+    said = irg("diff", "a", "b").splitlines()
+    assert said[:2] == ["A a", "B b"]
+    assert "their scenes are equal" in said
+    counts = "points: 11 alike, 11 unlike (by up to 10 % of the rise), 0 done in one alone"
+    assert counts in said
+    assert "and 1 more, which -o TABLE.csv writes" in said  # than ten
+    assert said[-1].startswith("rise: the highest of the contact at the end of the point")
+    fewer = irg("diff", "a", "c").splitlines()
+    assert "points: 20 alike, 0 unlike, 2 done in one alone" in fewer
+    assert not any(line.startswith("and ") for line in fewer)
+
+
+def test_a_store_in_a_folder_has_the_size_of_all_its_files_and_the_time_of_the_last(
+    tmp_path, monkeypatch
+):
+    files = {"out.zarr/zarr.json": 10, "out.zarr/a/c.0.0": 200, "out.zarr/a/c.0.1": 3000}
+    for number, (name, size) in enumerate(files.items()):
+        file = tmp_path / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(b"x" * size)
+        os.utime(file, (0, 86400 * (200 - number)))
+    monkeypatch.setattr(stores, "_store_status", lambda path: {"kind": "store"})
+    row = stores._row(tmp_path / "out.zarr", tmp_path)
+    changed = datetime.fromtimestamp(86400 * 200).strftime("%Y-%m-%d %H:%M")
+    assert row == {"kind": "store", "name": "out.zarr", "changed": changed, "size [MB]": 3210}
+    (tmp_path / "s.toml").write_text("[sweep]\n")
+    assert stores._row(tmp_path / "s.toml", tmp_path)["size [MB]"] == 8
+    (tmp_path / "other.toml").write_text("[project]\n")
+    assert stores._row(tmp_path / "other.toml", tmp_path) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "is_folder"), [("a", True), ("a.zarr", False), ("store", False), ("nothing", False)]
+)
+def test_a_folder_is_listed_unless_it_is_a_store_or_named_like_one(tmp_path, name, is_folder):
+    for folder in ("a", "a.zarr", "store"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "store" / "zarr.json").write_text("{}")
+    assert stores._is_folder_of_stores(tmp_path / name) is is_folder
+    assert not stores._is_folder_of_stores("s3://bucket/a")

@@ -235,3 +235,20 @@ def test_a_sheet_of_a_workbook_is_chosen_and_the_others_are_named(store, tmp_pat
     )
     place = ["--load", "400 N", "--velocity", "1 m/s", "--sheet", "warm"]
     assert "--sheet names a sheet of --points" in irg("margin", "out.zarr", *place, code=2)
+
+
+def test_one_verdict_stands_upright_and_one_for_each_friction_in_rows(store, irg):
+    place = ["--load", "400 N", "--velocity", "1.4 m/s"]
+    alone = irg("margin", "out.zarr", *place).splitlines()
+    (row,) = [line.split() for line in alone if line.startswith("verdict ")]
+    assert row == ["verdict", "mild"]
+    both = irg("margin", "out.zarr", *place, "--friction", "0.05", "--friction", "0.2")
+    (heads,) = [line for line in both.splitlines() if "velocity [m/s]" in line]
+    assert "load [N]" in heads
+    assert "verdict" in heads
+
+
+def test_a_load_that_the_window_cannot_carry_is_refused_before_a_point_is_simulated(irg):
+    place = ("--load", "75 kN", "--velocity", "1 m/s", "--preset", "draft")
+    said = irg("point", "first_try", *place, code=2)
+    assert "--load: 75000 N is more than the window carries" in said

@@ -120,3 +120,51 @@ def test_a_long_table_is_shown_whole_and_a_long_line_cut(capsys):
     *rows, line = capsys.readouterr().out.splitlines()
     assert "\n".join(rows) == table
     assert len(line) < 3000
+
+
+def test_a_run_on_a_terminal_has_a_bar_that_stays_and_a_stage_without_a_total_none(
+    capsys, monkeypatch
+):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with output.run_line() as show:
+        show(Progress("", 0, 8, 0, 0.0))
+        show(Progress("a note"))
+        time.sleep(0.11)  # tqdm draws every 0.1 s at most
+        show(Progress("", 4, 8, 0, 8.0, 8.0))
+    said = capsys.readouterr().err
+    assert "irg: a note\n" in said
+    assert re.search(r"\r4 of 8 points done, 0 failed, 8 s so far, 8 s to go \|█{10} {10}\|", said)
+    assert said.endswith("\n")
+    output.QUIET.set()
+    try:
+        with output.run_line() as show:
+            show(Progress("", 0, 8, 0, 0.0))
+            show(Progress("a note"))
+    finally:
+        output.QUIET.clear()
+    assert capsys.readouterr().err == ""
+
+
+def test_a_task_that_is_done_soon_says_nothing(capsys, monkeypatch):
+    monkeypatch.setattr(output, "_SOON", 0.2)
+    with output.working("reading points") as count:
+        count(Progress(done=3, total=9))
+    assert capsys.readouterr().err == ""
+
+
+def test_plain_lines_come_ten_seconds_apart_and_no_state_twice(capsys, monkeypatch):
+    times = iter([0.0, 0.0, 9.9, 10.0, 10.0, 25.0, 25.0])
+    monkeypatch.setattr(output.time, "monotonic", times.__next__)
+    with output._log(tells_last=False) as show:
+        for done in (0, 1, 2, 2, 3):
+            show(Progress(done=done, total=9))
+    assert capsys.readouterr().err.split("\n") == [
+        "irg: 0 of 9 done", "irg: 2 of 9 done", "irg: 3 of 9 done", ""
+    ]  # fmt: skip
+    for tells_last in (False, True):
+        with output._log(tells_last) as show:
+            monkeypatch.setattr(output.time, "monotonic", lambda: 30.0)
+            for done in (4, 5):
+                show(Progress(done=done, total=9))
+        ends = "irg: 5 of 9 done\n" * tells_last
+        assert capsys.readouterr().err == f"irg: 4 of 9 done\n{ends}"

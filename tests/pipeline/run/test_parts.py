@@ -1,6 +1,9 @@
 """Parts of a run that need no worker: words, silence, nodes of a search, changes of a boundary."""
 
 import math
+import os
+import signal
+import sys
 from concurrent.futures import CancelledError
 from dataclasses import replace
 from types import SimpleNamespace
@@ -10,7 +13,7 @@ import pytest
 from distributed import Status
 
 import pipeline
-from pipeline.run import cluster, vary, work
+from pipeline.run import cluster, forkserver, vary, work
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.cluster import Connection, client_of, threads_of
 from pipeline.run.schedule import _short_name, _Silence
@@ -18,10 +21,12 @@ from pipeline.run.tally import Reports
 from pipeline.run.vary import Variation, Variations, _absolute
 from pipeline.run.work import ExecutionError, hash_of_code, other_packages, require_same_code
 from pipeline.sweep.model import Point
+from pipeline.sweep.plan import run_points
 from pipeline.sweep.stages import Progress
-from tests.helpers import synthetic
+from pipeline.sweep.stored import Simulated
+from tests.helpers import synthetic, tiny
 from tests.helpers.scenes import SCENE
-from tribo import Corrections, Friction, InputError
+from tribo import ConvergenceError, Corrections, Friction, InputError
 
 # Words
 
@@ -266,6 +271,77 @@ def test_workers_are_sent_what_is_computed_until_they_answer(monkeypatch):
         assert not any(map(reports.knows, "abc"))
 
 
+def test_points_that_share_a_contact_fail_each_for_itself(monkeypatch):
+    sweep = tiny.sweep()
+    good, bad = Point(150.0, 0.5), Point(150.0, 1.0)
+
+    def run(sweep, places, trunks=None):
+        if bad in places:
+            raise ConvergenceError("the contact did not converge", solution=None)
+        return run_points(sweep, places, trunks)
+
+    monkeypatch.setattr(work, "run_points", run)
+    done, failed = work._computed(sweep, (good, bad), False, Simulated(sweep))
+    assert (done.point, failed.point) == (good, bad)
+    assert done.data is not None
+    assert (failed.data, failed.message) == (None, "ConvergenceError: the contact did not converge")
+
+
+# The process that workers are forked from
+
+
+def test_workers_are_forked_in_an_environment_of_their_own_and_that_of_the_user_stays(monkeypatch):
+    theirs = {}
+    monkeypatch.setattr(forkserver.forkserver, "ensure_running", lambda: theirs.update(os.environ))
+    monkeypatch.setattr(sys, "path", ["", "/mine"])
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    before = dict(os.environ)
+    forkserver.start()
+    assert dict(os.environ) == before
+    assert theirs["PYTHONPATH"] == ".:/mine"
+    assert (theirs["OMP_NUM_THREADS"], theirs["PYTHONSAFEPATH"]) == ("1", "1")
+
+
+def test_interrupts_are_put_off_until_the_end_and_handled_as_before(monkeypatch):
+    came = []
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    signal.signal(signal.SIGTERM, lambda number, _: came.append(number))
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    mine = signal.getsignal(signal.SIGTERM)
+    try:
+        with forkserver.interrupts_put_off():
+            assert signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+            signal.raise_signal(signal.SIGTERM)
+            signal.raise_signal(signal.SIGHUP)  # which nohup ignores
+            assert came == []
+        assert came == [signal.SIGTERM]
+        assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+        assert signal.getsignal(signal.SIGTERM) is mine
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@pytest.mark.parametrize(
+    ("name", "parent", "ended"),
+    [
+        (None, None, []),
+        ("__main__", None, []),  # the driver, under both names
+        ("__mp_main__", None, [1]),
+        ("__mp_main__", "a parent", []),  # a worker that runs
+    ],
+)
+def test_a_worker_that_imports_an_unguarded_script_ends(monkeypatch, name, parent, ended):
+    ends = []
+    script = name and SimpleNamespace(__name__=name)
+    monkeypatch.setitem(sys.modules, "__mp_main__", script)
+    monkeypatch.setattr(forkserver.multiprocessing, "parent_process", lambda: parent)
+    monkeypatch.setattr(forkserver.os, "_exit", ends.append)
+    forkserver.end_if_imported()
+    assert ends == ended
+
+
 # The search
 
 
@@ -336,6 +412,12 @@ def test_the_crossing_is_guessed_by_the_straight_line_in_logarithms():
     assert guess((1.0, 600.0), (4.0, 2400.0)) == pytest.approx(2.0)
     assert guess((1.0, 300.0), (2.0, 600.0)) == pytest.approx(4.0)  # goes on
     assert guess((2.0, 2400.0), (4.0, 4800.0)) == pytest.approx(1.0)
+    # Of more points, by those about the first crossing, or by the last or the first two.
+    assert guess((1.0, 900.0), (2.0, 1000.0), (4.0, 2000.0), (8.0, 9000.0)) == pytest.approx(
+        2.0 * 2 ** math.log2(1.2)
+    )
+    assert guess((1.0, 100.0), (2.0, 300.0), (4.0, 600.0)) == pytest.approx(8.0)
+    assert guess((2.0, 2400.0), (4.0, 4800.0), (8.0, 5000.0)) == pytest.approx(1.0)
     # No flatter than an exponent of 0.2, and no steeper than 3.
     assert guess((1.0, 1000.0), (2.0, 1000.0)) == pytest.approx(2.0 * 1.2**5)
     assert guess((1.0, 1.0), (2.0, 600.0)) == pytest.approx(2.0 * 2 ** (1 / 3))
@@ -417,6 +499,8 @@ def test_entries_are_ordered_by_how_far_they_move_the_boundary():
         ("pin.radius", "3 mm", "3 mm"),
         ("friction.coefficient", 0.2, 0.2),
         ("fidelity.increments", "+20%", 60),  # a whole number stays one
+        ("fidelity.increments", "+1%", 50.5),  # if it can, which is refused later
+        ("friction.coefficient", "+900%", 1.0),
     ],
 )
 def test_percents_are_of_the_scene_s_own_value(tmp_path, key, value, absolute):
@@ -424,6 +508,8 @@ def test_percents_are_of_the_scene_s_own_value(tmp_path, key, value, absolute):
     given = {"fidelity.increments": 50}
     (found,) = _absolute(tmp_path / "scene.toml", key, [value], given)
     assert (found, type(found)) == (absolute, type(absolute))
+    several = [*_absolute(tmp_path / "scene.toml", key, ["7", value, 8], given)]
+    assert several == ["7", absolute, 8]
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ Workers that really die are in test_sweep.py.
 """
 
 from collections import Counter
-from concurrent.futures import Future
+from concurrent.futures import CancelledError, Future
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,13 +16,14 @@ import pipeline
 import tribo
 from pipeline.run import schedule, work
 from pipeline.run.cluster import Connection
-from pipeline.run.schedule import STARTS, TRIALS, compute
-from pipeline.run.work import ExecutionError
+from pipeline.run.schedule import STARTS, TRIALS, _Run, _Running, compute
+from pipeline.run.work import ExecutionError, WorkerReport
 from pipeline.store.create import writing
 from pipeline.store.progress import summarized
 from pipeline.store.schema import COLUMNS, FAILED
 from pipeline.store.write import Writer
-from pipeline.sweep.plan import points, run_points, tasks
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import Task, points, run_points, tasks
 from pipeline.sweep.stages import silent
 from tests.helpers import tiny
 from tests.helpers.heard import Heard
@@ -294,3 +295,265 @@ def test_a_point_that_is_begun_on_workers_that_all_leave_fails_and_others_go_on(
     assert failed.message.startswith(f"begun on {STARTS} workers, and each left before")
     assert client.cancelled[-1].key == client.endless
     assert_is_as_computed_alone(store, points(SWEEP)[10])
+
+
+def test_the_pace_is_learned_from_each_point_but_the_first_of_a_worker(tmp_path, monkeypatch):
+    monkeypatch.setattr(schedule, "_POLL", 0.01)
+    learned, counted = [], []
+    tally = SimpleNamespace(learn=learned.extend, count=counted.extend)
+    with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
+        link = Connection(LocalClient(), 1.0, silent)
+        compute(link, SWEEP, writer, tasks(points(SWEEP), SWEEP), tally)
+        assert len(counted) == 12  # all, before the writer ends
+    assert len(learned) == 11
+    assert {record.point for record in counted} == set(points(SWEEP))
+
+
+class Lost(LocalClient):
+    """A client whose tasks end in this way."""
+
+    def __init__(self, status, error):
+        super().__init__()
+        self._status, self._error = status, error
+
+    def submit(self, *arguments, key, **_):
+        ended = Ended()
+        ended.key, ended.status = key, self._status
+        ended.set_exception(self._error)
+        return ended
+
+
+@pytest.mark.parametrize(
+    ("status", "error", "words"),
+    [
+        ("cancelled", CancelledError(), "the Dask scheduler is lost; finished points are safe"),
+        ("error", CancelledError(), "the Dask scheduler is lost"),
+        ("error", ExecutionError("a worker cannot take the scene"), "a worker cannot take the"),
+    ],
+)
+def test_a_lost_scheduler_or_a_worker_without_the_scene_ends_a_sweep(
+    compute_sweep, status, error, words
+):
+    with pytest.raises(ExecutionError, match=words):
+        compute_sweep(client=Lost(status, error))
+
+
+class Breaking(LocalClient):
+    """A client whose workers lose one point, for a reason that Dask gives."""
+
+    def submit(self, function, name, run, points, **options):
+        if points[0] != Point(250.0, 1.5):
+            return super().submit(function, name, run, points, **options)
+        return Lost("error", OSError("the result is too large")).submit(**options)
+
+
+def test_a_point_whose_result_is_lost_each_time_fails_with_the_reason(compute_sweep):
+    store, ended = compute_sweep(client=Breaking())
+    assert ended == {"done": 11, "failed": 1}
+    (failed,) = summarized(store).failed
+    assert failed.message == "OSError: the result is too large"
+
+
+# Steps of a run, at times that are given
+
+
+class Stage(Connection):
+    """What a run acts on: a connection with its clock, a writer, and requests to workers.
+
+    Its workers have three threads each; all but a new one have what is to be computed.
+    """
+
+    def __init__(self, *workers):
+        super().__init__(self, progress=lambda progress: self.said.append(progress.words))
+        self.there, self.said, self.cancelled, self.written = workers, [], [], []
+        self.placed, self.priorities, self.cancel = [], [], self.cancelled.extend
+        self.now, self.asked = 0.0, []
+
+    def clock(self):
+        return self.now
+
+    def nthreads(self, **_):
+        return dict.fromkeys(self.there, 3)
+
+    def submit(self, function, name, label, points, workers, allow_other_workers, **options):
+        self.placed.append((workers, points, not allow_other_workers))
+        self.priorities.append(options["priority"])
+        future = Ended()
+        future.key = options["key"]
+        return future
+
+    def run(self, waiting=()):
+        writer = SimpleNamespace(add=self.written.extend)
+        reports = SimpleNamespace(
+            knows=lambda worker: worker != "new",
+            wake=None,
+            ask=lambda workers, keys: self.asked.append((self.now, keys)),
+            answers=lambda: (),
+            computes=lambda workers: False,
+        )
+        run = _Run(self, "label", writer, reports, None, waiting)
+        run._workers = Counter(self.nthreads())
+        return run
+
+
+def test_each_worker_gets_a_task_before_any_gets_the_one_that_waits_for_it():
+    stage = Stage("a", "new", "b")
+    run = stage.run(tasks(points(SWEEP), SWEEP))
+    run.submit()
+    assert [worker for worker, *_ in stage.placed] == ["a", "b", "a", "b"]
+    assert not any(is_alone for *_, is_alone in stage.placed)
+    assert stage.priorities == sorted(stage.priorities, reverse=True)  # in this order
+    run.submit()
+    assert len(stage.placed) == 4
+
+
+def test_threads_that_have_nothing_to_do_are_told_once():
+    stage = Stage("a", "b")
+    run = stage.run()
+    run._tell_idle()
+    run._tell_idle()
+    (line,) = stage.said
+    assert line.startswith("4 of 6 threads of the Dask workers stand idle, since each process")
+    busy = Stage("a")
+    busy.nthreads = lambda **_: {"a": 1}
+    busy.run()._tell_idle()
+    assert busy.said == []
+
+
+def test_suspects_are_tried_alone_once_nothing_else_runs_those_that_were_lost_least_first():
+    stage = Stage("a", "new", "b", "c")
+    run = stage.run()
+    often, once, tried, never = points(SWEEP)[:4]
+    run._losses = {often: 3, once: 1, tried: 0, never: 0}
+    run.running = [running("key", "c", point=tried)]
+    run.submit()
+    assert stage.placed == []  # what is not alone may die with them
+    run.running = [running("key", "c", is_alone=True, point=tried)]
+    run.submit()
+    assert [points for _, points, _ in stage.placed] == [(never,), (once,)]
+    assert {(worker, is_alone) for worker, _, is_alone in stage.placed} == {
+        ("a", True),
+        ("b", True),
+    }
+    waits = Stage("a")
+    run = waits.run(tasks([often], SWEEP))
+    run._losses = {once: 0}
+    run.submit()
+    assert [points for _, points, _ in waits.placed] == [(often,)]
+
+
+PLACE = points(SWEEP)[0]
+
+
+def running(key, worker, is_alone=False, begun=None, point=PLACE):
+    future = Ended()
+    future.key = key
+    return _Running(Task((point,), (point.velocity,)), future, worker, is_alone, begun or {})
+
+
+def test_a_task_has_the_times_when_each_worker_was_seen_at_it_first_and_last():
+    stage = Stage("w")
+    run = stage.run()
+    run.running = [task, other] = [running("a", "w"), running("b", "w")]
+    for now, key in ((5.0, "a"), (9.0, "a"), (11.0, "b"), (14.0, None)):
+        run._take("w", WorkerReport(work.versions(), key, {}), now)
+    run._take("x", WorkerReport(work.versions(), "a", {}), 20.0)
+    assert task.begun == {"w": (5.0, 9.0), "x": (20.0, 20.0)}
+    assert other.begun == {"w": (11.0, 11.0)}
+
+
+def test_a_task_is_given_up_after_three_workers_have_left_it_and_says_how_long_each_had_it():
+    stage = Stage("w")
+    run = stage.run()
+    begun = {"a": (100.0, 110.0), "b": (200.0, 320.0), "c": (400.0, 401.0)}
+    task = running("key", "c", begun=begun)
+    run._workers = Counter({"c": 1, "d": 1})
+    assert not run._is_given_up(task)
+    assert stage.written == stage.cancelled == []
+    run._workers = Counter({"d": 1})
+    assert run._is_given_up(task)
+    (record,) = stage.written
+    assert record.message == (
+        "begun on 3 workers, and each left before it was done, after 10 s, 2 min, 1 s: let workers "
+        "live longer, or take a coarser fidelity"
+    )
+    assert stage.cancelled == [task.future]
+
+
+def test_a_point_that_is_tried_alone_is_lost_with_its_worker_and_fails_at_the_fifth_time():
+    stage = Stage("w")
+    run = stage.run()
+    run._workers = Counter({"w": 1})
+    assert not run._is_given_up(running("key", "w", is_alone=True))
+    for lost in range(1, 6):
+        assert run._is_given_up(running("key", "gone", is_alone=True))
+        assert len(stage.written) == (lost == 5)
+    assert stage.written[0].message.startswith("each worker process that computed it died, also")
+    assert not run.is_under_way()
+
+
+def test_a_task_whose_worker_is_gone_goes_to_another_and_its_points_are_suspected_at_the_fifth():
+    stage = Stage("w")
+    run = stage.run()
+    task = running("key", "gone")
+    for lost in range(1, 6):
+        run._hand_out_again(task)
+        assert len(stage.cancelled) == lost
+        if lost < 5:
+            assert run._waiting.take("w") is task.task
+    assert not run._waiting
+    assert run.is_under_way()  # it is to be tried alone
+    run._hand_out_again(running("key", "gone", is_alone=True))
+    assert len(stage.cancelled) == 5  # nothing: it is suspected as it is
+
+
+@pytest.mark.parametrize(
+    ("worker", "status", "is_back"),
+    [("w", "pending", False), ("gone", "finished", False), ("gone", "pending", True)],
+)
+def test_a_result_that_has_gone_with_its_worker_is_computed_again(worker, status, is_back):
+    stage = Stage("w")
+    run, task = stage.run(), running("key", worker)
+    task.future.status = status
+    run.computed = {"key": task}
+    run.look()
+    assert run.computed == ({} if is_back else {"key": task})
+    assert bool(run._waiting) == is_back
+
+
+@pytest.mark.parametrize(
+    ("worker", "is_alone", "state"),
+    [
+        ("w", False, (True, False, {})),
+        ("w", True, (True, False, {})),
+        ("gone", False, (False, True, {})),
+        ("gone", True, (False, False, {PLACE: 1})),
+    ],
+)
+def test_a_task_goes_on_with_its_worker_and_without_goes_to_another_or_is_lost(
+    worker, is_alone, state
+):
+    run = Stage("w").run()
+    run.running = [running("key", worker, is_alone)]
+    assert not run.look()
+    assert (bool(run.running), bool(run._waiting), run._losses) == state
+
+
+def test_workers_are_asked_once_a_second_sooner_in_the_beginning_and_at_once_in_the_end():
+    stage = Stage("w")
+    run, done = stage.run(), running("done", "w")
+    run.running = [running("key", "w")]
+    for stage.now in (0.0, 0.5, 0.54, 0.56, 20.0, 20.9, 21.0, 21.1):
+        run.look()
+    done.future.status = "finished"
+    run.computed = {"done": done}
+    stage.now = 21.2  # while another runs
+    run.look()
+    run.running = []
+    done.future.status = "pending"
+    stage.now = 21.3
+    run.look()
+    done.future.status = "finished"
+    stage.now = 21.4
+    run.look()
+    assert stage.asked == [(now, []) for now in (0.0, 0.5, 0.56, 20.0, 21.0)] + [(21.4, ["done"])]

@@ -49,6 +49,8 @@ LATER = [1.0 + number for number in range(20)] + [20.0 + number / 10 for number 
         ([START + 1 + number // 2 for number in range(20)], {"workers": 2}, (COUNT - 20) / 2),
         # The first point tells nothing of the start of the workers.
         ([60.0], {"workers": 2}, (COUNT - 1) / 2),
+        # The last point is done.
+        ([60.0 + number for number in range(COUNT)], {}, 0.0),
         # More workers than points do not shorten the last of them.
         ([60.0], {"workers": 1000}, 1.0),
         # A worker finishes a point of 1 s in every 2 s: the schedule costs more than the point.
@@ -58,7 +60,7 @@ LATER = [1.0 + number for number in range(20)] + [20.0 + number / 10 for number 
         # One worker for 20 s, ten from then on: 40 points are left.
         (LATER, {"workers": 10, "since": 20.0}, 4.0),
     ],
-    ids=["start", "first point", "last points", "schedule", "queue", "later workers"],
+    ids=["start", "first point", "end", "last points", "schedule", "queue", "later workers"],
 )
 def test_the_time_to_go_is_told_by_the_pace_of_the_points_and_not_by_waits(
     tallied, ends, options, to_go
@@ -80,3 +82,24 @@ def test_points_that_all_fail_alike_end_a_run(tmp_path):
         done = Tally(store, silent, time.monotonic())
         done.begin(store, Connection(None))
         done.count([PointRecord(places[-1], {}, wall_time=1.0), *failures])
+
+
+def test_progress_counts_the_points_that_are_asked_for_and_the_time_of_those_to_come(copy):
+    sweep, reports = tiny.full(loads=(150.0, 250.0)), []
+    with writing(copy, sweep) as store:
+        store.commit([PointRecord(Point(150.0, 0.5), None, "out of memory")])
+        store.forget([Point(250.0, velocity) for velocity in (0.5, 1.0, 1.5)])
+        times = store.read("wall_time", ...)[store.flags == DONE]
+        tally = Tally(store, reports.append, time.monotonic() - 7.0)
+        tally.begin(store, Connection(None, workers=2))
+        tally.count([])
+        tally.count([PointRecord(Point(150.0, 0.5), None, "out of memory")])
+        point = Point(250.0, 0.5)
+        tally.count([PointRecord(point, {}), PointRecord(point, {})])
+    assert tally.computed == 2
+    first, *_ = reports
+    assert (first.done, first.total, first.failed, first.time_to_go) == (2, 6, 1, None)
+    assert first.elapsed == pytest.approx(7.0, abs=3.0)
+    assert len(reports) == 3  # nothing was written once
+    # Three points on two workers, each of the mean time of all points that are there.
+    assert reports[-1].time_to_go == pytest.approx(1.5 * np.mean(times), rel=1e-9)

@@ -1,0 +1,144 @@
+"""How a command ends: its exit code, its words on an error, and what it does not begin."""
+
+import argparse
+import errno
+import io
+import os
+import resource
+import sys
+import warnings
+from pathlib import Path
+
+import pytest
+
+import pipeline
+from pipeline import cli
+from pipeline.cli import carried_out, main, output
+from pipeline.cli.output import Result
+from tribo import InputError
+
+
+def carry_out(result=None, command="stores:status", **options):
+    """Exit code of a function that returns a result, or raises or warns of it."""
+
+    def function(_):
+        if isinstance(result, BaseException):
+            raise result
+        if isinstance(result, str):
+            warnings.warn(result, stacklevel=1)
+        return result if isinstance(result, Result) else Result({}, ["a line"])
+
+    usual = {"quiet": False, "json": False, "output": None, "command": command}
+    return carried_out(argparse.Namespace(**usual | options), function)
+
+
+SAFE = "; finished points are safe"
+
+
+@pytest.mark.parametrize(
+    ("result", "command", "code", "said"),
+    [
+        (Result({}, ["a line"]), "stores:status", 0, ""),
+        (Result({}, ["a line"], code=1), "stores:status", 1, ""),
+        ("few nodes", "stores:status", 0, "irg: note: few nodes\n"),
+        (InputError("no such scene"), "stores:status", 2, "irg: no such scene\n"),
+        (pipeline.StoreMismatchError("another"), "sweeps:run", 3, "irg: another\n"),
+        (KeyboardInterrupt(), "stores:status", 130, "irg: interrupted\n"),
+        (KeyboardInterrupt(), "sweeps:run", 130,
+         f"irg: interrupted{SAFE}: run the same command again to go on\n"),
+        (MemoryError(), "sweeps:run", 2,
+         "irg: out of memory, or of the threads and processes that this user may start (ulimit -a)"
+         f"{SAFE}: take fewer workers or a coarser grid\n"),
+        (RuntimeError("can't start new thread"), "stores:status", 2,
+         "irg: out of memory, or of the threads and processes that this user may start (ulimit -a)"
+         ": take fewer workers or a coarser grid\n"),
+    ],
+)  # fmt: skip
+@pytest.mark.filterwarnings("always")
+def test_a_command_ends_with_its_code_and_a_line_on_what_ended_it(
+    capsys, result, command, code, said
+):
+    assert carry_out(result, command) == code
+    assert capsys.readouterr().err == said
+
+
+def test_what_no_user_can_put_right_is_shown_with_its_place_in_the_code():
+    with pytest.raises(RuntimeError, match="a fault"):
+        carry_out(RuntimeError("a fault"))
+
+
+@pytest.mark.filterwarnings("always")
+def test_a_quiet_command_tells_its_errors_alone_and_the_next_one_is_not_quiet(capsys):
+    assert carry_out("few nodes", quiet=True) == 0
+    assert carry_out(InputError("no such scene"), quiet=True) == 2
+    assert capsys.readouterr().err == "irg: no such scene\n"
+    assert not output.QUIET.is_set()
+
+
+def test_results_that_cannot_be_printed_end_a_command_and_python_does_not_try_again(
+    tmp_path, monkeypatch, capsys
+):
+    def fail(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(output, "show", fail)
+    with (tmp_path / "full").open("w") as out:
+        monkeypatch.setattr(sys, "stdout", out)
+        assert carry_out(command="sweeps:run") == 2
+        assert os.path.samestat(os.fstat(out.fileno()), Path(os.devnull).stat())
+    no_space = f"[Errno {errno.ENOSPC}] No space left on device"
+    assert capsys.readouterr().err == f"irg: cannot go on: {no_space}{SAFE}\n"
+
+
+def test_a_reader_that_wants_no_more_is_no_error(monkeypatch):
+    closed = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", closed)
+    assert carry_out(BrokenPipeError()) == 0
+    assert closed.closed
+
+
+@pytest.mark.parametrize(
+    ("megabytes", "said"),
+    [(None, None), (700, None), (701, None), (699, "may take 699 MB of memory (ulimit -v), and")],
+)
+def test_with_too_little_memory_no_command_begins(monkeypatch, capsys, megabytes, said):
+    limit = resource.RLIM_INFINITY if megabytes is None else megabytes * 2**20
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (limit, resource.RLIM_INFINITY))
+    monkeypatch.setattr(cli, "carried_out", lambda *_: 7)
+    assert main(["status", "a.zarr"]) == (2 if said else 7)
+    err = capsys.readouterr().err
+    assert err == "" if said is None else f"{said} needs 700 MB at least: raise the limit" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "is_forked"),
+    [
+        (["run", "first_try"], True),
+        (["run", "first_try", "--scheduler", "tcp://a:1"], False),
+        (["run", "first_try", "--scheduler-file", "a.json"], False),
+        (["check", "first_try"], False),
+    ],
+)
+def test_only_a_run_on_this_machine_prepares_its_workers(monkeypatch, arguments, is_forked):
+    started = []
+    monkeypatch.setattr(cli.forkserver, "start", lambda: started.append("workers"))
+    monkeypatch.setattr(cli, "function_of", lambda _: lambda options: Result({}, []))
+    assert main(arguments) == 0
+    assert started == ["workers"] * is_forked
+
+
+def test_an_interrupt_before_a_command_begins_ends_it_without_a_word(monkeypatch, capsys):
+    def stopped(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "parse", stopped)
+    assert main(["status"]) == 130
+    assert capsys.readouterr().err == ""
+
+
+def test_a_letter_that_a_terminal_has_not_is_shown_by_its_number(monkeypatch):
+    raw = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(raw, encoding="ascii"))
+    monkeypatch.setattr(cli, "function_of", lambda _: lambda options: Result({}, ["5 µm"]))
+    assert main(["status"]) == 0
+    assert raw.getvalue() == b"5 \\xb5m\n"

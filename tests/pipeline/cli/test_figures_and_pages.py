@@ -1,0 +1,117 @@
+"""What a figure is asked for by its options, and how pages are printed."""
+
+import io
+import re
+import sys
+from types import SimpleNamespace
+
+import pytest
+
+import pipeline
+from pipeline.cli import begin, figures, given
+from pipeline.scene.shipped import shipped_pages
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Arguments of the figures that a command draws."""
+    asked = []
+
+    def draw(ds, kind, out, **options):
+        asked.append((ds, kind, str(out), options))
+        return out
+
+    monkeypatch.setattr(given, "dataset_in", lambda options: "judged")
+    monkeypatch.setattr(pipeline, "plot", draw)
+    monkeypatch.setattr(pipeline, "warned", lambda ds: None)
+    return asked
+
+
+@pytest.mark.parametrize(
+    ("words", "kind", "out", "look"),
+    [
+        ([], "diagram", "a/out_diagram.png", {"with_title": True}),
+        (["--log", "--width", "8.5 cm", "--no-title", "-o", "x.pdf"], "diagram", "x.pdf",
+         {"log": True, "width": 0.085, "with_title": False}),
+        (["--kind", "ramp", "--load", "400 N", "--velocity", "2 m/s", "--show", "wear_volume"],
+         "ramp", "a/out_ramp.png",
+         {"load": 400.0, "velocity": 2.0, "show": "wear_volume", "with_title": True}),
+        (["--kind", "fields", "--realization", "0", "--load", "1 kN", "--velocity", "1 m/s"],
+         "fields", "a/out_fields.png",
+         {"load": 1e3, "velocity": 1.0, "realization": 0, "with_title": True}),
+    ],
+)  # fmt: skip
+def test_a_figure_is_drawn_as_its_options_say(irg, drawn, words, kind, out, look):
+    assert irg("plot", "a/out.zarr", *words) == f"{out}\n"
+    assert drawn == [("judged", kind, out, pytest.approx(look))]
+    assert irg("plot", "a/out.zarr", *words, "--json") == {"kind": kind, "file": out}
+
+
+def test_a_kind_of_figure_refuses_the_options_of_others_and_names_its_own(irg, drawn):
+    said = irg("plot", "a.zarr", "--kind", "ramp", "--log", "--realization", "2", code=2)
+    assert "--kind ramp takes no --log; it takes --load, --velocity, --realization, --show" in said
+    assert "--kind tests takes no --load; it takes" in irg(
+        "plot", "a.zarr", "--kind", "tests", "--load", "400 N", code=2
+    )
+    assert drawn == []
+
+
+def test_a_figure_that_follows_a_run_says_how_far_it_came(irg, drawn, monkeypatch):
+    def watch(store, out, kind, read, progress, **look):
+        drawn.append((str(store), str(out), kind, read(), look))
+        progress("drawn")
+        return SimpleNamespace(done=3, total=9)
+
+    monkeypatch.setattr(figures, "watch", watch)
+    said = irg("plot", "a.zarr", "--watch", "w.png", "--log")
+    assert said == "a.zarr: 3 of 9 points done, and no run goes on\nirg: drawn\n"
+    assert drawn == [("a.zarr", "w.png", "diagram", "judged", {"log": True, "with_title": True})]
+    document = irg("plot", "a.zarr", "--watch", "w.png", "--json")
+    assert document == {"kind": "diagram", "file": "w.png", "done": 3, "points": 9}
+
+
+def test_pages_are_listed_with_their_titles_and_printed_as_they_are(irg, monkeypatch, tmp_path):
+    held = shipped_pages()
+    titles = irg("help", "--json")
+    assert [*titles] == [*held]
+    assert all(f"# {title}\n" in held[name].read_text("utf-8") for name, title in titles.items())
+    monkeypatch.setattr(begin, "_SITE", tmp_path / "index.html")
+    first, *lines, last = irg("help").splitlines()
+    assert (first, last) == ("pages, in the order of reading:", "a command: irg COMMAND --help")
+    assert [line.split()[2] for line in lines] == [*held]
+    (tmp_path / "index.html").touch()
+    assert f"all of them as a site: {(tmp_path / 'index.html').as_uri()}" in irg("help")
+    text = held["first-hour"].read_text("utf-8")
+    assert irg("help", "first-hour") == f"{text.removesuffix(chr(10))}\n"
+    assert irg("help", "first-hour", "--json") == {"page": "first-hour", "text": text}
+    assert irg("help", "run") == irg("run", "--help")
+    assert irg("help", "first-houre", code=2).endswith(
+        'is called "first-houre" (did you mean "first-hour"?); irg help lists them\n'
+    )
+    said = irg("help", "qqqq", code=2)
+    assert said.endswith('no page or command is called "qqqq"; irg help lists them\n')
+
+
+def test_a_page_is_shown_by_a_pager_on_a_terminal_alone(monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    paged = []
+    monkeypatch.setattr(begin.pydoc, "pager", paged.append)
+    options = SimpleNamespace(topic="first-hour", json=False)
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "stdout", Terminal())
+        assert (begin.help_(options).document, len(paged)) == ({}, 1)
+        assert begin.help_(SimpleNamespace(topic="first-hour", json=True)).document != {}
+    monkeypatch.setattr(sys, "stdout", io.StringIO())
+    assert begin.help_(options).document["text"] == paged[0]
+    assert len(paged) == 1
+
+
+def test_shipped_scenes_are_listed_with_their_titles(irg, monkeypatch):
+    scene = begin.shipped_scenes()["first_try"]
+    monkeypatch.setattr(begin, "shipped_scenes", lambda: {"first_try": scene})
+    (title,) = re.findall('(?m)^title = "(.+)"', scene.read_text("utf-8"))
+    assert irg("new", "--list", "--json") == {"first_try": title}
+    assert irg("new", "--list") == f"first_try        {title}\n"
