@@ -228,8 +228,53 @@ def test_a_single_row_of_elements_has_no_scale_along_y(narrow):
     pressure, _, worn = (axes.collections[0] for axes in wide.axes[:3])
     assert pressure.get_array().mask.any()
     assert (pressure.norm.vmin, worn.norm.vmin) == (0.0, 0.0)
+    assert worn.get_array().mask.any()
     bulk = wide.axes[1].collections[0]
     assert bulk.norm.vmin == pytest.approx(bulk.get_array().min())
+
+
+@pytest.mark.parametrize("stacked", [False, True])
+def test_panels_of_a_contact_share_their_scales_below_bars_of_their_own(narrow, stacked):
+    figure = fields(narrow, load=600.0, velocity=4.0, stacked=stacked)
+    figure.draw_without_rendering()
+    first, second, third = figure.axes[:3]
+    if stacked:
+        assert first.bbox.y0 > second.bbox.y1
+        assert second.bbox.y0 > third.bbox.y1
+    else:
+        assert first.bbox.x1 < second.bbox.x0
+        assert second.bbox.x1 < third.bbox.x0
+    first.set(xlim=(0.0, 50.0), ylim=(10.0, 60.0))
+    assert (third.get_xlim(), third.get_ylim()) == ((0.0, 50.0), (10.0, 60.0))
+    for panel in (first, second, third):
+        (mesh,) = (one for one in panel.collections if hasattr(one, "get_coordinates"))
+        assert mesh.get_rasterized()  # thousands of elements would be slow as vectors
+        assert not any(line.get_visible() for line in panel.xaxis.get_gridlines())
+        (bar,) = panel.child_axes
+        assert (bar.bbox.x0, bar.bbox.x1) == pytest.approx((panel.bbox.x0, panel.bbox.x1))
+        assert panel.bbox.y1 < bar.bbox.y0 < panel.bbox.y1 + 0.5 * figure.dpi
+        assert 0.05 < bar.bbox.height / figure.dpi < 0.3  # [inch]
+        assert bar.xaxis.get_ticks_position() == "top"
+        for axis in (bar.xaxis, panel.xaxis):
+            low, high = sorted(axis.get_view_interval())
+            assert 2 <= sum(low <= tick <= high for tick in axis.get_majorticklocs()) <= 6
+
+
+@pytest.mark.parametrize("stacked", [False, True])
+@pytest.mark.parametrize("stretch", [1.0, 2.0, 100.0])
+def test_a_contact_has_a_figure_as_high_as_its_panels(narrow, stacked, stretch):
+    ds = narrow.assign_coords(y=stretch * narrow["y"])
+    figure = fields(ds, load=600.0, velocity=4.0, stacked=stacked)
+    figure.draw_without_rendering()
+    panels = figure.axes[:3]
+    aspect = np.ptp(panels[0].get_ylim()) / np.ptp(panels[0].get_xlim())
+    drawn = panels[0].bbox.height / panels[0].bbox.width
+    if stretch == 100.0:  # would be a line if lengths were the same along both axes
+        assert drawn < 4.0
+    else:
+        assert drawn == pytest.approx(aspect)
+    filled = sum(one.bbox.height for one in (panels if stacked else panels[:1]))
+    assert 0.4 < filled / figure.bbox.height < 0.85
 
 
 # The ramp and the temperatures
@@ -251,6 +296,15 @@ def test_a_ramp_has_the_temperatures_of_each_point_and_the_limit(narrow):
     }
     assert labels(figure.legends[0]) == ["200 N, 4 m/s", "600 N, 4 m/s"]
     assert figure.legends[0].get_title().get_text() == "friction 0.1, bulk 25 °C"
+    # The key has room above the curves; lower loads lie over higher ones, all over the grid.
+    low, high = temperatures.get_ylim()
+    hottest = max(max(line.get_ydata()) for line in temperatures.lines if len(line.get_ydata()))
+    assert 0.1 < (high - hottest) / (high - low) < 0.3
+    order = {line.get_color(): line.get_zorder() for line in temperatures.lines}
+    assert order["C0"] > order["C1"] >= 2
+    assert not temperatures.texts  # no load is held
+    for axes in figure.axes[3:]:  # the right ones, whose grid would cross that of the left
+        assert not any(line.get_visible() for line in axes.yaxis.get_gridlines())
     blown = replace(OWN, criterion="highest")
     alone = ramp(synthetic.sweep(*NARROW, conditions=blown), load=600.0, velocity=4.0)
     assert labels(alone.axes[0].get_legend()) == ["highest", "critical, 145 °C"]
@@ -294,6 +348,9 @@ def test_a_load_that_is_held_is_marked_from_when_it_is_reached_on():
 def test_a_ramp_without_wear_has_no_panel_of_it(narrow):
     unworn = narrow.assign(wear_volume=0 * narrow["wear_volume"])
     assert len({one.get_ylabel() for one in ramp(unworn).axes}) == 3
+    one_worn = narrow.assign(wear_volume=narrow["wear_volume"].where(narrow["load"] > 300.0, 0.0))
+    both = ramp(one_worn, load=[200.0, 600.0], velocity=4.0)
+    assert len({one.get_ylabel() for one in both.axes}) == 5
     assert len({one.get_ylabel() for one in ramp(narrow).axes}) == 5
     shown = ramp(narrow, load=600.0, velocity=4.0, show="mean_pressure")
     assert [one.get_ylabel() for one in shown.axes] == ["contact temperature [°C]",
@@ -318,6 +375,7 @@ def test_temperatures_over_the_velocity_are_named_with_the_limit_and_the_transit
         "sliding velocity [m/s]",
         "contact temperature [°C]",
     )
+    assert temperature(narrow).axes[0].get_title().endswith("\n600 N")  # the highest
     unknown = replace(OWN, critical_temperature=None)
     free = temperature(synthetic.sweep(*NARROW, conditions=unknown), load=400.0)
     assert len(labels(free.legends[0])) == 2
