@@ -286,7 +286,7 @@ def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
         ("severe wear, computed", hot & ~cold, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
         ("severe on some surfaces", hot & cold, {"marker": "s", "mfc": "white", "mec": VERMILION}),
         ("failed", failed, {"marker": "x", "mec": BLACK}),
-        ("pending", pending, {"marker": ".", "mfc": GREY, "mec": "none"}),
+        ("pending", pending, {"marker": "o", "mfc": GREY, "mec": "none"}),
         ("carries a warning", _any_surface(warnings_of(ds) != 0),
          {"marker": "o", "mfc": "none", "mec": BLACK, "ms": style.BIG}),
     ]  # fmt: skip
