@@ -98,7 +98,7 @@ def mark_tests(
         if abs(own - bulk) > _SAME_BULK:
             axes.annotate(
                 display(own, "°C", 3), (test.velocity, test.normal_load), (0, 7),
-                textcoords="offset points", ha="center", fontsize=8, color=GREY,
+                textcoords="offset points", ha="center", fontsize="small", color=GREY,
                 gid="bulk of a test",
             )  # fmt: skip
     return legend
@@ -200,7 +200,7 @@ def name_regions(
             if place is not None:
                 axes.text(
                     *place, words, transform=axes.transAxes, ha="center", va="center",
-                    fontsize=10.5, fontweight="bold", color=colour, gid=style.REGION,
+                    fontweight="bold", color=colour, gid=style.REGION,
                     bbox={"fc": tint, "ec": "none", "pad": 0.5},
                 )  # fmt: skip
                 break
@@ -212,8 +212,7 @@ def _roomiest(
     """Roomiest place of a label in a row, counted in sizes of labels; None if none fits."""
     inside = inside.copy()
     for point in taken:
-        if x[0] <= point[0] <= x[-1] and y[0] <= point[1] <= y[-1]:
-            inside[np.abs(y - point[1]).argmin(), np.abs(x - point[0]).argmin()] = False
+        inside[np.abs(y - point[1]).argmin(), np.abs(x - point[0]).argmin()] = False
     if not rows.size:
         return None
     width, height = size

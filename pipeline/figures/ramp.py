@@ -152,7 +152,7 @@ def _pair(
             own = {"color": f"C{number}", "zorder": _order(point)}
             _draw(axes, ds, values, point, **look | own)
         axes.set_ylabel(label)
-        axes.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
+        axes.ticklabel_format(axis="y", scilimits=(-2, 3))
         axes.set_ylim(0, room * axes.get_ylim()[1])  # with room for the legend
         key.append(Line2D([], [], color=BLACK, label=words, **look))
     left.legend(handles=key, loc="upper left", ncols=2)

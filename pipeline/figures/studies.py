@@ -22,6 +22,7 @@ from tribo import PRESETS
 
 _LONGEST = 20  # letters of a value beside a bar
 _LEAST = 0.01  # change on either side for which there is room where nothing moves
+_REMARK: dict[str, Any] = {"fontsize": "x-small", "style": "italic"}
 
 _TICKS = 6
 _POWER = re.compile(r"(?<=\d)[eE]([+-]?\d+)")
@@ -102,9 +103,7 @@ def _bar(
     changes = np.array([change for _, change in moves])
     is_finite = np.isfinite(changes)
     if not is_finite.any():
-        axes.text(
-            0.0, position, " no transition", va="center", fontsize=7, color=GREY, style="italic"
-        )
+        axes.text(0.0, position, " no transition", va="center", color=GREY, **_REMARK)
         return
 
     def mark_end(end: float, text: str, is_right: bool, **look: Any) -> None:
@@ -119,13 +118,13 @@ def _bar(
     for value, change in moves:
         if change in (low, high):
             words = printed(value) if len(value) <= longest else signed(change)
-            mark_end(change, words, change >= 0, fontsize=8)
+            mark_end(change, words, change >= 0, fontsize="small")
     if not is_finite.all():
         text = "no transition at " + ", ".join(
             printed(value) for value, change in moves if not np.isfinite(change)
         )
         is_right = high == 0.0  # where no bar is
-        mark_end(high if is_right else low, text, is_right, fontsize=7, style="italic")
+        mark_end(high if is_right else low, text, is_right, **_REMARK)
 
 
 _LEAST_ERROR = 1e-4  # the smallest error that is told apart from none

@@ -123,7 +123,7 @@ def legend_below(figure: Figure, ax: Axes | None = None, ncols: int = 3, **optio
         legend.get_title().set_multialignment("center")
     else:
         title = textwrap.fill(options.pop("title"), _NARROW)
-        narrow = {"fontsize": 8, "title_fontsize": 8, "title": title}
+        narrow = {"fontsize": "small", "title_fontsize": "small", "title": title}
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), **options | narrow)
 
 

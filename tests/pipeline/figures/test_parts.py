@@ -132,6 +132,41 @@ def test_a_figure_without_titles_has_its_words_otherwise():
     assert "600\N{NO-BREAK SPACE}N" in title
 
 
+@pytest.mark.parametrize(("words", "columns"), [("short", 3), ("some words that are long", 1)])
+def test_a_legend_keeps_its_columns_where_they_fit_and_the_figure_grows_else(words, columns):
+    figure = Figure(figsize=(4.0, 3.0), layout="constrained")
+    axes = figure.add_subplot()
+    for number in range(3):
+        axes.plot([0.0, 1.0], label=f"{words} {number}")
+    figure.legend(loc="outside lower center", ncols=3, title="a title")
+    style.fit_to_width(figure)
+    (legend,) = figure.legends
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in legend.get_texts()]
+    assert len({round(box.x0) for box in boxes}) == columns
+    assert legend.get_window_extent().width <= figure.bbox.width
+    width, height = figure.get_size_inches()
+    assert width == 4.0
+    assert height == 3.0 if columns == 3 else 3.2 < height < 3.6  # by two lines of 10 pt or so
+    assert (labels(legend), legend.get_title().get_text()) == (
+        [f"{words} {number}" for number in range(3)], "a title",
+    )  # fmt: skip
+
+
+def test_titles_are_left_out_of_figures_of_sweeps_and_of_studies(narrow):
+    study = Variations("A scene", (200.0,), Variation("", "", (2.0,), ("crosses",)), (
+        Variation("pin.radius", "3 mm", (2.2,), ("crosses",)),), 1, 1)  # fmt: skip
+    options = {"load": 400.0}
+    for drawn, kind, given in ((narrow, "temperature", options), (study, None, {})):
+        for with_title in (True, False):
+            figure = pipeline.plot(drawn, kind, with_title=with_title, **given)
+            title = figure.get_suptitle() or figure.axes[0].get_title()
+            assert bool(title) == with_title
+            if kind:  # words of a sweep's figure are wrapped at any width
+                said = figure.legends[0].get_title().get_text()
+                assert "25\N{NO-BREAK SPACE}°C" in said
+
+
 @pytest.mark.parametrize(
     ("width", "words", "line"),
     [
@@ -448,7 +483,7 @@ def test_regions_are_named_on_their_own_side_and_over_no_test(log):
     assert set(named) == {mild, severe}
     assert 1.0 < named[mild][0] < 5.0 < named[severe][0] < 9.0
     for _, load in places.values():  # midway between two rows of points
-        assert np.abs(load - np.array([200.0, 400.0, 600.0, 800.0])).min() < 11.0
+        assert np.abs(load - np.array([200.0, 400.0, 600.0, 800.0])).min() < 1e-6
     free = Figure().add_subplot()
     free.set(xlim=(1.0, 9.0), ylim=(100.0, 900.0))
     name_regions(free, plane, 5.0, rows, [])
@@ -545,6 +580,22 @@ def test_values_stand_at_the_ends_of_bars_and_what_has_no_transition_is_said():
     low, high = axes.get_xlim()
     assert (low, high) == pytest.approx((-0.5 - 0.45, 0.5 + 0.45))
     assert axes.get_xlabel() == "change of the critical velocity"
+
+
+@pytest.mark.parametrize(("letters", "is_beside"), [(20, True), (21, False)])
+def test_values_stand_beside_their_bars_up_to_twenty_letters(letters, is_beside):
+    value = "x" * letters
+    axes = bars(
+        [
+            Variation("oxide", value, (1.0, 0.5), ("crosses", "crosses")),
+            Variation("oxide", "none", (3.0, 1.5), ("crosses", "crosses")),
+        ],
+    )
+    beside = {text.get_text() for text in axes.texts}
+    (name,) = (label.get_text() for label in axes.get_yticklabels())
+    assert (value in beside, value in name) == (is_beside, not is_beside)
+    assert ("−50 %" in beside) == (not is_beside)
+    assert "none" in beside
 
 
 def test_where_nothing_moves_there_is_room_for_a_percent_on_either_side():
