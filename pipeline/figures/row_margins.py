@@ -33,7 +33,7 @@ _FACTORS: dict[str, dict[str, Any]] = {
     "velocity": {"color": PURPLE, "marker": ">", "ls": "none"},
     "load": {"color": GREEN, "marker": "^", "ls": "none"},
 }
-_ASIDE = 5  # [pt] of the mark of either factor from its row
+_ASIDES = {"velocity": -5.0, "load": 5.0}  # [pt] of the mark of either factor from its row
 
 
 @style.house_style
@@ -119,7 +119,7 @@ def _draw_factors(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> N
     margins = frame["distance [K]"].to_numpy(float)
     axes.axhline(1.0, color=BLACK, lw=style.THIN)
     for steps, (name, look) in enumerate(_FACTORS.items(), 1):
-        aside = ScaledTranslation(_ASIDE * (2 * steps - 3) / 72, 0, axes.figure.dpi_scale_trans)
+        aside = ScaledTranslation(_ASIDES[name] / 72, 0, axes.figure.dpi_scale_trans)
         look = look | {"transform": axes.transData + aside}
         axes.plot(x, factors[name], label=f"factor of {name}", gid=name, **look)
         where = np.isnan(factors[name]) & np.isfinite(margins)

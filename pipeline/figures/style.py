@@ -195,6 +195,7 @@ _INCH = 0.0254  # [m]
 _NARROWEST, _WIDEST = 0.04, 1.0  # [m]
 _SMALLEST_TEXT, _THINNEST = 0.66, 0.6  # shares of a figure's own sizes that stay readable
 _SMALLEST_NAME = 0.5  # the same of a region's name, which has no more room than its region
+_MOST_ROOM = 0.75  # share of axes that a legend above their data may take
 _LETTER = 0.55  # width of a letter, of the size of its font
 _BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:°C|%|N|K|m/s)(?!\w))")
 
@@ -289,12 +290,11 @@ def _stack(axes: Axes, legend: Legend) -> None:
     if legend.get_window_extent().width <= axes.bbox.width:
         return
     legend = _rewritten(legend, axes, loc="upper left")
-    height = sum(1.5 * float(text.get_fontsize()) for text in legend.get_texts())  # [pt]
-    room = height * axes.figure.dpi / 72 / axes.bbox.height
+    room = min(legend.get_window_extent().height / axes.bbox.height, _MOST_ROOM)
     beside = (other for other in axes.figure.axes if other.bbox.bounds == axes.bbox.bounds)
     for other_axes in beside:
         bottom, top = other_axes.get_ylim()
-        other_axes.set_ylim(bottom, bottom + (top - bottom) * (1 + max(0.0, room - 0.05)))
+        other_axes.set_ylim(bottom, bottom + (top - bottom) / (1 - room))
 
 
 def _rewritten(legend: Legend, owner: Figure | Axes, **place: Any) -> Legend:

@@ -264,6 +264,9 @@ def test_where_each_entry_has_one_value_bars_end_in_their_changes():
     names = [text.get_text().splitlines()[1] for text in axes.get_yticklabels()]
     assert sorted(names) == ["10 nm of 2 W/(m K) on the disk", "3 mm"]
     assert {text.get_text() for text in axes.texts} >= {"−5 %", "+10 %"}
+    one = pipeline.plot(Variations("A scene", (200.0,), base, others[:1], 1, 1))
+    assert 0.4 < figure.get_figheight() - one.get_figheight() < 1.0  # [inch] of a row
+    assert 1.5 < one.get_figheight() < 3.5
 
 
 def choice(name, saving, error, varied=None):

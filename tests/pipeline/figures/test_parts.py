@@ -153,6 +153,40 @@ def test_a_legend_keeps_its_columns_where_they_fit_and_the_figure_grows_else(wor
     )  # fmt: skip
 
 
+@pytest.mark.parametrize("curves", [2, 6])
+def test_a_legend_wider_than_its_axes_is_stacked_above_the_data(curves):
+    figure = Figure(figsize=(3.0, 3.0), layout="constrained")
+    axes = figure.add_subplot()
+    for number in range(curves):
+        axes.plot([0.0, 1.0], label=f"a name that is rather long {number}")
+    right = axes.twinx()
+    right.plot([0.0, 7.0])
+    bottoms = [one.get_ylim()[0] for one in (axes, right)]
+    axes.legend(ncols=2)
+    style.fit_to_width(figure)
+    figure.draw_without_rendering()
+    legend = axes.get_legend()
+    assert len({round(text.get_window_extent().x0) for text in legend.get_texts()}) == 1
+    assert labels(legend) == [f"a name that is rather long {k}" for k in range(curves)]
+    assert [one.get_ylim()[0] for one in (axes, right)] == bottoms
+    lowest = legend.get_window_extent().y0
+    for one, top in ((axes, 1.0), (right, 7.0)):
+        highest = one.transData.transform((0.0, top))[1]
+        assert lowest - 0.1 * axes.bbox.height < highest < lowest + 2.0  # [px]
+
+
+def test_titles_of_legends_fill_the_width_of_their_figure():
+    figure = Figure(figsize=(4.0, 3.0), layout="constrained")
+    figure.add_subplot().plot([0.0, 1.0], label="a line")
+    figure.legend(loc="outside lower center", title="some words " * 20 + "\nits own line")
+    style.fit_to_width(figure)
+    title = figure.legends[0].get_title()
+    figure.draw_without_rendering()
+    *lines, last = title.get_text().splitlines()
+    assert (" ".join(lines), last) == (("some words " * 20).strip(), "its own line")
+    assert 0.7 < title.get_window_extent().width / figure.bbox.width < 1.0
+
+
 def test_titles_are_left_out_of_figures_of_sweeps_and_of_studies(narrow):
     study = Variations("A scene", (200.0,), Variation("", "", (2.0,), ("crosses",)), (
         Variation("pin.radius", "3 mm", (2.2,), ("crosses",)),), 1, 1)  # fmt: skip
