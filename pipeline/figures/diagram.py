@@ -58,7 +58,7 @@ _OF_SAMPLES = "the diagram of samples shows probabilities; leave out the surface
 _OF_A_PLANE = "each row has its own load and velocity, so there is no plane; leave out log"
 _FAR = ", far"  # ends the mark (gid) of points whose neighbours are alike
 _RESOLUTION = 240
-_COLOURS = colormaps["viridis"]
+_COLOURS, _LIGHTEST = colormaps["viridis"], 0.85
 
 
 @style.house_style
@@ -90,17 +90,17 @@ def _scene_diagram(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
     limit, beyond = rise_limit(conditions), _range_notes(ds, conditions)
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
-    figure, axes = style.canvas(ax, (8.0, 6.4))
+    figure, axes = style.canvas(ax)
     legend: list[Artist] = []
     sizes = ds.sizes["load"], ds.sizes["velocity"]
     is_plane = min(sizes) > 1
     if is_plane:
         planes = _planes(ds, conditions)
-        plane = _quantile(planes, 0.5)
+        plane = _quantile(planes)
         _regions(axes, plane, limit)
-        if isoline(axes, plane, limit, "boundary", colors=BLACK, linewidths=2.2):
+        if isoline(axes, plane, limit, "boundary", **style.BOUNDARY):
             label = "computed transition" + (", median" if planes.sizes["row"] > 1 else "")
-            legend.append(Line2D([], [], color=BLACK, lw=2.2, label=label))
+            legend.append(Line2D([], [], label=label, **style.BOUNDARY))
         legend += beyond
         legend += _surface_band(axes, planes, limit)
         legend += _band(axes, ds, conditions) or _error_band(axes, ds)
@@ -120,7 +120,7 @@ def _scene_diagram(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
         title += f"\nthe model's own error: {model_error(ds, point_field(ds)).worded}"
     if any(str(mark.get_gid()).endswith(_FAR) for mark in axes.lines):
         title += "\npale: points whose neighbours have the same wear"
-    style.legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
+    style.legend_below(figure, ax, handles=legend, title=title)
     return figure
 
 
@@ -136,7 +136,7 @@ def _frame(axes: Axes, ds: xr.Dataset, log: bool) -> None:
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
-    axes.set_title(", ".join([style.title_of(ds), *named(drawn_row(ds))]), pad=10, wrap=True)
+    style.write_title(axes, ", ".join([style.title_of(ds), *named(drawn_row(ds))]))
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
 
 
@@ -147,18 +147,17 @@ def _scenes_diagram(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
             "the diagram of several scenes takes two loads and two velocities or more; irg "
             "boundary prints their transitions"
         )
-    figure, axes = style.canvas(ax, (8.0, 6.4))
+    figure, axes = style.canvas(ax)
     legend: list[Artist] = []
     several = [(scene, read_conditions(scene)) for scene in scenes(ds)]
-    for number, (scene, judged) in enumerate(several):
-        plane = _quantile(_planes(scene.sel(velocity=scene["velocity"] > 0), judged), 0.5)
+    shades = _COLOURS(np.linspace(0.0, _LIGHTEST, len(several)))
+    for (scene, judged), shade in zip(several, shades, strict=True):
+        plane = _quantile(_planes(scene.sel(velocity=scene["velocity"] > 0), judged))
         name = ", ".join(value_text(ds[path], scene[path].item()) for path in entry_dims(ds))
-        colour = _COLOURS(0.85 * number / max(len(several) - 1, 1))
-        is_drawn = isoline(
-            axes, plane, rise_limit(judged), f"boundary {name}", colors=[colour], linewidths=2.0
-        )
-        label, width = (name, 2.0) if is_drawn else (f"{name}: no transition computed", 0.0)
-        legend.append(Line2D([], [], lw=width, color=colour, label=label))
+        look, label = style.BOUNDARY | {"color": shade}, name
+        if not isoline(axes, plane, rise_limit(judged), f"boundary {name}", **look):
+            label, look = f"{name}: no transition computed", {"ls": "none"}
+        legend.append(Line2D([], [], label=label, **look))
     tests, beyond_figure = reachable_tests(ds, laboratory_tests(ds))
     bulk = several[0][1].bulk_temperature
     legend += [*mark_tests(axes, tests, bulk, _own_bulk(several[0][0])), *beyond_figure]
@@ -169,7 +168,7 @@ def _scenes_diagram(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
         title += f"; {judged_by([judged])}"
     errors = dict.fromkeys(model_error(scene, point_field(scene)).worded for scene, _ in several)
     title += f"\nthe model's own error: {' or '.join(errors)}"
-    style.legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
+    style.legend_below(figure, ax, handles=legend, title=title)
     return figure
 
 
@@ -186,7 +185,7 @@ def _planes(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     return finite_planes if finite_planes.size else planes
 
 
-def _quantile(planes: xr.DataArray, share: float) -> xr.DataArray:
+def _quantile(planes: xr.DataArray, share: float = 0.5) -> xr.DataArray:
     """The plane of the median surface, or of another quantile of the surfaces."""
     return planes.quantile(share, "row", skipna=False)
 
@@ -195,7 +194,8 @@ def _regions(axes: Axes, plane: xr.DataArray, limit: float) -> None:
     if plane.notnull().any():
         low, high = float(plane.min()), float(plane.max())
         levels = [low - 2, float(np.clip(limit, low - 1, high + 1)), high + 2]
-        _filled(axes, plane, levels, [TINTS["mild"], TINTS["severe"]], "regions", zorder=0.5)
+        tints = [TINTS["mild"], TINTS["severe"]]
+        _filled(axes, plane, levels, tints, "regions", zorder=0)  # below the grid
 
 
 def _filled(
@@ -228,20 +228,21 @@ def _band(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
         return []
     ends = [replace(conditions, friction=float(end)) for end in (min(band), max(band))]
     # In units of the limit; where the bulk temperatures differ, each friction has its own rise.
-    medians = ((_quantile(_planes(ds, end), 0.5), rise_limit(end)) for end in ends)
+    medians = ((_quantile(_planes(ds, end)), rise_limit(end)) for end in ends)
     low, high = (plane / limit for plane, limit in medians)
     if not high.notnull().any():
         return []
     inside = (high - 1).clip(max=1 - low)
-    levels = [0.0, max(1.0, float(inside.max()) + 1)]
-    _filled(axes, inside, levels, [TINTS["band"]], "friction band", alpha=0.6, zorder=0.8)
+    # Beyond 1 there is none: no rise is below 0.
+    fill, alpha = style.BAND["fc"], style.BAND["alpha"]
+    _filled(axes, inside, [0.0, 2.0], [fill], "friction band", alpha=alpha)
     for edge in (low, high):
-        isoline(axes, edge, 1.0, "band edge", colors=GREY, linewidths=0.8, linestyles="--")
+        isoline(axes, edge, 1.0, "band edge", GREY, lw=style.THIN, ls="--")
     text = f"transition at friction {min(band):g}–{max(band):g}"
     slow, fast = (boundary_under(ds, end)["outcome_at_load"].isin(BEYOND) for end in ends)
     if cut := int(_any_surface(slow | fast).sum()):
         text += f",\nbeyond what was computed at {cut} of {ds.sizes['load']} loads"
-    return [Patch(fc=TINTS["band"], ec=GREY, ls="--", lw=0.8, alpha=0.8, label=text)]
+    return [Patch(label=text, **style.BAND)]
 
 
 def _error_band(axes: Axes, ds: xr.Dataset) -> list[Artist]:
@@ -253,11 +254,9 @@ def _error_band(axes: Axes, ds: xr.Dataset) -> list[Artist]:
     known = np.isfinite(low) & np.isfinite(high)
     if known.sum() < 2:
         return []
-    look: dict[str, Any] = {"fc": TINTS["band"], "ec": GREY, "ls": "--", "lw": 0.8, "alpha": 0.6}
-    band = axes.fill_betweenx(loads[known], low[known], high[known], zorder=0.8, **look)
+    band = axes.fill_betweenx(loads[known], low[known], high[known], **style.BAND)
     band.set_gid("error band")
-    text = "next run not decided"
-    return [Patch(label=text, **look)]
+    return [Patch(label="next run not decided", **style.BAND)]
 
 
 def _surface_band(axes: Axes, planes: xr.DataArray, limit: float) -> list[Artist]:
@@ -269,10 +268,10 @@ def _surface_band(axes: Axes, planes: xr.DataArray, limit: float) -> list[Artist
     if not inside.any():
         return []
     for edge in (low, high):
-        isoline(axes, edge, limit, "surface band edge", colors=GREEN, linewidths=0.9)
-    _filled(axes, inside, [0.5, 1.5], [GREEN], "surface band", alpha=0.3, zorder=0.9)
+        isoline(axes, edge, limit, "surface band edge", GREEN, lw=style.THIN)
+    _filled(axes, inside, [0.5, 1.5], [GREEN], "surface band", alpha=style.FAINT)
     text = f"{100 * BAND[0]:g} to {100 * BAND[-1]:g} % of {planes.sizes['row']} surfaces"
-    return [Patch(fc=GREEN, ec=GREEN, lw=0.9, alpha=0.4, label=text)]
+    return [Patch(fc=GREEN, ec=GREEN, lw=style.THIN, alpha=style.FAINT, label=text)]
 
 
 def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
@@ -286,23 +285,24 @@ def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
         ("mild wear, computed", cold & ~hot, {"marker": "o", "mfc": "white", "mec": BLUE}),
         ("severe wear, computed", hot & ~cold, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
         ("severe on some surfaces", hot & cold, {"marker": "s", "mfc": "white", "mec": VERMILION}),
-        ("failed", failed, {"marker": "x", "mec": BLACK, "mew": 1.3, "ms": 5.5}),
-        ("pending", pending, {"marker": ".", "mfc": GREY, "mec": "none", "ms": 6}),
+        ("failed", failed, {"marker": "x", "mec": BLACK}),
+        ("pending", pending, {"marker": "o", "mfc": GREY, "mec": "none"}),
         ("carries a warning", _any_surface(warnings_of(ds) != 0),
-         {"marker": "o", "mfc": "none", "mec": BLACK, "mew": 0.8, "ms": 8.5, "zorder": 3.4}),
+         {"marker": "o", "mfc": "none", "mec": BLACK, "ms": style.BIG}),
     ]  # fmt: skip
     size = 4.0 if done.size < 1500 else 2.0
-    usual: dict[str, Any] = {"ls": "none", "ms": size, "mew": 0.9, "zorder": 3.5}
+    usual: dict[str, Any] = {"ls": "none", "ms": size, "mew": style.THIN}
     far = _far_from_others(hot.values, cold.values)
     legend: list[Artist] = []
     for label, where, look in kinds:
         told = where.values & far if label.endswith("computed") else np.zeros_like(far)
-        for shown, gid, alpha in ((where.values & ~told, label, 1.0), (told, label + _FAR, 0.3)):
+        faint = told, label + _FAR, style.FAINT
+        for shown, gid, alpha in ((where.values & ~told, label, 1.0), faint):
             rows, columns = np.nonzero(shown)
             if rows.size:
                 places = ds["velocity"].values[columns], ds["load"].values[rows]
                 marks = axes.plot(*places, label=label, gid=gid, alpha=alpha, **usual | look)
-                legend += marks if alpha == 1 or not (where.values & ~told).any() else []
+                legend += marks if gid == label else []
     return legend
 
 
@@ -310,7 +310,7 @@ def _far_from_others(hot: Mask, cold: Mask) -> Mask:
     """Points whose neighbours all have their kind of wear; none if there is only one kind."""
     if not (hot.any() and cold.any()):
         return np.zeros_like(hot)
-    kind = np.where(hot, 1, 0) - np.where(cold, 1, 0)
+    kind = hot.astype(int) - cold.astype(int)
     alike: Mask = maximum_filter(kind, 3) == minimum_filter(kind, 3)
     return alike
 
@@ -333,7 +333,7 @@ def _line_transitions(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> lis
         return [Line2D([], [], ls="none", label=f"no transition: {', '.join(reasons)}")]
     places = {axis: crossings, other: [ds[other].item()] * len(crossings)}
     look: dict[str, Any] = {"ls": "none", "marker": "|" if axis == "velocity" else "_"}
-    look |= {"color": BLACK, "mew": 2.2}
-    axes.plot(places["velocity"], places["load"], ms=26, zorder=3.2, gid="boundary", **look)
+    look |= {"color": BLACK, "mew": style.THICK}
+    axes.plot(places["velocity"], places["load"], ms=26, gid="boundary", **look)
     text = f"{crossings[0]:.3g} {UNITS[axis]}" if len(crossings) == 1 else "by surface"
-    return [Line2D([], [], ms=9, label=f"computed transition, {text}", **look)]
+    return [Line2D([], [], ms=style.BIG, label=f"computed transition, {text}", **look)]

@@ -8,7 +8,6 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from pipeline.analysis.dataset import corrected_field, drawn_row, one_row, read_conditions
 from pipeline.analysis.decisive import decisive_rise, require_sound
@@ -111,6 +110,7 @@ def point_name(ds: xr.Dataset, point: Spot) -> str:
 
 _COLOURS = "viridis_r", "inferno_r", "cividis_r"  # of which each is darker where there is more
 _BAR = 0.12  # [inch] of a bar of colours, and of the gap below it
+_TICKS = 5  # at most, that have room below a panel
 _HIGHEST_STACKED = 2.6  # [inch] of each of three panels, which fit a page at a column's width
 
 
@@ -176,22 +176,22 @@ def _contact(ds: xr.Dataset, point: Spot, conditions: Conditions, stacked: bool)
         image = axes.pcolormesh(x, y, field.T, cmap=colours, vmin=low, rasterized=True)
         axes.set_aspect("equal" if is_equal else "auto")
         axes.grid(visible=False)
-        axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
+        axes.locator_params(axis="x", nbins=_TICKS)
         if not stacked or axes is row[-1]:
             axes.set_xlabel("x, along sliding [µm]")
         figure.colorbar(
             image, cax=axes.inset_axes((0, 1 + _BAR / room, 1, _BAR / room)), label=label,
-            location="top", ticks=MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]),
-        )  # fmt: skip
+            location="top",
+        ).ax.locator_params(axis="x", nbins=_TICKS)  # fmt: skip
     for axes in row if stacked else row[:1]:
         if len(ds["y"]) > 1:
             axes.set_ylabel("y [µm]")
         else:
             axes.set_yticks([])
     if outlined:
-        row[1].contour(*centres, temperature.T, [limit], colors=style.SKY, linewidths=0.8)
+        row[1].contour(*centres, temperature.T, [limit], colors=style.SKY, linewidths=style.THIN)
     title = f"{style.title_of(ds)}\n{point_name(ds, point)}, {style.heating(conditions)}"
-    figure.suptitle(title, wrap=True)
+    style.write_title(figure, title)
     return figure
 
 

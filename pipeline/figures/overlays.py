@@ -17,7 +17,7 @@ from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import are_near, critical_velocity, own_conditions
 from pipeline.figures import style
-from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
+from pipeline.figures.style import BLACK, BLUE, FAINT, GREY, THIN, TINTS, VERMILION
 from pipeline.quantities import display
 from pipeline.store.schema import PLANE
 from pipeline.sweep.about import Measurement
@@ -28,12 +28,12 @@ from tribo.material import BOUNDARY, FULL_FILM
 from tribo.types import Array, Mask
 
 _REACH = 1.5  # times the ends of the sweep, beyond which a test would shrink the figure
-_SAME_BULK, _FAINT = 1.0, 0.35  # [K] between bulk temperatures, and opacity of tests at others
+_SAME_BULK = 1.0  # [K] between bulk temperatures
 _RESOLUTION = 60
 Place = tuple[float, float]
 _LEVELS = (
-    (BOUNDARY, "mixed", (0, (1, 2))),
-    (FULL_FILM, "full film", (0, (6, 2, 1, 2))),
+    (BOUNDARY, "mixed", ":"),
+    (FULL_FILM, "full film", "-."),
 )
 """Levels of Λ, what begins there, and the dashes of their lines."""
 
@@ -48,12 +48,12 @@ def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     loads, velocities = np.meshgrid(places["load"], places["velocity"], indexing="ij")
     films = lubrication.film_parameter(loads, velocities, conditions.mean_bulk_temperature)
     film = xr.DataArray(films, places, PLANE)
-    look = {"linewidths": 1.0, "zorder": 2.5}
     legend: list[Artist] = []
     for level, beyond, dashes in _LEVELS:
         label = f"Λ = {level:g}, {beyond} beyond"
-        if isoline(axes, film, level, label, colors=BLACK, linestyles=[dashes], **look):
-            legend.append(Line2D([], [], color=BLACK, lw=1.0, ls=dashes, label=label))
+        look: dict[str, Any] = {"color": BLACK, "lw": THIN, "ls": dashes}
+        if isoline(axes, film, level, label, **look):
+            legend.append(Line2D([], [], label=label, **look))
     if not legend:
         regime = lubrication_regime(float(film.mean()))
         span = f"{film.min():.2f} to {film.max():.2f}"
@@ -61,12 +61,12 @@ def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     return legend
 
 
-TESTS: dict[str | None, tuple[Any, ...]] = {
-    None: ("measured transition", "measured", "D", BLACK, "white", 8.0, 1.3),
-    "mild": ("test: mild wear", "tested-mild", "^", "white", BLACK, 8.5, 1.3),
-    "severe": ("test: severe wear", "tested-severe", "^", BLACK, "white", 9.5, 0.8),
+TESTS: dict[str | None, tuple[str, ...]] = {
+    None: ("measured transition", "measured", "D", BLACK, "white"),
+    "mild": ("test: mild wear", "tested-mild", "^", "white", BLACK),
+    "severe": ("test: severe wear", "tested-severe", "^", BLACK, "white"),
 }
-"""Label, gid, marker, colours of face and edge, and widths of both [pt], by outcome of a test."""
+"""Label, gid, marker, and colours of face and edge, by outcome of a test."""
 
 
 def mark_tests(
@@ -79,7 +79,7 @@ def mark_tests(
     """
     legend: list[Artist] = []
     warmer = [test.bulk_temperature or own_bulk for test in tests]
-    for outcome, (label, gid, marker, mfc, mec, ms, mew) in TESTS.items():
+    for outcome, (label, gid, marker, mfc, mec) in TESTS.items():
         for is_other in (False, True):
             of_kind = [
                 test
@@ -87,19 +87,19 @@ def mark_tests(
                 if test.outcome == outcome and (abs(own - bulk) > _SAME_BULK) == is_other
             ]
             if of_kind:
-                look = {"alpha": _FAINT, "gid": f"{gid}-elsewhere"} if is_other else {"gid": gid}
+                look = {"alpha": FAINT, "gid": f"{gid}-elsewhere"} if is_other else {"gid": gid}
                 legend += axes.plot(
                     [test.velocity for test in of_kind],
                     [test.normal_load for test in of_kind],
-                    ls="none", marker=marker, ms=ms, mfc=mfc, mec=mec, mew=mew, zorder=4,
+                    ls="none", marker=marker, ms=style.BIG, mfc=mfc, mec=mec,
                     label=label + (", at another bulk temperature" if is_other else ""), **look,
                 )  # fmt: skip
     for test, own in zip(tests, warmer, strict=True):
         if abs(own - bulk) > _SAME_BULK:
             axes.annotate(
                 display(own, "°C", 3), (test.velocity, test.normal_load), (0, 7),
-                textcoords="offset points", ha="center", fontsize=8, color=GREY, zorder=4,
-                annotation_clip=True, gid="bulk of a test",
+                textcoords="offset points", ha="center", fontsize="small", color=GREY,
+                gid="bulk of a test",
             )  # fmt: skip
     return legend
 
@@ -140,22 +140,24 @@ def mark_own_transitions(
             load = test.normal_load
             places.append((velocity, load))
             ends = [velocity, test.velocity], [load, load]
-            axes.plot(*ends, color=GREY, lw=1.0, zorder=3.6, gid="to own conditions")
+            axes.plot(*ends, color=GREY, lw=THIN, zorder=1.5, gid="to own conditions")
     if not places:
         return []
     line = axes.plot(
-        *zip(*places, strict=True), ls="none", marker="D", ms=5.5, mfc="white", mec=BLACK, mew=1.1,
-        zorder=4.1, label="computed at the test's own conditions", gid="at own conditions",
+        *zip(*places, strict=True), ls="none", marker="D", mfc="white", mec=BLACK,
+        label="computed at the test's own conditions", gid="at own conditions",
     )  # fmt: skip
     return list(line)
 
 
-def isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any) -> bool:
+def isoline(
+    axes: Axes, plane: xr.DataArray, level: float, gid: str, color: Any = BLACK, **look: Any
+) -> bool:
     """Draw a line at a level of a plane; False if the plane does not pass it."""
     if not plane.min() < level < plane.max():
         return False
-    look = {"zorder": 3, **look}
-    axes.contour(plane["velocity"], plane["load"], plane, [level], **look).set_gid(gid)
+    lines = axes.contour(plane["velocity"], plane["load"], plane, [level], colors=[color])
+    lines.set(gid=gid, **look)
     return True
 
 
@@ -198,7 +200,7 @@ def name_regions(
             if place is not None:
                 axes.text(
                     *place, words, transform=axes.transAxes, ha="center", va="center",
-                    fontsize=10.5, fontweight="bold", color=colour, zorder=5, gid=style.REGION,
+                    fontweight="bold", color=colour, gid=style.REGION,
                     bbox={"fc": tint, "ec": "none", "pad": 0.5},
                 )  # fmt: skip
                 break
@@ -210,8 +212,7 @@ def _roomiest(
     """Roomiest place of a label in a row, counted in sizes of labels; None if none fits."""
     inside = inside.copy()
     for point in taken:
-        if x[0] <= point[0] <= x[-1] and y[0] <= point[1] <= y[-1]:
-            inside[np.abs(y - point[1]).argmin(), np.abs(x - point[0]).argmin()] = False
+        inside[np.abs(y - point[1]).argmin(), np.abs(x - point[0]).argmin()] = False
     if not rows.size:
         return None
     width, height = size

@@ -71,7 +71,7 @@ def ramp(
     lowest.set_xlabel("time [s]")
     lowest.set_xlim(0, 1.01 * max(float(np.nanmax(ds["time"].values[point])) for point in points))
     _load_axis(temperature, ds, points)
-    figure.suptitle(style.title_of(ds), wrap=True)
+    style.write_title(figure, style.title_of(ds))
     said = nearest_to(ds, load=load, velocity=velocity)
     lines = [
         Line2D([], [], color=f"C{k}", lw=3, label=point_name(ds, point) + said)
@@ -81,7 +81,7 @@ def ramp(
     time, own = ds["time"].values, ds["own_grid"].values
     if any((np.isfinite(time[point]) & ~own[point]).any() for point in points):
         title += _COARSE_RAMP
-    style.legend_below(figure, handles=lines, ncols=3, title=title, title_fontsize=9.5)
+    style.legend_below(figure, handles=lines, title=title)
     return figure
 
 
@@ -101,13 +101,13 @@ def _temperatures(axes: Axes, ds: xr.Dataset, points: list[Spot], conditions: Co
     if conditions.critical_temperature is not None:
         critical = shown_in(conditions.critical_temperature, "°C")
         label = f"critical, {critical:g} °C"
-        key.append(axes.axhline(critical, color=GREY, ls=":", lw=1.4, label=label))
+        key.append(axes.axhline(critical, color=GREY, ls=":", label=label))
     axes.set_ylabel("contact temperature [°C]")
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom, top + 0.17 * (top - bottom))  # room for the legend
     axes.legend(handles=key, loc="upper left", ncols=3)
     for start in {start for point in points if (start := _held_from(ds, point)) is not None}:
-        axes.axvline(start, color=GREY, lw=0.9)
+        axes.axvline(start, color=GREY, lw=style.THIN)
         axes.text(start, bottom, " load held", va="bottom", color=GREY)
 
 
@@ -152,7 +152,7 @@ def _pair(
             own = {"color": f"C{number}", "zorder": _order(point)}
             _draw(axes, ds, values, point, **look | own)
         axes.set_ylabel(label)
-        axes.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
+        axes.ticklabel_format(axis="y", scilimits=(-2, 3))
         axes.set_ylim(0, room * axes.get_ylim()[1])  # with room for the legend
         key.append(Line2D([], [], color=BLACK, label=words, **look))
     left.legend(handles=key, loc="upper left", ncols=2)
@@ -223,8 +223,8 @@ def temperature(
         turns = point_field(row).turns("velocity", load_here, float(velocities[-1]))
         for transition in turns.shared()[0]:
             label = f"transition, {transition:.3g} m/s"
-            axes.axvline(transition, color=VERMILION, lw=1.2, label=label)
+            axes.axvline(transition, color=VERMILION, label=label)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
-    axes.set_title(f"{style.title_of(row)}\n{load_here:g} N", wrap=True)
-    style.legend_below(figure, ax, ncols=4, title=style.heating(conditions))
+    style.write_title(axes, f"{style.title_of(row)}\n{load_here:g} N")
+    style.legend_below(figure, ax, title=style.heating(conditions))
     return figure

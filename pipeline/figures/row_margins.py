@@ -28,12 +28,12 @@ _LOOKS: dict[str, tuple[str, dict[str, Any]]] = {
     NOT_DECIDED: ("not decided", {"marker": "D", "mfc": GREY, "mec": BLACK}),
 }
 _ROOM = 1.1  # factor between two marks of what lies beyond the places computed
-_UNKNOWN: dict[str, Any] = {"marker": "x", "mec": BLACK, "mew": 1.3}
+_UNKNOWN: dict[str, Any] = {"marker": "x", "mec": BLACK}
 _FACTORS: dict[str, dict[str, Any]] = {
-    "velocity": {"color": PURPLE, "marker": ">", "ls": "none", "ms": 6, "zorder": 3.5},
-    "load": {"color": GREEN, "marker": "^", "ls": "none", "ms": 6, "zorder": 3.5},
+    "velocity": {"color": PURPLE, "marker": ">", "ls": "none"},
+    "load": {"color": GREEN, "marker": "^", "ls": "none"},
 }
-_ASIDE = 5  # [pt] of the mark of either factor from its row
+_ASIDES = {"velocity": -5.0, "load": 5.0}  # [pt] of the mark of either factor from its row
 
 
 @style.house_style
@@ -44,14 +44,14 @@ def draw_rows(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     columns = row_labels(frame)
     x, ticks, label = _axis(frame, columns)
     has_factors = PLACE in ds.coords and ax is None
-    figure, axes = style.canvas(ax, (8.0, 6.6 if has_factors else 4.8))
+    figure, axes = style.canvas(ax)
     panels = [axes]
     if has_factors:
         axes.remove()
         panels = list(figure.subplots(2, 1, sharex=True, height_ratios=(3, 2)))
         _draw_factors(panels[1], x, frame)
     _draw_margins(panels[0], x, frame)
-    panels[0].set_title(style.title_of(ds), pad=10, wrap=True)
+    style.write_title(panels[0], style.title_of(ds))
     panels[-1].set_xlabel(style.as_text(label))
     every = math.ceil(len(ticks) / _MOST_TICKS)
     shown: dict[str, Any] = {"ha": "right", "rotation": 35} if max(map(len, ticks)) > 5 else {}
@@ -63,7 +63,7 @@ def draw_rows(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
         if len(conditions) == 1
         else "severe wear: by the conditions of each row"
     )
-    style.legend_below(figure, ax, handles=handles, ncols=3, title=title, title_fontsize=9.5)
+    style.legend_below(figure, ax, handles=handles, title=title)
     return figure
 
 
@@ -86,29 +86,28 @@ def _draw_margins(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> N
         frame[name].to_numpy(float) for name in ("distance [K]", "temperature error [K]")
     )
     size = 6.0 if len(frame) <= _MANY else 3.0
+    axes.axhline(0.0, label="critical temperature", gid="boundary", **style.BOUNDARY)
     if (np.diff(x) > 0).all():
-        axes.plot(x, margins, color=GREY, lw=0.7, zorder=2)
+        axes.plot(x, margins, color=GREY, lw=style.THIN)
     axes.errorbar(
-        x, margins, np.nan_to_num(errors), ls="none", ecolor=GREY, elinewidth=0.9,
-        capsize=3 if len(frame) <= _MANY else 0, zorder=2.5, label="error of the margin",
+        x, margins, np.nan_to_num(errors), ls="none", ecolor=GREY, elinewidth=style.THIN,
+        capsize=3 if len(frame) <= _MANY else 0, label="error of the margin",
     )  # fmt: skip
     for verdict, (label, look) in _LOOKS.items():
         if (where := (frame["verdict"] == verdict).to_numpy()).any():
             axes.plot(
-                x[where], margins[where], ls="none", ms=size, label=label, gid=label, zorder=3.5,
-                **look,
+                x[where], margins[where], ls="none", ms=size, label=label, gid=label, **look,
             )  # fmt: skip
     if (unknown := np.isnan(margins)).any():
         label = "not known: not computed"
         axes.plot(
             x[unknown], 0 * x[unknown], ls="none", ms=size, label=label, gid=label, **_UNKNOWN
         )
-    axes.axhline(0.0, color=BLACK, lw=2.2, label="critical temperature", gid="boundary", zorder=3)
     axes.margins(0.06)
-    low, high = axes.get_ylim()
-    axes.axhspan(0.0, max(high, 1.0), color=TINTS["mild"], zorder=0.5)
-    axes.axhspan(min(low, -1.0), 0.0, color=TINTS["severe"], zorder=0.5)
-    axes.set_ylim(min(low, -1.0), max(high, 1.0))
+    low, high = min(axes.get_ylim()[0], -1.0), max(axes.get_ylim()[1], 1.0)
+    axes.axhspan(0.0, high, color=TINTS["mild"], zorder=0)
+    axes.axhspan(low, 0.0, color=TINTS["severe"], zorder=0)
+    axes.set_ylim(low, high)
     axes.set_ylabel("margin to severe wear [K]")
 
 
@@ -118,8 +117,9 @@ def _draw_factors(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> N
     known = np.concatenate([*factors.values(), [0.5, 2.0]])
     low, high = np.nanmin(known) / _ROOM**3, np.nanmax(known) * _ROOM**3
     margins = frame["distance [K]"].to_numpy(float)
+    axes.axhline(1.0, color=BLACK, lw=style.THIN)
     for steps, (name, look) in enumerate(_FACTORS.items(), 1):
-        aside = ScaledTranslation(_ASIDE * (2 * steps - 3) / 72, 0, axes.figure.dpi_scale_trans)
+        aside = ScaledTranslation(_ASIDES[name] / 72, 0, axes.figure.dpi_scale_trans)
         look = look | {"transform": axes.transData + aside}
         axes.plot(x, factors[name], label=f"factor of {name}", gid=name, **look)
         where = np.isnan(factors[name]) & np.isfinite(margins)
@@ -128,7 +128,6 @@ def _draw_factors(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> N
             look = look | {"mfc": "white", "gid": f"{name}, beyond"}
             axes.plot(x[where], ends, label=f"{name}: beyond what was computed", **look)
     axes.set(yscale="log", ylim=(low, high), ylabel="factor to severe wear")
-    axes.axhline(1.0, color=BLACK, lw=1.0)
     axes.yaxis.set_major_locator(FixedLocator([0.5, 0.7, 1.0, 1.4, 2.0]))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter("{x:g} ×")

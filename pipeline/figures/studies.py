@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Sequence
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from tribo import PRESETS
 
 _LONGEST = 20  # letters of a value beside a bar
 _LEAST = 0.01  # change on either side for which there is room where nothing moves
+_REMARK: dict[str, Any] = {"fontsize": "x-small", "style": "italic"}
 
 _TICKS = 6
 _POWER = re.compile(r"(?<=\d)[eE]([+-]?\d+)")
@@ -40,7 +42,7 @@ def draw_variations(varied: Variations) -> Figure:
             height_of_bar = row + (place - (len(ends) - 1) / 2) * height
             moves = [(one.value, varied.changes(one)[load]) for one in variations]
             _bar(axes, moves, longest, height_of_bar, 0.86 * height, colour)
-    axes.axvline(0.0, color=BLACK, lw=1.0)
+    axes.axvline(0.0, color=BLACK, lw=style.THIN)
     axes.set_yticks(
         range(len(keys)), [_named(key, values, longest) for key, values in keys.items()]
     )
@@ -62,7 +64,7 @@ def draw_variations(varied: Variations) -> Figure:
         begins = f"from {critical_velocity:.3g} m/s" if np.isfinite(critical_velocity) else outcome
         axes.plot([], [], color=colour, lw=6, label=f"at {varied.loads[load]:g} N, {begins}")
     style.legend_below(figure, ncols=len(ends))
-    figure.suptitle(style.as_text(varied.title), wrap=True)
+    style.write_title(figure, style.as_text(varied.title))
     return figure
 
 
@@ -101,9 +103,7 @@ def _bar(
     changes = np.array([change for _, change in moves])
     is_finite = np.isfinite(changes)
     if not is_finite.any():
-        axes.text(
-            0.0, position, " no transition", va="center", fontsize=7, color=GREY, style="italic"
-        )
+        axes.text(0.0, position, " no transition", va="center", color=GREY, **_REMARK)
         return
 
     def mark_end(end: float, text: str, is_right: bool, **look: Any) -> None:
@@ -118,13 +118,13 @@ def _bar(
     for value, change in moves:
         if change in (low, high):
             words = printed(value) if len(value) <= longest else signed(change)
-            mark_end(change, words, change >= 0, fontsize=8)
+            mark_end(change, words, change >= 0, fontsize="small")
     if not is_finite.all():
         text = "no transition at " + ", ".join(
             printed(value) for value, change in moves if not np.isfinite(change)
         )
         is_right = high == 0.0  # where no bar is
-        mark_end(high if is_right else low, text, is_right, fontsize=7, style="italic")
+        mark_end(high if is_right else low, text, is_right, **_REMARK)
 
 
 _LEAST_ERROR = 1e-4  # the smallest error that is told apart from none
@@ -135,12 +135,12 @@ _MARKER_COLOURS = (GREEN, PURPLE, ORANGE, SKY, GREY)
 @style.house_style
 def draw_trade(trade: Trade) -> Figure:
     """Draw the error of the boundary velocity over the work of each choice."""
-    figure, axes = style.canvas(None, (8.0, 6.4))
+    figure, axes = style.canvas()
     choices = trade.choices[:-1]  # but for the reference, which has no error
     axes.set(xscale="log", yscale="log")
     axes.plot(
         *_places([choice for choice in trade.front if choice in choices]),
-        drawstyle="steps-post", color=BLUE, lw=1.2, zorder=2, gid="front",
+        drawstyle="steps-post", color=BLUE, lw=style.THIN, gid="front",
         label="no other choice is both faster and nearer",
     )  # fmt: skip
     varied = [choice for choice in choices if choice.varied]
@@ -152,14 +152,13 @@ def draw_trade(trade: Trade) -> Figure:
     ):
         if of_kind:
             axes.plot(
-                *_places(of_kind), ls="none", marker=marker, ms=8, mfc=colour, mec="white",
+                *_places(of_kind), ls="none", marker=marker, ms=style.BIG, mfc=colour, mec="white",
                 label=label, gid=label,
             )  # fmt: skip
     for choice in (*presets, *others):
         axes.annotate(
             choice.name, (_work(choice), _error(choice)), (-8, -4), textcoords="offset points",
-            ha="right", va="top", fontweight="bold", zorder=3,
-            path_effects=style.HALO,
+            ha="right", va="top", fontweight="bold", path_effects=style.HALO,
         )  # fmt: skip
     _draw_varied(axes, varied)
     axes.margins(0.12)
@@ -169,22 +168,22 @@ def draw_trade(trade: Trade) -> Figure:
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_title(style.as_text(f"Speed against accuracy: {trade.title}"), pad=10, wrap=True)
+    style.write_title(axes, style.as_text(f"Speed against accuracy: {trade.title}"))
     title = f"open marks: one choice of {trade.base} varied, to the values from left to right"
-    style.legend_below(figure, ncols=3, title=title if varied else None, title_fontsize=9.5)
+    style.legend_below(figure, title=title if varied else None)
     return figure
 
 
 def _draw_varied(axes: Axes, varied: Sequence[Choice]) -> None:
     """Mark the values of each numerical choice that was varied alone."""
     fields = sorted({choice.varied for choice in varied if choice.varied})
-    for number, field in enumerate(fields):
+    looks = zip(cycle(_MARKERS), cycle(_MARKER_COLOURS), strict=False)
+    for field, (marker, colour) in zip(fields, looks, strict=False):
         of_field = [choice for choice in varied if choice.varied == field]
         of_field.sort(key=lambda choice: -choice.saving)
         values = ", ".join(choice.name.partition(" = ")[2] for choice in of_field)
         axes.plot(
-            *_places(of_field), ls="none", marker=_MARKERS[number % len(_MARKERS)], ms=6,
-            mfc="none", mec=_MARKER_COLOURS[number % len(_MARKER_COLOURS)], mew=1.5, zorder=4,
+            *_places(of_field), ls="none", marker=marker, mfc="none", mec=colour,
             label=f"{field.replace('_', ' ')} {values}", gid=field,
         )  # fmt: skip
 

@@ -36,6 +36,10 @@ BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = (
 )  # fmt: skip
 """Okabe and Ito's palette, told apart with any colour vision."""
 TINTS = {"mild": "#EAF2F8", "severe": "#FCEEE4", "band": "#BBBBBB"}
+THIN, THICK = 0.9, 2.2  # [pt], lines finer or heavier than those of the style sheet
+BIG, FAINT = 8.5, 0.35  # [pt] of marks that stand out, and opacity of what is there to compare
+BOUNDARY: dict[str, Any] = {"color": BLACK, "lw": THICK}
+BAND: dict[str, Any] = {"fc": TINTS["band"], "ec": GREY, "ls": "--", "lw": THIN, "alpha": 0.6}
 RISK_COLOURS = "RdYlBu_r"
 PALE = -0.15, 1.15  # ends of the colours of risks, so that words on them can be read
 HALO = [withStroke(linewidth=2.5, foreground="white")]
@@ -73,7 +77,7 @@ def svg_of(figure: Figure) -> str:
     return text[text.index("<svg") :]
 
 
-def canvas(ax: Axes | None, size: tuple[float, float]) -> tuple[Figure, Axes]:
+def canvas(ax: Axes | None = None, size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
     """A figure and axes to draw on: those of the caller, or new ones of a size [in]."""
     if ax is None:
         figure = Picture(figsize=size)
@@ -112,14 +116,14 @@ def label_ends(axes: Axes, fontsize: float = 9.0) -> None:
         )  # fmt: skip
 
 
-def legend_below(figure: Figure, ax: Axes | None = None, **options: Any) -> None:
+def legend_below(figure: Figure, ax: Axes | None = None, ncols: int = 3, **options: Any) -> None:
     """Write the legend below the figure, or below the caller's axes if the figure has others."""
     if ax is None:
-        legend = figure.legend(loc="outside lower center", **options)
+        legend = figure.legend(loc="outside lower center", ncols=ncols, **options)
         legend.get_title().set_multialignment("center")
     else:
         title = textwrap.fill(options.pop("title"), _NARROW)
-        narrow = {"ncols": 1, "fontsize": 8, "title_fontsize": 8, "title": title}
+        narrow = {"fontsize": "small", "title_fontsize": "small", "title": title}
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), **options | narrow)
 
 
@@ -163,6 +167,12 @@ def plain_numbers(axes: Axes, names: str = "xy") -> None:
         axis.set_minor_locator(NullLocator())
 
 
+def write_title(owner: Axes | Figure, words: str) -> None:
+    """Write a title over axes or a figure, in lines of its width."""
+    write = owner.set_title if isinstance(owner, Axes) else owner.suptitle
+    write(words, wrap=True)
+
+
 def title_of(ds: xr.Dataset) -> str:
     """Title of a sweep."""
     return as_text(stored_sweep(ds).about.title)
@@ -185,6 +195,7 @@ _INCH = 0.0254  # [m]
 _NARROWEST, _WIDEST = 0.04, 1.0  # [m]
 _SMALLEST_TEXT, _THINNEST = 0.66, 0.6  # shares of a figure's own sizes that stay readable
 _SMALLEST_NAME = 0.5  # the same of a region's name, which has no more room than its region
+_MOST_ROOM = 0.75  # share of axes that a legend above their data may take
 _LETTER = 0.55  # width of a letter, of the size of its font
 _BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:°C|%|N|K|m/s)(?!\w))")
 
@@ -279,12 +290,11 @@ def _stack(axes: Axes, legend: Legend) -> None:
     if legend.get_window_extent().width <= axes.bbox.width:
         return
     legend = _rewritten(legend, axes, loc="upper left")
-    height = sum(1.5 * float(text.get_fontsize()) for text in legend.get_texts())  # [pt]
-    room = height * axes.figure.dpi / 72 / axes.bbox.height
+    room = min(legend.get_window_extent().height / axes.bbox.height, _MOST_ROOM)
     beside = (other for other in axes.figure.axes if other.bbox.bounds == axes.bbox.bounds)
     for other_axes in beside:
         bottom, top = other_axes.get_ylim()
-        other_axes.set_ylim(bottom, bottom + (top - bottom) * (1 + max(0.0, room - 0.05)))
+        other_axes.set_ylim(bottom, bottom + (top - bottom) / (1 - room))
 
 
 def _rewritten(legend: Legend, owner: Figure | Axes, **place: Any) -> Legend:

@@ -22,11 +22,10 @@ from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import Scatter
 from pipeline.figures import style
 from pipeline.figures.overlays import TESTS
-from pipeline.figures.style import BLACK, GREY, TINTS
+from pipeline.figures.style import BLACK, GREY
 from tribo import InputError
 
 _ROOM = 1.25  # factor of velocity about the tests
-_FAINT = 0.35  # opacity of a test whose transition lies beyond what was computed
 
 
 @style.house_style
@@ -54,17 +53,17 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     _draw_band(axes, ends, scatter)
     labels = set[str]()
     for test, one in found:
-        name, gid, marker, mfc, mec, ms, mew = TESTS[test.outcome]
+        name, gid, marker, mfc, mec = TESTS[test.outcome]
         is_beyond = one.critical != one.turn
         label = name + ", beyond what was computed" * is_beyond
         if test.outcome and one.is_severe != (test.velocity > one.critical):
             marker, label = "v", f"{label}; computed severe below, mild above"
         error = 0.0 if test.outcome else test.velocity_scatter or USUAL_SCATTER * test.velocity
-        place, alpha = (one.critical, test.velocity), _FAINT if is_beyond else 1.0
-        axes.errorbar(*place, error, fmt="none", ecolor=GREY, zorder=4, alpha=alpha)
+        place, alpha = (one.critical, test.velocity), style.FAINT if is_beyond else 1.0
+        axes.errorbar(*place, error, fmt="none", ecolor=GREY, alpha=alpha)
         axes.plot(
-            *place, ls="none", marker=marker, ms=ms, mfc=mfc, mec=mec, mew=mew, zorder=4,
-            alpha=alpha, gid=gid, label="" if label in labels else label,
+            *place, ls="none", marker=marker, ms=style.BIG, mfc=mfc, mec=mec, alpha=alpha,
+            gid=gid, label="" if label in labels else label,
         )  # fmt: skip
         labels.add(label)
     if unknown := len(held) - len(found):
@@ -73,9 +72,9 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     style.plain_numbers(axes)
     axes.set(xlabel="critical velocity computed at the test's own conditions [m/s]")
     axes.set_ylabel("velocity of the test [m/s]")
-    axes.set_title(f"{style.title_of(ds)}\ncomputed against measured", pad=10, wrap=True)
+    style.write_title(axes, f"{style.title_of(ds)}\ncomputed against measured")
     title = f"the model's own error: {scatter.worded}"
-    style.legend_below(figure, ax, ncols=2, title=title, title_fontsize=9.5)
+    style.legend_below(figure, ax, ncols=2, title=title)
     return figure
 
 
@@ -86,9 +85,8 @@ def _draw_band(axes: Axes, ends: tuple[float, float], scatter: Scatter) -> None:
     low, high = np.interp([DECIDED[0], DECIDED[-1]], scatter.below(np.log(ratios)), ratios)
     if low < high:
         axes.fill_between(
-            line, low * line, high * line, color=TINTS["band"], alpha=0.6, lw=0,
-            label="next run not decided",
+            line, low * line, high * line, label="next run not decided",
+            **style.BAND | {"ec": "none"},
         )  # fmt: skip
-    axes.plot(
-        line, line, color=BLACK, lw=1.4, label="measured as computed; mild wear below, severe above"
-    )
+    label = "measured as computed; mild wear below, severe above"
+    axes.plot(line, line, color=BLACK, label=label)

@@ -414,7 +414,7 @@ def _nearest(
     """Choose the points whose fields to show: all, or those nearest to the transition."""
     places = np.argwhere(done)
     if len(places) > most:
-        judged = conditions.critical_temperature is not None and conditions.rise_factor > 0
+        judged = conditions.critical_temperature is not None
         limit = rise_limit(conditions) if judged else math.inf
         rise = np.nan_to_num(decisive_rise(ds, conditions).values[done])
         distance = np.abs(rise - min(limit, rise.max(initial=0.0)))

@@ -54,7 +54,8 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     assert colours["tested-mild"] == "white"
     assert colours["tested-severe"] == colours["tested-severe-elsewhere"] != "white"
     (warm,) = (text for text in axes.texts if text.get_gid() == "bulk of a test")
-    assert (warm.get_text(), warm.xy) == ("60 °C", (2.5, 350.0))
+    assert (warm.get_text(), warm.xy, warm.xyann[0]) == ("60 °C", (2.5, 350.0), 0)
+    assert warm.xyann[1] > 0  # above the test
     (far,) = (text for text in labels(axes.figure.legends[0]) if "beyond the figure" in text)
     assert far == "beyond the figure: test of 901 N at 2 m/s and 1 more"
 
@@ -68,6 +69,9 @@ def test_the_full_film_begins_at_three_times_the_height_of_the_roughness():
         film = find_lubrication(stored_sweep(oily)).film_parameter(load, velocity, 298.15)
         assert film == pytest.approx(np.full(len(load), level), rel=2e-3)
         assert label in labels(axes.figure.legends[0])
+        # At a higher load it begins at a higher velocity, from one side of the figure to another.
+        assert load.min() == synthetic.LOADS[0] or velocity.min() == synthetic.VELOCITIES[0]
+        assert load.max() == synthetic.LOADS[-1] or velocity.max() == synthetic.VELOCITIES[-1]
 
 
 @pytest.mark.parametrize("axis", ["velocity", "load"])
@@ -119,6 +123,7 @@ def test_load_is_upwards_velocity_to_the_right_and_the_cold_side_has_the_colour_
     axes = diagram(synthetic.sweep(*NARROW, measured=(), friction_band=None)).axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("sliding velocity [m/s]", "normal load [N]")
     (regions,) = (one for one in axes.collections if one.get_gid() == "regions")
+    assert regions.get_zorder() < axes.xaxis.get_zorder()  # that of the grid
     mild, severe = (matplotlib.colors.to_hex(one).upper() for one in regions.get_facecolor())
     assert (mild, severe) == (TINTS["mild"], TINTS["severe"])
 
@@ -238,7 +243,13 @@ def test_bars_of_variations_reach_from_nothing_to_the_change_at_each_load():
     ends = {text.get_text(): text.xy[0] for text in axes.texts if hasattr(text, "xy")}
     assert ends == pytest.approx({"0.12": -0.1, "0.08": 0.3, "3 mm": 0.1})
     assert " no transition" in {text.get_text() for text in axes.texts}
-    assert axes.get_ylim()[0] > axes.get_ylim()[1]  # the most important entry on top
+    assert axes.get_ylim() == (1.5, -0.5)  # the most important entry on top
+    # The two bars of an entry fill four fifths of its row, the lowest load's above the other.
+    places = [bar.get_y() + bar.get_height() / 2 for bar in axes.patches]
+    assert sorted(places) == pytest.approx([-0.2, 0.2, 0.8])
+    assert pin.get_y() + pin.get_height() / 2 == pytest.approx(0.8)
+    assert not any(line.get_visible() for line in axes.yaxis.get_gridlines())
+    assert len(axes.get_xticks()) < 9
     assert signed(-0.123) == "−12.3 %"
 
 
@@ -253,6 +264,9 @@ def test_where_each_entry_has_one_value_bars_end_in_their_changes():
     names = [text.get_text().splitlines()[1] for text in axes.get_yticklabels()]
     assert sorted(names) == ["10 nm of 2 W/(m K) on the disk", "3 mm"]
     assert {text.get_text() for text in axes.texts} >= {"−5 %", "+10 %"}
+    one = pipeline.plot(Variations("A scene", (200.0,), base, others[:1], 1, 1))
+    assert 0.4 < figure.get_figheight() - one.get_figheight() < 1.0  # [inch] of a row
+    assert 1.5 < one.get_figheight() < 3.5
 
 
 def choice(name, saving, error, varied=None):
@@ -271,6 +285,7 @@ def test_choices_stand_at_their_work_and_error_and_the_front_joins_the_best():
         choice("as in the scene", 8.0, 0.03),
         choice("increments = 10", 10.0, 0.06, "increments"),
         choice("increments = 40", 5.0, 0.02, "increments"),
+        choice("rays = 9", 2.5, 0.0, "rays"),
         choice("reference", 1.0, 0.0),
     )
     axes = pipeline.plot(Trade("A scene", (Point(200.0, 1.0),), "draft", choices, ())).axes[0]
@@ -278,11 +293,30 @@ def test_choices_stand_at_their_work_and_error_and_the_front_joins_the_best():
     assert places["presets"].tolist() == [[5.0, 0.05], [25.0, 0.005]]
     assert places["the scene's own"].tolist() == [[12.5, 0.03]]
     assert places["increments"].tolist() == [[10.0, 0.06], [20.0, 0.02]]
-    assert places["front"].tolist() == [[5.0, 0.05], [12.5, 0.03], [20.0, 0.02], [25.0, 0.005]]
+    best = [[5.0, 0.05], [12.5, 0.03], [20.0, 0.02], [25.0, 0.005], [40.0, 1e-4]]
+    assert places["front"].tolist() == best
     assert axes.get_xlim()[0] < axes.get_xlim()[1]  # more work to the right
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     assert axes.yaxis.get_major_formatter()(0.05, 0) == "5 %"
     assert "increments 10, 40" in labels(axes.figure.legends[0])
+    assert places["rays"].tolist() == [[40.0, 1e-4]]  # no error is shown as the least
+    marks = {line.get_gid(): (line.get_marker(), line.get_markeredgecolor()) for line in axes.lines}
+    assert len({marks[kind] for kind in ("increments", "rays")}) == 2
+    title = axes.figure.legends[0].get_title().get_text()
+    assert title == "open marks: one choice of draft varied, to the values from left to right"
+    assert axes.get_title() == "Speed against accuracy: A scene"
+    assert axes.get_xlabel() == "work, in % of that of the reference"
+    assert axes.get_ylabel() == "largest error of the boundary velocity"
+    assert axes.xaxis.get_major_formatter().format_ticks([10.0]) == ["10"]
+    for axis in (axes.xaxis, axes.yaxis):
+        assert set(axis.get_minor_formatter().format_ticks([2.0, 3.0])) == {""}
+    named = {text.get_text(): text.xy for text in axes.texts}
+    assert named == {"draft": (5.0, 0.05), "fine": (25.0, 0.005), "as in the scene": (12.5, 0.03)}
+    alone = pipeline.plot(Trade("A scene", (Point(200.0, 1.0),), "draft", choices[-3:], ()))
+    assert "open marks" in alone.legends[0].get_title().get_text()
+    alone = pipeline.plot(Trade("A scene", (Point(200.0, 1.0),), "draft", (*choices[:3],
+                                choices[-1]), ()))  # fmt: skip
+    assert alone.legends[0].get_title().get_text() == ""
 
 
 CELSIUS = Unit("°C", 1.0, 273.15)

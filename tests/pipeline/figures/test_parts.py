@@ -132,6 +132,75 @@ def test_a_figure_without_titles_has_its_words_otherwise():
     assert "600\N{NO-BREAK SPACE}N" in title
 
 
+@pytest.mark.parametrize(("words", "columns"), [("short", 3), ("some words that are long", 1)])
+def test_a_legend_keeps_its_columns_where_they_fit_and_the_figure_grows_else(words, columns):
+    figure = Figure(figsize=(4.0, 3.0), layout="constrained")
+    axes = figure.add_subplot()
+    for number in range(3):
+        axes.plot([0.0, 1.0], label=f"{words} {number}")
+    figure.legend(loc="outside lower center", ncols=3, title="a title")
+    style.fit_to_width(figure)
+    (legend,) = figure.legends
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in legend.get_texts()]
+    assert len({round(box.x0) for box in boxes}) == columns
+    assert legend.get_window_extent().width <= figure.bbox.width
+    width, height = figure.get_size_inches()
+    assert width == 4.0
+    assert height == 3.0 if columns == 3 else 3.2 < height < 3.6  # by two lines of 10 pt or so
+    assert (labels(legend), legend.get_title().get_text()) == (
+        [f"{words} {number}" for number in range(3)], "a title",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("curves", [2, 6])
+def test_a_legend_wider_than_its_axes_is_stacked_above_the_data(curves):
+    figure = Figure(figsize=(3.0, 3.0), layout="constrained")
+    axes = figure.add_subplot()
+    for number in range(curves):
+        axes.plot([0.0, 1.0], label=f"a name that is rather long {number}")
+    right = axes.twinx()
+    right.plot([0.0, 7.0])
+    bottoms = [one.get_ylim()[0] for one in (axes, right)]
+    axes.legend(ncols=2)
+    style.fit_to_width(figure)
+    figure.draw_without_rendering()
+    legend = axes.get_legend()
+    assert len({round(text.get_window_extent().x0) for text in legend.get_texts()}) == 1
+    assert labels(legend) == [f"a name that is rather long {k}" for k in range(curves)]
+    assert [one.get_ylim()[0] for one in (axes, right)] == bottoms
+    lowest = legend.get_window_extent().y0
+    for one, top in ((axes, 1.0), (right, 7.0)):
+        highest = one.transData.transform((0.0, top))[1]
+        assert lowest - 0.1 * axes.bbox.height < highest < lowest + 2.0  # [px]
+
+
+def test_titles_of_legends_fill_the_width_of_their_figure():
+    figure = Figure(figsize=(4.0, 3.0), layout="constrained")
+    figure.add_subplot().plot([0.0, 1.0], label="a line")
+    figure.legend(loc="outside lower center", title="some words " * 20 + "\nits own line")
+    style.fit_to_width(figure)
+    title = figure.legends[0].get_title()
+    figure.draw_without_rendering()
+    *lines, last = title.get_text().splitlines()
+    assert (" ".join(lines), last) == (("some words " * 20).strip(), "its own line")
+    assert 0.7 < title.get_window_extent().width / figure.bbox.width < 1.0
+
+
+def test_titles_are_left_out_of_figures_of_sweeps_and_of_studies(narrow):
+    study = Variations("A scene", (200.0,), Variation("", "", (2.0,), ("crosses",)), (
+        Variation("pin.radius", "3 mm", (2.2,), ("crosses",)),), 1, 1)  # fmt: skip
+    options = {"load": 400.0}
+    for drawn, kind, given in ((narrow, "temperature", options), (study, None, {})):
+        for with_title in (True, False):
+            figure = pipeline.plot(drawn, kind, with_title=with_title, **given)
+            title = figure.get_suptitle() or figure.axes[0].get_title()
+            assert bool(title) == with_title
+            if kind:  # words of a sweep's figure are wrapped at any width
+                said = figure.legends[0].get_title().get_text()
+                assert "25\N{NO-BREAK SPACE}°C" in said
+
+
 @pytest.mark.parametrize(
     ("width", "words", "line"),
     [
@@ -228,8 +297,53 @@ def test_a_single_row_of_elements_has_no_scale_along_y(narrow):
     pressure, _, worn = (axes.collections[0] for axes in wide.axes[:3])
     assert pressure.get_array().mask.any()
     assert (pressure.norm.vmin, worn.norm.vmin) == (0.0, 0.0)
+    assert worn.get_array().mask.any()
     bulk = wide.axes[1].collections[0]
     assert bulk.norm.vmin == pytest.approx(bulk.get_array().min())
+
+
+@pytest.mark.parametrize("stacked", [False, True])
+def test_panels_of_a_contact_share_their_scales_below_bars_of_their_own(narrow, stacked):
+    figure = fields(narrow, load=600.0, velocity=4.0, stacked=stacked)
+    figure.draw_without_rendering()
+    first, second, third = figure.axes[:3]
+    if stacked:
+        assert first.bbox.y0 > second.bbox.y1
+        assert second.bbox.y0 > third.bbox.y1
+    else:
+        assert first.bbox.x1 < second.bbox.x0
+        assert second.bbox.x1 < third.bbox.x0
+    first.set(xlim=(0.0, 50.0), ylim=(10.0, 60.0))
+    assert (third.get_xlim(), third.get_ylim()) == ((0.0, 50.0), (10.0, 60.0))
+    for panel in (first, second, third):
+        (mesh,) = (one for one in panel.collections if hasattr(one, "get_coordinates"))
+        assert mesh.get_rasterized()  # thousands of elements would be slow as vectors
+        assert not any(line.get_visible() for line in panel.xaxis.get_gridlines())
+        (bar,) = panel.child_axes
+        assert (bar.bbox.x0, bar.bbox.x1) == pytest.approx((panel.bbox.x0, panel.bbox.x1))
+        assert panel.bbox.y1 < bar.bbox.y0 < panel.bbox.y1 + 0.5 * figure.dpi
+        assert 0.05 < bar.bbox.height / figure.dpi < 0.3  # [inch]
+        assert bar.xaxis.get_ticks_position() == "top"
+        for axis in (bar.xaxis, panel.xaxis):
+            low, high = sorted(axis.get_view_interval())
+            assert 2 <= sum(low <= tick <= high for tick in axis.get_majorticklocs()) <= 6
+
+
+@pytest.mark.parametrize("stacked", [False, True])
+@pytest.mark.parametrize("stretch", [1.0, 2.0, 100.0])
+def test_a_contact_has_a_figure_as_high_as_its_panels(narrow, stacked, stretch):
+    ds = narrow.assign_coords(y=stretch * narrow["y"])
+    figure = fields(ds, load=600.0, velocity=4.0, stacked=stacked)
+    figure.draw_without_rendering()
+    panels = figure.axes[:3]
+    aspect = np.ptp(panels[0].get_ylim()) / np.ptp(panels[0].get_xlim())
+    drawn = panels[0].bbox.height / panels[0].bbox.width
+    if stretch == 100.0:  # would be a line if lengths were the same along both axes
+        assert drawn < 4.0
+    else:
+        assert drawn == pytest.approx(aspect)
+    filled = sum(one.bbox.height for one in (panels if stacked else panels[:1]))
+    assert 0.4 < filled / figure.bbox.height < 0.85
 
 
 # The ramp and the temperatures
@@ -251,6 +365,15 @@ def test_a_ramp_has_the_temperatures_of_each_point_and_the_limit(narrow):
     }
     assert labels(figure.legends[0]) == ["200 N, 4 m/s", "600 N, 4 m/s"]
     assert figure.legends[0].get_title().get_text() == "friction 0.1, bulk 25 °C"
+    # The key has room above the curves; lower loads lie over higher ones, all over the grid.
+    low, high = temperatures.get_ylim()
+    hottest = max(max(line.get_ydata()) for line in temperatures.lines if len(line.get_ydata()))
+    assert 0.1 < (high - hottest) / (high - low) < 0.3
+    order = {line.get_color(): line.get_zorder() for line in temperatures.lines}
+    assert order["C0"] > order["C1"] >= 2
+    assert not temperatures.texts  # no load is held
+    for axes in figure.axes[3:]:  # the right ones, whose grid would cross that of the left
+        assert not any(line.get_visible() for line in axes.yaxis.get_gridlines())
     blown = replace(OWN, criterion="highest")
     alone = ramp(synthetic.sweep(*NARROW, conditions=blown), load=600.0, velocity=4.0)
     assert labels(alone.axes[0].get_legend()) == ["highest", "critical, 145 °C"]
@@ -294,6 +417,9 @@ def test_a_load_that_is_held_is_marked_from_when_it_is_reached_on():
 def test_a_ramp_without_wear_has_no_panel_of_it(narrow):
     unworn = narrow.assign(wear_volume=0 * narrow["wear_volume"])
     assert len({one.get_ylabel() for one in ramp(unworn).axes}) == 3
+    one_worn = narrow.assign(wear_volume=narrow["wear_volume"].where(narrow["load"] > 300.0, 0.0))
+    both = ramp(one_worn, load=[200.0, 600.0], velocity=4.0)
+    assert len({one.get_ylabel() for one in both.axes}) == 5
     assert len({one.get_ylabel() for one in ramp(narrow).axes}) == 5
     shown = ramp(narrow, load=600.0, velocity=4.0, show="mean_pressure")
     assert [one.get_ylabel() for one in shown.axes] == ["contact temperature [°C]",
@@ -318,6 +444,7 @@ def test_temperatures_over_the_velocity_are_named_with_the_limit_and_the_transit
         "sliding velocity [m/s]",
         "contact temperature [°C]",
     )
+    assert temperature(narrow).axes[0].get_title().endswith("\n600 N")  # the highest
     unknown = replace(OWN, critical_temperature=None)
     free = temperature(synthetic.sweep(*NARROW, conditions=unknown), load=400.0)
     assert len(labels(free.legends[0])) == 2
@@ -390,7 +517,7 @@ def test_regions_are_named_on_their_own_side_and_over_no_test(log):
     assert set(named) == {mild, severe}
     assert 1.0 < named[mild][0] < 5.0 < named[severe][0] < 9.0
     for _, load in places.values():  # midway between two rows of points
-        assert np.abs(load - np.array([200.0, 400.0, 600.0, 800.0])).min() < 11.0
+        assert np.abs(load - np.array([200.0, 400.0, 600.0, 800.0])).min() < 1e-6
     free = Figure().add_subplot()
     free.set(xlim=(1.0, 9.0), ylim=(100.0, 900.0))
     name_regions(free, plane, 5.0, rows, [])
@@ -487,6 +614,22 @@ def test_values_stand_at_the_ends_of_bars_and_what_has_no_transition_is_said():
     low, high = axes.get_xlim()
     assert (low, high) == pytest.approx((-0.5 - 0.45, 0.5 + 0.45))
     assert axes.get_xlabel() == "change of the critical velocity"
+
+
+@pytest.mark.parametrize(("letters", "is_beside"), [(20, True), (21, False)])
+def test_values_stand_beside_their_bars_up_to_twenty_letters(letters, is_beside):
+    value = "x" * letters
+    axes = bars(
+        [
+            Variation("oxide", value, (1.0, 0.5), ("crosses", "crosses")),
+            Variation("oxide", "none", (3.0, 1.5), ("crosses", "crosses")),
+        ],
+    )
+    beside = {text.get_text() for text in axes.texts}
+    (name,) = (label.get_text() for label in axes.get_yticklabels())
+    assert (value in beside, value in name) == (is_beside, not is_beside)
+    assert ("−50 %" in beside) == (not is_beside)
+    assert "none" in beside
 
 
 def test_where_nothing_moves_there_is_room_for_a_percent_on_either_side():

@@ -1,7 +1,9 @@
 """Figures, by what is in them, and one that is drawn again as points come."""
 
+import itertools
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
@@ -390,12 +392,16 @@ def test_a_figure_of_a_point_waits_until_it_is_done(monkeypatch, tmp_path):
     states = iter([begun, over, over])
     monkeypatch.setattr(live, "summary", lambda store: next(states))
     status = iter([{(750.0, 4.0): PENDING}, {}])
-    monkeypatch.setattr(live, "_INTERVAL", 0.0)
+    clock, slept = itertools.count(100.0, 3.0), []
+    times = SimpleNamespace(monotonic=lambda: next(clock), sleep=slept.append)
+    monkeypatch.setattr(live, "time", times)
     axes = (400.0, 750.0), (2.0, 4.0)
     watched = {"read": lambda: synthetic.sweep(*axes, status=next(status)), "progress": [].append}
     watched |= {"load": 750.0, "velocity": 4.0}
     assert live.watch("out.zarr", tmp_path / "r.png", "ramp", **watched) == over
     assert (tmp_path / "r.png").exists()
+    assert slept == [6.0]  # twice the 3 s of the drawing, so that a run keeps its cores
+    assert [*tmp_path.iterdir()] == [tmp_path / "r.png"]
 
     monkeypatch.setattr(live, "summary", lambda store: over)
     status = iter([{(750.0, 4.0): PENDING}])

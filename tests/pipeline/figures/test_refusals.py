@@ -48,6 +48,12 @@ def begun():
     return pipeline.plot(synthetic.sweep(loads=[400.0], status=status), "ramp")
 
 
+def begun_at():
+    status = {(400.0, velocity): PENDING for velocity in (1.0, 2.0)}
+    ds = synthetic.sweep([300.0, 400.0], [1.0, 2.0], status=status)
+    return pipeline.plot(ds, "temperature", load=400.0)
+
+
 def without_figure():
     axes = Figure().add_subplot()
     axes.remove()
@@ -78,6 +84,7 @@ REFUSALS = {
     "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done: out of memory"),
     "pending": (plot("fields", velocity=4.0), "750 N, 4 m/s is not done; give another"),
     "begun": (begun, "no point at 400 N is done"),
+    "begun at": (begun_at, "no point at 400 N is done"),
     "load": (plot("fields", load=740.0), "load is 740 N, which the sweep does not hold; the near"),
     "velocity": (plot("fields", velocity=9.0), "velocity is 9 m/s, which the sweep does not hold"),
     "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the sweep holds no fields"),

@@ -12,10 +12,12 @@ from matplotlib.figure import Figure
 from pipeline.figures import row_margins
 from pipeline.figures.row_margins import _axis, _draw_factors, _draw_margins
 from pipeline.figures.style import TINTS
+from pipeline.sweep.variants import PLACE
 from tests.helpers import synthetic
 from tests.pipeline.figures.test_parts import labels, lines
 
 NAN = math.nan
+JUDGED = [SimpleNamespace(field=SimpleNamespace(conditions=synthetic.conditions()))]
 FRAME = pd.DataFrame(
     {
         "variant": ["a", "b", "c", "d"],
@@ -70,6 +72,7 @@ def test_above_zero_wear_is_mild_and_below_severe(values, low, high):
         frame["temperature error [K]"] = 0.0
     axes = margins(frame)
     (mild, severe) = axes.patches
+    assert max(mild.get_zorder(), severe.get_zorder()) < axes.xaxis.get_zorder()  # of the grid
     assert (colour(mild), colour(severe)) == (TINTS["mild"], TINTS["severe"])
     bottom, top = axes.get_ylim()
     assert (mild.get_y(), mild.get_y() + mild.get_height()) == (0.0, top)
@@ -113,8 +116,8 @@ def test_factors_stand_at_their_rows_and_those_beyond_at_the_end_of_their_side()
         marks["velocity, beyond"], [[1.0, low * 1.1], [2.0, high / 1.1]], rtol=1e-12
     )
     np.testing.assert_allclose(marks["load, beyond"], [[0.0, high / 1.1**2]], rtol=1e-12)
-    names = [line.get_label() for line in axes.lines]
-    assert names[:4] == [
+    names = [line.get_label() for line in axes.lines if line.get_gid()]
+    assert names == [
         "factor of velocity",
         "velocity: beyond what was computed",
         "factor of load",
@@ -135,7 +138,7 @@ def test_factors_stand_at_their_rows_and_those_beyond_at_the_end_of_their_side()
     ]
     aside = 5 / 72 * figure.dpi
     np.testing.assert_allclose(asides, [(-aside, 0.0), (aside, 0.0)], atol=1e-9)
-    assert [line.get_markerfacecolor() == "white" for line in axes.lines[:4]] == [
+    assert [line.get_markerfacecolor() == "white" for line in axes.lines if line.get_gid()] == [
         False, True, False, True
     ]  # fmt: skip
 
@@ -146,7 +149,10 @@ def test_factors_within_a_half_and_two_have_the_room_of_these():
     _draw_factors(axes, X, near)
     assert axes.get_ylim() == pytest.approx((0.5 / 1.1**3, 2.0 * 1.1**3))
     assert "velocity, beyond" not in lines(axes)
-    assert [line.get_label() for line in axes.lines][:2] == ["factor of velocity", "factor of load"]
+    names = [line.get_label() for line in axes.lines if line.get_gid()]
+    assert names == ["factor of velocity", "factor of load"]
+    (even,) = (line for line in axes.lines if not line.get_gid())  # severe at the point itself
+    assert set(even.get_ydata()) == {1.0}
 
 
 def test_rows_are_named_by_their_own_label_or_numbered():
@@ -157,6 +163,8 @@ def test_rows_are_named_by_their_own_label_or_numbered():
     assert (x.tolist(), ticks, label) == ([0, 0, 1, 1], ["7", "8.5"], "test")
     x, ticks, label = _axis(FRAME, ["pin.radius [mm]", "load [N]", "velocity [m/s]"][:2])
     assert (x.tolist(), ticks, label) == ([0, 1, 2, 3], ["1", "2", "3", "4"], "row")
+    unsorted = FRAME.assign(variant=["b", NAN, "a", NAN])
+    assert _axis(unsorted, ["variant"])[0].tolist() == [0, 1, 2, 1]  # in their own order
     surfaces = numbered.assign(realization=[1, 2, 1, 2])
     assert _axis(surfaces, ["test", "load [N]", "realization"])[0].tolist() == [0, 0, 1, 1]
 
@@ -182,14 +190,48 @@ def test_conditions_of_rows_are_said_where_all_have_the_same(monkeypatch, severa
     assert axes.get_xlabel() == "test"
     assert [text.get_text() for text in axes.get_xticklabels()] == ["a", "b", "c", "d"]
     assert axes.get_title() == "White oil on ground steel"
-    many = pd.concat([frame.assign(test=[f"test {4 * k + i}" for i in range(4)])
-                      for k in range(12)])  # fmt: skip
-    monkeypatch.setattr(row_margins, "margin_frame", lambda ds, rows: many)
-    crowded = row_margins.draw_rows(synthetic.sweep([200.0, 400.0], [1.0, 2.0])).axes[0]
-    assert [text.get_text() for text in crowded.get_xticklabels()] == [
-        f"test {number}" for number in range(0, 48, 2)
-    ]
-    assert crowded.get_xticks().tolist() == [*range(0, 48, 2)]
+    assert {text.get_rotation() for text in axes.get_xticklabels()} == {0.0}
+
+
+@pytest.mark.parametrize(("count", "every"), [(24, 1), (25, 2)])
+def test_of_many_rows_every_second_one_is_named_and_their_names_are_turned(
+    monkeypatch, count, every
+):
+    frame = pd.concat([FRAME.iloc[:1]] * count)
+    frame = frame.assign(test=[f"test {number}" for number in range(count)])
+    monkeypatch.setattr(row_margins, "judged", lambda ds, points: JUDGED)
+    monkeypatch.setattr(row_margins, "margin_frame", lambda ds, rows: frame)
+    monkeypatch.setattr(row_margins, "row_labels", lambda frame: ["test", "load [N]"])
+    axes = row_margins.draw_rows(synthetic.sweep([200.0, 400.0], [1.0, 2.0])).axes[0]
+    shown = [*range(0, count, every)]
+    assert axes.get_xticks().tolist() == shown
+    named = axes.get_xticklabels()
+    assert [text.get_text() for text in named] == [f"test {number}" for number in shown]
+    assert all(text.get_rotation() > 0 and text.get_ha() == "right" for text in named)
+
+
+def test_where_places_about_each_row_were_simulated_its_factors_have_a_panel(monkeypatch):
+    monkeypatch.setattr(row_margins, "judged", lambda ds, points: JUDGED)
+    monkeypatch.setattr(row_margins, "margin_frame", lambda ds, rows: FRAME)
+    monkeypatch.setattr(row_margins, "row_labels", lambda frame: ["variant", "load [N]"])
+    ds = synthetic.sweep([200.0, 400.0], [1.0, 2.0])
+    placed = ds.assign_coords({PLACE: ("load", [0, 1])})
+    figure = row_margins.draw_rows(placed)
+    upper, lower = figure.axes
+    assert upper.get_ylabel() == "margin to severe wear [K]"
+    assert lower.get_ylabel() == "factor to severe wear"
+    assert (upper.get_title(), lower.get_title()) == ("White oil on ground steel", "")
+    assert (upper.get_xlabel(), lower.get_xlabel()) == ("", "variant")
+    assert upper.get_xlim() == lower.get_xlim()
+    figure.draw_without_rendering()
+    assert upper.bbox.height > lower.bbox.height
+    said = labels(figure.legends[0])
+    assert said[0] == "critical temperature"
+    assert {"mild wear", "factor of velocity", "factor of load"} < {*said}
+    own = Figure().add_subplot()
+    row_margins.draw_rows(placed, own)
+    assert own.figure.axes == [own]
+    assert row_margins.draw_rows(ds).axes[0].get_ylabel() == "margin to severe wear [K]"
 
 
 def test_legends_of_rows_name_what_is_marked():

@@ -15,6 +15,8 @@ from PIL import Image
 
 import pipeline
 from pipeline.analysis.dataset import stored_sweep
+from pipeline.analysis.field import fields
+from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.model_error import ModelError
 from pipeline.page.content import (
     along,
@@ -30,10 +32,11 @@ from pipeline.page.content import (
 from pipeline.page.controls import controls, scene_choice, surface_choice
 from pipeline.page.explore import Page
 from pipeline.page.pictures import coloured, packed_fields, packed_point
+from pipeline.store.schema import DONE
 from pipeline.sweep.codec import content_hash
 from pipeline.sweep.variants import Column, Variants
 from tests.helpers import page_sweeps as sweeps
-from tests.helpers import synthetic
+from tests.helpers import samples, synthetic
 from tests.helpers.sweeps import with_fields
 from tribo import InputError
 
@@ -62,6 +65,10 @@ def test_each_condition_has_a_slider_about_its_value_and_bounds():
     assert (critical.low, critical.high) == (0.0, 400.0)
     assert (share.low, share.high, share.factor) == (0.0, 50.0, 100.0)
     assert (share.least, share.most < 1.0, share.most > 0.9999) == (0.0, True, True)
+    assert (critical.offset, critical.step, share.step) == (-273.15, 0.5, 0.5)
+    assert [(one.factor, one.offset) for one in (friction, share)] == [(1.0, 0.0), (100.0, 0.0)]
+    assert critical.factor == 1.0
+    assert share.label == "failing share of the contact [%]"
 
 
 @pytest.mark.parametrize(
@@ -88,9 +95,8 @@ def test_without_heat_friction_stays_0_and_two_bulks_have_two_controls():
     assert made["friction"].fault.startswith("must be 0: the sweep was computed without friction")
     assert made["bulk_temperature"].label == "bulk temperature of the pin [°C]"
     assert made["disk_temperature"].label == "bulk temperature of the disk [°C]"
-    warm = form(replace(OWN, disk_temperature=473.15 + 20.0, critical_temperature=600.0),
-                two_bulks=True)  # fmt: skip
-    assert warm["disk_temperature"].high == 330.0
+    warm = form(replace(OWN, disk_temperature=493.25, critical_temperature=600.0), two_bulks=True)
+    assert warm["disk_temperature"].high == 331.0  # half more than 220.1 °C
 
 
 def test_a_control_is_a_slider_and_a_field_with_its_ends():
@@ -138,6 +144,14 @@ def test_the_page_of_a_sweep_names_its_sizes(tmp_path):
     whole = text(synthetic.sweep(*few))
     assert "3 loads, 4 velocities, 12 points done" in whole
     assert "transition at friction 0.09 to 0.103" in whole
+    bare = text(synthetic.sweep(*few, friction_band=None, measured=()))
+    (hidden,) = re.findall('<section id="measured-section"[^>]*>', bare)
+    (shown,) = re.findall('<section id="measured-section"[^>]*>', whole)
+    assert ("hidden" in hidden, "hidden" in shown) == (True, False)
+    bent = synthetic.sweep(*few, rise=sweeps.uneven(1))
+    said = float(re.search(r"within (\S+) % of its velocity as irg", text(bent))[1])
+    assert said == pytest.approx(100 * content(bent)["error"], rel=0.05)  # two digits
+    assert said > 0
     several = text(sweeps.over_surfaces())
     assert (
         f"{len(sweeps._LOADS)} loads, {len(sweeps._VELOCITIES)} velocities, 5 surfaces" in several
@@ -153,6 +167,10 @@ def test_facts_of_a_page_are_those_of_its_sweep():
     )
     assert held["friction_band"] == (0.09, 0.103)
     assert held["chosen"] is False
+    assert held["surfaces"] is None
+    assert (held["loads"][-1], held["velocities"][0]) == (750.0, 0.5)
+    assert held["tests"].count("<tr") == 1 + len(synthetic.MEASURED)
+    assert held["agreement"] != "" == content(synthetic.sweep(measured=()))["agreement"]
     assert held["done"] == 180
     by_label = {one["label"]: one for one in held["numbers"]}
 
@@ -183,6 +201,69 @@ def test_facts_of_a_page_are_those_of_its_sweep():
     assert json.dumps(held, allow_nan=False)
 
 
+@pytest.mark.parametrize(
+    ("make", "names", "disk"),
+    [
+        (sweeps.one, ["friction", "bulk_temperature", "critical_temperature", "failing_share"],
+         None),
+        (lambda: sweeps.one(conditions=replace(OWN, criterion="mean")),
+         ["friction", "bulk_temperature", "critical_temperature"], None),
+        (sweeps.of_a_warm_pin,
+         ["friction", "bulk_temperature", "disk_temperature", "critical_temperature"], 298.15),
+        (lambda: sweeps.of_two_bulks(disk_temperature=298.15),  # as warm as the pin, so far
+         ["friction", "bulk_temperature", "disk_temperature", "critical_temperature",
+          "failing_share"], 298.15),
+    ],
+    ids=["share", "mean", "warm pin", "equal bulks"],
+)  # fmt: skip
+def test_a_page_lets_conditions_be_changed_that_its_sweep_answers_for(make, names, disk):
+    held = content(make(), 0)
+    assert [control["name"] for control in held["controls"]] == names
+    assert held["conditions"].get("disk_temperature") == disk
+
+
+def test_without_a_critical_temperature_the_hottest_points_have_their_fields():
+    ds = synthetic.sweep(
+        [200.0, 400.0], [1.0, 2.0, 4.0], fields=True,
+        conditions=replace(OWN, critical_temperature=None),
+    )  # fmt: skip
+    rises = synthetic.rise(np.array([[200.0], [400.0]]), np.array([1.0, 2.0, 4.0])).ravel()
+    hottest = sorted(np.argsort(rises)[-2:].tolist())
+    assert sorted(map(int, content(ds, 2)["fields"]["points"])) == hottest
+
+
+def test_a_page_of_samples_has_the_probability_between_their_ends(monkeypatch, tmp_path):
+    samples.fewer_draws(monkeypatch)
+    test = {"normal_load": 400.0, "velocity": 2.0, "friction": None}
+    ds = samples.dataset(samples.ensemble(tests=[test]))
+    page = pipeline.explore(ds, tmp_path / "page.html")
+    text = page.path.read_text(encoding="utf-8")
+    held = json.loads(re.findall(r'id="content">(.*?)</script>', text, re.DOTALL)[0])
+    (field,) = fields(ds)
+    ensemble, scatter = field.ensemble, model_error(ds, field)
+    loads, velocities = np.array(held["loads"]), np.array(held["velocities"])
+    assert (loads[0], loads[-1]) == (ensemble.loads[0], ensemble.loads[-1]) == (200.0, 750.0)
+    assert (velocities[0], velocities[-1]) == tuple(ensemble.velocities)
+    plane = floats(held["probability"]).reshape(len(loads), len(velocities))
+    middle = len(loads) // 2
+    expected = field.probability(loads[middle], velocities, scatter)
+    np.testing.assert_allclose(plane[middle], expected, atol=1e-6)
+    # Loads rise upwards: the picture's top row is that of the highest one.
+    picture = opened(held["picture"])
+    assert picture.size == (len(velocities), len(loads))
+    assert coloured(plane[::-1]) == held["picture"]
+    scale = opened(re.findall(r'href="data:image/png;base64,([^"]*)"', text)[-1]).convert("RGB")
+    blue, red = scale.getpixel((0, 0)), scale.getpixel((scale.width - 1, 0))
+    assert blue[2] > blue[0]
+    assert red[0] > red[2]
+    assert (held["samples"], held["done"]) == (64, int((ds["status"] == DONE).sum()))
+    assert held["misfit"] == []
+    assert (held["evidence"], len(held["measured"])) == ("", 1)
+    assert held["basis"][-1] == f"the model's own error: {scatter.worded}"
+    assert (page.points, page.stored_fields) == (held["done"], 0)
+    assert f"{len(ensemble.loads)} loads, 64 samples" in text
+
+
 def test_the_record_has_the_entries_without_tests_and_the_reason_of_an_accuracy():
     plain = synthetic.sweep()
     kept = record(plain, stored_sweep(plain))
@@ -201,17 +282,21 @@ def test_tests_have_their_nearest_node_and_lie_inside_or_not():
     ds = with_fields(
         synthetic.sweep(),
         measured=synthetic.MEASURED[:1],
-        tested=(replace(synthetic.MEASURED[3], normal_load=150.0, outcome="mild"),),
+        tested=(
+            replace(synthetic.MEASURED[3], normal_load=150.0, outcome="mild"),
+            replace(synthetic.MEASURED[3], outcome="severe"),
+        ),
     )
     held = content(ds)
-    first, mild = held["measured"]
-    for test in (first, mild):
+    first, mild, lowest = held["measured"]
+    for test in (first, mild, lowest):
         k, j = test["node"]
         loads, velocities = (np.array(held["fine"][name]) for name in ("load", "velocity"))
         inner = velocities[held["first"] : held["first"] + len(held["inner"])]
         assert abs(loads - test["load"]).argmin() == k
         assert abs(inner - test["velocity"]).argmin() == j - held["first"]
-    assert (first["isInside"], mild["isInside"]) == (True, False)
+    inside = [test["isInside"] for test in (first, mild, lowest)]
+    assert inside == [True, False, True]  # at 750, 150 and 200 N
     assert first["own"]["friction"] == 0.103
     assert (first["own"]["strip_friction"], mild["own"]["strip_friction"]) == (True, False)
 

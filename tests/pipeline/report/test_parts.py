@@ -15,6 +15,7 @@ import tribo
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.report.report import (
     _answer,
+    _drawn,
     _each,
     _fidelity,
     _html,
@@ -194,6 +195,15 @@ def test_warnings_and_versions_are_told_line_by_line():
 )
 def test_sentences_begin_with_a_capital_and_end_with_one_point(part, markup):
     assert _html(part, "Inputs") == markup
+
+
+def test_the_diagram_of_a_report_has_the_width_of_its_page_and_no_title_of_its_own(monkeypatch):
+    drawn = Figure()
+    drawn.add_subplot(title="A scene")
+    monkeypatch.setitem(_drawn.__globals__, "diagram", lambda ds: drawn)
+    (figure,) = _drawn(synthetic.sweep(*PLANE))
+    assert figure.get_size_inches()[0] == pytest.approx(17 / 2.54)  # of A4 between its margins
+    assert [axes.get_title() for axes in figure.axes] == [""]
 
 
 def test_pictures_are_described_by_their_heading():
