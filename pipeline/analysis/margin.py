@@ -242,7 +242,8 @@ def probabilities_alone(
     def share(shift: float) -> Array:
         if curve is None or not math.isfinite(limit):
             return np.array(0.0)
-        line = Line(curve, limit * math.exp(-shift), (1.0, 1.0), np.ones(1), np.array([]))
+        nowhere = np.array([])  # neither a sweep's ends nor its places change where it is severe
+        line = Line(curve, limit * math.exp(-shift), (math.nan, math.nan), nowhere, nowhere)
         return severe_share(line.severe(), np.array(1.0), scatter)
 
     low, middle, high = map(float, _bounded(share, error))
@@ -280,9 +281,9 @@ def error_band(
             if error.total is None:
                 return None
             found = _decided_ends(field, load, velocities, scatter, error)[side]
-            if not 0 < found < math.inf or abs(found / at - 1) < _ALIKE:
-                break
-            at = float(np.clip(found, velocities[0], velocities[-1]))
+            if not 0 < found < math.inf or math.isclose(found, at, rel_tol=_ALIKE):
+                return found
+            at = found
         return found
 
     def end(side: int) -> float:
@@ -304,13 +305,13 @@ def _decided_ends(
     (open_,), (shut,) = np.nonzero(highest > DECIDED[0]), np.nonzero(lowest < DECIDED[-1])
     below = math.inf if not open_.size else math.nan
     if open_.size and open_[0] > 0:
-        part = slice(open_[0] - 1, open_[0] + 1)
+        part = [open_[0] - 1, open_[0]]
         below = float(np.interp(DECIDED[0], highest[part], velocities[part]))
     above = math.nan
     if not shut.size:
         above = 0.0
     elif shut[-1] < len(velocities) - 1:
-        part = slice(shut[-1], shut[-1] + 2)
+        part = [shut[-1], shut[-1] + 1]
         above = float(np.interp(DECIDED[-1], lowest[part], velocities[part]))
     return below, above
 

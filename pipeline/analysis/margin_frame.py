@@ -199,7 +199,7 @@ def _passed_on(points: OperatingPoints | None, results: pd.DataFrame) -> pd.Data
     """Further columns of a table, for each of the scenes that it is judged in."""
     taken, count = {*results, *as_dict(results)}, len(results)
     columns = {
-        f"{head} (given)" if head in taken else head: [*values] * (count // max(len(values), 1))
+        f"{head} (given)" if head in taken else head: [*values] * (count // len(values))
         for head, values in (points.others.items() if points else ())
     }
     return pd.DataFrame(columns, index=results.index)

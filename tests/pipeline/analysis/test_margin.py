@@ -31,6 +31,10 @@ def without_model_error(**told):
 
 @pytest.mark.parametrize(("load", "velocity"), [(320.0, 2.1), (480.0, 2.25)])
 def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
+    slow = margin(synthetic.sweep(), load, velocity, critical_temperature=348.15)
+    critical = synthetic.critical_velocity(load, synthetic.limit(critical=348.15))
+    assert 0.5 < critical < 1.0
+    assert slow.critical_velocity == pytest.approx(critical, rel=1e-9)
     result = margin(synthetic.sweep(), load, velocity)
     warm = 298.15 + 0.1 * synthetic.rise(load, velocity, 0.9)
     assert result.decisive_temperature == pytest.approx(warm, rel=1e-12)

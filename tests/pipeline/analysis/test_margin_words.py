@@ -68,7 +68,10 @@ def test_a_verdict_is_given_with_95_percent_probability_at_the_worst_error(
         (0.0123, "1.2 %", 0.0123),
         (0.5, "50 %", 0.5),
         (0.9949, "99 %", 0.9949),
+        (0.995, "99.5 %", 0.995),
         (0.9953, "99.53 %", 0.9953),
+        (0.99987, "99.99 %", 0.99987),
+        (1 - 1e-4, "99.99 %", 1 - 1e-4),
         (1.0, "more than 99.99 %", 1 - 1e-4),
     ],
 )
@@ -281,6 +284,12 @@ def test_wear_is_mild_below_and_severe_above_where_5_and_95_percent_are_crossed(
     assert found == pytest.approx(expected, abs=2e-3, nan_ok=True)
 
 
+def test_an_end_between_two_velocities_is_interpolated_from_these_alone():
+    """Shares of 0, 25, 75 and 100 % at 1, 1.01, 1.02 and 1.03 m/s."""
+    found = _decided_ends(Shares(1.005, 1.025), 1.0, VELOCITIES, Normal(), NONE)
+    assert found == pytest.approx((1.002, 1.028), abs=1e-6)
+
+
 def test_a_numerical_error_moves_both_ends_apart():
     error = RiseError(0.0, math.expm1(0.1), 0.0)
     found = _decided_ends(Shares(), 1.0, VELOCITIES, Normal(), error)
@@ -320,6 +329,33 @@ def test_ends_of_the_error_band_have_the_error_that_is_there():
     assert found == pytest.approx((0.1, 0.145 / 0.45), rel=2e-3)
     far = Line(lambda v: None if v > 3.2 else 0.0)  # unknown where the sweep ends
     assert error_band(far, 1.0, VELOCITIES, Normal()) == pytest.approx((1.1, 2.9), abs=2e-3)
+
+
+def test_of_several_turns_the_band_is_about_the_one_next_to_the_middle_of_the_velocities():
+    """√(0.5 · 3.5) = 1.32 m/s is nearer to 2 m/s; about 0.6 m/s the error is unknown."""
+    several = Line(lambda v: 0.0 if 0.9 < v < 3.2 else None)
+    several.turns = lambda *_: turns_of((SEVERAL, (0.6, 2.0), False))
+    found = error_band(several, 1.0, VELOCITIES, Normal())
+    assert found == pytest.approx((1.1, 2.9), abs=2e-3)
+
+
+def test_throughout_mild_or_severe_wear_has_no_end_whatever_is_unknown_farther_on():
+    mild, severe = Line(lambda v: None if v > 3.0 else 0.0), Line(lambda v: None if v < 1 else 0.0)
+    mild.begin, mild.end, mild.place = 4.0, 5.0, math.inf
+    mild.turns = lambda *_: turns_of((MILD, (), False))._replace(computed=(0.5, 2.5))
+    assert error_band(mild, 1.0, VELOCITIES, Normal())[0] == math.inf
+    severe.begin, severe.end = 0.0, 0.4
+    severe.turns = lambda *_: turns_of((SEVERE, (), True))._replace(computed=(1.5, 3.5))
+    assert error_band(severe, 1.0, VELOCITIES, Normal())[1] == 0.0
+
+
+def test_from_rest_on_the_error_is_asked_for_where_something_moves():
+    asked = []
+    resting = Line(lambda v: asked.append(v) or 0.0)
+    resting.begin, resting.end, resting.ends = 0.0, 0.4, {"velocity": (0.0, 3.5)}
+    resting.turns = lambda *_: turns_of((SEVERE, (), True))
+    assert error_band(resting, 1.0, VELOCITIES, Normal())[1] == 0.0
+    assert set(asked) == {0.5}
 
 
 def test_an_error_band_is_unknown_where_the_error_or_the_place_is_not_known():
@@ -389,6 +425,8 @@ def test_further_columns_are_passed_on_for_each_scene_and_told_from_results():
         "verdict (given)": ["x", "y"] * 2,
         "distance (given)": [3, 4] * 2,
     }
+    one = _passed_on(OperatingPoints(places[:1], {"test": ["a"]}), results[:1])
+    assert one["test"].tolist() == ["a"]
     assert _passed_on(None, results).empty
 
 
@@ -414,6 +452,14 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
     assert "9000 N" in found.iloc[2]["note"] or "9 kN" in found.iloc[2]["note"]
     assert found.iloc[2, 3:-1].isna().all()
     assert {*LONG} < {*found}
+
+
+def test_a_note_says_why_a_place_is_not_known_before_it_doubts_a_condition():
+    points = {"load": ["400 N"], "velocity": ["1 m/s"], "bulk temperature": ["333 degC"]}
+    (note,) = pipeline.margin(synthetic.sweep(), points)["note"]
+    assert note.startswith("critical_temperature is 145 °C")
+    assert note.endswith("the bulk temperature is 333 °C, where -50 °C to 250 °C are usual: check "
+                         "its unit")  # fmt: skip
 
 
 def test_a_place_is_given_whole():
