@@ -43,6 +43,12 @@ def test_places_are_told_in_si(irg):
     assert "boundary lubrication" in document["limits"]
 
 
+def test_without_a_number_of_steps_there_are_25_places_and_those_with_letters(irg):
+    """A and E are among the even ones, B, C and D are not."""
+    assert len(gears.mesh(gears.read_pair("fzg_a")).places) == 25 + 3
+    assert len(irg("gears", "fzg_a", "--json")["places"]) == 25 + 3
+
+
 def test_limits_are_the_first_paragraph(irg):
     title, paragraph, blank = irg("gears", "fzg_a").splitlines()[:3]
     assert title == "FZG test gears A, A/8.3/90"
@@ -172,6 +178,19 @@ def test_a_spectrum_has_one_verdict_and_a_sentence(irg, tmp_path):
     assert undecided["verdict"] == "not decided"
 
 
+def test_a_row_of_a_spectrum_has_hours_and_its_own_factor_or_temperature():
+    pair = gears.read_pair("fzg_a", {"duty.load_factor": 1.2})
+    columns = {
+        "torque": ["100 N m"] * 3, "speed": ["1500 rpm"] * 3, "hours": ["90 min", 0, 2.5],
+        "load factor": [1.5, None, 0.5], "bulk temperature": [None, "90 degC", None],
+    }  # fmt: skip
+    (first, second, third), _ = gears.spectrum.read_spectrum(columns, pair)
+    speed, usual = 1500 * 2 * math.pi / 60, pair.duty.bulk
+    assert first == (1.5, gears.Duty(100.0, pytest.approx(speed), usual, 1.5))
+    assert second == (0.0, gears.Duty(100.0, pytest.approx(speed), 363.15, 1.2))
+    assert third == (2.5, gears.Duty(100.0, pytest.approx(speed), usual, 0.5))
+
+
 @pytest.mark.usefixtures("warm")
 def test_the_doubt_of_a_critical_temperature_counts_in_each_verdict():
     pair = gears.read_pair("fzg_a")
@@ -207,6 +226,12 @@ like = "ISO VG 46"
 
 def test_a_short_file_has_what_it_leaves_out(irg, tmp_path):
     (tmp_path / "own.toml").write_text(OWN)
+    pair = gears.read_pair(tmp_path / "own.toml")
+    assert (pair.quality, pair.lubricant_factor, pair.duty.load_factor) == (6, 1.0, 1.0)
+    assert (pair.gears.pressure_angle, pair.gears.helix_angle) == (math.radians(20), 0.0)
+    assert pair.gears.profile_shifts == (0.0, 0.0)
+    assert pair.correlation_length == (4e-6, 4e-6)
+    assert (pair.hurst_exponent, pair.specific_wear_rate) == (0.8, 1.2e-15)
     document = irg("gears", tmp_path / "own.toml", "--json")
     assert document["centre_distance"] == pytest.approx(121.5e-3)
     assert document["contact_ratio"] == pytest.approx(1.68, abs=0.02)

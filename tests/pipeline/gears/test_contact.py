@@ -177,36 +177,52 @@ def test_friction_is_that_of_the_rule_by_hand(fzg):
     assert gears.friction_coefficient(fzg, light[0]) == gears.friction_coefficient(fzg, light[1])
 
 
-def test_flashes_are_those_of_the_rule_by_hand():
+FINE = {"mesh.module": "2 mm", "mesh.centre_distance": "100 mm", "pinion.teeth": 40,
+        "wheel.teeth": 60, "pinion.profile_shift": 0, "wheel.profile_shift": 0}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("tips", "approach"),
+    [
+        (None, 1.0),
+        (("82.4 mm", "125 mm"), 1.4 - 4 / 15 * 2.02187),  # the wheel's end is twice as long
+        (("81.6 mm", "126 mm"), 0.6),  # more than three times
+    ],
+)
+def test_flashes_are_those_of_the_rule_by_hand(tips, approach):
     """Eqs. (10) to (19) and (41) for steel of Eq. (11), by radii of curvature at the tip, in mm."""
-    rig = gears.read_pair(FZG, {"friction.coefficient": 0.07}).changed(materials=(STEEL, STEEL))
+    names = "pinion.tip_diameter", "wheel.tip_diameter"
+    changes = FINE | dict(zip(names, tips, strict=True)) if tips else {}
+    rig = gears.read_pair(FZG, {"friction.coefficient": 0.07} | changes)
+    rig = rig.changed(materials=(STEEL, STEEL))
     end, toothing = place_named(gears.mesh(rig), "E"), rig.gears
     duty = stage_duty(rig, 9)
     first, second = 1e3 * end.radius_1, 1e3 * end.radius_2
-    u, working, pressure = 24 / 16, toothing.working_angle, math.radians(20)
+    u, working, pressure = 1.5, toothing.working_angle, math.radians(20)
     geometry = 0.51 * math.sqrt(u + 1) * (math.sqrt(first) - math.sqrt(second / u))
     geometry /= (first * second) ** 0.25
     angle = 1.22 * (math.sin(working) * math.cos(pressure)) ** 0.25
     angle /= math.sqrt(math.cos(working) * math.cos(pressure))
-    radius = 4.5 * 16 / 2  # of the pinion's reference circle [mm]
+    radius = 40.0 if tips else 4.5 * 16 / 2  # of the pinion's reference circle [mm]
     load, speed = 1e3 * duty.torque / radius / 20, duty.speed * radius / 1e3
     e1, e2 = (abs(length) / toothing.base_pitch for length in (toothing.path.e, toothing.path.a))
-    assert e2 < 1 < e1 < e1 + e2 < 2
-    approach, relief = min(1.4 - 4 / 15 * e2 / e1, 1.0), 1 + 0.06 * e1 + 0.02 * e1**2
-    tip = 0.07 * 50.0 * geometry * angle * load**0.75 * math.sqrt(speed) / 91.5**0.25
-    tip /= approach * relief
-    share = 0.18 * e1**2 + 0.70 * e2**2 + 0.82 * e1 - 0.52 * e2 - 0.30 * e1 * e2
+    long, short = max(e1, e2), min(e1, e2)
+    assert short < 1 < long < e1 + e2 < 2
+    relief = 1 + 0.06 * long + 0.02 * long**2
+    heat = math.sqrt(1000) * (206e3 / 0.91) ** 0.25 / (1e-3 * math.sqrt(50.0 * 3.8e6))
+    assert heat == pytest.approx(50.0, rel=2e-3)  # of the standard, in three digits
+    tip = 0.07 * heat * geometry * angle * load**0.75 * math.sqrt(speed)
+    tip /= (1e3 * toothing.centre_distance) ** 0.25 * approach * relief
+    share = 0.18 * long**2 + 0.70 * short**2 + 0.82 * long - 0.52 * short - 0.30 * long * short
     share /= 2 * (e1 + e2) * e1
     found = gears.integral_temperature(rig, duty)
-    assert found.tip_flash == pytest.approx(tip, rel=5e-3)  # 50.0 has three digits
+    assert found.tip_flash == pytest.approx(tip, rel=1e-5)  # lengths of ends have six digits
     assert found.mean_flash == pytest.approx(share * found.tip_flash, rel=1e-9)
 
 
 def test_the_mean_flash_has_no_jump_where_the_standard_takes_another_formula():
     """Eqs. (39) to (44), between 1 and 2 pairs in mesh, longer ends, and 2 pairs or more."""
-    rig = {"mesh.module": "2 mm", "mesh.centre_distance": "100 mm", "pinion.teeth": 40,
-           "wheel.teeth": 60, "pinion.profile_shift": 0, "wheel.profile_shift": 0,
-           "friction.coefficient": 0.07}  # fmt: skip
+    rig = FINE | {"friction.coefficient": 0.07}
     factors, ends = [], []
     for longer in np.linspace(0.0, 2.4, 241):
         tips = {f"{name}.tip_diameter": f"{over + longer} mm"

@@ -12,10 +12,13 @@ from pipeline.gears.pair import Duty
 from pipeline.gears.rules import friction_coefficient, stage_torque
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import read_spectrum
+from pipeline.scene.faults import SceneFileError
 from tests.helpers.refusals import Refusals, command
 from tests.pipeline.gears.test_answer import CRITICAL, OWN
 from tests.pipeline.gears.test_involute import pair as toothed
 from tests.pipeline.gears.test_involute import plain
+from tests.pipeline.gears.test_words import HELICAL
+from tribo import InputError
 
 
 def pair(*changes, **overrides):
@@ -73,11 +76,16 @@ REFUSALS = {
     "bases": (involutes(centre_distance=80e-3), "base circles need more than 84.57 mm"),
     "tip": (involutes(tip_diameters=(60e-3, 112.5e-3)), "pinion.tip_diameter is 60 mm, within"),
     "ratio": (involutes(tip_diameters=(88.77e-3, 108e-3)), "contact ratio is 0.924"),
+    "helical ratio": (partial(gears.read_pair, "fzg_a", HELICAL | {
+        "pinion.tip_diameter": "77.5 mm", "wheel.tip_diameter": "113 mm"}),
+                      "contact ratio is 0.837 (1.38 with the overlap)"),
     "reach": (involutes(tip_diameters=(72e-3, 109e-3)), "tips do not reach each other"),
     "pointed": (involutes(tip_diameters=(95e-3, 112.5e-3)), "95 mm: the teeth are pointed"),
     "shifts": (involutes(profile_shifts=(-3.0, -2.0)), "fit no centre distance"),
     "flank": (partial(plain, 12, 24), "wheel.tip_diameter: its tip interferes with the flank"),
-    "undercut": (partial(plain, 14, 14), "pinion.profile_shift is 0: undercut takes"),
+    "other flank": (partial(plain, 24, 12), "pinion.tip_diameter: its tip interferes with the flank"
+                    " of the wheel, 312.4 mm beyond"),
+    "undercut": (partial(plain, 14, 14), "and contact begins at 235.1 mm; give 0.181 or more"),
     "pitch point": (involutes(teeth=(38, 56), profile_shifts=(-1.0, -0.1), tip_diameters=(
         0.1647, 0.2574), centre_distance=0.20594), "about the pitch point, and not through it"),
     # rules and simulations
@@ -105,6 +113,35 @@ ELSEWHERE = {
     "model.simulate pipeline.ExecutionError": "by nobody: a place that fails, as in a run",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
+
+
+@pytest.mark.parametrize(("quality", "best"), [(0, 1), (13, 12)])
+def test_numbers_out_of_range_are_all_named_and_those_at_the_ends_are_not(quality, best):
+    beyond = {
+        "mesh.quality": quality, "pinion.teeth": 3, "wheel.teeth": 10_001,
+        "pinion.profile_shift": -2.01, "wheel.profile_shift": 3.01, "duty.load_factor": 0,
+        "friction.lubricant_factor": 0, "surface.hurst_exponent": 1.01,
+    }  # fmt: skip
+    ends = {
+        "mesh.quality": best, "pinion.teeth": 4, "wheel.teeth": 10_000, "pinion.profile_shift": -2,
+        "wheel.profile_shift": 3, "duty.load_factor": 0.01, "friction.lubricant_factor": 0.01,
+        "surface.hurst_exponent": 1,
+    }  # fmt: skip
+    faults = []
+    for entries in (beyond, ends):  # those at the ends make no gears that could run
+        with pytest.raises(SceneFileError) as caught:
+            gears.read_pair("fzg_a", entries)
+        faults.append([one for one in caught.value.faults if "out of range" in one])
+    assert {*beyond} == {fault.partition(":")[0] for fault in faults[0]}
+    assert faults[1] == []
+
+
+def test_hours_and_factors_of_a_spectrum_are_in_range():
+    columns = {"torque": ["1 N m"], "speed": ["9 rpm"], "hours": [-1], "load factor": [0]}
+    with pytest.raises(InputError) as caught:
+        read_spectrum(columns, gears.read_pair("fzg_a"))
+    assert "row 1, hours: " in str(caught.value)
+    assert "row 1, load_factor: 0 is out of range; give a number" in str(caught.value)
 
 
 @pytest.fixture(scope="module")
