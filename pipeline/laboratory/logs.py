@@ -262,7 +262,7 @@ class Trace:
                 yield f'{name} = "... {UNITS[name]}"  # not in the trace'
             else:
                 yield f'{name} = "{column[end]:.4g} {UNITS[name]}"'
-        yield f"friction = {float(np.median(self.friction[: end or None])):.3g}"
+        yield f"friction = {float(np.median(self.friction[:end])):.3g}"
         if self.row is None and not stages:
             yield 'outcome = "mild"'
 

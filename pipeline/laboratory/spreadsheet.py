@@ -102,7 +102,7 @@ def _read_text(path: Path) -> tuple[list[list[str]], list[str], str]:
     lines = text.splitlines()
     filled = [line for line in lines if line.strip()]
     # In a file with decimal commas these may be as many as semicolons.
-    usual = [mark for mark in _NAMES if 2 * sum(mark in line for line in filled) >= len(filled) > 0]
+    usual = [mark for mark in _NAMES if 2 * sum(mark in line for line in filled) >= len(filled)]
     blanks = [re.sub(r"^\s*#\s*", "#", line).split() for line in lines]
     if not usual and filled and statistics.mode(len(row) for row in blanks if row) > 1:
         return blanks, ["blanks between cells", *form], " "

@@ -245,6 +245,24 @@ def test_rows_of_several_oils_are_told_apart_and_counted_once(tmp_path):
         read_log(book, {"sheet": "Lag"})
 
 
+def test_empty_cells_at_the_end_of_headings_are_no_columns_and_remarks_no_headings(tmp_path):
+    (tmp_path / "log.csv").write_text("# rig 3;;\nalpha;beta;;\n1;2;;\n3;4;5;\n")
+    sheet = read_rows(tmp_path / "log.csv", lambda *_: False)
+    assert [heading.text for heading in sheet.headings] == ["alpha", "beta"]
+    assert [(row.number, row.cells) for row in sheet.rows] == [(3, ["1", "2"])]
+    assert (sheet.above.strip(), sheet.of_rows[0].partition(";")[0]) == (
+        "rig 3",
+        "row 4: 3 cells below 2 headings",
+    )
+
+
+def test_an_outcome_that_is_missing_is_no_unknown_word(tmp_path):
+    log = "load [N],velocity [m/s],outcome\n400,2,mild\n500,2,\n"
+    (fault,) = read_log_faults(tmp_path / "log.csv", log)
+    assert fault.startswith("row 3, outcome: ")
+    assert "words = " not in fault
+
+
 def test_headings_are_sought_at_the_top_alone(tmp_path):
     """A long file without headings that are known is read at once."""
     (tmp_path / "long.csv").write_text("alpha;beta\n" + "1;2\n" * 5000)

@@ -88,6 +88,13 @@ def test_a_failure_stage_is_an_interval_and_one_beyond_the_last_is_a_tail(tmp_pa
 def test_a_reciprocating_rig_slides_at_twice_frequency_times_stroke(tmp_path):
     found = rows(tmp_path, SRV)
     assert found == [(100, 0.1, "mild", 1), (200, 0.1, "mild", 1), (300, 0.1, "severe", 1)]
+    again = SRV.replace("3,300", "3,200")  # a load that does not rise begins another specimen
+    assert [row[3] for row in rows(tmp_path, again)] == [1, 1, 2]
+    seized = "Sample,Seizure load [N],Frequency [Hz]\na,800,50\n"
+    found = rows(tmp_path, seized, stroke="2 mm")
+    assert found == [(700, 0.2, "mild", 2), (800, 0.2, "severe", 2)]
+    named = "SRV\nTest load [N],Sliding speed [m/s],Result\n100,0.1,ok\n200,0.1,ok\n"
+    assert rows(tmp_path, named) == [(100, 0.1, "mild", 1), (200, 0.1, "mild", 1)]
     found = rows(tmp_path, SRV_PASSED, stroke="2 mm")
     assert found == [(800, 0.2, "mild", 2), (900, 0.2, "severe", 2), (2000, 0.2, "mild", 3)]
 
@@ -156,10 +163,13 @@ def test_a_lever_presses_a_block_on_a_ring(tmp_path):
     ]  # fmt: skip
 
 
-def test_a_load_of_several_usual_units_says_its_own(tmp_path):
+@pytest.mark.parametrize(
+    ("text", "given"), [(TIMKEN.replace(" [lb]", ""), {"lever": 10}), (FOUR_BALL, {})]
+)
+def test_a_load_of_several_usual_units_says_its_own(tmp_path, text, given):
     path = tmp_path / "log.csv"
-    path.write_text(TIMKEN.replace(" [lb]", ""), encoding="utf-8")
-    (fault,) = read_log(path, {"given": {"lever": 10}}).faults
+    path.write_text(text.replace(" [kgf]", ""), encoding="utf-8")
+    (fault,) = read_log(path, {"given": given}).faults
     assert "no unit" in fault
 
 

@@ -236,9 +236,10 @@ REFUSALS = {
     "unitless": (instrument(BARE), "the file does not give the unit of its heights"),
     "broken": (instrument(RuntimeError("bad header\nmore")), "as a surface: bad header"),
     "no library": (no_library, "pip install SurfaceTopography"),
-    "bomb": (bomb("a.x3p", 2**31, read_surface), "unpacks to 2.0 GiB"),
+    "bomb": (bomb("a.x3p", 2**31, read_surface), "unpacks to 2.0 GiB; at most 1 GiB are"),
     # statistics
     "no pixels": (array(np.eye(20), None), "no size of a pixel; give pixel_size"),
+    "flat pixels": (array(np.eye(20), ("1 um", 0.0)), "no size of a pixel; give pixel_size"),
     "plane": (array(np.indices((20, 30))[1] * 0.1), "the heights are a plane, without"),
     "high": (array(np.eye(20) * 1e9), "heights of 1e+03 m; give the unit"),
     "row": (array(np.ones((1, 20))), "a profile; give a map of heights"),
@@ -247,7 +248,8 @@ REFUSALS = {
     "missing": (lambda: filled(np.full((3, 3), np.nan)), "all heights are missing"),
     # scenes
     "all missing": (measured(np.full(SQUARE, np.nan), 'missing = "fill"\n'), "all heights are mis"),
-    "holes": (measured(HOLED), "disk.roughness.missing: "),
+    "holes": (measured(HOLED), "disk.roughness.missing: 76800 of 230400 heights (33 %) are missing,"
+              " the first at x 0, y 0 (counted from 0)"),
     "pixels": (pixels_of_another_size, "the pixels of disk.roughness.file are"),
     "crop": (measured(np.eye(490), "crop = [100, 0]\n"), "reaches beyond the surface of 490 × 490"),
     # tables

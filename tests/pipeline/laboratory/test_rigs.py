@@ -20,6 +20,7 @@ def faults(tmp_path, text, **given):
     return read_log(path, {"given": given}).faults
 
 
+RADIUS = "Test,Load [kg],Speed [rpm],Track radius [mm],Result\n1,5,500,20,pass\n"
 TRACK = "Test,Load [kg],Speed [rpm],Track diameter [mm],Result\n1,5,500,40,pass\n"
 PIN = "Pin on disc\nNormal load (kg),Velocity (m/s),Result\n5,1,pass\n"
 SEAM = "Load [N],Speed [m/s],Result,Weld seam\n5,1,ok,none\n"
@@ -30,6 +31,7 @@ POND = "Prüflast / kp;Gleitgeschw. / m/s;Ergebnis\n5;1;ok\n"
     ("text", "contact"),
     [
         (TRACK, (49.03325, 1.0472)),
+        (RADIUS, (49.03325, 1.0472)),
         (f"Rig 2\n{TRACK}", (49.03325, 1.0472)),
         (PIN, (49.03325, 1)),
         (SEAM, (5, 1)),
@@ -45,6 +47,12 @@ def test_the_name_of_another_rig_makes_no_four_balls(rig):
     headings = [heading_of("Load [kg]"), heading_of("Speed [rpm]")]
     assert form_of(headings, rig) is None
     assert form_of(headings, "rig 3").name == "four-ball"
+
+
+@pytest.mark.parametrize(("text", "which"), [(TRACK, "diameter"), (RADIUS, "radius")])
+def test_a_track_without_a_unit_is_asked_for_one(tmp_path, text, which):
+    found = faults(tmp_path, text.replace(" [mm]", ""))
+    assert f'has no unit; name it like "track {which} [mm]"' in found[-1]
 
 
 def test_a_load_in_kilograms_that_nothing_contradicts_is_of_four_balls(tmp_path):

@@ -37,6 +37,7 @@ TEXTS = {
     "semicolons.csv": saved(ROWS, delimiter=";"),
     "german.csv": saved(ROWS, delimiter=";").replace(".", ","),
     "comments.csv": "# a scan\n" + saved(ROWS, delimiter=","),
+    "indented.csv": " " + saved(ROWS, fmt="%.2f", delimiter=",").replace("\n", "\n ").rstrip(" "),
     "blanks.txt": saved(ROWS, fmt="%.3f").replace(".", ","),
     "gwyddion.txt": GWYDDION + saved(ROWS, delimiter="\t"),
     "gwyddion.xyz": places(),
@@ -66,15 +67,75 @@ def test_sizes_and_units_are_taken_from_the_text(name, tmp_path):
     assert surface.heights[0, 0] == pytest.approx(0.25e-6)
 
 
-@pytest.mark.parametrize("corner", ["y\\\\x [um]", "0"])
-def test_places_beside_and_above_a_matrix_are_no_heights(corner, tmp_path):
-    rough = np.random.default_rng(0).normal(size=(6, 5))
-    lines = [",".join([corner, *(f"{1.2 * k:.2f}" for k in range(5))])]
+@pytest.mark.parametrize(
+    ("corner", "shape"),
+    [("y\\\\x [um]", (6, 5)), ("y\\\\x [um]", (5, 4)), ("0", (6, 5)), ("0", (4, 4))],
+)
+def test_places_beside_and_above_a_matrix_are_no_heights(shape, corner, tmp_path):
+    rough = np.random.default_rng(0).normal(size=shape)
+    lines = [",".join([corner, *(f"{1.2 * k:.2f}" for k in range(shape[1]))])]
     lines += [",".join(map(str, [float(k), *row])) for k, row in enumerate(rough)]
     (tmp_path / "scan.csv").write_text("\n".join(lines))
     surface = read_surface(tmp_path / "scan.csv", 1e-6)
     np.testing.assert_allclose(surface.heights, 1e-6 * rough.T)
     assert surface.pixel_size == (pytest.approx((1.2e-6, 1e-6)) if corner != "0" else None)
+
+
+ROUGH = np.random.default_rng(1).normal(size=(6, 6))
+DOWN = np.arange(6.0, 0.0, -1.0)[:, None]
+
+
+@pytest.mark.parametrize(
+    ("rows", "heights"),
+    [
+        (np.hstack([DOWN, ROUGH]), ROUGH),  # places go down, too
+        (np.hstack([0 * DOWN, ROUGH]), None),  # a groove
+        (np.hstack([DOWN, DOWN, ROUGH]), None),  # a slope
+        (np.hstack([DOWN**2, ROUGH]), None),
+        (np.hstack([DOWN, ROUGH])[:4], None),  # four in a line may be chance
+        (np.hstack([DOWN, ROUGH])[:, :4], None),
+    ],
+)
+def test_even_numbers_beside_a_rough_matrix_are_places(rows, heights, tmp_path):
+    np.savetxt(tmp_path / "scan.txt", rows)
+    surface = read_surface(tmp_path / "scan.txt", 1.0)
+    np.testing.assert_allclose(surface.heights, (rows if heights is None else heights).T)
+    assert surface.pixel_size is None
+
+
+def test_three_columns_are_places_from_nine_rows_on_or_in_a_file_that_says_so(tmp_path):
+    grid = [(x, y, 10 * x + y) for y in range(3) for x in range(3)]
+    for name, rows, shape in (
+        ("scan.txt", grid, (3, 3)), ("scan.txt", grid[:8], (3, 8)), ("scan.xyz", grid[:6], (3, 2)),
+    ):  # fmt: skip
+        np.savetxt(tmp_path / name, rows)
+        heights = read_surface(tmp_path / name, 1.0).heights
+        assert heights.shape == shape
+        if len(rows) != 8:
+            assert heights[2, 1] == 21
+
+
+@pytest.mark.parametrize(
+    ("off", "is_grid"),
+    [
+        (lambda x, y: 1e-4 * (y == 1), True),  # as rounding makes them
+        (lambda x, y: 0.09 * (x == 2), True),
+        (lambda x, y: 0.103 * (x == 2), False),
+    ],
+)
+def test_places_may_be_off_their_grid_by_a_tenth_of_its_step(off, is_grid, tmp_path):
+    """And those without a row are holes."""
+    x, y = map(np.ravel, np.indices((5, 4)))
+    rows = np.column_stack([2.0 + 0.5 * (x + off(x, y)), 3.0 + y, 10.0 * x + y])
+    np.savetxt(tmp_path / "scan.csv", np.delete(rows, 6, axis=0))
+    if not is_grid:
+        with pytest.raises(InputError, match="not on a regular grid"):
+            read_surface(tmp_path / "scan.csv", 1.0)
+        return
+    heights = read_surface(tmp_path / "scan.csv", 1.0).heights
+    expected = rows[:, 2].reshape(5, 4)
+    expected[1, 2] = np.nan
+    np.testing.assert_array_equal(heights, expected)
 
 
 @pytest.mark.parametrize("word", ["-9999", "-3.4028235e+38"])
