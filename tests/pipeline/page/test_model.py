@@ -200,17 +200,18 @@ def test_surfaces_that_turn_unlike_turn_where_half_of_them_do(factors):
         hotter, xr.Variable("realization", range(len(factors))), combine_attrs="override"
     )
     places = [(float(load), v) for load in several["load"][::5] for v in (0.7, 1.5, 3.0)]
-    (pages,) = run(several, MARGINS, [{"conditions": {}, "places": places}])
+    rows = "boundaries().velocity.map((row) => outcomeText(row, 'm/s'))"
+    both = f"return [(() => {{ {MARGINS} }})(), {rows}];"
+    (pages,), told_of_rows = run(several, both, [{"conditions": {}, "places": places}])
     (field,) = fields(several)
     for page in pages:
         load, velocity = page["place"]
         nearest = field.turns("velocity", load, velocity).nearest(velocity)
         told = nearest if nearest < math.inf else math.nan  # which JSON does not have
         assert page["velocity"] == pytest.approx(told, rel=5e-3, nan_ok=True)
-    rows = "return boundaries().velocity.map((row) => outcomeText(row, 'm/s'));"
     frame = frames_of(pipeline.boundary(several))[0]
     numbers, told = re.compile(r"[\d.]+"), 0
-    for page, expected in zip(run(several, rows), frame["half of them"], strict=True):
+    for page, expected in zip(told_of_rows, frame["half of them"], strict=True):
         if page.startswith("half of the surfaces"):
             said, asked = ([*map(float, numbers.findall(words))] for words in (page, expected))
             assert said == pytest.approx(asked, rel=0.02)
