@@ -93,8 +93,9 @@ class RiseError:
     @property
     def total(self) -> float | None:
         """Root of the sum of the squares of the parts; None where one is not known."""
-        parts = astuple(self)
-        return None if None in parts else math.hypot(*parts)
+        if self.interpolation is None or self.preset is None or self.warned is None:
+            return None
+        return math.hypot(self.interpolation, self.preset, self.warned)
 
     @property
     def worded(self) -> str:
@@ -277,11 +278,17 @@ def _missed(grid: RisePlane, axis: str) -> float | None:
 
 def _extrapolation_error(grid: RisePlane, nearest: Array, velocity: float) -> float:
     """Error of extrapolating from the nearest velocities, whose exponent changes with distance."""
+    way = max(math.log(nearest[0] / velocity), math.log(velocity / nearest[-1]))
+    further = way + math.log(nearest[-1] / nearest[0])
+    return way * math.hypot(_slope_spread(grid), BEYOND * further)
+
+
+@functools.lru_cache(maxsize=1024)  # many places lie beyond the same points
+def _slope_spread(grid: RisePlane) -> float:
+    """Standard deviation of the exponent of the velocity between neighbouring points."""
     lines = _powers(grid.velocities, grid.rises)
     slopes = np.concatenate([(np.diff(y) / np.diff(x)).ravel() for x, y in lines])
-    way = max(math.log(nearest[0] / velocity), math.log(velocity / nearest[-1]))
-    spread = float(np.std(slopes)) if slopes.size else 0.0
-    return way * math.hypot(spread, BEYOND * (way + math.log(nearest[-1] / nearest[0])))
+    return float(np.std(slopes)) if slopes.size else 0.0
 
 
 def _powers(x: Array, rows: Array) -> Iterator[tuple[Array, Array]]:
@@ -295,6 +302,8 @@ def warned_error(points: Iterable[tuple[int, float]]) -> float | None:
     """Error that warnings of points stand for, by flags and durations [s]; None if unknown."""
     errors = [0.0]
     for flags, duration in points:
+        if not flags:
+            continue
         kinds = {kind for kind in WarningKind if kind & flags}
         if WarningKind.PRESENT_HEAT in kinds:
             errors.append(float(np.interp(math.log(duration), np.log(_DURATIONS), _TOO_WARM)))

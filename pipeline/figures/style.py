@@ -212,6 +212,7 @@ def fit_to_width(figure: Figure, width: float | None = None, with_title: bool = 
     if width is not None:
         _shrink(figure, width)
     _wrap_titles(figure)
+    figure.stale = True
     inside = [(axes, legend) for axes in figure.axes if (legend := axes.get_legend())]
     for _, legend in inside:
         legend.set_in_layout(False)
@@ -252,6 +253,12 @@ def _resize(artist: Artist, text: float, line: float) -> None:
         artist.set_linewidth([line * width for width in artist.get_linewidth()])  # type: ignore[union-attr]
 
 
+def _place(figure: Figure) -> None:
+    """Place the parts of a figure, which takes a tenth of a second, unless they are in place."""
+    if figure.stale:
+        figure.draw_without_rendering()
+
+
 def _wrap_titles(figure: Figure) -> None:
     """Break titles of legends into lines that fit the width of the figure."""
     for title in (legend.get_title() for legend in figure.findobj(Legend)):
@@ -263,26 +270,27 @@ def _wrap_titles(figure: Figure) -> None:
 
 def _wrap_labels(figure: Figure) -> None:
     """Put units on a line of their own where a label is longer than its axis is high."""
-    figure.draw_without_rendering()
+    _place(figure)
     for axes in figure.axes:
         label = axes.yaxis.label
         if label.get_window_extent().height > axes.bbox.height:
             label.set_text(label.get_text().replace(" [", "\n["))
-    figure.draw_without_rendering()
+            figure.stale = True  # which matplotlib does not note of a label
+    _place(figure)
 
 
 def _narrow(figure: Figure, legend: Legend) -> None:
     """Give the legend below a figure fewer columns until it fits, and the figure its height."""
-    figure.draw_without_rendering()
+    _place(figure)
     usual_height = legend.get_window_extent().height
     for columns in range(legend._ncols - 1, 0, -1):  # type: ignore[attr-defined]
         if legend.get_window_extent().width <= 0.98 * figure.bbox.width:
             break
         legend = _rewritten(legend, figure, loc="outside lower center", ncols=columns)
-        figure.draw_without_rendering()
+        _place(figure)
     width, height = figure.get_size_inches()
-    growth = (legend.get_window_extent().height - usual_height) / figure.dpi
-    figure.set_size_inches(width, height + growth)
+    if growth := (legend.get_window_extent().height - usual_height) / figure.dpi:
+        figure.set_size_inches(width, height + growth)
 
 
 def _stack(axes: Axes, legend: Legend) -> None:

@@ -19,6 +19,7 @@ from tests.helpers.scenes import SCENE
 
 ROOT = Path(__file__).parents[2]
 SMALL = ["--set", 'sweep.loads=["600 N"]', "--workers", "1"]
+FEWER = ["--set", 'sweep.velocities=["1 m/s", "4 m/s"]']
 PLACE = ["--load", "600 N", "--velocity", "2.2 m/s"]
 
 
@@ -171,7 +172,7 @@ def test_without_all_extras_a_sweep_runs_and_is_resumed(tmp_path):
         run,
         ["boundary", "first.zarr"],
         ["margin", "first.zarr", "--points", "duty.csv", "--json"],
-        ["trade", "smaller.toml", "--base", "draft", *SMALL[:2]],
+        ["trade", "smaller.toml", "--base", "draft", *SMALL[:2], *FEWER],
     ]
     done = copy.python("-c", _ALONE, json.dumps([str(tmp_path), "first.zarr", [], asked]))
     *_, said = json.loads(done.stdout.splitlines()[-1])

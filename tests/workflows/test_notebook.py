@@ -13,6 +13,7 @@ import re
 import shlex
 from pathlib import Path
 
+import matplotlib as mpl
 import pandas as pd
 import pytest
 from matplotlib.figure import Figure
@@ -55,7 +56,10 @@ def _there_with_few_draws(folder, monkeypatch):
     monkeypatch.setattr(design, "SIMULATED", 24)
     monkeypatch.setattr(next_tests, "_TRUTHS", 32)
     monkeypatch.setattr(sensitivity, "_POINTS", 2**8)
-    with pd.option_context("display.max_columns", 20, "display.width", 80):  # those of a kernel
+    with (
+        pd.option_context("display.max_columns", 20, "display.width", 80),  # those of a kernel
+        mpl.rc_context({"savefig.dpi": 40}),
+    ):
         yield
 
 

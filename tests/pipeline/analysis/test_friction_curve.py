@@ -22,12 +22,14 @@ BACK = tribo.Corrections(friction=tribo.Friction(by_velocity=((0.5, 4.0), (2.0, 
 
 
 BESIDE = """
-const [k, j] = nearestNode(argument);
-const { rises, verdict } = marginAt([k, j], chosen.conditions);
-const place = [content.fine.load[k], content.fine.velocity[j]];
-return { place, temperature: temperature(rises[0]), verdict };
+return argument.map(([load, velocity]) => {
+  const [k, j] = nearestNode({ load, velocity });
+  const { rises, verdict } = marginAt([k, j], chosen.conditions);
+  const place = [content.fine.load[k], content.fine.velocity[j]];
+  return { place, temperature: temperature(rises[0]), verdict };
+});
 """
-"""What the page says at its node that is nearest to a place."""
+"""What the page says at its nodes that are nearest to places."""
 
 
 def swept(corrections):
@@ -72,11 +74,12 @@ def test_beyond_done_points_only_the_heat_goes_on_and_friction_stays_known(corre
         conditions=replace(synthetic.conditions(), corrections=corrections),
     )  # fmt: skip
     part = whole.where((whole["velocity"] >= 1.0) & (whole["velocity"] <= 2.0))
-    for load, velocity in ((600.0, 0.6), (600.0, 0.8), (500.0, 3.0), (600.0, 5.0), (600.0, 6.0)):
+    places = (600.0, 0.6), (600.0, 0.8), (500.0, 3.0), (600.0, 5.0), (600.0, 6.0)
+    nodes = javascript.run(part, BESIDE, places)
+    for (load, velocity), node in zip(places, nodes, strict=True):
         all_of, some = (pipeline.margin(ds, load, velocity) for ds in (whole, part))
         assert some.decisive_temperature == pytest.approx(all_of.decisive_temperature, abs=0.2)
         assert some.probability == pytest.approx(all_of.probability, abs=0.01)
-        node = javascript.run(part, BESIDE, {"load": load, "velocity": velocity})
         here = pipeline.margin(part, *node["place"])
         assert node["temperature"] == pytest.approx(here.decisive_temperature, abs=0.2)
         assert node["verdict"] == here.verdict

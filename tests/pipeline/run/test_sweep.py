@@ -17,6 +17,7 @@ import xarray as xr
 
 import tribo
 from pipeline.run import cluster as of_run
+from pipeline.run import schedule
 from pipeline.run import sweep as execute
 from pipeline.run.sweep import run_sweep
 from pipeline.store import create, files, root, versions
@@ -130,9 +131,10 @@ def test_other_conditions_of_the_scene_are_told(copy):
 # What goes wrong
 
 
-def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path):
-    deadly, velocities = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0), tiny.VELOCITIES
-    outcome = run_sweep(tiny.sweep(loading=deadly), path, workers=2)
+def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path, monkeypatch):
+    monkeypatch.setattr(schedule, "TRIALS", 3)  # each is a worker that dies, and one that starts
+    deadly, velocities = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0), tiny.VELOCITIES[:2]
+    outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=2)
     assert {failed.load for failed in outcome.failed} == {250.0}
     assert all("out of memory, or killed" in failed.message for failed in outcome.failed)
     assert (outcome.done, len(outcome.failed)) == (2 * len(velocities), len(velocities))
