@@ -250,27 +250,20 @@ class PointField:
         """See `Field`."""
         return np.array([self.probability(load, velocities, scatter) for load in loads])
 
-    def lines(self, axis: str, load: float, velocity: float, is_filled: bool = False) -> list[Line]:
+    @functools.cached_property
+    def lines(self) -> Callable[..., list[Line]]:
         """Line of each member along an axis, through the rise at a load and a velocity.
 
         Between loads or velocities of the sweep, rises go on where wear is certainly mild or
         severe. A row of the sweep has its own points alone, unless those of other rows are asked to
         stand in for points that it lacks.
         """
-        if not is_filled:  # wherever on a row the place lies, the line is the same
-            if axis == "velocity" and load in self.planes[0].loads:
-                velocity = math.nan
-            elif axis == "load" and velocity in self.planes[0].velocities:
-                load = math.nan
-        place = axis, load, velocity, is_filled
-        return [self._kept_line(number, *place) for number in range(len(self.planes))]
+        kept = functools.lru_cache(maxsize=2)  # those of one place are asked for several times
+        return kept(lambda *place: [self._line(k, *place) for k in range(len(self.planes))])
 
-    @functools.cached_property
-    def _kept_line(self) -> Callable[..., Line]:
-        """As `_line`, which several answers ask for at the same places."""
-        return functools.lru_cache(maxsize=1024)(self._line)
-
-    def _line(self, number: int, axis: str, load: float, velocity: float, is_filled: bool) -> Line:
+    def _line(
+        self, number: int, axis: str, load: float, velocity: float, is_filled: bool = False
+    ) -> Line:
         plane, factor, limit = self.planes[number], self.conditions.friction_factor, self.limit
         x, other, place, along = plane.velocities, plane.loads, load, velocity
         rises, is_missing = plane.rises * factor(x), plane.is_missing
