@@ -66,6 +66,19 @@ def test_a_transition_across_a_missing_point_names_the_command_that_computes_it(
     assert document["command"] in irg("margin", "out.zarr", *place)
 
 
+@pytest.mark.parametrize(("missing", "is_across"), [((450.0, 1.75), True), ((450.0, 3.0), False)])
+def test_a_boundary_across_a_missing_point_of_one_load_names_the_command(
+    monkeypatch, irg, missing, is_across
+):
+    """At 450 N wear turns at 1.67 m/s, at friction 0.1085."""
+    loads = (400.0, 450.0, 500.0)
+    ds = synthetic.sweep(loads, status={missing: 0}, arguments=("scene.toml",))
+    monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
+    document = irg("boundary", "out.zarr", "--friction", "0.1085", "--json")
+    command = "irg run scene.toml -o out.zarr" if is_across else None
+    assert document["command"] == command
+
+
 def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, irg):
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s]\n400,2\n\n-1,2\n400,fast\n400\n")
@@ -243,7 +256,10 @@ def test_one_verdict_stands_upright_and_one_for_each_friction_in_rows(store, irg
     (row,) = [line.split() for line in alone if line.startswith("verdict ")]
     assert row == ["verdict", "mild"]
     both = irg("margin", "out.zarr", *place, "--friction", "0.05", "--friction", "0.2")
-    (heads,) = [line for line in both.splitlines() if "velocity [m/s]" in line]
+    lines = both.splitlines()
+    assert {"friction.coefficient 0.05:", "friction.coefficient 0.2:"} <= {*lines}
+    assert not any(line.endswith(":") for line in alone)
+    (heads,) = [line for line in lines if "velocity [m/s]" in line]
     assert "load [N]" in heads
     assert "verdict" in heads
 

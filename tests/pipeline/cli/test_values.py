@@ -45,6 +45,13 @@ def test_a_value_that_a_store_is_judged_at_has_its_unit(irg, monkeypatch):
     )
 
 
+def test_a_boundary_alone_is_computed_to_one_percent_unless_another_tolerance_is_given():
+    def read(*words):
+        return parse(["run", "first_try", *words]).boundary_only
+
+    assert (read(), read("--boundary-only"), read("--boundary-only", "2%")) == (None, 0.01, 0.02)
+
+
 def test_values_below_zero_reach_their_options():
     def read(*options):
         return parse(["boundary", "out.zarr", *options])

@@ -541,19 +541,21 @@ def test_a_task_goes_on_with_its_worker_and_without_goes_to_another_or_is_lost(
 
 def test_workers_are_asked_once_a_second_sooner_in_the_beginning_and_at_once_in_the_end():
     stage = Stage("w")
+    stage.now = 100.0
     run, done = stage.run(), running("done", "w")
     run.running = [running("key", "w")]
-    for stage.now in (0.0, 0.5, 0.54, 0.56, 20.0, 20.9, 21.0, 21.1):
+    for stage.now in (100.0, 100.5, 100.54, 100.56, 120.0, 120.9, 121.0, 121.1):
         run.look()
     done.future.status = "finished"
     run.computed = {"done": done}
-    stage.now = 21.2  # while another runs
+    stage.now = 121.2  # while another runs
     run.look()
     run.running = []
     done.future.status = "pending"
-    stage.now = 21.3
+    stage.now = 121.3
     run.look()
     done.future.status = "finished"
-    stage.now = 21.4
+    stage.now = 121.4
     run.look()
-    assert stage.asked == [(now, []) for now in (0.0, 0.5, 0.56, 20.0, 21.0)] + [(21.4, ["done"])]
+    usual = [(now, []) for now in (100.0, 100.5, 100.56, 120.0, 121.0)]
+    assert stage.asked == [*usual, (121.4, ["done"])]
