@@ -60,6 +60,7 @@ from pipeline.store.root import (
     copied_attributes,
     find_root,
     read_root,
+    require_complete,
     require_likely,
     root_document,
 )
@@ -101,7 +102,8 @@ def grown(
     place: StorePlace, sweep: Sweep, lock: Lock | None, repair: Repair | None = None
 ) -> Store:
     """Open a store whose lock is held, with room for what a sweep adds; raise as `writing` does."""
-    root = find_root(place)
+    if root := find_root(place):
+        require_complete(place, root)
     if root and (differing := [*misfits(root.sweep, sweep)]):
         advice = "give it what the store has, or write to another store"
         raise StoreMismatchError(

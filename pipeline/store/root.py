@@ -30,7 +30,16 @@ from pipeline.store.place import (
     reaches,
     reads,
 )
-from pipeline.store.schema import FORMAT, INPUTS, MADE, PLANE, VARIABLES, is_coordinate
+from pipeline.store.schema import (
+    COLUMNS,
+    FORMAT,
+    INPUTS,
+    MADE,
+    PLANE,
+    RECORDS,
+    VARIABLES,
+    is_coordinate,
+)
 from pipeline.store.versions import package_versions, provenance
 from pipeline.sweep.codec import Arrays, CodecError, build, fits, sweep_text, text_sweep
 from pipeline.sweep.limits import MOST_BYTES_OF_ROOT, MOST_PARTS_OF_ROOT, MOST_POINTS
@@ -295,6 +304,15 @@ def _require_known(place: StorePlace, facts: Facts, arrays: Mapping[str, Any]) -
         raise StoreError(
             f"{place} is of another version of this program, with the variable {unknown[0]}; read "
             "it with that version, or write to another store"
+        )
+
+
+def require_complete(place: StorePlace, root: Root) -> None:
+    """Refuse to add to a store that lacks a variable which every store of this version has."""
+    if lacking := [name for name in (*RECORDS, *COLUMNS) if name not in root.arrays]:
+        raise StoreError(
+            f"{place} is of another version of this program, without the variable {lacking[0]}; "
+            "continue it with that version, or write to another store"
         )
 
 

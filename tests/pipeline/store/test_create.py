@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.scene.scenefile import load_scene
+from pipeline.store import schema
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.layout import arrays_of
@@ -231,6 +232,19 @@ def test_a_growth_whose_lock_was_replaced_meanwhile_leaves_the_store_as_it_was(
     monkeypatch.undo()
     assert verify_store(path).is_clean
     assert open_sweep(path)["velocity"].values.tolist() == [0.5, 1.5]
+
+
+def test_a_store_without_a_newer_variable_is_read_and_refused_unchanged(path, monkeypatch):
+    commit(path, SWEEP, [POINT])
+    before = contents(path)
+    monkeypatch.setitem(schema.COLUMNS, "film", schema.COLUMNS["mean_rise"])
+    monkeypatch.setitem(schema.VARIABLES, "film", schema.COLUMNS["mean_rise"])
+    for sweep in (SWEEP, LARGER):
+        with pytest.raises(StoreError, match=r"another version .* without the variable film; cont"):
+            make(path, sweep)
+    assert contents(path) == before
+    assert verify_store(path).is_clean
+    assert summary(path).done == 1
 
 
 @pytest.mark.parametrize("files", [32, 64, 10**6])

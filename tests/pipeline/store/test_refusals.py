@@ -226,6 +226,8 @@ REFUSALS = {
     "old": (changed(forged(lambda texts, _: texts["store"].update(format=3))), "has format 3, and"),
     "variable": (changed(forged(lambda _, arrays: arrays.update(film=arrays["max_rise"]))),
                  "with the variable film"),
+    "no variable": (changed(forged(lambda _, arrays: arrays.pop("mean_rise")), go_on),
+                    "without the variable mean_rise"),
     "facts": (changed(forged(lambda texts, _: texts["store"].update(colour=1))), "Facts.colour"),
     "axes": (changed(forged(other_rows)), "its axes are not those of its sweep"),
     "sizes": (changed(forged(lambda _, arrays: arrays["max_rise"].update(shape=[9, 9, 9]))),
