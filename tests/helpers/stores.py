@@ -107,13 +107,18 @@ def assert_is_as_computed(path, expected):
 
 
 @contextmanager
-def killed_after(monkeypatch, count):
-    """Let the process be killed after it has replaced so many files, and say whether it was."""
+def killed_after(monkeypatch, count, since=None):
+    """Let the process be killed after it has replaced so many files, and say whether it was.
+
+    They count from the one after a file on, if that is given, else from the first.
+    """
     replace, lock, left, was_killed = files.replace_file, threading.Lock(), [count], []
+    counts = [since is None]
 
     def replace_some(file, content):
         with lock:
-            left[0] -= 1
+            left[0] -= counts[0]
+            counts[0] |= file == since
         if left[0] < 0:
             file.parent.mkdir(parents=True, exist_ok=True)
             file.with_name(file.name + files.PARTIAL).write_bytes(content[: len(content) // 2])

@@ -247,14 +247,16 @@ def test_a_store_without_a_newer_variable_is_read_and_refused_unchanged(path, mo
     assert summary(path).done == 1
 
 
-@pytest.mark.parametrize("files", [32, 64, 10**6])
-def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkeypatch, files):
+@pytest.mark.parametrize("killed", ["early", "when the larger is whole", "never"])
+def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkeypatch, killed):
     commit(path, SWEEP, [POINT])
-    with killed_after(monkeypatch, files) as was_killed:
+    files = {"early": 32, "never": 10**6}.get(killed, 0)
+    since = larger(path) / "zarr.json" if files == 0 else None
+    with killed_after(monkeypatch, files, since) as was_killed:
         commit(path, LARGER, [ADDED])
-    assert bool(was_killed) == (files < 10**6)
+    assert bool(was_killed) == (killed != "never")
     with open_sweep(path) as ds:
-        assert ds.sizes["load"] == (3 if files == 32 else 5)  # before its larger one is in place
+        assert ds.sizes["load"] == (3 if killed == "early" else 5)
         ds.load()
     assert_is_as_computed(path, [POINT] if was_killed else [POINT, ADDED])
     assert verify_store(path).is_clean
