@@ -263,7 +263,7 @@ def restore_root(path: PathLike, sweep: Sweep, progress: Report = silent) -> boo
                 with writes(place):
                     keep_beside(place, [ROOT])
                     place.put({ROOT: root_document(root)})
-        progress(Progress(f"the root of {path} was lost or damaged, and is made again"))
+        progress(Progress(f"the root of {path} was lost, damaged or old, and is made again"))
         return True
     return False
 
@@ -296,6 +296,7 @@ def _remade(place: StorePlace, sweep: Sweep, lost: StoreError) -> Root:
         if agrees(Store(place, root, is_damaged=True)):
             return root
     raise StoreMismatchError(
-        f"{place} has lost its {ROOT}, and its points are not those of this scene; give the "
-        "scene that made it, with all its values, or write to another store"
+        f"{place} has lost its {ROOT}, or it is of another version of this program, and its points "
+        "are not those of this scene; give the scene that made it, with all its values, go on with "
+        "that version, or write to another store"
     )

@@ -55,6 +55,7 @@ ELSEWHERE = (
     "irg run with the scene that made it makes it again; or restore it from a backup, or write to "
     "another store"
 )
+_UNLIKE = "is of another version of this program, or damaged"
 
 
 class LostRootError(StoreError):
@@ -209,13 +210,14 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
     try:
         built: Facts = build(Facts, facts)
     except CodecError as error:
-        raise _root_error(place, f"is damaged: {error}") from error
+        raise _root_error(place, f"{_UNLIKE}: {error}") from error
     _require_known(place, built, arrays)
     require_likely(place, built, arrays)
     try:
         root = Root(text_sweep(attributes["sweep"], _inputs(place, arrays)), built, arrays)
     except (CodecError, DamagedError) as error:
-        raise LostRootError(f"{place}: {ROOT} is damaged: {error}; {ELSEWHERE}") from error
+        fault = "is damaged" if isinstance(error, DamagedError) else _UNLIKE
+        raise LostRootError(f"{place}: {ROOT} {fault}: {error}; {ELSEWHERE}") from error
     if not are_rows(root):
         raise _root_error(place, "is damaged: its axes are not those of its sweep")
     return root

@@ -57,7 +57,7 @@ def test_a_root_is_made_again_by_the_scene_that_made_it(copy, harm, place):
     messages = Heard()
     outcome = run_sweep(SWEEP, copy, workers=1, progress=messages.hear)
     assert (outcome.computed, outcome.done) == (0, 9)
-    assert messages[0] == f"the root of {copy} was lost or damaged, and is made again"
+    assert messages[0] == f"the root of {copy} was lost, damaged or old, and is made again"
     after = opened(copy).root
     assert after.arrays == before.arrays
     assert after.sweep == before.sweep

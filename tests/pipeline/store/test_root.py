@@ -198,6 +198,12 @@ def test_a_store_with_an_unknown_variable_is_of_another_version(forged, alone):
         pipeline.summary(forged)
 
 
+def test_a_store_of_before_an_entry_of_the_scene_is_of_another_version(forged, alone):
+    forge(forged, alone, lambda texts, _: texts["sweep"]["about"].pop("same_rig"))
+    with pytest.raises(StoreError, match=r"another version .*: About.same_rig .*; irg run with"):
+        pipeline.summary(forged)
+
+
 def test_a_root_of_terabytes_is_not_read(forged):
     os.truncate(forged / ROOT, 2**42)
     with pytest.raises(StoreError, match=r"4.4e\+12 bytes"):
