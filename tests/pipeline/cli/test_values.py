@@ -1,12 +1,15 @@
 """Values of options: what could mean two things is refused."""
 
+import re
 from argparse import ArgumentTypeError as Refused
 
 import pytest
 
 import pipeline
+import tribo
 from pipeline.cli import values
 from pipeline.cli.given import conditions_in
+from pipeline.cli.options import CRITERION
 from pipeline.cli.parser import parse
 from tests.helpers import synthetic
 
@@ -14,6 +17,11 @@ from tests.helpers import synthetic
 @pytest.mark.parametrize(("text", "share"), [("10%", 0.1), ("0.1", 0.1), ("0", 0.0)])
 def test_a_failing_share_may_be_in_percent_or_nothing(text, share):
     assert values.failing_share(text) == share
+
+
+def test_the_help_names_every_criterion_that_ships():
+    told = re.findall(r'"(\w+)"', CRITERION.settings["help"])
+    assert told == [*tribo.CRITERIA]
 
 
 def test_a_friction_may_be_repeated():

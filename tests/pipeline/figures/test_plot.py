@@ -14,6 +14,7 @@ import pipeline
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import stored_sweep
+from pipeline.cli.options import OF_PLOT
 from pipeline.figures import plot as live
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
@@ -194,6 +195,14 @@ def test_figures_are_drawn_on_axes_of_the_caller(sweep):
     assert tuple(figure.get_size_inches()) == (9.0, 4.0)
     with pytest.raises(InputError, match="ax: out and width are those of its figure"):
         plot(sweep, "diagram", ax=right, width="8 cm")
+
+
+def test_the_command_and_the_docstring_offer_every_kind():
+    (offered,) = (
+        one.settings["choices"] for one in OF_PLOT if "--kind" in getattr(one, "names", ())
+    )
+    told = re.search(r"kind : \{(.*)\}", plot.__doc__)[1]
+    assert [*live.KINDS] == [*offered] == re.findall(r'"(\w+)"', told)
 
 
 def test_ramp_shows_the_course_of_the_point_nearest_to_the_transition():
