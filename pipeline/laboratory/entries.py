@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from pipeline.laboratory.format import LOG
 from pipeline.laboratory.logs import read_log
 from pipeline.scene.compounds import Table
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import LOG, TEST, TRANSITION
+from pipeline.scene.format import TEST, TRANSITION
 from pipeline.scene.headings import numbered
 from tribo import InputError
 

@@ -14,9 +14,10 @@ import numpy as np
 
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import Fault
-from pipeline.scene.format import OUTCOMES, TEST
+from pipeline.scene.format import TEST
 from pipeline.scene.headings import UNITS, Row, Sheet, listed_faults, read_sheet
 from pipeline.scene.units import UnitError, to_si
+from pipeline.sweep.about import OUTCOMES
 from tribo.types import Array
 
 _MILD = (

@@ -162,7 +162,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
 
 def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Sweep:
     """The sweep with a row of its table of variants for each place; raises at a faulty one."""
-    if reading.tables["sweep"]["samples"]:
+    if reading.tables["sweep"].get("samples"):
         raise InputError(
             "sweep.along: its rows have their own loads and velocities, as samples have; leave out "
             "sweep.along or sweep.samples"

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
-from typing import Any, NamedTuple, get_type_hints
+from typing import Any, get_type_hints
 
 from pipeline.scene.faults import Faults, did_you_mean, joined, quoted
 from pipeline.scene.kinds import Kind, OneOf, Quantity, UnfitError, Whole, kind_of, require
@@ -131,7 +131,7 @@ class Either(Kind):
             return next(itertools.compress(others, fits), usual)
         tables = [other for other in others if isinstance(other, Table)]
         keys = value.keys() - usual.keys.keys() if isinstance(value, dict) else set[str]()
-        best = max(tables, key=lambda table: len(keys & table.keys.keys()))
+        best = max(tables, key=lambda table: len(keys & table.keys.keys()), default=usual)
         return best if keys & best.keys.keys() else usual
 
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
@@ -192,42 +192,6 @@ class Tables(Kind):
         }
 
 
-class Shape(NamedTuple):
-    """Distribution of an input as a file gives it; it may vary from part to part."""
-
-    form: str
-    parameters: tuple[Any, ...]
-    varies: bool
-    correlated: Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class Distribution(Kind):
-    """A table of one of several forms, whose last keys are those of all forms; or a list."""
-
-    forms: tuple[Table, ...]
-    listed: Kind
-
-    def __str__(self) -> str:
-        pairs = [" and ".join(table.needed) for table in self.forms]
-        return f"a table with {', or '.join(pairs)}; or {self.listed}"
-
-    def _read(self, value: Any, place: str, faults: Faults) -> Shape | None:
-        if isinstance(value, list):
-            items = self.listed.read(value, place, faults)
-            return items and Shape("list", items, False, {})
-        keys = set(value) if isinstance(value, dict) else set()
-        fits = (table for table in self.forms if set(table.needed) <= keys <= set(table.keys))
-        table = next(fits, None)
-        if table is None:
-            words = f"a table with {', '.join(value)}" if isinstance(value, dict) else quoted(value)
-            raise UnfitError(f"{words} is not a distribution")
-        *parameters, varies, correlated = table._read(value, place, faults).values()
-        if None in (varies, correlated, *parameters):
-            return None
-        return Shape(table.form, tuple(parameters), varies, correlated)
-
-
 @dataclass(frozen=True)
 class ByPath(Kind):
     """Values of one kind by the paths of entries, in quotes or as tables in tables."""
@@ -248,8 +212,7 @@ class ByPath(Kind):
 
     def leaves(self, value: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         """Paths of entries, and what stands at each in the file."""
-        forms = self.of.forms if isinstance(self.of, Distribution) else ()
-        return flat(value, "", {key for table in forms for key in table.keys})
+        return flat(value, "", self.of.leaf_keys)
 
 
 def flat(

@@ -34,7 +34,7 @@ Extend = Callable[[Sweep, Reading], Sweep]
 _NAMES = {
     "over": ("sweep.over",),
     "along": ("sweep.along", "sweep.around"),
-    "uncertain": ("unknown", "sweep.samples"),
+    "uncertain": ("unknown", "sweep.samples", "sweep.sample_seed"),
     "laboratory": ("measured", "tested"),
 }
 """Modules and extras in the order in which they are asked, and the entries that name them."""

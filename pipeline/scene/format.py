@@ -7,9 +7,9 @@ from dataclasses import fields
 from typing import Any, get_type_hints
 
 import tribo
+from pipeline import extras
 from pipeline.scene.compounds import (
     ByPath,
-    Distribution,
     Either,
     Entry,
     List,
@@ -32,7 +32,8 @@ from pipeline.scene.kinds import (
     Whole,
     kind_of,
 )
-from pipeline.sweep.limits import MOST_SAMPLES, MOST_SCENES
+from pipeline.sweep.about import OUTCOMES
+from pipeline.sweep.limits import MOST_SCENES
 from tribo.simulation.pins import sizes_of
 
 USUAL_PRESET = "standard"
@@ -65,6 +66,22 @@ FRICTION = Number(at_least=0)
 SEED = Whole(at_least=0)
 NAME = Either(Text(), Whole(at_least=0), when=lambda value: isinstance(value, int))
 LATER = "Acts after the simulation."
+
+
+def _brought_entries(table: str = "") -> dict[str, Entry]:
+    """Entries of a table that extras bring, each as ``ENTRIES`` of its module ``format``."""
+    return {
+        path.removeprefix(table): entry
+        for brought in extras.modules("format")
+        for path, entry in brought.ENTRIES.items()
+        if path.rpartition(".")[0] == table.rstrip(".")
+    }
+
+
+def _brought_forms(key: str) -> list[Table]:
+    """Further forms of a test that extras bring, each as ``FORMS`` of its module ``format``."""
+    return [brought.FORMS[key] for brought in extras.modules("format") if key in brought.FORMS]
+
 
 # fmt: off
 MATERIAL = Table({
@@ -390,10 +407,7 @@ SWEEP = Table({
     "realizations": Optional(
         Either(Whole(at_least=1, at_most=MOST_SCENES), List(SEED, distinct=True)),
         "Random surfaces: their number, counted from the seed on, or a list of seeds."),
-    "samples": Optional(Whole(at_least=1, at_most=MOST_SAMPLES),
-        "Number of samples of the `unknown` inputs, each at its own velocity. `irg check` says if "
-        "fewer are drawn because more would share their contacts."),
-    "sample_seed": Optional(SEED, "Seed of the samples.", default=0),
+    **_brought_entries("sweep."),
     "over": Optional(ByPath(List(Scalar(), distinct=True), "paths of other entries"),
         'Entries with several values, such as `over = { "pin.radius" = ["1 mm", "2 mm"] }`. The '
         "plane is computed for each combination of values.",
@@ -416,21 +430,6 @@ SWEEP = Table({
         'contacts of its own, else "end".'),
 })
 
-_ALWAYS = {
-    "varies": Optional(Flag(), default=False),
-    "correlated": Optional(ByPath(Number(above=-1, below=1), "paths of other inputs"), default={}),
-}
-UNKNOWN = ByPath(Distribution(
-    forms=(
-        Table({"mean": Entry(Scalar()), "sd": Entry(Scalar()), **_ALWAYS}, "normal"),
-        Table({"median": Entry(Scalar()), "factor": Entry(Number(above=1)), **_ALWAYS},
-            "log-normal"),
-        Table({"from": Entry(Scalar()), "to": Entry(Scalar()), **_ALWAYS}, "uniform"),
-    ),
-    listed=List(Scalar(), distinct=True),  # each as likely
-), "paths of entries")
-
-OUTCOMES = ("mild", "severe")
 _LOAD = "Normal load on the pin."
 _VELOCITY = "Sliding velocity."
 _TEST = {
@@ -475,26 +474,6 @@ STAGES = Table({
     "severe_at": Optional(Scalar(),
         "Severe stage of a run; give it alone if it was the first stage.", example="450 N"),
 }, form="run by stages")
-LOG = Table({
-    "file": Entry(Text(),
-        "Log with a row for each test, CSV or Excel, with columns such as `load [N]`; relative to "
-        "the folder of the scene. `irg tests LOG` prints these lines."),
-    "columns": Optional(ByPath(Text(), "entries of a test"),
-        "Heading of the column of an entry, if it is not recognized.",
-        example={"load": "Kraft / N"}),
-    "words": Optional(ByPath(OneOf(OUTCOMES), "words of the log"),
-        "Outcome that a word of the log means.", example={"Fresser": "severe"}),
-    "where": Optional(ByPath(Scalar(), "headings of the log"),
-        "Rows to take: those with this value in a column, such as the name of one oil.",
-        example={"oil": "FVA 3"}),
-    "given": Optional(ByPath(Scalar(), "quantities"),
-        "Quantities that the log does not say, the same in each row.",
-        example={"stroke": "1 mm"}),
-    "sheet": Optional(Text(), "Sheet of a workbook; by default the first."),
-    "decimal": Optional(OneOf((".", ",")),
-        "Decimal mark; by default a comma if the file has semicolons or tabs and any comma."),
-}, form="log")
-
 FORMAT = Table({
     "extends": Optional(Text(),
         "Another scene, whose entries hold where this file gives none: a shipped name, or a path "
@@ -533,18 +512,11 @@ FORMAT = Table({
         'Numerical choices: a preset, and choices that replace its own. Without the table the '
         'preset is "standard".'),
     "sweep": Entry(SWEEP, "The points of the load–velocity plane to compute."),
-    "unknown": Optional(UNKNOWN,
-        "Inputs that are not known exactly, by their paths. A table is normal (mean and standard "
-        "deviation), log-normal (median, and the factor within which two thirds lie) or uniform; a "
-        "list has equally likely values. `--set`, or an entry of a scene that extends this one, "
-        "fixes an input. `correlated` gives correlations with other inputs, between normal scores: "
-        "values of normal inputs, logarithms of log-normal ones. `varies = true`: it differs "
-        "from part to part, so that no test narrows it; a seed always does.",
-        example={"temperature.critical": {"mean": "145 degC", "sd": "8 K"}}),
-    "measured": Optional(List(Either(TRANSITION, LOG)),
+    **_brought_entries(),
+    "measured": Optional(List(Either(TRANSITION, *_brought_forms("measured"))),
         "Measured transitions, a table for each: for the diagram, for `irg infer`, and for the "
         "model's own error.", default=()),
-    "tested": Optional(List(Either(TEST, LOG, STAGES)),
+    "tested": Optional(List(Either(TEST, *_brought_forms("tested"), STAGES)),
         "Tests that stayed mild or turned severe: a table for each, a run by its stages, or a log; "
         "for `irg infer` with samples, and for the model's own error.", default=()),
 })

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, get_args, get_origin
@@ -32,6 +33,11 @@ class Kind(ABC):
     """Values allowed at one place of a file, and the words that say which."""
 
     words: ClassVar[str] = ""
+
+    @property
+    def leaf_keys(self) -> Collection[str]:
+        """Keys of a table that is one value, rather than a table of further paths."""
+        return ()
 
     def __str__(self) -> str:
         return self.words

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import tribo
-from pipeline.scene.compounds import Either, Entry, List, Optional, Range, Table, Tables
+from pipeline.scene.compounds import ByPath, Either, Entry, List, Optional, Range, Table, Tables
 from pipeline.scene.document import as_toml
 from pipeline.scene.faults import did_you_mean, entry_at
-from pipeline.scene.format import LATER, SCENE, UNKNOWN
+from pipeline.scene.format import LATER, SCENE
 from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError
@@ -262,7 +262,8 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
             mark, value = "#", example(entry, default)
             if key in (values or {}):
                 mark, value = "", values[key]
-            elif entry.kind is UNKNOWN:  # an entry of it, since all are long
+            elif isinstance(entry.kind, ByPath) and entry.kind.of.leaf_keys:
+                # One of its entries, since all are long.
                 ((inner, value),) = value.items()
                 key = f"{key}.{inner}"
             other = "" if form in ("", section.form_of(values or {})) else f" ({form})"

@@ -15,6 +15,9 @@ from tribo import MeasuredRoughness, Oil, Ramp, Scene, SelfAffineRoughness, Wear
 from tribo.simulation import PointWarning
 from tribo.types import Array
 
+OUTCOMES = ("mild", "severe")
+"""Outcomes of a test; a transition has none."""
+
 
 @dataclass(frozen=True, slots=True)
 class Measurement:

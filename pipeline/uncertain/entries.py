@@ -13,11 +13,10 @@ from typing import Any
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.scene.compounds import Shape, flat
+from pipeline.scene.compounds import flat
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Make, Reading
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
-from pipeline.scene.format import UNKNOWN
 from pipeline.scene.kinds import Rounded
 from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
 from pipeline.sweep.limits import MOST_INPUTS
@@ -33,6 +32,7 @@ from pipeline.sweep.samples import (
 )
 from pipeline.sweep.unknown import Fixed, Form, Unit, Unknown, correlations, first_unfit, without
 from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
+from pipeline.uncertain.format import UNKNOWN, Shape
 from tribo import InputError, Material, Scene, Wear
 from tribo.simulation import inseparable
 

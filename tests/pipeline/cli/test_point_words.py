@@ -9,6 +9,7 @@ import pytest
 from pipeline.analysis.rise_error import RiseError
 from pipeline.cli.points import _point_lines
 from pipeline.sweep.model import Point
+from pipeline.sweep.remarks import Remark
 from pipeline.sweep.severity import MOLTEN
 from tests.helpers import tiny
 from tribo import Corrections, Friction
@@ -56,7 +57,7 @@ def test_a_point_has_its_verdict_what_decides_it_and_its_probability():
          ["note: area and pressure depend on the elements, here 2 × 2 pixels; on larger ones more "
           "of the surface touches, at lower pressure"]),
         ({"elements": (16, 8), "sweep": tiny.sweep(roughness=None)}, []),
-        ({"sweep": tiny.sweep(notes=("a note of the scene",))}, ["note: a note of the scene"]),
+        ({"sweep": tiny.sweep(notes=(Remark("pin", "note", "new"),))}, ["note: pin: new"]),
         ({"warnings": [("few nodes", "few touch")], "molten": True, "not_counted": "the film"},
          ["warning: few touch", f"warning: {MOLTEN}", "warning: the film"]),
     ],

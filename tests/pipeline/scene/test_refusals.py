@@ -202,8 +202,6 @@ ENTRIES = {
     "own law": (lambda: scene((WEAR, '[wear]\nlaw = "mine:Own"\n')), 'wear.law: "mine:Own"'),
     "code": (code, "code runs only if you say so"),
     "track": (entry("disk.diameter", "0.5 mm", **{"disk.width": "9 mm"}), "disk.diameter: "),
-    "distribution": (entry("unknown", {"friction.coefficient": 0.1}),
-                     "0.1 is not a distribution"),
     "height unit": (lambda: measured((480, 480), **{"disk.roughness.height_unit": "parsnip"}),
                     '"parsnip" is not '),
     # several values of an entry

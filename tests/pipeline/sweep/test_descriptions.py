@@ -13,6 +13,7 @@ from pipeline.sweep import stages
 from pipeline.sweep.about import Measurement, judged_by, oils_of, own_tests, plane_rows, point_rows
 from pipeline.sweep.conditions import celsius_text
 from pipeline.sweep.plan import run_point
+from pipeline.sweep.remarks import Remark
 from pipeline.sweep.selection import Selection, Trial
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, duration
@@ -310,7 +311,8 @@ def test_slopes_are_taken_along_sliding_and_notes_on_a_scan_are_added():
     wave = 1e-7 * np.cos(2 * np.pi * place / 64) * np.ones((1, 32))
     waved = tribo.MeasuredRoughness(wave)
     pixels = tribo.Grid((64, 32), (13e-6, 15e-6))
-    sweep = tiny.sweep(roughness=waved, pixels=pixels, notes=("disk.roughness: cut", "wear: no"))
+    notes = Remark("disk.roughness", "note", "cut"), Remark("wear", "note", "no")
+    sweep = tiny.sweep(roughness=waved, pixels=pixels, notes=notes)
     slope = surface_facts(sweep).slope
     assert slope == pytest.approx(2 * np.pi * 1e-7 / (64 * 13e-6) / 2**0.5, rel=0.01)
     assert surface_words(sweep) == f"{surface_facts(sweep).words}; disk.roughness: cut"

@@ -177,6 +177,7 @@ def joint(other, *more, inner=""):
 REFUSALS = {
     # the scene
     "all known": (scene(), "sweep.samples: 8 does not fit a scene in which all is known"),
+    "form": (scene('"friction.coefficient" = 0.1'), "0.1 is not a distribution"),
     "bulks": (scene(RATES, overrides=TWO_BULKS), "two temperatures do not go with [unknown]"),
     "many": (many, "inputs are unknown; give"),
     "surfaces": (

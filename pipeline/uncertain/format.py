@@ -1,0 +1,87 @@
+"""Entries of a scene on inputs that are not known exactly, and how a distribution is given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from pipeline.scene.compounds import ByPath, Entry, List, Optional, Table
+from pipeline.scene.faults import Faults, quoted
+from pipeline.scene.kinds import Flag, Kind, Number, Scalar, UnfitError, Whole
+from pipeline.sweep.limits import MOST_SAMPLES
+
+
+class Shape(NamedTuple):
+    """Distribution of an input as a file gives it; it may vary from part to part."""
+
+    form: str
+    parameters: tuple[Any, ...]
+    varies: bool
+    correlated: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Distribution(Kind):
+    """A table of one of several forms, whose last keys are those of all forms; or a list."""
+
+    forms: tuple[Table, ...]
+    listed: Kind
+
+    @property
+    def leaf_keys(self) -> set[str]:
+        """Keys of all forms."""
+        return {key for table in self.forms for key in table.keys}
+
+    def __str__(self) -> str:
+        pairs = [" and ".join(table.needed) for table in self.forms]
+        return f"a table with {', or '.join(pairs)}; or {self.listed}"
+
+    def _read(self, value: Any, place: str, faults: Faults) -> Shape | None:
+        if isinstance(value, list):
+            items = self.listed.read(value, place, faults)
+            return items and Shape("list", items, False, {})
+        keys = set(value) if isinstance(value, dict) else set()
+        fits = (table for table in self.forms if set(table.needed) <= keys <= set(table.keys))
+        table = next(fits, None)
+        if table is None:
+            words = f"a table with {', '.join(value)}" if isinstance(value, dict) else quoted(value)
+            raise UnfitError(f"{words} is not a distribution")
+        *parameters, varies, correlated = table._read(value, place, faults).values()
+        if None in (varies, correlated, *parameters):
+            return None
+        return Shape(table.form, tuple(parameters), varies, correlated)
+
+
+# fmt: off
+_ALWAYS = {
+    "varies": Optional(Flag(), default=False),
+    "correlated": Optional(ByPath(Number(above=-1, below=1), "paths of other inputs"), default={}),
+}
+UNKNOWN = ByPath(Distribution(
+    forms=(
+        Table({"mean": Entry(Scalar()), "sd": Entry(Scalar()), **_ALWAYS}, "normal"),
+        Table({"median": Entry(Scalar()), "factor": Entry(Number(above=1)), **_ALWAYS},
+            "log-normal"),
+        Table({"from": Entry(Scalar()), "to": Entry(Scalar()), **_ALWAYS}, "uniform"),
+    ),
+    listed=List(Scalar(), distinct=True),  # each as likely
+), "paths of entries")
+
+ENTRIES: dict[str, Entry] = {
+    "unknown": Optional(UNKNOWN,
+        "Inputs that are not known exactly, by their paths. A table is normal (mean and standard "
+        "deviation), log-normal (median, and the factor within which two thirds lie) or uniform; a "
+        "list has equally likely values. `--set`, or an entry of a scene that extends this one, "
+        "fixes an input. `correlated` gives correlations with other inputs, between normal scores: "
+        "values of normal inputs, logarithms of log-normal ones. `varies = true`: it differs "
+        "from part to part, so that no test narrows it; a seed always does.",
+        example={"temperature.critical": {"mean": "145 degC", "sd": "8 K"}}),
+    "sweep.samples": Optional(Whole(at_least=1, at_most=MOST_SAMPLES),
+        "Number of samples of the `unknown` inputs, each at its own velocity. `irg check` says if "
+        "fewer are drawn because more would share their contacts."),
+    "sweep.sample_seed": Optional(Whole(at_least=0), "Seed of the samples.", default=0),
+}
+"""By their paths."""
+FORMS: dict[str, Table] = {}
+# fmt: on
