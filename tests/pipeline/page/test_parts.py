@@ -321,6 +321,7 @@ def test_tests_have_their_nearest_node_and_lie_inside_or_not():
     [
         (4, 7, 1, (10, 10)),
         (11, 61, 1, (1, 3)),
+        (8, 14, 1, (5, 5)),  # not evenly: more places, never fewer
         (31, 16, 1, (4, 1)),
         (32, 62, 1, (1, 1)),
         (1, 2, 1, (60, 30)),
