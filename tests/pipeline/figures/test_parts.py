@@ -483,7 +483,7 @@ def test_tests_are_in_the_figure_up_to_half_its_range_beyond_the_sweep(narrow, t
         )
 
 
-@pytest.mark.parametrize(("own", "is_other"), [(299.15, False), (299.25, True), (297.0, True)])
+@pytest.mark.parametrize(("own", "is_other"), [(299.15, False), (299.19, True), (297.0, True)])
 def test_tests_at_another_bulk_temperature_are_faint_and_have_it_beside_them(own, is_other):
     axes = Figure().add_subplot()
     tests = [Measurement(400.0, 2.0, bulk_temperature=own), Measurement(300.0, 1.0)]
@@ -634,6 +634,14 @@ def test_values_stand_beside_their_bars_up_to_twenty_letters(letters, is_beside)
     assert (value in beside, value in name) == (is_beside, not is_beside)
     assert ("−50 %" in beside) == (not is_beside)
     assert "none" in beside
+
+
+@pytest.mark.parametrize(
+    ("critical", "ends"), [((2.2, 1.2), (-0.09, 0.29)), ((1.8, 0.8), (-0.29, 0.09))]
+)
+def test_bars_to_one_side_begin_at_no_change(critical, ends):
+    axes = bars([Variation("pin.radius", "3 mm", critical, ("crosses",) * 2)])
+    assert axes.get_xlim() == pytest.approx(ends)  # and 45 % of the longest for words
 
 
 def test_where_nothing_moves_there_is_room_for_a_percent_on_either_side():
