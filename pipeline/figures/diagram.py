@@ -194,8 +194,8 @@ def _regions(axes: Axes, plane: xr.DataArray, limit: float) -> None:
     if plane.notnull().any():
         low, high = float(plane.min()), float(plane.max())
         levels = [low - 2, float(np.clip(limit, low - 1, high + 1)), high + 2]
-        tints = [TINTS["mild"], TINTS["severe"]]
-        _filled(axes, plane, levels, tints, "regions", zorder=0)  # below the grid
+        # Below the grid.
+        _filled(axes, plane, levels, [TINTS["mild"], TINTS["severe"]], "regions", zorder=0)
 
 
 def _filled(
@@ -234,8 +234,7 @@ def _band(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
         return []
     inside = (high - 1).clip(max=1 - low)
     # Beyond 1 there is none: no rise is below 0.
-    fill, alpha = style.BAND["fc"], style.BAND["alpha"]
-    _filled(axes, inside, [0.0, 2.0], [fill], "friction band", alpha=alpha)
+    _filled(axes, inside, [0.0, 2.0], [TINTS["band"]], "friction band", alpha=style.BAND["alpha"])
     for edge in (low, high):
         isoline(axes, edge, 1.0, "band edge", GREY, lw=style.THIN, ls="--")
     text = f"transition at friction {min(band):g}–{max(band):g}"

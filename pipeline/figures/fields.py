@@ -110,7 +110,6 @@ def point_name(ds: xr.Dataset, point: Spot) -> str:
 
 _COLOURS = "viridis_r", "inferno_r", "cividis_r"  # of which each is darker where there is more
 _BAR = 0.12  # [inch] of a bar of colours, and of the gap below it
-_TICKS = 5  # at most, that have room below a panel
 _HIGHEST_STACKED = 2.6  # [inch] of each of three panels, which fit a page at a column's width
 
 
@@ -176,13 +175,12 @@ def _contact(ds: xr.Dataset, point: Spot, conditions: Conditions, stacked: bool)
         image = axes.pcolormesh(x, y, field.T, cmap=colours, vmin=low, rasterized=True)
         axes.set_aspect("equal" if is_equal else "auto")
         axes.grid(visible=False)
-        axes.locator_params(axis="x", nbins=_TICKS)
         if not stacked or axes is row[-1]:
             axes.set_xlabel("x, along sliding [µm]")
         figure.colorbar(
             image, cax=axes.inset_axes((0, 1 + _BAR / room, 1, _BAR / room)), label=label,
             location="top",
-        ).ax.locator_params(axis="x", nbins=_TICKS)  # fmt: skip
+        )  # fmt: skip
     for axes in row if stacked else row[:1]:
         if len(ds["y"]) > 1:
             axes.set_ylabel("y [µm]")

@@ -29,7 +29,6 @@ from tribo.types import Array, Mask
 
 _REACH = 1.5  # times the ends of the sweep, beyond which a test would shrink the figure
 _SAME_BULK = 1.0  # [K] between bulk temperatures
-_RESOLUTION = 60
 Place = tuple[float, float]
 _LEVELS = (
     (BOUNDARY, "mixed", ":"),
@@ -44,7 +43,7 @@ def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     if lubrication is None:
         return []
     ends = {name: ds[name].values[[0, -1]].tolist() for name in PLANE}
-    places = {name: np.linspace(low, high, _RESOLUTION) for name, (low, high) in ends.items()}
+    places = {name: np.linspace(low, high) for name, (low, high) in ends.items()}
     loads, velocities = np.meshgrid(places["load"], places["velocity"], indexing="ij")
     films = lubrication.film_parameter(loads, velocities, conditions.mean_bulk_temperature)
     film = xr.DataArray(films, places, PLANE)

@@ -32,6 +32,7 @@ from tribo.types import Array
 
 _DASHED: dict[str, Any] = {"ls": "--", "marker": "^"}
 _SOLID: dict[str, Any] = {"ls": "-", "marker": "o"}
+_TALL = 8.0, 8.4  # [in], of three panels
 _COARSE_RAMP = "\nmarks: end of the ramp, on smaller elements than the lines"
 
 
@@ -55,7 +56,7 @@ def ramp(
 
     volume = ds["wear_volume"].values
     is_worn = show is None and any(np.nanmax(volume[point]) > 0 for point in points)
-    figure = style.Picture(figsize=(7.2, 7.8 if is_worn else 5.8))
+    figure = style.Picture(figsize=_TALL if is_worn else None)
     ratios = (1.4, 1, 1) if is_worn else (1.4, 1)
     temperature, contact, *wear = figure.subplots(len(ratios), sharex=True, height_ratios=ratios)
     _temperatures(temperature, ds, points, conditions)
@@ -201,7 +202,7 @@ def temperature(
     conditions = read_conditions(ds)
     row = ds.isel(load=indices_of(ds, "load", load) or [-1])
     velocities, load_here = row["velocity"].values, float(row["load"][0])
-    figure, axes = style.canvas(ax, (7.2, 5.0))
+    figure, axes = style.canvas(ax)
     highest = replace(conditions, criterion="highest")
     curves = [(highest, "highest", _DASHED)]
     if conditions.decisive.temperature != highest.decisive.temperature:

@@ -46,7 +46,7 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
                 found.append((test, one))
     if not found:
         raise InputError("no test of the scene is in the sweep; add loads and velocities to it")
-    figure, axes = style.canvas(ax, (6.6, 6.4))
+    figure, axes = style.canvas(ax)
     places = np.array([(one.critical, test.velocity) for test, one in found])
     ends = places.min() / _ROOM, places.max() * _ROOM
     scatter = model_error(ds, field)

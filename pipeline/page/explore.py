@@ -139,7 +139,7 @@ def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: Sequ
 
 def _plane_scene(held: dict[str, Any]) -> str:
     """A scene of loads and velocities."""
-    surfaces = len(held["surfaces"] or [0])
+    surfaces = len(held["surfaces"] or [None])
     several = f", {surfaces} surfaces" if held["surfaces"] else ""
     sizes = f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}"
     tests, agreement = held.pop("tests"), held.pop("agreement")

@@ -175,6 +175,9 @@ def test_the_load_above_a_ramp_belongs_to_its_time():
     legend = axes.figure.legends[0]
     assert labels(legend) == ["400 N, 2 m/s", "600 N, 2 m/s"]
     assert axes.get_xlim()[1] == pytest.approx(1.01 * 600.0 / synthetic.RATE)
+    axes.set_xlim(0.1, 2.0)  # from before the first step, at 0.25 s
+    axes.figure.draw_without_rendering()
+    assert top.get_xlim() == pytest.approx((0.1 * synthetic.RATE, 2.0 * synthetic.RATE))
 
 
 def test_wear_of_a_ramp_is_drawn_in_the_units_of_its_axes():

@@ -376,7 +376,12 @@ def test_a_name_stands_in_the_middle_of_the_widest_room_of_a_row():
     narrow[:, 20:28] = True  # 8 % of the width
     assert _roomiest(narrow, x, y, rows, [], size) is None
     assert _roomiest(narrow, x, y, rows, [], (0.05, 0.1)) is not None
+    for columns, has_room in ((17, False), (23, True)):  # of 20, half on either side
+        middle = np.zeros((51, 101), bool)
+        middle[:, 20 : 20 + columns] = True
+        assert (_roomiest(middle, x, y, rows, [], size) is not None) == has_room
     low = np.zeros((51, 101), bool)
     low[13:18, 20:81] = True
     assert _roomiest(low, x, y, rows, [], (0.2, 0.02))[1] == pytest.approx(0.3)
-    assert _roomiest(low, x, y, rows, [], (0.2, 0.2)) is None
+    for height, has_room in ((0.11, True), (0.13, False)):  # of five rows, 0.02 apart
+        assert (_roomiest(low, x, y, rows, [], (0.2, height)) is not None) == has_room

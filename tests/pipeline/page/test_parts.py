@@ -309,6 +309,7 @@ def test_tests_have_their_nearest_node_and_lie_inside_or_not():
     [
         (4, 7, 1, (10, 10)),
         (11, 61, 1, (1, 3)),
+        (8, 14, 1, (5, 5)),  # not evenly: more places, never fewer
         (31, 16, 1, (4, 1)),
         (32, 62, 1, (1, 1)),
         (1, 2, 1, (60, 30)),
@@ -354,6 +355,8 @@ def test_nodes_are_computed_interpolated_beyond_one_row_or_beyond_both():
     assert state[0].tolist() == [4, 1, 2, 1, 2, 1, 2, 1, 4]
     assert state[1].tolist() == [4, 3, 3, 2, 2, 2, 3, 3, 4]
     assert state[2].tolist() == [4, 4, 4, 1, 2, 1, 4, 4, 4]
+    several = states(np.stack([done[::-1], done, done]), (2, 2), places)
+    assert several.tolist() == [state[::-1].tolist(), state.tolist(), state.tolist()]
     nothing = states(np.array([[True, True], [False, False]]), (2, 1), np.arange(2))
     assert nothing.tolist() == [[1, 1], [4, 4], [4, 4]]
 
@@ -543,6 +546,20 @@ def test_a_line_at_a_velocity_has_its_own_points_alone_where_one_is_missing(miss
     assert (plane == 1).sum() == 8
     assert {*plane[:, 0]} == {*plane[:, -1]} == {4}
     assert plane[20, node] == 3  # between a row that is done there and one that is not
+
+
+def test_of_several_surfaces_each_has_a_line_where_its_own_points_are_missing(missing):
+    ds, alone = missing
+    both = xr.concat([sparse(), ds], xr.Variable("realization", [3, 4]), combine_attrs="override")
+    held = content(both)
+    shares, nodes = len(held["shares"]), len(alone["state"]) - 31
+    ((name, _),) = alone["columns"].items()
+    assert held["columns"] == {name.replace("0 ", "1 "): 2 * nodes}
+    assert held["missing"] == [0, 1]
+    own, plane = (floats(one["plane"]).reshape(-1, shares) for one in (alone, held))
+    np.testing.assert_array_equal(plane[2 * nodes :], own[nodes:])  # the line
+    np.testing.assert_array_equal(plane[nodes : 2 * nodes], own[:nodes])
+    assert held["state"][nodes:] == alone["state"]
 
 
 def test_the_error_at_a_node_is_that_of_a_margin_there(missing):
