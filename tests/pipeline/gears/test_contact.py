@@ -105,6 +105,7 @@ def test_a_wide_helical_pair_has_a_mean_load_on_lines_that_lean():
     assert toothing.overlap_ratio > 1
     for place in mesh.places:
         assert place.share == pytest.approx(1 / toothing.contact_ratio)
+        assert place.rolling_1 - place.rolling_2 == pytest.approx(place.sliding, abs=1e-9)
         # All lines of contact together are εα b/cos βb long in the mean, and carry all.
         lines = toothing.contact_ratio * 60e-3 / math.cos(toothing.base_helix_angle)
         assert place.load_per_length * lines == pytest.approx(mesh.normal_load)

@@ -192,6 +192,7 @@ def test_discs_slide_at_the_difference_of_their_speeds(tmp_path):
     ("text", "asked"),
     [
         (FZG, 'does not say velocity; give --given "velocity=... m/s"'),
+        ("Kraftstufe;Result\n9;ok\n", "does not say velocity; give"),
         (SRV_PASSED, 'does not say stroke; give --given "stroke=... mm"'),
         (LOADS, 'does not say speed; give --given "speed=... rpm"'),
         ("Four-ball,LNSL [kgf],Speed [rpm]\na,80,1760\n", 'seized; give --given "seized=... N"'),

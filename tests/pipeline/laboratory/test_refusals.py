@@ -219,6 +219,7 @@ REFUSALS = {
     "endless": (endless, "more than 1 GiB; crop or average"),
     # plain arrays
     "no file": (lambda: read_surface("a.npy", 1.0), "a.npy: cannot be read"),
+    "no length": (array(np.eye(20), unit=0.0), "unit"),
     "npz": (plain(saved(np.savez, heights=np.ones((2, 2)))), "begin as NumPy"),
     "npy text": (plain(saved(np.save, arr=np.array([["a"]]))), "real numbers"),
     "npy vast": (plain(header("(10000000, 10000000)")), "more than there is memory"),
@@ -251,6 +252,7 @@ REFUSALS = {
     "holes": (measured(HOLED), "disk.roughness.missing: 76800 of 230400 heights (33 %) are missing,"
               " the first at x 0, y 0 (counted from 0)"),
     "pixels": (pixels_of_another_size, "the pixels of disk.roughness.file are"),
+    "crop of y": (measured(np.eye(490), "crop = [0, 100]\n"), "from 0, 100 on reaches beyond"),
     "crop": (measured(np.eye(490), "crop = [100, 0]\n"), "reaches beyond the surface of 490 × 490"),
     # tables
     "sheet": (rows_of("log.csv", sheet="one"), 'has no sheets, so none called "one"'),

@@ -210,6 +210,18 @@ def test_a_given_quantity_that_cannot_be_read_is_named(tmp_path, stroke):
     assert faults(tmp_path, STROKES, stroke=stroke) == [said]
 
 
+def test_all_quantities_that_are_given_wrongly_are_named(tmp_path):
+    found = faults(tmp_path, STROKES, warmth="9", stroke="abc", hub="1 mm")
+    names = ("given.warmth: no such", 'given.stroke: "abc" is no', "given.hub: no such")
+    assert [one.startswith(name) for one, name in zip(found, names, strict=True)] == [True] * 3
+
+
+def test_two_letters_without_a_unit_are_no_load(tmp_path):
+    text = "SRV\nFn,Frequency [Hz],Stroke [mm],Result\n100,50,1,ok\n"
+    assert "does not say load; give" in faults(tmp_path, text)[-1]
+    assert contacts(tmp_path, text.replace("Fn", "Fn [N]")) == [(100, 0.1)]
+
+
 def test_a_lever_may_be_a_ratio(tmp_path):
     text = "Timken\nLoad [lb],Result\n40,ok\n"
     assert contacts(tmp_path, text, lever="10:1") == [(1779.29, 2.06194)]
