@@ -45,6 +45,7 @@ def test_run_again_has_nothing_left_to_do(scene, store, irg):
     document = irg("run", scene, "-o", store, "--json")
     assert (document["points"], document["done"], document["computed"]) == (9, 9, 0)
     assert document["failed"] == []
+    assert f"next: irg boundary {store}, irg plot {store}\n" in irg("run", scene, "-o", store)
 
 
 def test_points_that_fail_are_listed_and_the_others_are_done(tmp_path, irg):

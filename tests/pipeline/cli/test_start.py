@@ -19,7 +19,9 @@ from tests.helpers.scenes import SCENE
 
 def test_the_version_is_that_of_the_package(irg):
     assert irg("--version") == f"irg {version('irg-transition')}\n"
-    assert irg(code=2).endswith("irg: give a command\n")
+    said = irg(code=2)
+    assert said.endswith("irg: give a command\n")
+    assert "\nwhat everybody needs:\n" in said
 
 
 def test_files_beside_a_scene_are_not_taken_for_packages(tmp_path):
