@@ -77,7 +77,7 @@ def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
     basis = "; ".join([basis, *map(str, ensemble.fixed)])
     axes.set_title(f"{style.as_text(ensemble.title)}\n{basis}", wrap=True)
     title = f"{_conditions(ensemble)}\nthe model's own error: {scatter.worded}"
-    style.legend_below(figure, None, ncols=2, title=title, title_fontsize=9.5)
+    style.legend_below(figure, None, ncols=2, title=title)
     return figure
 
 
@@ -120,7 +120,7 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
     figure.suptitle(style.as_text(title), wrap=True)
     bars = "bar: first index, with its 90 % interval" + ("; tick: total index" if has_total else "")
     title = f"{bars}\nload, and spread of the velocity there"
-    style.legend_below(figure, ncols=min(number, 4), title=title, title_fontsize=9.5)
+    style.legend_below(figure, ncols=min(number, 4), title=title)
     return figure
 
 
