@@ -249,6 +249,21 @@ def test_wear_that_is_mild_again_turns_at_each_place_and_the_first_is_critical()
     assert row["outcome"] == "severe from 1.1 to 2.4 m/s"
 
 
+def test_of_several_surfaces_half_turn_between_the_turns_of_each():
+    def sooner(load, velocity, quantile=1.0):
+        return falling(load, 1.1 * velocity, quantile)
+
+    two = 400.0, 500.0
+    one, other = (synthetic.sweep(rise=rise, loads=two) for rise in (falling, sooner))
+    assert "turns_at_load_median" not in boundary(one)
+    crossings = boundary(xr.concat([one, other], "realization", combine_attrs="override"))
+    half = crossings["turns_at_load_median"].sel(load=400.0).dropna("turn").values
+    each = crossings["turns_at_load"].sel(load=400.0).dropna("turn").values
+    assert each == pytest.approx(np.array([[1.1, 2.4], [1.0, 2.4 / 1.1]]), rel=5e-3)
+    assert half == pytest.approx(each.mean(axis=0), rel=1e-6)
+    assert not crossings["begins_severe_at_load_median"].any()
+
+
 def test_the_band_of_errors_is_where_margins_begin_to_decide():
     for ds in (synthetic.sweep(), synthetic.sweep(preset="draft", measured=())):
         crossings = boundary(ds)
