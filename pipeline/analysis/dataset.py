@@ -238,7 +238,7 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
         for name, held in source.variables.items()
         if held.chunks and name not in AT_END
     }
-    return _per_point(ordered(source.assign(lazy)))
+    return _per_point(ordered(source.assign(lazy) if lazy else source))
 
 
 def _require_axis(ds: xr.Dataset, name: str) -> None:

@@ -23,6 +23,7 @@ from pipeline.analysis.rise_error import error_of_point
 from pipeline.analysis.transition import outcomes
 from pipeline.sweep.plan import points
 from tests.helpers import stores as helpers
+from tests.helpers.samples import fewer_draws
 from tests.helpers.scenes import MEASURED
 from tests.helpers.scenes import SCENE as SMALL
 from tests.pipeline.conftest import commit_all
@@ -114,6 +115,13 @@ def stores(tmp_path_factory):
     return made
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _fewer_draws():
+    with pytest.MonkeyPatch.context() as patch:
+        fewer_draws(patch)
+        yield
+
+
 @pytest.fixture(scope="module")
 def answers():
     """Text and JSON of commands that were asked before, which many tests look at."""
@@ -142,8 +150,9 @@ def ask(stores, answers, irg_both):
     return run
 
 
+@functools.cache
 def opened(store):
-    """The dataset of a store, as plain xarray reads it."""
+    """The dataset of a store, as plain xarray reads it, for all tests that look at it."""
     with xr.open_zarr(store, chunks=None) as ds:
         return ds.load()
 
@@ -697,7 +706,7 @@ def test_a_difference_is_that_of_the_two_datasets(stores, irg_both):
     assert (document["entries"]["a"][hold], document["entries"]["b"][hold]) == ("0 s", "2 s")
 
 
-def test_a_page_and_a_report_hold_the_numbers_of_the_dataset(stores, irg, tmp_path):
+def test_a_page_and_a_report_hold_the_numbers_of_the_dataset(ask, stores, irg, tmp_path):
     ds = opened(stores("plane"))
     page = irg("explore", stores("plane"), "-o", tmp_path / "page.html", "--json")
     assert (page["points"], page["points_with_fields"]) == (9, 9)
@@ -711,7 +720,7 @@ def test_a_page_and_a_report_hold_the_numbers_of_the_dataset(stores, irg, tmp_pa
     assert content["conditions"]["critical_temperature"] == 418.15
     irg("report", stores("plane"), "-o", tmp_path / "report.html")
     report = (tmp_path / "report.html").read_text(encoding="utf-8")
-    boundary = irg("boundary", stores("plane"), "--json")
+    boundary, *_ = ask("boundary", "plane")
     for value in filter(None, boundary["critical_velocity"] + boundary["critical_load"]):
         assert f"<td>{value:.4g}</td>" in report
     for temperature in boundary["tests"]["decisive_temperature"]:

@@ -42,7 +42,7 @@ def store(swept):
 
 
 def test_run_again_has_nothing_left_to_do(scene, store, irg):
-    document = irg("run", scene, "-o", store, "--json")
+    document = irg("run", scene, "-o", store, "--json", "--workers", 1)
     assert (document["points"], document["done"], document["computed"]) == (9, 9, 0)
     assert document["failed"] == []
     assert f"next: irg boundary {store}, irg plot {store}\n" in irg("run", scene, "-o", store)
@@ -63,7 +63,7 @@ def test_status_tells_of_points_that_the_scene_no_longer_asks_for(scene, store, 
     assert "9 points: 9 done, 0 failed, 0 pending" in said
     assert "earlier" not in said
     copy = shutil.copytree(store, tmp_path / "small.zarr")
-    irg("run", scene, "--set", 'sweep.loads=["200 N"]', "-o", copy, "-q")
+    irg("run", scene, "--set", 'sweep.loads=["200 N"]', "-o", copy, "-q", "--workers", 1)
     said = irg("status", copy)
     assert "3 points: 3 done" in said
     assert "6 more are done from an earlier run, which asked for them" in said
@@ -107,13 +107,15 @@ def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     assert "the velocity is negative, so the disk slides towards −x" in said
 
 
-def test_a_point_within_its_error_is_not_decided_and_the_next_command_is_named(scene, store, irg):
+def test_a_point_within_its_error_is_not_decided_and_the_next_command_is_named(
+    scene, store, irg, irg_both
+):
     """By the numerical error alone: the model has none of its own here."""
     place = ["point", scene, "--load", "600 N", "--velocity", "2 m/s", "--preset", "draft"]
     place += ["--set", "model.scatter=0"]
     temperature = irg(*place, "--json")["decisive_temperature"]
     critical = f"{temperature + 1:.6g} K"
-    near = irg(*place, "--critical-temperature", critical, "--json")
+    said, near = irg_both(*place, "--critical-temperature", critical)
     assert near["verdict"] == "not decided"
     assert [warning["kind"] for warning in near["warnings"]] == ["few nodes"]
     few = int(WarningKind.FEW_NODES)
@@ -127,7 +129,7 @@ def test_a_point_within_its_error_is_not_decided_and_the_next_command_is_named(s
     assert command.startswith("irg point ")
     assert "--accuracy=1%" in command
     assert "--set=temperature.critical=" in command
-    assert f"not decided; next: {command}" in irg(*place, "--critical-temperature", critical)
+    assert f"not decided; next: {command}" in said
     own = irg(*place, "--set", "increments=7", "--json")
     assert own["selection"]["name"] == "the scene's own fidelity"
     probed = max(own["selection"]["error"], own["selection"]["coarser"])

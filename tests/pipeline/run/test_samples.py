@@ -54,7 +54,7 @@ def test_the_fit_of_samples_is_kept_by_a_run_and_by_nobody_who_reads(sampled, tm
     before = contents(path)
     Ensemble.of(path).keeper.keep("fit-0", b"1")
     assert contents(path) == before
-    irg("run", sampled / "scene.toml", "-o", path)
+    irg("run", sampled / "scene.toml", "-o", path, "--workers", 1)
     kept = contents(path).keys() - before.keys()
     assert len(kept) == 2
     assert all(name.startswith("status/kept-fit-") for name in kept)
@@ -130,22 +130,23 @@ def test_the_rise_of_a_sample_left_out_is_within_the_stated_error(sampled):
         assert abs(emulated.values[0] - expected[0]) < 4 * emulated.error[0]
 
 
-def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, monkeypatch):
+def test_the_commands_say_risk_causes_and_the_next_test(
+    sampled, tmp_path, irg, irg_both, monkeypatch
+):
     fewer_draws(monkeypatch)
     monkeypatch.setattr(inputs.prior, "__defaults__", (2**9,))
     monkeypatch.setattr(next_tests, "_TRUTHS", 32)
     monkeypatch.setattr(sensitivity, "_POINTS", 2**8)
     load(sampled, unknown=UNKNOWN + MEASURED.replace("400 N", "500 N").replace("2 m/s", "1.3 m/s"))
     store = sampled / "out.zarr"
-    irg("run", sampled / "scene.toml", "-o", store, "-q")
+    irg("run", sampled / "scene.toml", "-o", store, "-q", "--workers", 1)
 
     def said(*arguments):
         return irg(*arguments, "--json")
 
     place = ("--load", "500 N", "--velocity", "1.3 m/s")
-    there = said("margin", store, *place)
+    words, there = irg_both("margin", store, *place)
     assert 0.0 < there["lowest"] < there["probability"] < there["highest"] < 1.0
-    words = irg("margin", store, *place)
     assert there["sentence"] in words
     assert "16 samples may not suffice" in words
     irg("plot", store, "-o", tmp_path / "r.png")
@@ -164,7 +165,7 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, 
     assert "the samples have" in table["note"][1]
     hot = said("margin", store, *place, "--friction", "0.2")
     assert hot["probability"] > there["probability"]
-    crossings = said("boundary", store)
+    unweighed, crossings = irg_both("boundary", store)
     assert crossings["quantile"] == [0.05, 0.5, 0.95]
     lines = crossings["critical_velocity_quantile"]
     assert lines[0][0] < lines[1][0]
@@ -172,7 +173,7 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg, 
     assert rate not in [
         one["path"] for one in said("infer", store, "--at", f"{rate}=1.3e-15 m^2/N")["inputs"]
     ]
-    assert "--given-measured" in irg("boundary", store)
+    assert "--given-measured" in unweighed
     after = said("boundary", store, "--given-measured")["critical_velocity_quantile"]
     assert after != lines
     load(sampled)
@@ -233,12 +234,14 @@ PRESET = SMALL.replace("increments = 10", "").replace("pixels_per_element = 1", 
 RANGE = '"disk.roughness.ra" = { from = "0.1 um", to = "0.5 um" }\n'
 
 
-def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, irg, monkeypatch):
+def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(
+    tmp_path, irg, irg_both, monkeypatch
+):
     monkeypatch.setattr(design, "SIMULATED", 12)  # simulations of a check, in place of 90
     monkeypatch.setattr(design, "_DRAWS", 2**10)
     store, place = tmp_path / "out.zarr", ("--load", "500 N", "--velocity", "1 m/s")
     load(tmp_path, PRESET, UNKNOWN + RANGE)
-    irg("run", tmp_path / "scene.toml", "-o", store, "-q")
+    irg("run", tmp_path / "scene.toml", "-o", store, "-q", "--workers", 1)
     asked = ("design", store, *place, "--over", "disk.roughness.ra", "--json")
     ends = [
         irg("margin", store, *place, "--at", f"disk.roughness.ra={ra} um", "--json")["highest"]
@@ -265,10 +268,9 @@ def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(tmp_path, 
     assert found["side"] == ("at most" if ends[1] > ends[0] else "at least")
     assert found["binding"] == {"load": 500.0, "velocity": 1.0}
     (tmp_path / "scene.toml").write_text(PRESET.replace("2 mm", "3 mm") + UNKNOWN + RANGE)
-    said = irg(*asked[:-1], f"--risk={risk}", "-o", tmp_path / "design.png")
+    said, found = irg_both(*asked[:-1], f"--risk={risk}", "-o", tmp_path / "design.png")
     assert "scene.toml is not the scene of the store any more" in said
     assert (tmp_path / "design.png").stat().st_size > 10_000
-    found = irg(*asked, f"--risk={risk}")
     limit = found["limit"]["value"]
     low, high = (1e6 * end for end in found["limit"]["interval"])
     sign = "≤" if found["side"] == "at most" else "≥"

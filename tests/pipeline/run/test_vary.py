@@ -58,13 +58,13 @@ def test_wear_rate_thermal_constants_and_friction_take_each_contact_once(folder,
         "materials.steel.thermal_conductivity": ["43 W/(m K)"],
         "wear.specific_wear_rate": ["1.4e-6 mm^3/(N m)"],
     }
-    shared = pipeline.vary(scene, over)
+    shared = pipeline.vary(scene, over, workers=1)
     assert shared.contacts <= shared.points / 2
     friction, conductivity, rate = sorted(shared.others, key=lambda one: one.key)
     kept = next(one for one in variations.others if one.key == friction.key)
     assert friction.critical_velocities == pytest.approx(kept.critical_velocities, rel=0.005)
     assert shared.changes(conductivity)[0] < -0.005
-    alone = pipeline.vary(scene, {}, overrides={rate.key: rate.value})
+    alone = pipeline.vary(scene, {}, overrides={rate.key: rate.value}, workers=1)
     expected = pytest.approx(alone.base.critical_velocities, rel=0.005, nan_ok=True)
     assert rate.critical_velocities == expected
     assert rate.critical_velocities != shared.base.critical_velocities
@@ -74,17 +74,17 @@ def test_wear_rate_thermal_constants_and_friction_take_each_contact_once(folder,
 def test_points_that_are_kept_are_resumed_with_the_same_numbers(folder, variations):
     done = []
     again = pipeline.vary(
-        folder / "small.toml", OVER, out=folder / "kept.zarr", progress=done.append
+        folder / "small.toml", OVER, out=folder / "kept.zarr", progress=done.append, workers=1
     )
     assert repr(again) == repr(variations)
     assert done[0].done == done[-1].total
 
 
-def test_the_command_prints_what_the_kept_points_say(folder, variations, irg):
+def test_the_command_prints_what_the_kept_points_say(folder, variations, irg_both):
     """Boundaries by straight lines in logarithms between the points, and changes by these."""
     given = (text for key, values in OVER.items() for text in ("--over", f"{key}={values[0]}"))
     asked = ("vary", folder / "small.toml", *given, "--store", folder / "kept.zarr")
-    document, said = irg(*asked, "--json"), irg(*asked)
+    said, document = irg_both(*asked, "--workers", 1)
     with xr.open_zarr(folder / "kept.zarr", chunks=None) as ds:
         rises = ds["rise_quantile"].sel(cooler_share=0.9, step=0).where(ds["status"] == 1).load()
         flags = ds["warning_flags"].where(ds["status"] == 1, 0).load()
@@ -127,7 +127,7 @@ def test_the_command_prints_what_the_kept_points_say(folder, variations, irg):
 def test_the_command_takes_percents_and_says_on_which_side_a_missing_boundary_lies(folder, irg):
     over = ("--over", "pin.radius=-20%", "--over", "friction.coefficient=-5%,0.01,0.9")
     table = folder / "table.csv"
-    document = irg("vary", folder / "small.toml", *over, "--json", "-o", table)
+    document = irg("vary", folder / "small.toml", *over, "--json", "-o", table, "--workers", 1)
     varied = {one["value"]: one for one in document["variations"]}
     assert varied.keys() == {"1.6 mm", "0.1235", "0.01", "0.9"}
     count = len(document["loads"])
@@ -141,6 +141,7 @@ def test_the_command_takes_percents_and_says_on_which_side_a_missing_boundary_li
 
 def test_the_command_draws_and_tells_of_a_window_that_is_too_narrow(folder, irg):
     narrow = ["--set", 'window.pixel_size=["3 um", "16 um"]', "-o", folder / "tornado.png"]
+    narrow += ["--workers", "1"]
     text = irg("vary", folder / "small.toml", "--over", "friction.coefficient=0.01,0.12", *narrow)
     assert "points carry a warning" in text
     assert "contact at edge" in text
