@@ -16,6 +16,7 @@ from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
+from tests.pipeline.analysis.test_boundary import falling
 from tribo import PRESETS, WarningKind
 
 LIMIT = synthetic.limit()
@@ -236,6 +237,13 @@ def test_interpolation_errs_by_what_it_misses_a_left_out_point_by_over_the_gap()
     here = margin(synthetic.sweep(velocities=(1.0, 2.0, 4.0), rise=kinked), 400.0, 1.5)
     share = here.error.interpolation / (here.decisive_temperature - 298.15)
     assert share == pytest.approx(BETWEEN * 0.1 / np.log(4) * np.log(2), rel=1e-9)
+
+
+def test_points_not_done_count_beside_the_nearest_turn_alone():
+    """Wear turns at 1.1 and 2.4 m/s; beside that there is no point at 2.25 m/s."""
+    ds = synthetic.sweep(rise=falling, status={(400.0, 2.25): PENDING})
+    found = [margin(ds, 400.0, velocity).velocity_bridged for velocity in (1.0, 2.75)]
+    assert found == [0, 1]
 
 
 def test_what_is_continued_tells_its_error():
