@@ -36,10 +36,10 @@ def with_zero_velocity():
     return synthetic.sweep(_LOADS, np.append(0.0, _VELOCITIES), rise=uneven(1))
 
 
-def over_surfaces(axis="realization"):
-    """Five surfaces, some points of which are not done."""
-    parts = [one(rise=uneven(seed)) for seed in range(5)]
-    return xr.concat(parts, xr.Variable(axis, np.arange(5)), combine_attrs="override")
+def over_surfaces(axis="realization", count=5):
+    """Surfaces, some points of which are not done."""
+    parts = [one(rise=uneven(seed)) for seed in range(count)]
+    return xr.concat(parts, xr.Variable(axis, np.arange(count)), combine_attrs="override")
 
 
 def over_equal_surfaces(ds, count):
@@ -119,7 +119,7 @@ def of_two_bulks(**conditions):
 KINDS = {
     "one surface": one,
     "zero velocity": with_zero_velocity,
-    "several surfaces": over_surfaces,
+    "several surfaces": lambda: over_surfaces(count=3),
     "a hold": held,
     "searched surfaces": searched_surfaces,
     "two bulk temperatures": of_two_bulks,

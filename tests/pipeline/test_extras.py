@@ -48,9 +48,6 @@ class Copy:
             capture_output=True, text=True, check=False,
         )  # fmt: skip
 
-    def irg(self, *words):
-        return self.python("-m", "pipeline", *words)
-
 
 def listed(text):
     """Commands that the help lists."""
@@ -160,24 +157,24 @@ def test_without_its_folder_the_rest_works(left_out, store, ask, tmp_path):
         assert f"needs the extra {extra}; put back its folder" in words
 
 
-def test_without_all_extras_a_sweep_runs_and_is_resumed(tmp_path):
+def test_without_all_extras_a_sweep_runs_and_is_resumed(store, tmp_path):
     copy = Copy(tmp_path, [*EXTRAS])
-    run = ["run", "first_try", *SMALL, "-o", "first.zarr"]
-    done = copy.irg(*run)
-    assert done.returncode == 0, done.stderr
+    run = ["run", "first_try", *SMALL, *FEWER, "-o", "first.zarr"]
     (tmp_path / "duty.csv").write_text("load [N],velocity [m/s],shift\n600,2.2,early\n")
     smaller = SCENE.replace("increments = 10", "").replace("pixels_per_element = 1", "")
     (tmp_path / "smaller.toml").write_text(smaller)
     asked = [
         run,
+        run,
         ["boundary", "first.zarr"],
         ["margin", "first.zarr", "--points", "duty.csv", "--json"],
         ["trade", "smaller.toml", "--base", "draft", *SMALL[:2], *FEWER],
     ]
-    done = copy.python("-c", _ALONE, json.dumps([str(tmp_path), "first.zarr", [], asked]))
+    done = copy.python("-c", _ALONE, json.dumps([str(tmp_path), str(store), [], asked]))
+    assert done.returncode == 0, done.stderr
     *_, said = json.loads(done.stdout.splitlines()[-1])
-    assert [code for code, _ in said] == [0, 0, 0, 0], said
-    assert json.loads(said[2][1])["margins"]["shift"] == ["early"]
+    assert [code for code, _ in said] == [0, 0, 0, 0, 0], said
+    assert json.loads(said[3][1])["margins"]["shift"] == ["early"]
 
 
 def test_tests_of_the_core_need_no_extra():

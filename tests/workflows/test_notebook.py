@@ -53,7 +53,8 @@ def folder(tmp_path_factory):
 def _there_with_few_draws(folder, monkeypatch):
     monkeypatch.chdir(folder)
     fewer_draws(monkeypatch)
-    monkeypatch.setattr(design, "SIMULATED", 24)
+    monkeypatch.setattr(design, "SIMULATED", 6)
+    monkeypatch.setattr(design, "_DRAWS", 2**11)
     monkeypatch.setattr(next_tests, "_TRUTHS", 32)
     monkeypatch.setattr(sensitivity, "_POINTS", 2**8)
     with (

@@ -123,7 +123,9 @@ def _boundary(study: Study) -> dict[str, Any]:
     scene = Path(study.scenes, "irg_transition.toml")
     over = {entry: [f"{_HARD:g} W/(m K)"]}
     with run_line() as progress:
-        variation = vary(scene, over, study.preset, changes, progress=progress)
+        variation = vary(
+            scene, over, study.preset, changes, workers=study.workers, progress=progress
+        )
     (hard,) = variation.others
     return {
         "load": list(variation.loads)[::-1],

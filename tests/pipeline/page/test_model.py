@@ -193,13 +193,13 @@ def banded():
 
 @pytest.mark.parametrize("factors", [(1.0, 1.01, 2.0), (1.0, 1.05, 0.9, 1.8)])
 def test_surfaces_that_turn_unlike_turn_where_half_of_them_do(factors):
-    ds = banded()
+    ds = banded().isel(load=slice(None, None, 2))
     heats = [name for name in ds if name in ("rise_quantile", "mean_rise", "max_rise")]
     hotter = [ds.assign({name: k * ds[name] for name in heats}) for k in factors]
     several = xr.concat(
         hotter, xr.Variable("realization", range(len(factors))), combine_attrs="override"
     )
-    places = [(float(load), v) for load in several["load"][::5] for v in (0.7, 1.5, 3.0)]
+    places = [(float(load), v) for load in several["load"][::2] for v in (0.7, 1.5, 3.0)]
     rows = "boundaries().velocity.map((row) => outcomeText(row, 'm/s'))"
     both = f"return [(() => {{ {MARGINS} }})(), {rows}];"
     (pages,), told_of_rows = run(several, both, [{"conditions": {}, "places": places}])

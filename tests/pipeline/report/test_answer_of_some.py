@@ -1,10 +1,13 @@
 """The answer of a report where some points are not done, or some surfaces have no transition."""
 
+import pytest
 import xarray as xr
 
 import pipeline
 from pipeline.analysis.transition import CROSSES
 from tests.helpers import synthetic
+
+pytestmark = pytest.mark.usefixtures("undrawn")
 
 
 def written(ds, tmp_path):

@@ -27,6 +27,7 @@ def answer(ds, tmp_path):
     return page.split("Answer: ")[1].split("</p>")[0]
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("loads", [[200.0, 400.0], [400.0]])
 def test_a_report_answers_with_every_range_of_severe_wear(loads, tmp_path):
     ds = swept(loads=loads)
@@ -46,6 +47,7 @@ def both(*factors):
     return xr.concat(each, labels, combine_attrs="override")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_surfaces_that_turn_alike_have_the_median_of_each_turn_and_all_their_own(tmp_path):
     ds = both(1.0, 1.01, 1.03)
     each = [pipeline.margin(ds.isel(realization=[k]), 200.0, 1.0).velocity_turns for k in range(3)]
@@ -83,6 +85,7 @@ def test_where_as_many_surfaces_are_severe_as_mild_half_of_them_does_not_turn():
     assert found.velocity_turns == pytest.approx([(first[0] + second[0]) / 2])
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_report_of_surfaces_says_at_how_many_loads_half_of_them_does_not_turn(tmp_path):
     def rise(load, *rest):
         return synthetic.rise(load, *rest) * np.where(load < 320.0, 0.2, 1.0)
