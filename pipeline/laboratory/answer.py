@@ -78,7 +78,7 @@ def tests(options: argparse.Namespace) -> Result:
     }  # fmt: skip
     text = [f"{path}: {', '.join(log.sheet.form)}", "", *_understood(log), ""]
     if found:
-        outcomes = Counter(test.get("outcome", "transition") for test in found)
+        outcomes = Counter(test.get("outcome", "of a transition") for test in found)
         counts = ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
         number = counted(len(found), "test", "tests")
         if any("run" in test for test in found):

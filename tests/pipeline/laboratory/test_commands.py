@@ -89,7 +89,7 @@ velocity [m/s] velocity   2 m/s
 without a column: load_scatter, velocity_scatter, friction, friction_scatter, bulk_temperature, \
 hold, number, oil, run, outcome (needed)
 
-2 tests: 2 transition; to paste into a scene beside the log:
+2 tests: 2 of a transition; to paste into a scene beside the log:
 (read as transitions, since no column has outcomes; if they are tests, name the column with \
 --column "outcome=HEADING")
 
