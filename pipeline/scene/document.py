@@ -66,14 +66,10 @@ class Document(NamedTuple):
             tables = replace_value(tables, path, value)
         return Document((*self.layers, FileEntries(self.file, tables)))
 
-    def replaced(self, key: str, value: Any) -> Document:
-        """The document with a key replaced everywhere, or removed if the value is None."""
-        new = {} if value is None else {key: value}
+    def replaced(self, path: str, value: Any) -> Document:
+        """The document with an entry replaced everywhere, or removed if the value is None."""
         layers = (
-            FileEntries(layer.file, {k: v for k, v in layer.entries.items() if k != key} | new)
-            if key in layer.entries
-            else layer
-            for layer in self.layers
+            FileEntries(layer.file, _replaced(layer.entries, path, value)) for layer in self.layers
         )
         return Document(tuple(layers))
 
@@ -140,6 +136,18 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
         else:
             top = _merged(top, replace_value({}, key, value))
     return Document((FileEntries(document.file, top), *document.layers))
+
+
+def _replaced(tables: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
+    """Tables with an entry that they have replaced, or removed if the value is None."""
+    first, _, rest = path.partition(".")
+    if first not in tables:
+        return tables
+    if rest:
+        inner = tables[first]
+        value = _replaced(inner, rest, value) if isinstance(inner, dict) else inner
+    others = {key: entry for key, entry in tables.items() if key != first}
+    return others if value is None else others | {first: value}
 
 
 def _leave_out(value: Any, has_preset: bool, base: Document, path: Path, faults: Faults) -> None:

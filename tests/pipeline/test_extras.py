@@ -114,6 +114,7 @@ def ask(tmp_path_factory):
 
 NEEDS = {
     "[unknown]\n'friction.coefficient' = { mean = 0.1, sd = 0.01 }": "uncertain",
+    "[sweep]\nsamples = 16\nsample_seed = 1": "uncertain",
     "[[tested]]\nfile = 'log.csv'": "laboratory",
     "[sweep]\nalong = 'duty.xlsx'": "laboratory",
     "[disk.roughness]\nfile = 'scan.npy'\nheight_unit = 'um'": "laboratory",
@@ -155,6 +156,7 @@ def test_without_its_folder_the_rest_works(left_out, store, ask, tmp_path):
     assert not gone & there
     for extra, (_, words) in zip(needing.values(), said[len(asked) - len(needing) :], strict=True):
         assert f"needs the extra {extra}; put back its folder" in words
+        assert "unknown key" not in words  # beside that fault
 
 
 def test_without_all_extras_a_sweep_runs_and_is_resumed(store, tmp_path):
