@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from functools import cache
 from pathlib import Path
-from textwrap import dedent
+
+from pipeline.docstrings import first_sentences
 
 _REFERENCE = re.compile(r"\{(\w+)\.(\w+)\}")
 _ROOT = Path(__file__).parents[1]
@@ -19,22 +20,19 @@ def expand_help(text: str) -> str:
 @cache
 def parameter_help(function: str, parameter: str) -> str:
     """First sentence of a public function's docstring on a parameter, as a help begins."""
-    entry = rf"^{parameter} : .*\n((?:    .*\n)+)"
-    found = re.search(entry, _docstring(function), re.M)
-    if found is None:
+    if parameter not in (said := _sentences(function)):
         raise LookupError(f"the docstring of pipeline.{function} has no parameter {parameter}")
-    sentence = re.split(r"\.(?:\s|$)", found[1], maxsplit=1)[0]
-    words = " ".join(sentence.split()).replace("``", "").replace("%", "%%").removeprefix("True to ")
+    words = said[parameter].replace("``", "").replace("%", "%%").removeprefix("True to ")
     return words[0].lower() + words[1:]
 
 
 @cache
-def _docstring(function: str) -> str:
-    """Docstring of a public function, read from its file: an import would take a second."""
+def _sentences(function: str) -> dict[str, str]:
+    """Sentences on the parameters of a public function, from its file: an import takes a second."""
     stub = (_ROOT / "__init__.pyi").read_text("utf-8")
     module = re.search(rf"^from \.(\S+) import {function} as", stub, re.M)
     if module is None:
         raise LookupError(f"pipeline has no function {function}")
     source = _ROOT.joinpath(*module[1].split(".")).with_suffix(".py").read_text("utf-8")
-    found = re.search(rf'^def {function}\(.*?^    """(.*?)^    """', source, re.M | re.S)
-    return dedent(found[1].partition("\n")[2]) if found else ""
+    found = re.search(rf'^def {function}\(.*?^    """(.*?)"""', source, re.M | re.S)
+    return first_sentences(found[1]) if found else {}

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import inspect
 import itertools
-import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any, get_type_hints
 
+from pipeline.docstrings import first_sentences
 from pipeline.scene.faults import Faults, did_you_mean, joined, quoted
 from pipeline.scene.kinds import Kind, OneOf, Quantity, UnfitError, Whole, kind_of, require
 from pipeline.scene.units import exact_si
@@ -229,11 +228,9 @@ def flat(
 
 def fields_of(kind: type[Any]) -> dict[str, Entry]:
     """Fields of a class as entries, each with the first sentence on it in the docstring."""
-    text = inspect.cleandoc(kind.__doc__ or "")
-    section = text.partition("Parameters\n----------\n")[2].partition("\n\nRaises")[0]
-    sentences = {}
-    for name, about in re.findall(r"^(\w+) : .*\n((?:    .*\n?)+)", section, flags=re.MULTILINE):
-        sentence = re.split(r"(?<=[.\w])[.;] ", " ".join(about.split()))[0].rstrip(".") + "."
-        sentences[name] = sentence.replace('``"', '"').replace('"``', '"')
+    sentences = {
+        name: f"{sentence}.".replace('``"', '"').replace('"``', '"')
+        for name, sentence in first_sentences(kind.__doc__ or "").items()
+    }
     hints = get_type_hints(kind)
     return {name: Optional(kind_of(hint), sentences[name]) for name, hint in hints.items()}

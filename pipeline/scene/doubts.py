@@ -64,9 +64,9 @@ def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     for name, value, low, high, unit in _quantities(sweep, facts):
         shown = math.nan if value is None else shown_in(value, unit)
         if math.isfinite(shown) and not low <= shown <= high:
-            of, (place, _, part) = f" {unit}" if unit else "", name.partition(": ")
-            words = f"{part} {shown:.3g}{of}, where {low:g} to {high:g}{of} are usual: check the "
-            yield place, f"{words.lstrip()}number and its unit"
+            (place, _, part), of = name.partition(": "), f" {unit}" if unit else ""
+            words = f"{part} {shown:.3g}{of}, where {low:g} to {high:g}{of} are usual".lstrip()
+            yield place, f"{words}: check the number and its unit"
     band, friction = sweep.about.friction_band, sweep.conditions.friction
     if band and not min(band) <= friction <= max(band):
         outside = f"{min(band):g} to {max(band):g} does not hold friction.coefficient, {friction:g}"
@@ -74,7 +74,7 @@ def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
 
 
 def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
-    """Place, and part of it, the value in SI, the usual range in a unit, and the unit."""
+    """Place with what is there, the value in SI, the usual range in a unit, and the unit."""
     scene, pin, plane, conditions = sweep.scene, sweep.scene.pin, sweep.plane, sweep.conditions
     bodies = {"disk": scene.disk} | ({"pin": pin.material} if pin.material != scene.disk else {})
     for body, material in bodies.items():
@@ -89,7 +89,7 @@ def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
     yield "sweep.velocities", max(plane.velocities), 0, 100, "m/s"
     yield "temperature.bulk", conditions.bulk_temperature, *_USUAL_BULK, "K"
     for body, track in tracks_of(sweep).items():
-        yield f"{body}.track_length", track.length, 20, 10_000, "mm"
+        yield f"{body}: track", track.length, 20, 10_000, "mm"
     kept = conditions.corrections or Corrections()
     for body, bulk in (("pin", kept.pin_bulk), ("disk", kept.disk_bulk)):
         if bulk and bulk.capacity:

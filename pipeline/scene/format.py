@@ -68,14 +68,11 @@ NAME = Either(Text(), Whole(at_least=0), when=lambda value: isinstance(value, in
 LATER = "Acts after the simulation."
 
 
-def _brought_entries(table: str = "") -> dict[str, Entry]:
+def _brought_entries(table: str) -> dict[str, Entry]:
     """Entries of a table that extras bring, each as ``ENTRIES`` of its module ``format``."""
-    return {
-        path.removeprefix(table): entry
-        for brought in extras.modules("format")
-        for path, entry in brought.ENTRIES.items()
-        if path.rpartition(".")[0] == table.rstrip(".")
-    }
+    paths = (item for brought in extras.modules("format") for item in brought.ENTRIES.items())
+    parts = ((*path.rpartition("."), entry) for path, entry in paths)
+    return {key: entry for above, _, key, entry in parts if above == table}
 
 
 def _brought_forms(key: str) -> list[Table]:
@@ -407,7 +404,7 @@ SWEEP = Table({
     "realizations": Optional(
         Either(Whole(at_least=1, at_most=MOST_SCENES), List(SEED, distinct=True)),
         "Random surfaces: their number, counted from the seed on, or a list of seeds."),
-    **_brought_entries("sweep."),
+    **_brought_entries("sweep"),
     "over": Optional(ByPath(List(Scalar(), distinct=True), "paths of other entries"),
         'Entries with several values, such as `over = { "pin.radius" = ["1 mm", "2 mm"] }`. The '
         "plane is computed for each combination of values.",
@@ -512,7 +509,7 @@ FORMAT = Table({
         'Numerical choices: a preset, and choices that replace its own. Without the table the '
         'preset is "standard".'),
     "sweep": Entry(SWEEP, "The points of the load–velocity plane to compute."),
-    **_brought_entries(),
+    **_brought_entries(""),
     "measured": Optional(List(Either(TRANSITION, *_brought_forms("measured"))),
         "Measured transitions, a table for each: for the diagram, for `irg infer`, and for the "
         "model's own error.", default=()),

@@ -28,7 +28,7 @@ class Fidelity:
         paper, or that of one pixel in its middle. A sample keeps the distribution of heights and
         slopes that the mean smooths, and so comes nearer to what the pixels themselves give.
     history_coarsening : int
-        Factor by which elements are larger, at most, along each axis until a point's last step; the
+        Factor by which elements are larger, at most, along each axis until a point's last step. The
         last step is then repeated on the scene's own grid. The past acts through the wear alone,
         which a coarse grid knows well where it is swept and many elements touch. Local wear keeps
         the roughness, and the grid with it.
@@ -39,18 +39,18 @@ class Fidelity:
     increments : int
         Steps of the ramp up to its reference load.
     kernel : {"periodic", "nearest-image"}
-        Influence of the images of a periodic patch; see `tribo.contact.elastic_influence`.
+        Influence of the images of a periodic patch. See `tribo.contact.elastic_influence`.
     contact_tolerance : float
-        Residual of the contact at which its solver stops; see `tribo.contact.solve_contact`. At
+        Residual of the contact at which its solver stops. See `tribo.contact.solve_contact`. At
         most 0.03 is taken where the wear is local, which keeps what each contact has wrong.
     contact_criterion : {"gap", "pressure-change"}
-        Measure of the contact's error; see `tribo.contact.solve_contact`.
+        Measure of the contact's error. See `tribo.contact.solve_contact`.
     wear_scheme : {"implicit", "explicit", "sdirk2"}
-        Scheme by which wear advances over a step; see `tribo.wear.WEAR_SCHEMES`.
+        Scheme by which wear advances over a step. See `tribo.wear.WEAR_SCHEMES`.
     heat_model : {"elapsed", "history"}
         ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
-        Rooij). ``"history"``: all heat since then acts at its own time, linear between the steps;
-        every step then needs its temperature. A contact that grows makes the former too warm: in
+        Rooij); ``"history"``: all heat since then acts at its own time, linear between the steps.
+        Every step then needs its temperature. A contact that grows makes the former too warm: in
         the paper's system at 600 N by 0.2, 0.8, 1.5 and 2.4 % of the rise at 1.25, 0.1, 0.01 and
         0.001 m/s.
     heat_kernel : {"pin", "endless", "nearest-image"}
@@ -60,7 +60,7 @@ class Fidelity:
         too warm there. ``"nearest-image"``: the patch and the nearer image of each element, as
         Bosman & de Rooij compensate for leakage.
     partition : {"local", "uniform"}
-        Division of friction heat between the bodies; see `tribo.thermal.partition_heat`.
+        Division of friction heat between the bodies. See `tribo.thermal.partition_heat`.
     heat_tolerance : float
         Relative residual of the heat partition at which its solver stops.
 

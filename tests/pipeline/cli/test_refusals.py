@@ -77,7 +77,7 @@ REFUSALS = {
 ELSEWHERE = {
     "values.setting Refused": "in the table; Python stops tracing where it runs out of stack",
     "documented.parameter_help LookupError": "test_commands.py, as no user can cause it",
-    "documented._docstring LookupError": "test_commands.py, as no user can cause it",
+    "documented._sentences LookupError": "test_commands.py, as no user can cause it",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 

@@ -9,7 +9,7 @@ import pipeline
 import tribo
 from pipeline.cli import values
 from pipeline.cli.given import conditions_in
-from pipeline.cli.options import CRITERION
+from pipeline.cli.options import CRITERION, PRESET
 from pipeline.cli.parser import parse
 from tests.helpers import synthetic
 
@@ -19,9 +19,11 @@ def test_a_failing_share_may_be_in_percent_or_nothing(text, share):
     assert values.failing_share(text) == share
 
 
-def test_the_help_names_every_criterion_that_ships():
+def test_the_help_names_every_criterion_and_preset_that_ships():
     told = re.findall(r'"(\w+)"', CRITERION.settings["help"])
     assert told == [*tribo.CRITERIA]
+    told = PRESET.settings["help"].rpartition(": ")[2].replace(" or ", ", ").split(", ")
+    assert told == [*tribo.PRESETS]
 
 
 def test_a_friction_may_be_repeated():

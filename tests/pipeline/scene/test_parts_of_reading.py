@@ -419,7 +419,7 @@ def test_a_track_of_unusual_length_is_doubted(length, is_usual):
     corrections = tribo.Corrections(track=track)
     sweep = SMOOTH.changed(conditions=replace(SMOOTH.conditions, corrections=corrections))
     said = said_of(sweep)
-    assert sum("disk.track_length: " in doubt for doubt in said) == 1 - is_usual
+    assert sum("disk: track " in doubt for doubt in said) == 1 - is_usual
     resting = sweep.changed(motion=tribo.Motion(slide_roll_ratio=-2.0))
     assert any("the disk is at rest" in doubt for doubt in said_of(resting))
     assert not any("is at rest" in doubt for doubt in said)
