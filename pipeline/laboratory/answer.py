@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -78,15 +78,7 @@ def tests(options: argparse.Namespace) -> Result:
     }  # fmt: skip
     text = [f"{path}: {', '.join(log.sheet.form)}", "", *_understood(log), ""]
     if found:
-        outcomes = Counter(test.get("outcome", "of a transition") for test in found)
-        counts = ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
-        number = counted(len(found), "test", "tests")
-        if any("run" in test for test in found):
-            runs = {test.get("run", k) for k, test in enumerate(found, -len(found))}
-            number += f" of {counted(len(runs), 'run', 'runs')}"
-        if len(oils := {test.get("oil") for test in found}) > 1:
-            number += f", {len(oils)} oils"
-        text.append(f"{number}: {counts}; to paste into a scene beside the log:")
+        text.append(f"{_count_tests(found)}; to paste into a scene beside the log:")
         if row_of is TRANSITION:
             text.append(
                 "(read as transitions, since no column has outcomes; if they are tests, name the "
@@ -102,6 +94,19 @@ def tests(options: argparse.Namespace) -> Result:
     if faults:
         text += [f"{counted(len(faults), 'fault', 'faults')}:", *(f"  {one}" for one in faults)]
     return Result(document, text, code=WRONG_USE if faults else 0)
+
+
+def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
+    """Number of tests, of their runs and oils, and of each outcome."""
+    outcomes = Counter(test.get("outcome", "of a transition") for test in found)
+    counts = ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
+    number = counted(len(found), "test", "tests")
+    if any("run" in test for test in found):
+        runs = {test.get("run", k) for k, test in enumerate(found, -len(found))}
+        number += f" of {counted(len(runs), 'run', 'runs')}"
+    if len(oils := {test.get("oil") for test in found}) > 1:
+        number += f", {len(oils)} oils"
+    return f"{number}: {counts}"
 
 
 def _doubts(log: Log) -> Iterable[str]:
