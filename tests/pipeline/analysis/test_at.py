@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.analysis.at import COLDEST_OIL, HOTTEST_OIL, oil_temperature
 from pipeline.analysis.dataset import read_conditions, stored_sweep
 from tests.helpers import synthetic
 from tests.pipeline.conftest import commit_all
@@ -47,6 +48,11 @@ def test_what_is_given_by_its_name_or_by_its_path_is_the_same(sweep):
         "friction.coefficient": 0.12,
         "temperature.bulk": 333.15,
     }
+
+
+def test_an_oil_works_at_the_coldest_and_hottest_that_are_allowed():
+    for kelvin in (COLDEST_OIL, HOTTEST_OIL):
+        assert oil_temperature("bulk_temperature", kelvin) == kelvin
 
 
 def test_conditions_are_added_to_those_given_before_and_replace_them(sweep):

@@ -11,8 +11,15 @@ import xarray as xr
 import tribo
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import end_of_point, open_sweep, stored_sweep
+from pipeline.analysis.dataset import (
+    end_of_point,
+    open_sweep,
+    scene_sweep,
+    stored_sweep,
+    taken_entries,
+)
 from pipeline.analysis.decisive import decisive_rise, temperatures
+from pipeline.analysis.field import fields
 from pipeline.analysis.margin_frame import margin
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.ramp import ramp
@@ -21,6 +28,7 @@ from pipeline.store.schema import MADE, STEPPED
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.variants import placed_rows, rows
 from tests.helpers import tiny
 from tests.helpers.stores import commit, opened
 from tests.pipeline.conftest import commit_all
@@ -231,3 +239,24 @@ def test_a_store_without_a_point_opens(tmp_path):
     commit(tmp_path / "tiny.zarr", tiny.sweep(), ())
     with open_sweep(tmp_path / "tiny.zarr") as ds:
         assert np.isnan(temperatures(ds)["max_temperature"]).all()
+
+
+def test_rows_about_one_place_are_one_field(tmp_path):
+    places = (250.0, 300.0, 200.0), (1.0, 1.2, 2.0)
+    about = placed_rows([()] * 3, [], *places, rows=[0, 0, 1])
+    commit_all(tmp_path / "rows.zarr", tiny.sweep(variants=about))
+    found = fields(open_sweep(tmp_path / "rows.zarr"))
+    assert [field.place for field in found] == [(250.0, 1.0), (200.0, 2.0)]
+    assert [len(field.planes[0].loads) for field in found] == [2, 1]
+
+
+def test_a_number_that_lost_its_last_digits_is_the_value_of_its_row(tmp_path):
+    radii = rows("bore", {0.1: {"pin.radius": 2e-3}, 0.3: {"pin.radius": 6e-3}})
+    with writing(tmp_path / "rows.zarr", tiny.sweep(variants=radii)):
+        pass
+    ds = open_sweep(tmp_path / "rows.zarr")
+    one = ds.assign_coords(bore=ds["bore"].astype(np.float32).astype(float)).isel(bore=1)
+    assert one["bore"].item() != 0.3
+    assert taken_entries(one) == taken_entries(ds.isel(bore=1))
+    assert scene_sweep(one).scene == scene_sweep(ds).scene
+    assert stored_sweep(one).scene.pin.radius == 6e-3

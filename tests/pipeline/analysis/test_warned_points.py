@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+import zarr
 
 import pipeline
 from pipeline.analysis.dataset import read_conditions
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.warned_points import warned, warnings_of
+from pipeline.analysis.warned_points import Warned, warned, warnings_of
 from pipeline.cli import main
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.model import Point
@@ -64,6 +65,14 @@ def test_each_surface_has_its_own_boundary():
     assert warnings.example.startswith("400 N, 2 m/s, surface 8")
 
 
+def test_warnings_of_two_sweeps_add_up_and_the_first_is_the_example():
+    one, other = Warned(2, {"molten": 1, "contact at edge": 2}, 1, ""), Warned(3, {"molten": 2}, 2)
+    assert one + replace(other, example="here") == Warned(
+        5, {"molten": 3, "contact at edge": 2}, 3, "here"
+    )
+    assert (one + replace(other, at_boundary=None)).at_boundary is None
+
+
 def replace_rises(ds, factor):
     return ds.assign(rise_quantile=ds["rise_quantile"] * factor)
 
@@ -97,6 +106,8 @@ def test_a_summary_counts_the_same_points(narrow, tmp_path):
     sweep = tiny.sweep(conditions=COOL, increments=12)
     fail(path, sweep, Point(load, velocity), "it did not converge")
     assert pipeline.summary(path).warned == count - 1
+    zarr.open_array(path / "warning_flags", mode="r+")[:] = 0
+    assert pipeline.summary(path).warned == 0
 
 
 def printed(capsys, *arguments):

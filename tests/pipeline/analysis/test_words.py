@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import pipeline
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.entries import scene_entries, shown
 from pipeline.analysis.rise_error import RiseError, error_of_point, warned_error
@@ -69,6 +70,14 @@ def test_entries_of_a_store_are_those_of_its_scene_in_usual_units():
     assert entries | expected == entries
     assert not [path for path in entries if path.startswith("wear")]
     assert shown("pin.radius", [0.002, 0.003]) == "2, 3 mm"
+
+
+def test_entries_of_several_surfaces_are_without_the_seed_of_one():
+    one = pipeline.load_scene("first_try")
+    five = pipeline.load_scene("first_try", overrides={"sweep.realizations": 5})
+    seed = "disk.roughness.seed"
+    assert [seed in scene_entries(sweep) for sweep in (one, five)] == [True, False]
+    assert "sweep.realizations" in scene_entries(five)
 
 
 @pytest.mark.parametrize(
