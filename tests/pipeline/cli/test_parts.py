@@ -4,6 +4,7 @@ import argparse
 import json
 import math
 import shlex
+import sys
 from argparse import ArgumentTypeError as Refused
 from dataclasses import replace
 from pathlib import Path
@@ -253,6 +254,13 @@ def test_notes_are_for_stderr_and_quiet_users_have_none(capsys):
     finally:
         output.QUIET.clear()
     assert capsys.readouterr().err == "irg: an error\n"
+
+
+def test_an_error_needs_no_progress_line(capsys, monkeypatch):
+    monkeypatch.delitem(sys.modules, "tqdm", raising=False)
+    output.complain("an error")
+    assert capsys.readouterr().err == "irg: an error\n"
+    assert "tqdm" not in sys.modules
 
 
 # What a check says
