@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -90,11 +89,14 @@ class Simulated:
 
     def __init__(self, sweep: Sweep) -> None:
         self._sweep = sweep
-        self._hash = functools.cache(lambda name: content_hash(sweep.variant(name).scene))
+        self._hashes: dict[Variant, str] = {}
 
     def at(self, point: Point) -> str:
         """Hash of what is simulated at a point."""
-        return self._hash(point.variant)
+        name = point.variant
+        if name not in self._hashes:
+            self._hashes[name] = content_hash(self._sweep.variant(name).scene)
+        return self._hashes[name]
 
     def group(self, point: Point) -> Variant:
         """Labels of a point that are not drawn."""

@@ -1,5 +1,6 @@
 """The labelled view of a stored sweep (pipeline/analysis/dataset.py)."""
 
+import pickle
 import re
 from dataclasses import replace
 
@@ -148,6 +149,11 @@ def test_a_dataset_that_xarray_cut_or_chunked_answers_as_before(ds, cut):
     found = boundary(cut(ds))["critical_velocity"].drop_vars("step", errors="ignore")
     xr.testing.assert_equal(found, expected)
     assert warned(cut(ds)) == warned(ds)
+
+
+def test_a_dataset_goes_to_another_process_and_answers_there(ds):
+    sent = pickle.loads(pickle.dumps(ds))
+    assert repr(margin(sent, 300.0, 1.2).as_dict()) == repr(margin(ds, 300.0, 1.2).as_dict())
 
 
 def test_a_dataset_that_xarray_opened_or_interpolated_answers(alone, ds):
