@@ -157,8 +157,8 @@ def tests_beside(
     Those as warm as the critical temperature are left out.
     """
     for test in laboratory_tests(ds):
-        apart = abs(test.normal_load / load - 1), abs(test.velocity / velocity - 1)
-        if max(apart) > _BESIDE:
+        pairs = (test.normal_load, load), (test.velocity, velocity)
+        if any(abs(measured - asked) > _BESIDE * abs(asked) for measured, asked in pairs):
             continue
         with suppress(InputError):
             own, at = own_conditions(ds, test), ""

@@ -145,6 +145,8 @@ REFUSALS = {
     # places
     "load": (margin(900.0, 2.0), "load is 900 N; the sweep has 200 to 750 N"),
     "velocity": (margin(400.0, 0.1), "velocity is 0.1 m/s; the sweep has 0.5 to 4 m/s"),
+    "at rest": (margin(400.0, 0.0), "velocity is 0 m/s; the sweep has 0.5 to 4 m/s"),
+    "unloaded": (margin(0.0, 2.0), "load is 0 N; the sweep has 200 to 750 N"),
     "nothing": (margin(400.0, 2.1, status=NOTHING), "too few points about 400 N and 2.1 m/s"),
     "no load": (margin(None, 2.0), "velocity is given without a load"),
     "no velocity": (margin(400.0), "load is given without a velocity"),
