@@ -178,7 +178,9 @@ def _weighed(
 def _si_value(path: str, value: Any) -> Any:
     """Value of a condition in SI, several as a list; of another entry unchanged."""
     name = _NAMES.get(path)
-    if isinstance(value, np.ndarray | Sequence) and not isinstance(value, str):
+    if isinstance(value, np.generic | np.ndarray | xr.DataArray):
+        value = np.asarray(value).tolist()
+    if isinstance(value, Sequence) and not isinstance(value, str):
         if not len(value):
             raise InputError(f"{name or path} has no value; give one, or several")
         return [_si_value(path, one) for one in value]

@@ -55,6 +55,12 @@ def test_an_oil_works_at_the_coldest_and_hottest_that_are_allowed():
         assert oil_temperature("bulk_temperature", kelvin) == kelvin
 
 
+@pytest.mark.parametrize("kind", [np.float32, np.array, xr.DataArray])
+def test_values_may_be_of_numpy_or_xarray(sweep, kind):
+    found = pipeline.at(sweep, friction=kind(0.125), share=kind(0.25))
+    xr.testing.assert_identical(found, pipeline.at(sweep, friction=0.125, share=0.25))
+
+
 def test_conditions_are_added_to_those_given_before_and_replace_them(sweep):
     twice = pipeline.at(pipeline.at(sweep, friction=0.2), bulk_temperature="60 degC", friction=0.12)
     xr.testing.assert_identical(twice, pipeline.at(sweep, **HOT))
