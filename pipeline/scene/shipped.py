@@ -24,7 +24,7 @@ def name_of(path: Path) -> str:
 
 def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
     """File of a scene that is given by its path from a folder, or by its name if it is shipped."""
-    path, shipped = folder / scene, shipped_scenes().get(str(scene))
+    path, shipped = folder / Path(scene), shipped_scenes().get(str(scene))
     return path if shipped is None or path.exists() else shipped
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -216,6 +217,11 @@ def test_a_crowned_pin_has_two_radii_and_is_swept_over(read):
     assert sweep.scene.pixels.periodic == (False, False)
     assert sweep.scene.sweeps_over
     assert not read(overrides=CROWNED | {"wear.pattern": "local"}).scene.sweeps_over
+
+
+def test_what_is_no_path_is_refused_by_its_type():
+    with pytest.raises(TypeError, match=r"os\.PathLike object, not Dataset"):
+        load_scene(xr.Dataset({"load": 1.0}))
 
 
 def test_all_faults_are_named_at_once(read, faults):
