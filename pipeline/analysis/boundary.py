@@ -22,6 +22,7 @@ from pipeline.analysis.dataset import (
     entry_dims,
     read_conditions,
     require_kind,
+    require_lists,
     stored_sweep,
     sweep_kind,
 )
@@ -141,6 +142,7 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
 
 def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.Dataset:
     """The boundary of one scene, under given conditions or its own."""
+    require_lists(ds, *PLANE)
     found = point_field(ds, conditions)
     coords = {name: ds[name].variable for name in ("realization", *PLANE) if name in ds.indexes}
     result = xr.Dataset(coords=coords, attrs=_condition_attributes(found.conditions))

@@ -288,7 +288,8 @@ def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     ds = dataset_of(source)
     require_kind(ds, Kind.PLANE)
     require_one_scene(ds)
-    return ds
+    require_lists(ds, *PLANE)
+    return keep_steps(ds, "status", "normal_load", "rise_quantile", "cooler_share")
 
 
 class Kind(Enum):
@@ -319,6 +320,16 @@ _NO_PLANE = {
     Kind.SAMPLES: "the sweep has samples, so there is no plane of points; irg boundary, margin, "
     "plot and report answer from all samples",
 }
+
+
+def require_lists(ds: xr.Dataset, *names: str) -> None:
+    """Raise an `InputError` at a dataset that was cut to one value of these axes."""
+    for name in names:
+        if not ds[name].ndim:
+            raise InputError(
+                f"the dataset has a single {name}, and no dimension of it; select a list of one, "
+                f"such as ds.sel({name}=[{ds[name].item():g}])"
+            )
 
 
 def require_one_scene(ds: xr.Dataset) -> None:
@@ -413,9 +424,14 @@ def require_variables(ds: xr.Dataset, *names: str) -> None:
 def keep_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
     """The dataset with steps along a dimension, also where it was taken at one of them.
 
-    Raise an `InputError` if it lacks any of these variables.
+    Raise an `InputError` if it lacks any of these variables, or the end of each point.
     """
     require_variables(ds, *names)
+    if "step" in ds.coords and not (ds["step"] == 0).any():
+        raise InputError(
+            "the dataset has not step 0, the end of each point, which decides: take it as well, "
+            "such as by ds.sel(step=0)"
+        )
     if "step" in ds.dims:
         return ds
     stepped = [name for name in ds.data_vars if name in STEPPED or name in MADE]

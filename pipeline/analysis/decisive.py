@@ -15,6 +15,8 @@ from pipeline.analysis.dataset import (
     dataset_of,
     keep_steps,
     read_conditions,
+    require_lists,
+    require_variables,
     sweep_at_bulks,
     values_of,
 )
@@ -23,7 +25,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import columns_needed, failed_fraction, rise_limit, worst_rises
-from tribo import Criterion, InputError
+from tribo import QUANTILES, Criterion, InputError
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array, Mask
 
@@ -36,25 +38,10 @@ def attributes_by(conditions: Conditions) -> dict[str, Any]:
     return plain
 
 
-def require_lists(ds: xr.Dataset, *names: str) -> None:
-    """Raise an `InputError` at a dataset that was cut to one value of these dimensions."""
-    for name in names:
-        if name not in ds.dims:
-            raise InputError(
-                f"the dataset has a single {name}, and no dimension of it; select a list of one, "
-                f"such as ds.sel({name}=[{ds[name].item():g}])"
-            )
-
-
 def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     """Rise at friction 1 that decides at each point [K], dims (..., load, velocity), or NaN."""
     ds = dataset_of(ds)
     require_lists(ds, "load", "velocity")
-    if "step" in ds.coords and not (ds["step"] == 0).any():
-        raise InputError(
-            "the dataset has not step 0, the end of each point, which decides: take it as well, "
-            "such as by ds.sel(step=0)"
-        )
     column = conditions.decisive.column
     corrected = NEEDED if conditions.corrections else ()
     ds = keep_steps(ds, "status", "normal_load", column, "cooler_share", *corrected)
@@ -188,6 +175,12 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
 
 def _temperatures(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """Temperatures of one scene."""
+    require_variables(ds, "max_rise", "mean_rise", "rise_quantile", "cooler_share")
+    if ds["cooler_share"].size < len(QUANTILES):
+        raise InputError(
+            f"the dataset has {ds['cooler_share'].size} of {len(QUANTILES)} shares of the contact "
+            "(cooler_share), and needs all; select some from the result"
+        )
     rises = sweep_at_bulks(ds, conditions)
     attributes = attributes_by(conditions)
     del attributes["criterion"]

@@ -16,7 +16,9 @@ from pipeline.analysis.dataset import (
     asked,
     dataset_of,
     end_of_point,
+    require_lists,
     require_one_scene,
+    require_variables,
     stored_sweep,
     sweep_kind,
 )
@@ -82,12 +84,14 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     if not any(have_places):
         for ds in (first, second):
             require_one_scene(ds)
+            require_lists(ds, *PLANE)
     elif not all(have_places):
         raise InputError(
             "one store has rows, each with its own load and velocity, the other a plane; compare "
             "two stores of one kind"
         )
     for ds in (first, second):
+        require_variables(ds, "status")
         require_all_sound(ds)
     points, alike = _points(first, second)
     between = _margins if all(have_places) else _boundary

@@ -28,12 +28,13 @@ from pipeline.analysis.dataset import (
     dataset_of,
     end_of_point,
     read_conditions,
+    require_lists,
     require_one_scene,
     stored_sweep,
     sweep_kind,
     values_of,
 )
-from pipeline.analysis.decisive import require_lists, require_sound
+from pipeline.analysis.decisive import require_sound
 from pipeline.analysis.scenes import scenes
 from pipeline.store.place import PathLike
 from pipeline.store.read import Reader

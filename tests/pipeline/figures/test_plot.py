@@ -275,6 +275,13 @@ def test_points_that_are_not_done_are_refused(sweep, draw):
         draw(sweep, velocity=4.0)
 
 
+def test_a_ramp_that_was_cut_to_its_end_is_drawn_there(alone):
+    with pipeline.open_sweep(alone) as ds:
+        figure = ramp(ds.sel(step=0), load=600.0, velocity=1.0)
+        end = ds["time"].sel(load=600.0, step=0).item()
+    assert [end] in [line.get_xdata().tolist() for line in figure.axes[1].lines]
+
+
 def test_a_sweep_without_results_has_no_ramp():
     status = {(400.0, V): PENDING for V in VELOCITIES}
     with pytest.raises(InputError, match="no point at 400 N is done"):

@@ -77,6 +77,11 @@ def test_the_course_of_each_point_is_there_with_what_is_on_its_own_grid():
     assert loads[:, -1].tolist() == ds["load"].values.tolist()
 
 
+def test_a_sweep_that_was_cut_to_the_end_of_points_has_its_page():
+    ds = synthetic.sweep()
+    assert content(ds.sel(step=0))["rises"] == content(ds.sel(step=[0]))["rises"]
+
+
 def test_a_load_has_its_course_where_its_first_velocity_is_not_done():
     whole, lacking = (
         content(synthetic.sweep(interval=1, status=status))["course"]["loads"]
