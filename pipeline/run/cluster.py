@@ -192,7 +192,7 @@ def threads_of(connection: Connection) -> Counter[str]:
     while True:
         try:
             threads = Counter(client.nthreads(callback_timeout=patience))
-        except (CancelledError, OSError) as error:
+        except (CancelledError, OSError, AttributeError) as error:  # Dask has it of a closed client
             raise ExecutionError(LOST) from error
         if connection.cluster:
             _replace_lost(connection.cluster)

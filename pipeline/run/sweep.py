@@ -34,6 +34,7 @@ from pipeline.sweep.plan import Task, tasks
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 from tribo import InputError
+from tribo.errors import require_positive
 
 _SHARE = 10  # velocities, of which the coarse pass takes one
 _FEWEST = 3  # velocities of the coarse pass
@@ -119,6 +120,7 @@ def run_sweep(
     """
     if workers is not None:
         require_count("workers", workers)
+    require_positive(patience=patience)
     _require_cluster(client, dashboard)
     sweep = sweep_of(sweep, own_laws)
     require_free_names(sweep)  # before a folder is made
@@ -170,10 +172,10 @@ def _require_cluster(client: Client | None, dashboard: bool) -> None:
             raise ExecutionError(f"a worker process cannot run a sweep; {UNGUARDED}")
         if dashboard:
             require_dashboard()
-    elif not isinstance(client, Client) or client.asynchronous:
+    elif not isinstance(client, Client) or client.asynchronous or client.scheduler is None:
         raise InputError(
-            f"client is {client!r}; give a distributed.Client that is not asynchronous, such as "
-            "Client(cluster)"
+            f"client is {client!r}; give a distributed.Client that is connected and not "
+            "asynchronous, such as Client(cluster)"
         )
 
 

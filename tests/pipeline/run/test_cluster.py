@@ -210,6 +210,13 @@ def test_workers_that_come_late_are_waited_for_and_the_time_without_any_does_not
     assert link.absent >= 0.1
 
 
+def test_a_client_that_is_closed_meanwhile_has_lost_its_scheduler():
+    closed = Client.__new__(Client)
+    closed.scheduler = None
+    with pytest.raises(ExecutionError, match="the Dask scheduler is lost; finished points are"):
+        threads_of(Connection(closed))
+
+
 def test_a_cluster_that_dask_fails_to_end_leaves_no_process(monkeypatch):
     def failing(self, timeout):
         raise AssertionError("can only join a started process")

@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from distributed import Client
 
 import pipeline
 from pipeline.run import cluster
@@ -44,6 +45,18 @@ class Changed:
         return Own, ("laws:Law", WEAR, (), b"", "0", None, True)
 
 
+class Closed(Client):
+    """A client that was closed."""
+
+    asynchronous, scheduler = False, None
+
+    def __init__(self):
+        pass
+
+    def __repr__(self):
+        return "closed"
+
+
 def other_law():
     records_here((), "their run", pickle.dumps(Changed()), SimpleNamespace(data={}))
     return compute_points("task", "their run", ())
@@ -63,6 +76,8 @@ REFUSALS = {
     "temperature": (vary("temperature.critical", "+5%"), "the scene gives 145 degC, and a percent"),
     "no number": (vary("pin.shape", "+5%"), "pin.shape=+5%: the scene gives no number there"),
     "client": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client="tcp://a:1"), "is 'tcp://a:1'"),
+    "closed": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client=Closed()), "client is closed"),
+    "patience": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", patience=-1.0), "patience is -1.0"),
     "dashboard": (no_dashboard, "the dashboard needs bokeh"),
     "file": (no_file, "scheduler.json cannot be read as the file of a Dask scheduler"),
     "scheduler": (lambda: client_of("nonsense", patience=1.0), "answers at nonsense"),
