@@ -197,6 +197,7 @@ _SMALLEST_TEXT, _THINNEST = 0.66, 0.6  # shares of a figure's own sizes that sta
 _SMALLEST_NAME = 0.5  # the same of a region's name, which has no more room than its region
 _MOST_ROOM = 0.75  # share of axes that a legend above their data may take
 _LETTER = 0.55  # width of a letter, of the size of its font
+_WORDS = 0.72  # share of a figure's width that words of a legend have beside their signs
 _BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:°C|%|N|K|m/s)(?!\w))")
 
 
@@ -261,11 +262,15 @@ def _place(figure: Figure) -> None:
 
 def _wrap_titles(figure: Figure) -> None:
     """Break titles of legends into lines that fit the width of the figure."""
-    for title in (legend.get_title() for legend in figure.findobj(Legend)):
-        letter = _LETTER * float(title.get_fontsize()) * figure.dpi / 72
-        text = _BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", title.get_text())
-        letters = int(0.92 * figure.bbox.width / letter)
-        title.set_text("\n".join(textwrap.fill(line, letters) for line in text.splitlines()))
+    for legend in figure.findobj(Legend):
+        _wrap(legend.get_title(), 0.92 * figure.bbox.width, figure.dpi)
+
+
+def _wrap(text: Text, width: float, dpi: float) -> None:
+    """Break words into lines of a width [pixels], but no number from its unit."""
+    letters = int(width / (_LETTER * float(text.get_fontsize()) * dpi / 72))
+    words = _BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text.get_text())
+    text.set_text("\n".join(textwrap.fill(line, letters) for line in words.splitlines()))
 
 
 def _wrap_labels(figure: Figure) -> None:
@@ -287,6 +292,11 @@ def _narrow(figure: Figure, legend: Legend) -> None:
         if legend.get_window_extent().width <= 0.98 * figure.bbox.width:
             break
         legend = _rewritten(legend, figure, loc="outside lower center", ncols=columns)
+        _place(figure)
+    if legend.get_window_extent().width > figure.bbox.width:
+        for text in legend.get_texts():
+            _wrap(text, _WORDS * figure.bbox.width, figure.dpi)
+        figure.stale = True  # which matplotlib does not note of a legend
         _place(figure)
     width, height = figure.get_size_inches()
     if growth := (legend.get_window_extent().height - usual_height) / figure.dpi:

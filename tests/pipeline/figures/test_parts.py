@@ -154,6 +154,19 @@ def test_a_legend_keeps_its_columns_where_they_fit_and_the_figure_grows_else(wor
     )  # fmt: skip
 
 
+def test_words_of_a_legend_that_is_wider_than_its_figure_are_broken_between_words():
+    figure = Figure(figsize=(2.4, 3.0), layout="constrained")
+    figure.add_subplot().plot([0.0, 1.0], label="beyond what was computed at 4 of 4 loads")
+    figure.legend(loc="outside lower center")
+    style.fit_to_width(figure)
+    figure.draw_without_rendering()
+    box = figure.legends[0].get_window_extent()
+    assert 0 <= box.x0 < box.x1 <= figure.bbox.width
+    (words,) = labels(figure.legends[0])
+    assert " ".join(words.split()) == "beyond what was computed at 4 of 4 loads"
+    assert figure.get_size_inches()[1] > 3.05  # by a line of 10 pt
+
+
 @pytest.mark.parametrize("curves", [2, 6])
 def test_a_legend_wider_than_its_axes_is_stacked_above_the_data(curves):
     figure = Figure(figsize=(3.0, 3.0), layout="constrained")
