@@ -7,6 +7,7 @@ file of the lock is linked into the larger store, so that the lock stays held th
 from __future__ import annotations
 
 import math
+import os
 import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -33,7 +34,6 @@ from pipeline.store.layout import (
 )
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
-    DAMAGED,
     LOCK,
     ROOT,
     Bucket,
@@ -192,8 +192,14 @@ def _replace_by_larger(store: Store, path: Path, root: Root, contents: Mapping[s
     (beside.path / LOCK).hardlink_to(path / LOCK)
     beside.put(contents)
     _copy(store, path, root, beside)
-    if (path / DAMAGED).exists():
-        shutil.copytree(path / DAMAGED, beside.path / DAMAGED)
+    for kept in path.iterdir():  # of the user, or by a repair
+        other = beside.path / kept.name
+        if kept.name in (ROOT, ROOT + PARTIAL) or other.exists():
+            continue
+        if kept.is_dir() and not kept.is_symlink():
+            shutil.copytree(kept, other, symlinks=True, copy_function=os.link)
+        else:
+            os.link(kept, other, follow_symlinks=False)
     beside.put({ROOT: root_document(root)})
     sync(path.parent)
     store.require_lock()  # whoever holds another one has removed some of what was made beside

@@ -278,6 +278,20 @@ def test_what_a_killed_growth_left_beside_a_store_goes_when_that_is_written(path
     assert not list(path.rglob(f"*{PARTIAL}"))
 
 
+def test_a_growth_keeps_what_others_have_put_into_the_store(path):
+    make(path, tiny.sweep(loads=(150.0, 600.0)))
+    (path / "figures").mkdir()
+    names = ("notes.txt", "figures/1.png")
+    for name in names:
+        (path / name).write_text(name)
+    (path / "latest").symlink_to("notes.txt")
+    make(path, tiny.sweep(loads=(150.0, 250.0, 600.0)))
+    assert opened(path).axes["load"] == [150.0, 250.0, 600.0]
+    assert [(path / name).read_text() for name in names] == [*names]
+    assert (path / "latest").readlink() == Path("notes.txt")
+    assert verify_store(path).is_clean
+
+
 def test_a_growth_moves_the_store_once_the_larger_one_is_on_the_disk(path, monkeypatch):
     """Or a power cut leaves neither: names are lost that no sync of their folder has written."""
     commit(path, SWEEP, [POINT])
