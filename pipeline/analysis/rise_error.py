@@ -215,7 +215,8 @@ def add_counted(error: RiseError, conditions: Conditions) -> RiseError:
         return error
     film = _OF_FILM if parts.film_resistance else 0.0
     bulk = conditions.coldest_bulk_temperature
-    ends = law.at(temperature=np.array([bulk, conditions.critical_temperature or bulk]))
+    warm = replace(law, coefficient=1.0)  # of which a coefficient of 0 would leave no change
+    ends = warm.at(temperature=np.array([bulk, conditions.critical_temperature or bulk]))
     change = abs(math.log(ends[1] / ends[0])) if law.by_temperature else 0.0
     return replace(error, warned=math.hypot(error.warned, film, _OF_FRICTION * change))
 

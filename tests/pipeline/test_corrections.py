@@ -151,6 +151,14 @@ def test_each_command_has_the_friction_of_the_temperature_itself(store):
     assert counted.warned == pytest.approx(0.14 * abs(change[1] - change[0]))
 
 
+def test_without_friction_the_error_of_its_change_moves_no_temperature():
+    curve = tribo.Friction(by_temperature=((298.15, 1.0), (345.0, 0.8)))
+    conditions = replace(CONDITIONS, friction=0.0, corrections=tribo.Corrections(friction=curve))
+    counted = add_counted(RiseError(0.0, 0.0, 0.0), conditions)
+    assert counted.warned == pytest.approx(0.14 * abs(np.log(0.8)))
+    assert conditions.temperature_error(conditions.bulk_temperature) == 0.0
+
+
 def test_a_friction_that_a_test_measured_stands_in_place_of_the_friction_by_velocity(store):
     by_velocity = Conditions(
         0.1, 298.15, 345.0, corrections=tribo.Corrections(friction=ALL.friction)

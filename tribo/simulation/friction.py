@@ -146,7 +146,7 @@ class Friction:
 
     def sensitivity(self, temperature: float, bulk: float) -> float:
         """Derivative of a temperature by the logarithm of its rise at friction 1 [K]."""
-        if not self.by_temperature:
+        if not self.by_temperature or self.coefficient == 0:
             return temperature - bulk
         rise = self.limit(temperature, bulk) * (1 + np.array([0.0, 1e-6]))
         low, high = self.temperature(rise, bulk)
