@@ -70,6 +70,8 @@ def _next_run_lines(boundaries: xr.Dataset) -> Iterator[str]:
                 f"{kind} {f'{side} {end:.3g} m/s' if 0 < end < np.inf else 'nowhere that is known'}"
                 for kind, side, end in (("mild", "below", low), ("severe", "above", high))
             ]
+            if low == np.inf or high == 0:
+                ends = ["mild throughout" if low == np.inf else "severe throughout"]
             said.append(f"{' and '.join(ends)} at {load:g} N")
         yield f"{f'{labels}: ' if labels else ''}the next run is {'; '.join(said)}"
 

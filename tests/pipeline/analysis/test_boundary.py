@@ -11,7 +11,7 @@ from pipeline.analysis.boundary import add_band, boundary
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.decisive import decisive_rise, refined
-from pipeline.analysis.frames import frames_of
+from pipeline.analysis.frames import boundary_parts, frames_of
 from pipeline.cli.verdicts import document_of
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.surface import find_lubrication
@@ -279,6 +279,12 @@ def test_the_band_of_errors_is_where_margins_begin_to_decide():
     assert "a prior; no test here" in crossings.attrs["model_error"]
     exact = boundary(synthetic.sweep(model_scatter=0.0, measured=(), preset="reference"))
     assert (exact["severe_above"] / exact["mild_below"] < 1.2).all()
+
+
+@pytest.mark.parametrize(("friction", "side"), [(0.0, "mild"), (1e6, "severe")])
+def test_a_run_that_is_mild_or_severe_at_all_velocities_is_said_to_be_so(friction, side):
+    said, *_ = boundary_parts(boundary(pipeline.at(synthetic.sweep(), friction=friction)))
+    assert said == f"the next run is {side} throughout at 200 N; {side} throughout at 750 N"
 
 
 def test_severe_wear_begins_where_the_first_of_the_patches_turns_half_of_the_time():
