@@ -301,18 +301,19 @@ def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
         return f"{path} is no entry of a scene{did_you_mean(path, dict(all_keys()))}"
     sweep = whole_sweep(ds)
     scene, *words = sweep.about.arguments or (f"{sweep.about.name}.toml",)
+    changed = f"--set={path}="
+    run = ["irg", "run", scene, *(word for word in words if not word.startswith(changed))]
+    run.append(f"{changed}{value}")
     turns_pin = path.startswith("pin.") and sweep.scene.motion  # its wear spreads over its track
     if acts_later(path) and not turns_pin:
-        changed, store = f"--set={path}=", ds.encoding.get("source", "STORE")
-        kept = [word for word in words if not word.startswith(changed)]
-        command = shlex.join(["irg", "run", scene, *kept, f"{changed}{value}", "-o", store])
+        command = shlex.join([*run, "-o", ds.encoding.get("source", "STORE")])
         beside = needed_beside(path)
         also = f" (with {', '.join(beside)}, too, if the scene has none)" if beside else ""
         return (
             f"{path} acts after the simulation, but --at does not take it: run {command}{also}, "
             "which computes no point anew and judges the store by it"
         )
-    command = shlex.join(["irg", "run", scene, "--set", f"{path}={value}", "-o", "OTHER.zarr"])
+    command = shlex.join([*run, "-o", "OTHER.zarr"])
     has = f"; it has several of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""
     if unknown := open_inputs(sweep):
         has = f"; its samples have {', '.join(unknown)}"
