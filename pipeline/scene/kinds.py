@@ -149,7 +149,7 @@ class Whole(Number):
 
     def _read(self, value: Any, place: str, faults: Faults) -> int:
         require(value, int, "is not a whole number")
-        self._require_fit(value, 1, _MOST)
+        self._require_fit(value, 0, _MOST)
         return int(value)
 
 

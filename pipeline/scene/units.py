@@ -46,6 +46,9 @@ def exact_si(text: str, like: str) -> Decimal:
     needed = _parts(like)[1]
     if needed in ("m/s", "mm/s") and (turns := _TURNS.fullmatch(text)):
         radius = exact_si(turns["length"], "1 m") / (1 if turns["which"] == "radius" else 2)
+        if radius <= 0:
+            which = f"{turns['which']} of the track"
+            raise UnitError(f"{_quoted(text)}: the {which} is not above 0; give its own")
         return Decimal(turns["number"]) / 60 * Decimal(2 * math.pi) * radius
     number, unit = _split_hardness(text)
     for one in DIMENSIONS.values():  # which need no pint

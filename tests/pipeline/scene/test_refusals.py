@@ -126,6 +126,10 @@ QUANTITIES = {
     "degrees": (lambda: to_si("25 C", like="1 K"), "write 25 degC"),
     "dimension": (lambda: to_si("7 kg", like="750 N"), "its weight is 68.65 N"),
     "rotation": (lambda: to_si("7 rpm", like="1 m/s"), '"500 rpm at radius 30 mm"'),
+    "track of 0": (
+        lambda: to_si("9 rpm at radius 0 m", "1 m/s"),
+        "radius of the track is not above 0",
+    ),
     "si": (lambda: to_si("4 dBm/m", like="1 m"), '"4 dBm/m" cannot be expressed in SI'),
     "temperature": (lambda: difference_in_si("8 degC", like="1 K"), "give a difference"),
     "no quantity": (lambda: to_si("five", like="1 m"), '"five" is not a number followed by'),
@@ -145,6 +149,7 @@ ENTRIES = {
              "has 1 entry; give a list of 2 values, each a length"),
     "no list": (entry("sweep.loads", []), "[] is empty"),
     "nan": (entry("materials.steel.poisson_ratio", math.nan), "nan is out of range"),
+    "large": (entry("disk.roughness.seed", 2**63), "which is from 0 to 9.22337e+18"),
     "huge": (entry("model.scatter", 1e-200), "is out of range, which is from"),
     "shape": (entry("pin.shape", "cylindr"), '"cylindr" is unknown (did you mean "cylinder"?)'),
     "short pin": (entry("pin.length", "0.455 mm"), "0.455 mm is shorter than the window, 480 pix"),
