@@ -40,8 +40,6 @@ def surface(options: argparse.Namespace) -> Result:
 def tests(options: argparse.Namespace) -> Result:
     """Print what is understood of a log or a trace, and the lines of a scene for it."""
     path = Path(options.log)
-    if (trace := read_trace(path, dict(options.given))) is not None:
-        return _trace_result(path, trace)
     columns = dict(options.column)
     if strange := sorted(columns.keys() - TEST.keys.keys()):
         allowed = ", ".join(TEST.keys)
@@ -51,6 +49,8 @@ def tests(options: argparse.Namespace) -> Result:
         "decimal": options.decimal,
     }  # fmt: skip
     entries = {"columns": columns, "words": dict(options.word), **taken}
+    if (trace := read_trace(path, entries)) is not None:
+        return _trace_result(path, trace)
     row_of, log = TEST, read_log(path, entries)
     places = log.sheet.places.keys()
     is_told = "outcome" in places or any("columns may be outcome" in one for one in log.faults)

@@ -7,6 +7,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from pipeline.scene.format import TEST
 from pipeline.scene.headings import UNITS, Row, Sheet, listed_faults, read_sheet
 from pipeline.scene.units import UnitError, to_si
 from pipeline.sweep.about import OUTCOMES
+from tribo import InputError
 from tribo.types import Array
 
 _MILD = (
@@ -104,7 +106,8 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
     faults, places = [*sheet.faults], sheet.places
     if faults and sheet.headings and not named:
         faults[-1] += '; name one by columns = { load = "HEADING" } or --column "load=HEADING"'
-    twice = _take_rows(sheet, given.get("where") or {}, faults)
+    _take_rows(sheet, given.get("where") or {}, faults)
+    twice = _drop_repeats(sheet)
     needed = [places[name] for name in ("load", "velocity") if name in places]
     tested, left_out = list[Row](), list[int]()
     for row in sheet.rows:
@@ -129,11 +132,8 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
     )  # fmt: skip
 
 
-def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> list[int]:
-    """Keep the rows asked for, each once; return the numbers of those that stand there twice.
-
-    Rows that say nothing but what was set and what came out are repeats, and all count.
-    """
+def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> None:
+    """Keep the rows asked for."""
     heads = [heading.text for heading in sheet.headings]
     for head, value in where.items():
         if head not in heads:
@@ -145,6 +145,13 @@ def _take_rows(sheet: Sheet, where: Mapping[str, Any], faults: list[str]) -> lis
             listed = ", ".join(filter(None, found))
             faults.append(f'where: no row has "{wanted}" as {head}; give one of {listed}')
         sheet.rows = [row for row in sheet.rows if row.cells[column] == wanted]
+
+
+def _drop_repeats(sheet: Sheet) -> list[int]:
+    """Keep each row once; return the numbers of those that stand there twice.
+
+    Rows that say nothing but what was set and what came out are repeats, and all count.
+    """
     telling = {sheet.places[name] for name in _TELLING if name in sheet.places}
     telling |= {k for k in sheet.others if len({row.cells[k] for row in sheet.rows}) > 1}
     first = dict[tuple[str, ...], int]()
@@ -249,10 +256,18 @@ class Trace:
         if self.row is not None:
             yield f'severe_at = "{severe:.4g} {UNITS[name]}"'
 
+    @property
+    def _end(self) -> int:
+        """Row of the transition, or the last before a mild test ran down."""
+        if self.row is not None:
+            return self.row
+        both = [column for column in (self.load, self.velocity) if column is not None]
+        full = [column >= (1 - _STEP_APART) * column.max() for column in both]
+        return int(max(np.flatnonzero(np.all(full, axis=0)), default=len(self.time) - 1))
+
     def toml(self) -> Iterator[str]:
         """Lines of a scene: a run by its steps, a transition, or a test that stayed mild."""
-        end = len(self.time) - 1 if self.row is None else self.row
-        stages = [*self._stages()]
+        end, stages = self._end, [*self._stages()]
         yield "[[tested]]" if self.row is None or stages else "[[measured]]"
         yield from stages
         for name in ("load", "velocity"):
@@ -263,7 +278,7 @@ class Trace:
                 yield f'{name} = "... {UNITS[name]}"  # not in the trace'
             else:
                 yield f'{name} = "{column[end]:.4g} {UNITS[name]}"'
-        yield f"friction = {float(np.median(self.friction[:end])):.3g}"
+        yield f"friction = {float(np.median(self.friction[: self.row])):.3g}"
         if self.row is None and not stages:
             yield 'outcome = "mild"'
 
@@ -281,15 +296,30 @@ def _steps_of(column: Array | None) -> Array | None:
     return levels[number] if (~is_rest).sum() > 1 and counts.min() >= _LEAST_OF_STEP else None
 
 
-def read_trace(path: Path, given: Mapping[str, Any] | None = None) -> Trace | None:
-    """Read a trace of friction over time, with given quantities that it lacks; None if no trace."""
+def read_trace(path: Path, entries: Mapping[str, Any] | None = None) -> Trace | None:
+    """Read a trace of friction over time with the entries of a log; None if it is no trace."""
 
     def is_trace(found: Collection[str]) -> bool:
         return {"time", "friction"} <= {*found} or {"time", "friction_force", "load"} <= {*found}
 
-    sheet = read_sheet(path, _OF_TRACE, (), is_log=is_trace, given=given or {})
+    given, wanted = entries or {}, (*_OF_TRACE, "outcome")
+    named = {name: head for name, head in given.get("columns", {}).items() if name in wanted}
+    sheet = read_sheet(
+        path, wanted, (), named, given.get("decimal"), is_trace, given.get("sheet"),
+        given.get("given") or {},
+    )  # fmt: skip
     if not is_trace(sheet.places) or len(sheet.rows) < _LEAST_ROWS:
         return None
+    place, words = sheet.places.pop("outcome", None), given.get("words", {})
+    if place is not None and any(
+        words.get(row.cells[place]) or outcome_of(row.cells[place], sheet.headings[place].title)
+        for row in sheet.rows
+    ):
+        return None  # a row for each test
+    faults = list[str]()
+    _take_rows(sheet, given.get("where") or {}, faults)
+    if faults:
+        raise InputError(f"{path}: {'; '.join(faults)}")
     columns = {}
     for name, place in sheet.places.items():
         unit, usual = sheet.headings[place].unit or UNITS[name], UNITS[name]
@@ -311,5 +341,15 @@ def read_trace(path: Path, given: Mapping[str, Any] | None = None) -> Trace | No
         if name in columns:
             columns[name] = np.abs(columns[name])
     known = np.logical_and.reduce([np.isfinite(column) for column in columns.values()])
+    numbers = np.array([row.number for row in sheet.rows])[known].tolist()
+    for number, (before, time) in zip(numbers[1:], pairwise(columns["time"][known]), strict=True):
+        if time < before:
+            raise InputError(
+                f"{path}, row {number}: time falls from {before:.4g} to {time:.4g} s, and a trace "
+                "is one run; give each run in a file of its own, or by --where, in the order of "
+                "time"
+            )
+    for name in columns.keys() & {"load", "velocity"}:  # at rest there is no friction
+        known &= columns[name] > _STEP_APART * columns[name][known].max(initial=0.0)
     columns = {name: column[known] for name, column in columns.items()}
     return Trace(**columns) if known.sum() >= _LEAST_ROWS else None

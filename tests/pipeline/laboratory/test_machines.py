@@ -237,7 +237,9 @@ def test_a_trace_by_steps_is_a_run(tmp_path, fails, stages):
     path = tmp_path / "trace.csv"
     path.write_text(f"Time [s],Load [N],Friction\n{text}\n", encoding="utf-8")
     told = dict(
-        line.split(" = ") for line in read_trace(path, {"velocity": "2 m/s"}).toml() if "=" in line
+        line.split(" = ")
+        for line in read_trace(path, {"given": {"velocity": "2 m/s"}}).toml()
+        if "=" in line
     )
     mild, severe = stages
     assert float(told["mild_up_to"].strip('"').split()[0]) == pytest.approx(mild, rel=0.005)

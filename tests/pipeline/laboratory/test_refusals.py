@@ -266,6 +266,9 @@ REFUSALS = {
     "unreadable": (patched(spreadsheet, "decoded", lambda _: Path("no").stat(),
                            rows_of("log.csv", b"a")), "cannot be read: No such file"),
     # logs
+    "runs": (log_command("time [s],COF\n" + "1,0.1\n" * 20 + "0,0.1\n"), "row 22: time falls from"),
+    "no run": (log_command("time [s],COF,run\n" + "1,0.1,A\n" * 20, "--where", "run=B"),
+               'no row has "B" as run; give one of A'),
     "column": (log_command("load [N],velocity [m/s],outcome\n400,2,mild\n", "--column", "lod=load"),
                'no test has "lod"'),
     "log": (logged("load [N],velocity [m/s],outcome\n400,2,mlid\n"), "row 2, outcome"),

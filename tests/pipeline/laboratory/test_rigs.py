@@ -167,6 +167,34 @@ def test_a_trace_by_steps_of_the_velocity_is_a_run(tmp_path, rises):
     assert [test.velocity for test in tested] == ([1.5, 2] if rises else [2])
 
 
+@pytest.mark.parametrize("fails", [True, False])
+def test_rows_at_rest_after_a_trace_do_not_count(tmp_path, fails):
+    """The load runs down to 0 in ten rows, and the record goes on for 200."""
+    load = np.concatenate([np.full(100, 400), np.linspace(360, 0, 10), np.full(200, 1)])
+    friction = np.where(np.arange(310) < (80 if fails else 100), 0.1, np.where(load > 9, 0.3, 0))
+    friction = friction if fails else np.minimum(friction, 0.1)
+    trace = traced(tmp_path, load, np.full(310, 2), friction)
+    assert (trace.row, len(trace.time)) == (80 if fails else None, 109)
+    assert [*trace.toml()][1:4] == ['load = "400 N"', 'velocity = "2 m/s"', "friction = 0.1"]
+
+
+def test_a_log_of_tests_with_their_times_is_no_trace(tmp_path):
+    rows = [f"60,{load},2,0.1,{'Fresser' if load > 500 else 'ok'}" for load in range(200, 700, 20)]
+    text = "\n".join(["time [s],load [N],velocity [m/s],COF,result", *rows])
+    (tmp_path / "log.csv").write_text(text)
+    assert read_trace(tmp_path / "log.csv") is None
+    (tmp_path / "log.csv").write_text(text.replace("Fresser", "run").replace("ok", "run"))
+    assert len(read_trace(tmp_path / "log.csv").time) == len(rows)
+
+
+def test_a_trace_takes_the_columns_and_rows_that_are_named(tmp_path):
+    rows = [f"{k},{0.1 + k // 60 / 10},{'AB'[k % 2]}" for k in range(100)]
+    (tmp_path / "log.csv").write_text("\n".join(["time [s],x,run", *rows]))
+    entries = {"columns": {"friction": "x"}, "where": {"run": "B"}}
+    trace = read_trace(tmp_path / "log.csv", entries)
+    assert (trace.time[trace.row], len(trace.time)) == (61.0, 50)
+
+
 def test_a_start_from_rest_is_no_step(tmp_path):
     velocity, friction = np.repeat([0, 2], [20, 180]), np.repeat([0.1, 0.2], [120, 80])
     toml = [*traced(tmp_path, [400] * 200, velocity, friction).toml()]
