@@ -98,18 +98,21 @@ def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, floa
 
 def _table(path: Path, lines: list[str]) -> tuple[list[str], Array, Array]:
     """Comments and words above; numbers of the rows, NaN in holes; places in the line above."""
-    head = [line for line in lines if line.lstrip().startswith(_COMMENT)]
-    body = [line for line in lines if not line.lstrip().startswith(_COMMENT)]
+    head = [line for line in lines if _is_comment(line)]
+    body = [line for line in lines if not _is_comment(line)]
     separator = _separator(body[-min(len(body) // 2 + 1, 50) :])
     first = next((k for k, line in enumerate(body) if _is_row(line, separator)), len(body))
     if first == len(body):
         raise InputError(f"{path}: no line of numbers; give heights as text, a row in a line")
-    above = [*map(_number, _cells(body[first - 1], separator))] if first else []
+    width = len(_row(body[first], separator))
+    while first and None not in (row := _row(body[first - 1], separator)) and len(row) == width:
+        first -= 1  # a row of holes alone
+    above = _row(body[first - 1], separator) if first else []
     places = np.array(above[1:], float)
     is_size = first and any(size.fullmatch(body[first - 1].strip()) for size in _SIZES.values())
     if not (is_size or math.isfinite(_step(places))) and len(above) > above.count(None):
         first -= len(above) == len(_cells(body[first], separator))  # it is a row with a word
-    rows = [[*map(_number, _cells(line, separator))] for line in body[first:]]
+    rows = [_row(line, separator) for line in body[first:]]
     usual = max(map(len, rows))
     for line, row in zip(body[first:], rows, strict=True):
         if None in row:
@@ -134,12 +137,20 @@ def _table(path: Path, lines: list[str]) -> tuple[list[str], Array, Array]:
     return [*head, *body[:first]], table, places
 
 
+def _is_comment(line: str) -> bool:
+    """True of a line that begins as a comment, and not as a row that begins with a hole."""
+    if not line.lstrip().startswith(_COMMENT):
+        return False
+    rows = [_row(line, separator) for separator in (";", "\t", None, ",")]
+    return not any(len(row) > 1 and None not in row for row in rows)
+
+
 def _separator(lines: list[str]) -> str | None:
     """What stands between the cells of some lines; None for blanks."""
     for separator in (";", "\t", " ", ","):
         if all(separator in (line.strip() if separator == " " else line) for line in lines):
             between = None if separator == " " else separator
-            if between in (";", "\t") or all(_is_row(line, between) for line in lines):
+            if between in (";", "\t") or all(None not in _row(line, between) for line in lines):
                 return between
     return None
 
@@ -165,9 +176,14 @@ def _number(cell: str) -> float | None:
         return math.nan if cell.strip().lower() in _HOLES else None
 
 
+def _row(line: str, separator: str | None) -> list[float | None]:
+    """The cells of a line as numbers."""
+    return [*map(_number, _cells(line, separator))]
+
+
 def _is_row(line: str, separator: str | None) -> bool:
     """True if each cell is a number or a hole, and any is a number."""
-    numbers = [*map(_number, _cells(line, separator))]
+    numbers = _row(line, separator)
     return None not in numbers and any(number == number for number in numbers)
 
 

@@ -1,6 +1,7 @@
 """Heights in text come out the same, however a program writes them."""
 
 import io
+import math
 
 import numpy as np
 import pytest
@@ -158,6 +159,16 @@ def test_holes_stay_holes(text, tmp_path):
     (tmp_path / "scan.txt").write_text(text, encoding="utf-8")
     heights = read_surface(tmp_path / "scan.txt", 1.0).heights
     np.testing.assert_array_equal(np.isnan(heights), [[0, 0, 0], [0, 1, 0], [0, 0, 1]])
+
+
+@pytest.mark.parametrize("separator", [" ", ";", "\t", ","])
+def test_rows_that_begin_with_holes_stay_rows(separator, tmp_path):
+    hole, rows = "*** *** ***\n", "1 2 3\n*** 5 6\n"
+    text = f"{hole}{hole}{rows}{hole}7 8 9\n{hole}".replace(" ", separator)
+    (tmp_path / "scan.txt").write_text(f"*** rig 3 ***\n***\n{text}", encoding="utf-8")
+    heights = read_surface(tmp_path / "scan.txt", 1.0).heights.T
+    hole = math.nan
+    np.testing.assert_array_equal(heights[:, 1], [hole, hole, 2, 5, hole, 8, hole])
 
 
 @pytest.mark.parametrize(
