@@ -17,7 +17,7 @@ from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.format import BULK, CRITICAL, FORMAT, FRICTION, LOAD, SPEED
-from pipeline.scene.headings import UNITS, Sheet, as_entry, read_sheet, read_table
+from pipeline.scene.headings import BESIDE, UNITS, Sheet, as_entry, read_sheet, read_table
 from pipeline.scene.over import column_of, scene_with
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.limits import MOST_SCENES
@@ -119,6 +119,11 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
             yield (
                 f'column "{heading.text}" cannot act after the simulation; leave it out, or give '
                 "the table to [sweep] along of a scene, which computes each row"
+            )
+        elif heading.title.startswith(BESIDE):
+            yield (
+                f'column "{heading.text}" cannot be set for a row; leave it out, or give one of '
+                f"{', '.join(CONDITIONS.values())}"
             )
 
 

@@ -43,6 +43,8 @@ _EXACT = {
     "normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature",
     **{path: name for name, path in PATHS.items() if name in UNITS},
 }  # fmt: skip
+BESIDE = "friction.", "temperature."
+"""Beginnings of paths of a scene, which say exactly what a column is."""
 _SHOWN = 6  # rows of a fault that are named
 _ABSENT = "nan", "None", "NaT", "<NA>"  # what a cell of a data frame without a value is as text
 
@@ -134,7 +136,7 @@ def columns_for(
             found = [k for k in found if not (headings[k].unit and is_unit(headings[k].unit))]
         exact = [k for k in free if _is_another(headings[k], name, wanted)]
         if _laboratory():
-            others = [k for k in free if k not in exact]
+            others = [k for k in free if not (k in exact or headings[k].title.startswith(BESIDE))]
             found = found or [k for k in others if _laboratory().is_named(headings[k], name)]
         if len(found) == 1:
             places[name] = found[0]

@@ -296,6 +296,15 @@ def test_columns_that_need_a_simulation_are_refused(name):
         assert OperatingPoints.read(columns | {entry: [cell]}).places == (Place(400.0, 1.0),)
 
 
+@pytest.mark.parametrize(
+    ("name", "cell"),
+    [("friction.same_rig", "0"), ("friction.band", "0.2"), ("temperature.bulk.pin", "300 K")],
+)
+def test_an_entry_beside_a_condition_is_not_taken_for_it(name, cell):
+    with pytest.raises(InputError, match=f'column "{name}" cannot be set for a row; leave it out'):
+        OperatingPoints.read({"load": [400.0], "velocity": [1.0], name: [cell]})
+
+
 # Seeds
 
 
