@@ -1,17 +1,20 @@
 """Entries with several values (``[sweep] over``), from the scene to every answer."""
 
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import pipeline
+import tribo
 from pipeline.analysis.dataset import stored_sweep
+from pipeline.scene.over import scale_friction
 from pipeline.store.create import restore_root, writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import PointRecord, points, tasks
-from tests.helpers import scenes
+from tests.helpers import scenes, tiny
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
@@ -223,3 +226,23 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
         assert "which the sweep does not have; it has 2 mm, 4 mm" in said
     with pytest.raises(InputError, match=r"it has several of pin\.radius: run irg run"):
         pipeline.at(swept, **{"wear.pattern": "local"})
+
+
+def test_a_coefficient_scales_curves_of_friction_where_both_scenes_have_them():
+    plain = tiny.full()
+    curves = tuple(
+        plain.changed(
+            conditions=replace(
+                plain.conditions,
+                corrections=tribo.Corrections(friction=tribo.Friction(by_velocity=((1.0, k),))),
+            )
+        )
+        for k in (1.0, 0.5)
+    )
+    changed = ("friction.coefficient",)
+    for scene, sweep in ((plain, curves[0]), (curves[0], plain)):
+        assert scale_friction(scene, sweep, changed) is scene
+    one, other = curves
+    assert scale_friction(one, other, ()) is one
+    scaled = scale_friction(one, other, changed).conditions.corrections.friction
+    assert scaled == other.conditions.corrections.friction

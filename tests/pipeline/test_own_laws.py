@@ -5,6 +5,7 @@ import pickle
 import re
 import shlex
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.analysis.dataset import stored_sweep
-from pipeline.sweep.own_laws import Reference
+from pipeline.sweep.own_laws import Reference, refer
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 
@@ -55,6 +56,20 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "laws.py").write_text(LAWS)
     (tmp_path / "own.toml").write_text(OWN)
     return tmp_path
+
+
+@dataclass
+class Shaped:
+    rate: float = 6e-15
+    shape: tuple = (1, 2)
+    pattern = "swept"
+
+    def over(self, begin, end):
+        return self.rate
+
+
+def test_parameters_of_a_law_are_numbers_and_words_and_else_as_python_writes_them():
+    assert refer(Shaped()).parameters == (("rate", 6e-15), ("shape", "(1, 2)"))
 
 
 def test_a_named_law_runs_on_workers_that_have_no_file_and_fails_its_points_by_name(folder, irg):

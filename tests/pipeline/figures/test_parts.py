@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 import pipeline
@@ -665,3 +666,9 @@ def test_where_nothing_moves_there_is_room_for_a_percent_on_either_side():
         loads=(200.0,), critical=(math.nan,), outcomes=("mild throughout",),
     )  # fmt: skip
     assert labels(axes.figure.legends[0]) == ["at 200 N, mild throughout"]
+
+
+def test_lines_of_a_collection_shrink_with_their_figure():
+    borders = LineCollection([], linewidths=[1.0, 2.0])
+    style._resize(borders, 0.7, 0.6)
+    assert list(borders.get_linewidth()) == [0.6, 1.2]

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 import pipeline
 import tribo
 from pipeline.analysis.dataset import stored_sweep
+from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.laboratory import are_near
 from pipeline.figures import diagram as module
 from pipeline.figures.diagram import diagram
@@ -23,6 +24,7 @@ from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import Column, Variants
+from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tests.helpers.sweeps import with_fields
 from tribo import InputError
@@ -196,6 +198,20 @@ def test_points_that_are_not_done_or_carry_a_warning_are_marked():
     }
     assert severe == expected - {(4.0, 200.0)}
     assert "pale: points whose neighbours have the same wear" in legend.get_title().get_text()
+
+
+def test_the_plane_goes_on_beyond_points_where_a_sweep_follows_the_boundary_alone():
+    followed, conditions = sweeps.along_boundary(), synthetic.conditions()
+    lacking = synthetic.sweep(status={(load, 4.0): PENDING for load in (200.0, 250.0, 300.0)})
+    for ds, goes_on in ((followed, True), (lacking, False)):
+        rise = decisive_rise(ds, conditions)
+        ends, beyond = (
+            refined(rise, module._RESOLUTION, conditions, continued=is_continued).notnull().sum()
+            for is_continued in (False, True)
+        )
+        assert ends < beyond
+        drawn = module._planes(ds, conditions).notnull().sum()
+        assert drawn == (beyond if goes_on else ends)
 
 
 def test_points_are_far_where_all_their_neighbours_have_their_wear():

@@ -236,7 +236,7 @@ def test_stages_say_which_begins_and_the_time_that_the_rest_will_take(monkeypatc
         Progress("1 of 2: A", 0, 2, elapsed=0.0),
         Progress("2 of 2: B (about 2 s to go)", 1, 2, elapsed=2.0, time_to_go=2.0),
     ]
-    assert go("a", (0.0, 0.5)) == [Progress("a", 0, 1, elapsed=0.5)]
+    assert go("a", (0.0, 3.5)) == [Progress("a", 0, 1, elapsed=3.5)]
     monkeypatch.undo()
     assert list(stages.staged("ab", stages.silent)) == ["a", "b"]
 
