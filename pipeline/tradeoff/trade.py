@@ -283,7 +283,7 @@ def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ..
         "increments": (*sorted({max(1, steps // 10), max(1, steps // 4), 2 * steps}),),
         "wear_scheme": ("implicit", "sdirk2"),
         "contact_tolerance": (
-            float(f"{start.contact_tolerance / 30:.0e}"), start.contact_tolerance * 10
+            float(f"{start.contact_tolerance / 30:.0e}"), min(1.0, start.contact_tolerance * 10)
         ),
         "partition": () if unequal_bulks else ("uniform",),
         "heat_tolerance": (start.heat_tolerance / 100, min(0.1, start.heat_tolerance * 100)),

@@ -257,6 +257,7 @@ REFUSALS = {
     "choice": (lambda: Fidelity(kernel="none"), "kernel is 'none'; allowed are"),
     "heat tolerance": (lambda: Fidelity(heat_tolerance=1.0), "heat_tolerance is 1.0"),
     "contact tolerance": (lambda: Fidelity(contact_tolerance=0.0), "contact_tolerance is 0.0"),
+    "coarse tolerance": (lambda: Fidelity(contact_tolerance=1.1), "above 0 and at most 1"),
     **{
         name: (lambda name=name: Fidelity(**{name: -1}), f"{name} is -1")
         for name in ("pixels_per_element", "history_coarsening", "fewest_elements", "increments")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from tribo.contact import ContactCriterion, ElasticKernel
-from tribo.errors import InputError, require_integer, require_positive
+from tribo.errors import InputError, require_integer
 from tribo.wear import WearScheme
 
 Averaging = Literal["mean", "sample"]
@@ -94,7 +94,10 @@ class Fidelity:
             ("increments", 1),
         ):
             require_integer(lowest, **{name: getattr(self, name)})
-        require_positive(contact_tolerance=self.contact_tolerance)
+        if not 0 < self.contact_tolerance <= 1:
+            raise InputError(
+                f"contact_tolerance is {self.contact_tolerance!r}; it must be above 0 and at most 1"
+            )
         if not 1e-14 <= self.heat_tolerance < 1:
             raise InputError(
                 f"heat_tolerance is {self.heat_tolerance!r}; it must be from 1e-14 to below 1"
