@@ -183,7 +183,10 @@ def _si_value(path: str, value: Any) -> Any:
     if isinstance(value, Sequence) and not isinstance(value, str):
         if not len(value):
             raise InputError(f"{name or path} has no value; give one, or several")
-        return [_si_value(path, one) for one in value]
+        values = [_si_value(path, one) for one in value]
+        if repeated := [given for k, given in enumerate(value) if values[k] in values[:k]]:
+            raise InputError(f"{name or path} is {repeated[0]} twice; give each value once")
+        return values
     match name:
         case "friction" if isinstance(value, str):
             raise InputError(f"friction is {value!r}; give a number such as 0.1, or several")

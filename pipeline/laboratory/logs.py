@@ -105,7 +105,10 @@ def read_log(path: Path, entries: Mapping[str, Any] | None = None, row_of: Table
     )  # fmt: skip
     faults, places = [*sheet.faults], sheet.places
     if faults and sheet.headings and not named:
-        faults[-1] += '; name one by columns = { load = "HEADING" } or --column "load=HEADING"'
+        lacks = next((name for name in row_of.needed if name not in places), "load")
+        faults[-1] += (
+            f'; name one by columns = {{ {lacks} = "HEADING" }} or --column "{lacks}=HEADING"'
+        )
     _take_rows(sheet, given.get("where") or {}, faults)
     twice = _drop_repeats(sheet)
     needed = [places[name] for name in ("load", "velocity") if name in places]

@@ -106,6 +106,7 @@ REFUSALS = {
     "friction": (at(friction="a lot"), "friction is 'a lot'; give a number"),
     "negative": (at(friction=-0.1), "friction is -0.1; it must be at least 0"),
     "one negative": (at(friction=(0.1, -0.1)), "friction is -0.1; it must be at least 0"),
+    "value twice": (at(bulk_temperature=("60 degC", 333.15)), "is 333.15 twice; give each"),
     "none": (at(friction=()), "friction has no value"),
     "criteria": (at(criterion=["mean", "highest"]), "criterion takes one value at a time"),
     "criterion": (at(criterion="coldest"), "coldest"),

@@ -118,6 +118,12 @@ radius 30 mm"; give a velocity of at least 0, such as "1.25 m/s"
 """.replace("\\\n", "")
 
 
+def test_a_column_that_is_not_found_is_asked_for_by_its_own_name(tmp_path, irg):
+    (tmp_path / "log.csv").write_text("load [N],v\n100,1\n")
+    said = irg("tests", tmp_path / "log.csv", code=2)
+    assert 'columns = { velocity = "HEADING" } or --column "velocity=HEADING"' in said
+
+
 @pytest.mark.parametrize(
     ("log", "said"),
     [
