@@ -7,6 +7,7 @@ from scipy.special import zeta
 
 import tribo
 from tribo.thermal import Disc
+from tribo.thermal.disc import _EARLY
 from tribo.thermal.track import track_warming
 
 DIFFUSIVITY, CAPACITY = 1.2275e-5, 3.666e6
@@ -124,3 +125,12 @@ def test_a_disc_says_its_sizes_and_the_losses_that_it_has():
 def test_discs_that_are_no_discs_are_refused(entries, said):
     with pytest.raises(tribo.InputError, match=said):
         Disc(**(PLAIN | entries))
+
+
+@pytest.mark.parametrize("inner", [0.0, 0.3, 0.6, 0.9, 0.97])
+@pytest.mark.parametrize("rim_loss", [0.0, 2000.0])
+def test_the_series_begins_where_the_warming_at_short_times_ends(inner, rim_loss):
+    disc = Disc(diameter=0.1, width=0.01, rim_loss=rim_loss, bore=0.1 * inner)
+    age = _EARLY * (1 - inner) ** 2 * 0.05**2 / DIFFUSIVITY
+    short, series = disc.rim_left(age * np.array([1 - 1e-9, 1 + 1e-9]), DIFFUSIVITY, CAPACITY)
+    assert series == pytest.approx(short, rel=1.1e-4)

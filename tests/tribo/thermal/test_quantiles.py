@@ -70,6 +70,12 @@ def test_a_share_beyond_the_stored_quantiles_is_refused_and_not_extrapolated():
             rise_exceeded(rises, share, stored)
 
 
+@pytest.mark.parametrize(("share", "rise"), [(0.75, 10.0), (0.625, 15.0), (0.25, 40.0)])
+def test_shares_at_the_ends_of_a_selection_have_its_first_and_last_quantile(share, rise):
+    rises = np.array([[10.0, 20.0, 40.0]])
+    assert rise_exceeded(rises, share, (0.25, 0.5, 0.75)) == pytest.approx([rise])
+
+
 def test_between_the_kept_bulk_ratios_quantiles_are_linear():
     at_zero, slope = np.linspace(0.0, 50.0, len(QUANTILES)), np.linspace(0.5, 1.0, len(QUANTILES))
     kept = np.array([at_zero + slope * ratio for ratio in BULK_RATIOS])

@@ -39,6 +39,12 @@ def test_a_body_between_insulated_sides_is_a_row_of_strips(age, body_width):
     assert left == pytest.approx(alike, rel=1e-9)
 
 
+@pytest.mark.parametrize(("width", "body_width"), [(2e-3, 4e-3), (1e-3, 1e-2), (3e-3, 3.1e-3)])
+def test_images_and_modes_of_a_strip_agree_where_one_takes_over(width, body_width):
+    near, far = strip_left(width, body_width, body_width / 4 * np.array([1 - 1e-9, 1 + 1e-9]))
+    assert far == pytest.approx(near, rel=1e-8)
+
+
 def test_many_passes_of_a_load_that_comes_and_goes_are_summed_as_few():
     """A load that is on for 10 s of 20, for an hour on a disc of ten turns a second."""
     times = np.sort(np.concatenate([np.arange(0, 3600, 10.0), np.arange(0, 3600, 10.0) + 1e-3]))
