@@ -23,7 +23,7 @@ FRAME = pd.DataFrame(
         "variant": ["a", "b", "c", "d"],
         "pin.radius [mm]": [1.0, 2.0, 3.0, 4.0],
         "load [N]": [200.0, 200.0, 400.0, 400.0],
-        "distance [K]": [20.0, -5.0, 1.0, NAN],
+        "distance [K]": [20.0, -5.0, 0.5, NAN],
         "temperature error [K]": [3.0, 4.0, NAN, NAN],
         "verdict": ["mild", "severe", "not decided", None],
         "velocity factor": [1.3, NAN, NAN, NAN],
@@ -48,11 +48,11 @@ def test_each_margin_stands_at_its_row_with_its_error():
     marks = lines(axes)
     assert marks["mild wear"].tolist() == [[0.0, 20.0]]
     assert marks["severe wear"].tolist() == [[1.0, -5.0]]
-    assert marks["not decided"].tolist() == [[2.0, 1.0]]
+    assert marks["not decided"].tolist() == [[2.0, 0.5]]
     assert marks["not known: not computed"].tolist() == [[3.0, 0.0]]
     (errors,) = (bars for bars in axes.containers if bars.get_label() == "error of the margin")
     ends = [segment[:, 1].tolist() for segment in errors.lines[2][0].get_segments()[:3]]
-    assert ends == [[17.0, 23.0], [-9.0, -1.0], [1.0, 1.0]]
+    assert ends == [[17.0, 23.0], [-9.0, -1.0], [0.5, 0.5]]
     assert axes.get_ylabel() == "margin to severe wear [K]"
     assert set(marks["boundary"][:, 1]) == {0.0}
     names = [line.get_label() for line in axes.lines]

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
+from matplotlib import rc_context, rcParams
 from matplotlib.figure import Figure
 
 from pipeline.figures import style
@@ -67,3 +68,17 @@ def test_names_at_the_ends_of_curves_stand_in_order_and_apart():
     assert np.diff(heights).min() > 1.0 * 9.0 * figure.dpi / 72
     expected = axes.transData.transform((0.0, 9.0))[1]
     assert (boxes["far"].y0 + boxes["far"].y1) / 2 == pytest.approx(expected, abs=2.0)
+
+
+def test_settings_that_a_user_changed_are_kept_and_the_others_are_of_the_house():
+    house = style._HOUSE_STYLE
+
+    @style.house_style
+    def settings():
+        return dict(rcParams)
+
+    assert {key: settings()[key] for key in house} == dict(house)
+    changed = next(key for key, value in house.items() if isinstance(value, float))
+    with rc_context({changed: 7.25}):
+        drawn = settings()
+    assert {key: drawn[key] for key in house} == dict(house) | {changed: 7.25}
