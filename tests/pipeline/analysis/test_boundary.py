@@ -11,6 +11,7 @@ from pipeline.analysis.boundary import add_band, boundary
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.decisive import decisive_rise, refined
+from pipeline.analysis.field import point_field
 from pipeline.analysis.frames import boundary_parts, frames_of
 from pipeline.cli.verdicts import document_of
 from pipeline.store.schema import DONE, FAILED, PENDING
@@ -303,3 +304,12 @@ def test_severe_wear_begins_where_the_first_of_the_patches_turns_half_of_the_tim
         chance = ndtr((np.log(found) - logs.mean()) / logs.std(ddof=1))
         # As far as a boundary between points is that of the closed form.
         assert 1 - (1 - chance) ** 100 == pytest.approx(0.5, abs=0.01)
+
+
+def test_between_loads_points_that_either_row_lacks_are_missing():
+    field = point_field(synthetic.sweep(status={(400.0, 2.0): PENDING}))
+    missing = {
+        load: field.lines("velocity", load, 1.0)[0].missing.tolist()
+        for load in (350.0, 375.0, 400.0, 425.0, 450.0)
+    }
+    assert missing == {350.0: [], 375.0: [2.0], 400.0: [2.0], 425.0: [2.0], 450.0: []}

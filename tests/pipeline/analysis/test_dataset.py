@@ -24,6 +24,7 @@ from pipeline.analysis.field import fields
 from pipeline.analysis.margin_frame import margin
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.ramp import ramp
+from pipeline.scene.scenefile import load_scene
 from pipeline.store.create import writing
 from pipeline.store.schema import MADE, STEPPED
 from pipeline.sweep.conditions import Conditions
@@ -31,6 +32,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import placed_rows, rows
 from tests.helpers import tiny
+from tests.helpers.scenes import SCENE
 from tests.helpers.stores import commit, opened
 from tests.pipeline.conftest import commit_all
 from tribo.thermal import rise_exceeded
@@ -266,3 +268,17 @@ def test_a_number_that_lost_its_last_digits_is_the_value_of_its_row(tmp_path):
     assert taken_entries(one) == taken_entries(ds.isel(bore=1))
     assert scene_sweep(one).scene == scene_sweep(ds).scene
     assert stored_sweep(one).scene.pin.radius == 6e-3
+
+
+def test_rows_have_the_values_of_entries_only_where_each_has_one(tmp_path):
+    text = SCENE.replace("fields = true", "")
+    over = {"pin.radius": ["2 mm", "4 mm"], "loading.rate": ["150 N/s", "300 N/s"]}
+    (tmp_path / "scene.toml").write_text(text)
+    sweep = load_scene(tmp_path / "scene.toml", overrides={"sweep.over": over})
+    with writing(tmp_path / "out.zarr", sweep):
+        pass
+    ds = open_sweep(tmp_path / "out.zarr")
+    one = ds.isel({"pin.radius": 1})
+    assert taken_entries(one) == {}
+    both = taken_entries(one.isel({"loading.rate": 0}))
+    assert both == {"pin.radius": "4 mm", "loading.rate": "150 N/s"}

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
 from pipeline.analysis.curve import Curve, certain
+from pipeline.analysis.transition import Line
 
 
 @settings(max_examples=40)
@@ -88,3 +89,20 @@ def test_rises_go_on_beyond_the_points_only_where_that_cannot_cross_the_limit():
     x, y, places = np.array([1.0, 4.0]), np.array([10.0, 20.0]), np.array([0.25, 4.0, 16.0])
     assert certain(x, y, places, limit=30.0) == pytest.approx([5.0, 20.0, np.nan], nan_ok=True)
     assert certain(x, y, places, limit=15.0) == pytest.approx([5.0, 20.0, 40.0])
+
+
+def test_two_points_go_on_by_their_power_law_where_that_cannot_cross_the_limit():
+    x, y = np.array([1.0, 2.0]), np.array([1.0, 2.0])
+    places = np.array([0.5, 1.0, 2.0, 4.0])
+    for limit, expected in ((1.5, [0.5, 1, 2, 4]), (3.0, [0.5, 1, 2, np.nan])):
+        np.testing.assert_allclose(certain(x, y, places, limit), expected)
+    np.testing.assert_array_equal(certain(x[:1], y[:1], places[:2], 3.0), [np.nan, np.nan])
+
+
+def test_wear_that_turns_often_is_severe_in_each_range_and_beyond_the_last():
+    x = np.arange(1.0, 7.0)
+    line = Line(Curve(x, np.array([5.0, 2.0, 6.0, 2.0, 9.0, 12.0])), 4.0, (1.0, 6.0), x, x[:0])
+    first, second, third = line.severe()
+    assert [first[1], *second, third[0]] == pytest.approx(line.places)
+    assert first[0] <= 1.0
+    assert third[1] == np.inf

@@ -5,12 +5,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy import integrate, stats
 
 import pipeline
 from pipeline.analysis.dataset import read_conditions
 from pipeline.analysis.field import point_field
-from pipeline.analysis.laboratory import NOT_KNOWN, compared, laboratory_tests, model_error
+from pipeline.analysis.laboratory import (
+    NOT_KNOWN,
+    compared,
+    comparison,
+    laboratory_tests,
+    model_error,
+)
 from pipeline.analysis.margin import NOT_DECIDED, answer, error_band, percent
 from pipeline.analysis.model_error import ModelError
 from pipeline.sweep.about import Measurement
@@ -288,3 +295,16 @@ def test_the_band_ends_where_the_verdict_changes_at_the_error_of_that_place(done
                 assert (inside, outside) == (verdict, NOT_DECIDED)
                 seen.append(name)
     assert min(map(seen.count, ("mild_below", "severe_above"))) > 1
+
+
+def test_a_model_without_any_error_is_certain_but_at_the_boundary_itself():
+    exact = ModelError(usual=0.0)
+    assert exact.below(np.array([-1e-9, 0.0, 1e-9])).tolist() == [0.0, 0.5, 1.0]
+
+
+@pytest.mark.parametrize(("factors", "expected"), [((2, 0.5), False), ((2, 2, 0.5), True)])
+def test_a_test_meets_severe_wear_where_more_than_half_of_the_surfaces_have_it(factors, expected):
+    surfaces = [synthetic.sweep(rise=lambda *at, k=k: k * synthetic.rise(*at)) for k in factors]
+    numbers = xr.Variable("realization", np.arange(len(factors)))
+    field = point_field(xr.concat(surfaces, numbers, combine_attrs="override"))
+    assert comparison(field, Measurement(400.0, 2.0, outcome="mild")).is_severe is expected

@@ -137,6 +137,8 @@ def test_points_hotter_than_molten_steel_are_counted(tmp_path, irg):
     assert "molten" not in pipeline.warned(pipeline.at(ds, friction=0.999 * molten)).kinds
     warned = pipeline.warned(pipeline.at(ds, friction=1.001 * molten))
     assert warned.kinds["molten"] == 1
+    both = pipeline.at(ds, friction=[0.1, 1.001 * molten])
+    assert pipeline.warned(both).kinds["molten"] == 1
     margin = ("margin", tmp_path / "tiny.zarr", "--load=600 N", "--velocity=1.5 m/s", "--friction")
     assert "where steel melts" in irg(*margin, f"{1.001 * molten:.9g}")
     assert "where steel melts" not in irg(*margin, f"{0.999 * molten:.9g}")
