@@ -130,6 +130,12 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(words, low, high, sa
         assert not is_doubted(value), value
 
 
+def test_the_highest_friction_and_the_highest_velocity_of_a_scene_are_doubted():
+    said = said_of(SMOOTH.changed(friction_band=(0.05, 1.2), velocities=(1.0, 120.0)))
+    for words in ("friction: 1.2", "sweep.velocities: 120 m/s"):
+        assert any(doubt.startswith(words) for doubt in said), said
+
+
 def test_a_band_beside_its_own_friction_is_doubted():
     for band, count in (((0.09, 0.103), 0), ((0.11, 0.13), 1), ((0.05, 0.09), 1)):
         said = doubts(SMOOTH.changed(friction_band=band), facts_of(SMOOTH))
@@ -213,6 +219,15 @@ def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
     doubts = [doubt for doubt in doubts if note_on_ends(SMOOTH) not in doubt]
     assert len(doubts) == bool(said)
     assert all(text in doubts[0] for text in said)
+
+
+def test_the_widest_contact_of_those_that_do_not_fit_is_told():
+    widths = ((90e-6, 110e-6, 130e-6),) * 3
+    said = said_of(
+        SMOOTH,
+        hertz_half_width=Span(1e-6, 2e-6), contact_widths=widths, window=(100e-6, 20e-6),
+    )  # fmt: skip
+    assert any("up to 130 µm wide" in doubt and "about 6 of 9" in doubt for doubt in said), said
 
 
 def test_sharp_ends_are_hotter_and_turn_severe_at_lower_velocities():
