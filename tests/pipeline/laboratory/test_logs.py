@@ -270,3 +270,11 @@ def test_headings_are_sought_at_the_top_alone(tmp_path):
     sheet = read_rows(tmp_path / "long.csv", lambda cells, _: bool(asked.append(cells)))
     assert len(asked) < 1000
     assert (len(sheet.rows), sheet.headings[1].text) == (5000, "beta")
+
+
+def test_columns_that_no_test_or_log_has_are_told(tmp_path):
+    (tmp_path / "log.csv").write_text("F [N],velocity [m/s]\n300,2\n")
+    columns = {"lode": "F [N]", "load": "P [N]"}
+    faults = read_log(tmp_path / "log.csv", {"columns": columns}).faults
+    assert faults[0].startswith('columns.lode: no entry (did you mean "load"?); give one of load,')
+    assert faults[1] == 'columns.load: there is no column "P [N]"'
