@@ -142,12 +142,12 @@ class Folder:
         """Names of all entries of the folder and of the folders in it."""
         names: set[str] = set()
         for entry in [*os.scandir(self.path)] if self.path.exists() else ():
-            if entry.is_symlink():
-                entry.stat()  # one that leads nowhere raises
             if entry.is_dir():
                 names |= {f"{entry.name}/{inner.name}" for inner in os.scandir(entry)}
-            else:
-                names.add(entry.name)
+                continue
+            if entry.is_symlink():
+                is_there(Path(entry))  # raises if it leads nowhere, as a whole array may
+            names.add(entry.name)
         return names
 
 

@@ -63,6 +63,11 @@ def link(name, target="nowhere"):
     return change
 
 
+def lost_folder(path):
+    shutil.rmtree(path / "status")
+    (path / "status").symlink_to("nowhere")
+
+
 def pipe(path):
     (path / "load" / "c.0").unlink()
     os.mkfifo(path / "load" / "c.0")
@@ -243,6 +248,8 @@ REFUSALS = {
     # files
     "pipe": (changed(pipe, verify_store), "it is not a file"),
     "link": (changed(link("load/c.0"), verify_store), "it is a link that leads nowhere"),
+    "lost folder": (changed(lost_folder, verify_store),
+                    "status cannot be read: it is a link that leads nowhere"),
     "linked folder": (changed(move_status, lambda path: commit(path, SWEEP)),
                       "is a link to another folder"),
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
