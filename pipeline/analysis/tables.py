@@ -6,13 +6,13 @@ import math
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeGuard
 
 import pandas as pd
 
 from pipeline.quantities import is_unit_of_head, shown_in, si_of
+from pipeline.store.files import replace_file
 from tribo import InputError
 
 TABLES = (".csv", ".md")
@@ -132,19 +132,17 @@ def _parts(head: str) -> tuple[str, str]:
 
 
 def write_text(text: str, out: Path) -> Path:
-    """Write text to a file in UTF-8, and raise an `InputError` if that fails."""
-    with writing_to(out):
-        out.write_text(text, encoding="utf-8")
-    return out
+    """Write text to a file in UTF-8, as `write_bytes` does."""
+    return write_bytes(text.encode(), out)
 
 
-@contextmanager
-def writing_to(out: Path) -> Iterator[None]:
-    """Raise an `InputError` that names a file if writing it fails."""
+def write_bytes(content: bytes, out: Path) -> Path:
+    """Write a file whole, or leave what was there and raise an `InputError`."""
     try:
-        yield
+        replace_file(Path(os.path.realpath(out)), content)  # a link keeps leading to the file
     except OSError as error:
         raise InputError(f"cannot write {out}: {error.strerror or error}") from error
+    return out
 
 
 def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
@@ -155,8 +153,9 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
         raise InputError(f"cannot write {out}: the suffix must be {allowed}")
     if not path.parent.is_dir():
         raise InputError(f"cannot write {out}: there is no folder {path.parent}")
-    if path.is_dir() or not os.access(path.parent, os.W_OK):
-        raise InputError(f"cannot write {out}: it is a folder, or its folder is not writable")
+    places = (path.parent, path) if path.exists() else (path.parent,)
+    if path.is_dir() or not all(os.access(place, os.W_OK) for place in places):
+        raise InputError(f"cannot write {out}: it is a folder, or it or its folder is not writable")
     return path
 
 

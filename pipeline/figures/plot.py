@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import os
 import pkgutil
 import time
 from collections.abc import Callable
@@ -141,14 +140,12 @@ def watch(
 ) -> Summary:
     """Draw a figure of a store again, replaced whole, until its run ends; its state then."""
     path, drawn = figure_path(out), None
-    beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     while True:
         state = summary(store)
         began = time.monotonic()
         if state.done + len(state.failed) != drawn:
             try:
-                plot(read(), kind, beside, **options)
-                beside.replace(path)
+                plot(read(), kind, path, **options)
             except PendingError:
                 if state.running is None:
                     raise
@@ -156,8 +153,6 @@ def watch(
                 drawn = state.done + len(state.failed)
                 words = f"{state.done} of {state.total} points drawn"
                 progress(Progress(words, state.done, state.total))
-            finally:
-                beside.unlink(missing_ok=True)
         if state.running is None and summary(store).done == state.done:
             return state
         time.sleep(max(_INTERVAL, _SHARE * (time.monotonic() - began)))

@@ -25,7 +25,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 from scipy.optimize import isotonic_regression
 
 from pipeline.analysis.dataset import stored_sweep
-from pipeline.analysis.tables import FIGURES, writable_path, writing_to
+from pipeline.analysis.tables import FIGURES, writable_path, write_bytes
 from pipeline.sweep.about import condition_rows
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
@@ -147,9 +147,9 @@ def figure_path(out: str | Path) -> Path:
 @house_style
 def save_figure(figure: Figure, out: Path) -> Path:
     """Write a figure to a path of `figure_path`."""
-    with writing_to(out):
-        figure.savefig(out)
-    return out
+    written = io.BytesIO()
+    figure.savefig(written, format=out.suffix[1:])
+    return write_bytes(written.getvalue(), out)
 
 
 def heating(conditions: Conditions) -> str:

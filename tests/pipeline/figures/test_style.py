@@ -1,6 +1,8 @@
 """One style sheet for all figures, which those of a user can take, too."""
 
 import ast
+import errno
+import os
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +12,7 @@ from matplotlib import rc_context, rcParams
 from matplotlib.figure import Figure
 
 from pipeline.figures import style
+from tribo import InputError
 
 ROOT = Path(__file__).parents[3]
 DRAWING = sorted(
@@ -82,3 +85,19 @@ def test_settings_that_a_user_changed_are_kept_and_the_others_are_of_the_house()
     with rc_context({changed: 7.25}):
         drawn = settings()
     assert {key: drawn[key] for key in house} == dict(house) | {changed: 7.25}
+
+
+@pytest.mark.parametrize("ending", [".pdf", ".png", ".svg"])
+def test_a_full_disk_leaves_the_figure_that_was_there(ending, tmp_path, monkeypatch):
+    def fail(_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    out, link = tmp_path / f"a{ending}", tmp_path / f"b{ending}"
+    link.symlink_to(out)
+    style.save_figure(Figure(figsize=(1, 1)), link)
+    before = out.read_bytes()
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises(InputError, match=f"cannot write .*b{ending}: No space left on device"):
+        style.save_figure(Figure(figsize=(2, 1)), link)
+    assert out.read_bytes() == before
+    assert {*tmp_path.iterdir()} == {out, link}
