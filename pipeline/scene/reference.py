@@ -7,6 +7,7 @@ import re
 import shutil
 import tomllib
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -219,7 +220,8 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
     elif full:
         head = "".join(itertools.takewhile(lambda line: line[0] == "#", text.splitlines(True)))
         text = "\n".join([head + _MARKS, *_lines(tomllib.loads(text)), ""])
-    for file in (path, *(copy for _, copy in copies)):
+    files = [path, *(copy for _, copy in copies)]
+    for file in files:
         if file.exists():
             raise InputError(f"{file} exists already; give another name, or remove it")
     try:
@@ -227,10 +229,13 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
         for original, copy in copies:
             shutil.copyfile(original, copy)
     except OSError as error:
+        for file in files:
+            with suppress(OSError):
+                file.unlink()
         folder = path.parent
         reason = error.strerror or error if folder.is_dir() else f"there is no folder {folder}"
         raise InputError(f"{path} cannot be written: {reason}") from error
-    return [path, *(copy for _, copy in copies)]
+    return files
 
 
 _FEW = 2  # keys of a table that are told in the line of its name
