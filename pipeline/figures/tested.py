@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.analysis.dataset import plane_of
+from pipeline.analysis.dataset import asked, plane_of
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import (
     USUAL_SCATTER,
@@ -21,8 +21,10 @@ from pipeline.analysis.laboratory import (
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import Scatter
 from pipeline.figures import style
+from pipeline.figures.fields import PendingError
 from pipeline.figures.overlays import TESTS
 from pipeline.figures.style import BLACK, GREY
+from pipeline.store.schema import PENDING
 from tribo import InputError
 
 _ROOM = 1.25  # factor of velocity about the tests
@@ -45,6 +47,8 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
             if one.is_known and one.critical > 0:
                 found.append((test, one))
     if not found:
+        if (asked(ds) & (ds["status"] == PENDING)).any():
+            raise PendingError("too little is done to tell of any test; go on with irg run")
         raise InputError("no test of the scene is in the sweep; add loads and velocities to it")
     figure, axes = style.canvas(ax)
     places = np.array([(one.critical, test.velocity) for test, one in found])
