@@ -17,6 +17,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from difflib import get_close_matches
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -120,7 +121,7 @@ def require_positive(**values: float) -> None:
 def require_integer(lowest: int, **values: float) -> None:
     """Raise `InputError` for the first value that is not an integer of at least `lowest`."""
     for name, value in values.items():
-        if not (math.isfinite(value) and value == int(value) and value >= lowest):
+        if not (isinstance(value, Integral) and value >= lowest):
             raise InputError(f"{name} is {value!r}; it must be an integer of at least {lowest}")
 
 

@@ -47,6 +47,7 @@ class Oil:
     def __post_init__(self) -> None:
         (cold, warm), (thick, thin) = self.temperatures, self.viscosities
         require_positive(temperature=cold, viscosity=thin, density=self.density)
+        require_positive(temperature=warm, viscosity=thick)
         for coefficient in self.pressure_coefficients or ():
             require_positive(pressure_coefficient=coefficient)
         if not cold < warm:
@@ -76,6 +77,7 @@ class Oil:
         """Pressure-viscosity coefficient α [1/Pa], its logarithm linear in the temperature."""
         if self.pressure_coefficients is None:
             raise InputError("the oil has no pressure-viscosity coefficient; give it one")
+        require_positive(temperature=temperature)
         (cold, warm), (low, high) = self.temperatures, self.pressure_coefficients
         return float(low * (high / low) ** ((temperature - cold) / (warm - cold)))
 

@@ -91,9 +91,10 @@ class Friction:
         for name, least in (("velocities", 0.0), ("temperatures", 5e-324)):
             curve = self.by_velocity if name == "velocities" else self.by_temperature
             nodes = [node for node, _ in curve]
-            if sorted(set(nodes)) != nodes or (nodes and nodes[0] <= 0):
+            is_finite = all(0 < node < math.inf for node in nodes)
+            if not is_finite or sorted(set(nodes)) != nodes:
                 raise InputError(
-                    f"{name} of friction are {nodes}; they must be above 0 and ascending"
+                    f"{name} of friction are {nodes}; they must be finite, above 0 and ascending"
                 )
             if not all(least <= factor < math.inf for _, factor in curve):
                 allowed = "above 0" if least else "≥ 0"
