@@ -5,12 +5,12 @@ const templates = document.querySelectorAll("template");
 const chosenTemplate = templates[sceneNumber] ?? templates[0];
 chosenTemplate.replaceWith(chosenTemplate.content);
 
-/** Let the reader choose another scene, which keeps the conditions that were changed; give those that were
- * brought along. @param {() => object} changes */
+/** Let readers choose another scene, and give the conditions brought along. @param {() => object} changes */
 function takeScene(changes) {
   const choice = input("scene");
   if (!choice) return {};
   choice.value = String(sceneNumber);
+  if (history.state) choice.focus(); // for another arrow key
   choice.addEventListener("change", () => {
     history.replaceState(changes(), "", `#${choice.value}`);
     location.reload();
