@@ -17,7 +17,7 @@ import xarray as xr
 
 from pipeline.analysis.dataset import Kind, dataset_of, require_kind, stored_sweep, sweep_kind
 from pipeline.analysis.scenes import entries_in_words, scenes
-from pipeline.analysis.tables import frame_of, html_of, writable_path, write_text
+from pipeline.analysis.tables import frame_of, html_of, short, writable_path, write_text
 from pipeline.page.content import MOST_FIELDS, content, content_of_samples
 from pipeline.page.controls import Control, scene_choice, surface_choice
 from pipeline.quantities import display
@@ -166,7 +166,7 @@ def _samples_scene(held: dict[str, Any]) -> str:
     own = {
         "basis": "".join(f"<li>{html.escape(one)}</li>" for one in held["basis"]),
         "evidence": html.escape(held["evidence"]),
-        "table": html_of(table),
+        "table": html_of(short(table)),
         "scale": scale,
     }
     sizes = f"{len(table)} loads, {held['samples']} samples"

@@ -262,6 +262,7 @@ def test_a_page_of_samples_has_the_probability_between_their_ends(monkeypatch, t
     assert held["basis"][-1] == f"the model's own error: {scatter.worded}"
     assert (page.points, page.stored_fields) == (held["done"], 0)
     assert f"{len(ensemble.loads)} loads, 64 samples" in text
+    assert "<th>friction</th>" not in text  # each sample has its own
 
 
 def test_the_record_has_the_entries_without_tests_and_the_reason_of_an_accuracy():
