@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.dataset import scene_sweep
+from pipeline.analysis.dataset import scene_sweep, taken_at
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.tables import frame_of
@@ -221,4 +221,5 @@ def read_scene(ds: xr.Dataset) -> SceneWith:
     samples = ("unknown", "sweep.samples")  # entries, which settings may have changed
     settings = {key: one for key, one in settings.items() if not key.startswith(samples)}
     alone = {"without": [*left_out, *samples]}
-    return lambda entries: read(settings | alone | dict(entries))
+    taken = taken_at(ds)
+    return lambda entries: read(settings | alone | dict(entries)).variant(taken)

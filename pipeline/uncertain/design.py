@@ -10,7 +10,7 @@ import functools
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -29,7 +29,7 @@ from pipeline.sweep.unknown import OF_90, Fixed, Unit, Unknown
 from pipeline.uncertain.answers import draws_of, probability_of, run_probability
 from pipeline.uncertain.direct import SceneWith, log_rise, scene_values
 from pipeline.uncertain.ensemble import Ensemble, Excess
-from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, Draws, prior
+from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, SHARE, Draws, prior
 from tribo import InputError
 from tribo.types import Array
 
@@ -344,10 +344,13 @@ class Chances:
         worth = draws.weights[rows] / drawn[rows]
         limits, found = self._log_rise_limit(inputs, values), np.empty(SIMULATED)
         fixed, known = fix_values(ensemble, inputs, values), dict[int, float]()
+        shares = ensemble.values(SHARE, fixed).tolist()
         for number, row in enumerate(rows.tolist()):
             progress(Progress(done=number, total=SIMULATED))
             if row not in known:
-                known[row] = log_rise(scene_with(scene_values(ensemble, fixed[row])), *place)
+                judged = replace(ensemble.conditions, failing_share=shares[row])
+                scene = scene_with(scene_values(ensemble, fixed[row]))
+                known[row] = log_rise(scene, *place, judged)
             found[number] = known[row]
         found += self.numerical - limits[rows]
         missed = found - (excess.values[rows] - self.shift)

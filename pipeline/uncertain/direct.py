@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import worst_rises
@@ -20,10 +22,14 @@ SceneWith = Callable[[Mapping[str, Any]], Sweep]
 """Gives the scene of the samples with entries by their paths, as a scene file has them."""
 
 
-def log_rise(sweep: Sweep, load: float, velocity: float) -> float:
-    """Logarithm of the rise that decides at friction 1, by a simulation from the start on."""
+def log_rise(sweep: Sweep, load: float, velocity: float, judged: Conditions) -> float:
+    """Logarithm of the rise that decides at friction 1, by a simulation from the start on.
+
+    It is judged as the samples are, with the corrections of its own scene.
+    """
     columns = run_point(sweep.changed(steps="end"), load, velocity).columns
-    return math.log(float(worst_rises(columns, load, sweep.conditions)))
+    conditions = replace(judged, corrections=sweep.conditions.corrections)
+    return math.log(float(worst_rises(columns, load, conditions)))
 
 
 def scene_values(ensemble: Ensemble, row: Sequence[float] | Array) -> dict[str, Any]:

@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import pipeline
+import tribo
 from pipeline.analysis.model_error import ModelError
 from pipeline.scene.along import Place
 from pipeline.sweep.conditions import Conditions
@@ -14,6 +16,7 @@ from pipeline.sweep.unknown import Fixed, Unknown, drawn
 from pipeline.uncertain import answer_design, design
 from pipeline.uncertain.answers import run_probability
 from pipeline.uncertain.design import Chances, Direct, Goal
+from pipeline.uncertain.direct import log_rise
 from pipeline.uncertain.ensemble import Excess
 from pipeline.uncertain.inputs import BULK, prior
 from tests.helpers.samples import EXPONENT, ensemble, rise
@@ -92,7 +95,7 @@ def test_the_error_of_a_draw_and_the_scatter_of_a_run_add_up(usual, error):
     np.testing.assert_allclose(found, expected, atol=6e-4)
 
 
-def simulated_rise(entries, load, velocity):
+def simulated_rise(entries, load, velocity, judged):
     row = np.zeros(len(UNKNOWN))
     for number in (1, 3):  # what the rise at friction 1 depends on
         text, one = entries[UNKNOWN[number].path], UNKNOWN[number]
@@ -125,6 +128,31 @@ def test_direct_simulations_correct_samples_that_tell_too_little(samples, monkey
     safer = replace(corrected, spare=again.spare).limit(WIDE.path)
     assert safer.value > limit.value
     assert corrected.simulated(safer, dict, seed=2).confirms(0.01)
+
+
+def test_direct_simulations_are_judged_as_the_samples_are(monkeypatch):
+    columns = {
+        "rise_quantile": np.linspace(100.0, 1000.0, len(tribo.QUANTILES))[None],
+        "max_rise": np.array([1000.0]),
+        "mean_rise": np.array([500.0]),
+        "normal_load": np.array([600.0]),
+    }
+    result = SimpleNamespace(columns=columns)
+    monkeypatch.setattr("pipeline.uncertain.direct.run_point", lambda *_: result)
+    scene, seen = pipeline.load_scene("first_try"), []
+    highest = replace(scene.conditions, criterion="highest")
+    assert log_rise(scene, 600.0, 1.5, highest) == pytest.approx(np.log(1000.0))
+
+    def simulated(entries, load, velocity, judged):
+        seen.append(judged)
+        return simulated_rise(entries, load, velocity, judged)
+
+    monkeypatch.setattr(design, "log_rise", simulated)
+    few = ensemble(UNKNOWN, count=16)
+    mean = replace(few.conditions, criterion="mean", failing_share=0.3)
+    chances = Chances(replace(few, conditions=mean, keeper=None), Goal((HERE,), 0.1), **CERTAIN)
+    chances.simulated(chances.limit(WIDE.path), dict)
+    assert {(one.criterion, one.failing_share) for one in seen} == {("mean", 0.3)}
 
 
 @pytest.mark.parametrize("usual", [0.0, 0.1])
@@ -249,6 +277,17 @@ def test_draws_are_simulated_also_where_the_number_of_samples_was_given_by_set(m
     stored = pipeline.load_scene("uncertain", overrides=settings)
     assert any("sweep.samples" in word for word in stored.about.arguments)
     monkeypatch.setattr(answer_design, "scene_sweep", lambda _: stored)
+    monkeypatch.setattr(answer_design, "taken_at", lambda _: ())
     alone = answer_design.read_scene(None)({CRITICAL.path: "150 degC"})
     assert alone.conditions.critical_temperature == pytest.approx(423.15)
     assert not alone.variants.unknown
+
+
+def test_draws_are_simulated_at_the_values_of_entries_that_the_samples_were_taken_at(monkeypatch):
+    settings = {"sweep.samples": 8, "unknown": {CRITICAL.path: {"mean": "140 degC", "sd": "9 K"}}}
+    over = {"sweep.over": {"wear.pattern": ["swept", "local"]}}
+    stored = pipeline.load_scene("uncertain", overrides=settings | over)
+    monkeypatch.setattr(answer_design, "scene_sweep", lambda _: stored)
+    monkeypatch.setattr(answer_design, "taken_at", lambda _: (("wear.pattern", "local"),))
+    alone = answer_design.read_scene(None)({CRITICAL.path: "150 degC"})
+    assert alone.scene.wear.pattern == "local"
