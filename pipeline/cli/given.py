@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -162,13 +162,13 @@ def selected(sweep: Sweep) -> dict[str, Any]:
     return {"selection": sweep.about.selection.as_dict()} if sweep.about.selection else {}
 
 
-def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
-    """The store, or another one, judged as the user asked for."""
+def dataset_in(
+    options: argparse.Namespace, store: Path | str | None = None, without: Container[str] = ()
+) -> xr.Dataset:
+    """The store, or another one, judged as the user asked for, without some entries of --at."""
     ds = pipeline.open_sweep(store or options.store)
     _tell_of_another_law(options, ds)
-    entries = {
-        path: at for path, at in judged_entries(options).items() if store is None or path in ds.dims
-    }
+    entries = {path: at for path, at in judged_entries(options).items() if path not in without}
     weighing = values_in(options, "given_measured", "scatter")
     return pipeline.at(ds, **conditions_in(options), **weighing, **entries)
 

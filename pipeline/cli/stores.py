@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pipeline
+from pipeline.analysis.dataset import whole_sweep
 from pipeline.analysis.tables import as_dict, frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import dataset_in
@@ -19,6 +20,8 @@ from pipeline.store.place import DAMAGED, ROOT, StoreError
 from pipeline.store.progress import summary
 from pipeline.store.root import read_sweep
 from pipeline.sweep.accuracy import error_in_words, velocity_error
+from pipeline.sweep.conditions import PATHS
+from pipeline.sweep.judged import open_inputs
 
 _MOST_POINTS = 10  # that are printed; files have all
 
@@ -104,7 +107,15 @@ def verify(options: argparse.Namespace) -> Result:
 
 def diff(options: argparse.Namespace) -> Result:
     """Print the differences between two stores."""
-    stores = dataset_in(options), dataset_in(options, options.other)
+    paths = options.store, options.other
+    taken = [
+        {*map(str, ds.dims), *open_inputs(whole_sweep(ds)), *PATHS.values()}
+        for ds in map(pipeline.open_sweep, paths)
+    ]
+    stores = [  # an entry that one store alone has is of that one
+        dataset_in(options, path, without=others - own)
+        for path, own, others in zip(paths, taken, reversed(taken), strict=True)
+    ]
     between = pipeline.diff(*stores)
     entries, crossings, points = between.entries, between.boundary, between.points
     changes = points["change [%]"].dropna().abs()

@@ -102,13 +102,13 @@ def test_values_that_stores_are_judged_at_have_units_unless_they_have_none():
         given.judged_entries(options(at=[("oil", "a"), ("oil", "b")]))
 
 
-def test_of_two_stores_only_one_with_several_values_of_an_entry_is_judged_at_one(monkeypatch):
-    stores = {"a": SimpleNamespace(dims=("load", "pin.radius")), "b": SimpleNamespace(dims=())}
+def test_another_store_may_be_judged_without_an_entry(monkeypatch):
+    stores = {"a": SimpleNamespace(), "b": SimpleNamespace()}
     asked = options(store="a", at=[("pin.radius", "3 mm")], friction=[0.2], scatter=0.1)
     monkeypatch.setattr(pipeline, "open_sweep", stores.__getitem__)
     monkeypatch.setattr(pipeline, "at", lambda ds, **values: (ds, values))
     monkeypatch.setattr(given, "_tell_of_another_law", lambda options, ds: None)
     conditions = {"friction": 0.2, "scatter": 0.1}
     assert given.dataset_in(asked) == (stores["a"], conditions | {"pin.radius": "3 mm"})
-    assert given.dataset_in(asked, "b") == (stores["b"], conditions)
+    assert given.dataset_in(asked, "b", {"pin.radius"}) == (stores["b"], conditions)
     assert given.dataset_in(asked, "a") == (stores["a"], conditions | {"pin.radius": "3 mm"})
