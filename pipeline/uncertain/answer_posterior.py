@@ -13,7 +13,7 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
-from pipeline.cli.given import criterion_in, flags_of, judged_entries, values_in
+from pipeline.cli.given import criterion_in, flags_of, judged_entries, judged_words, values_in
 from pipeline.cli.output import Result, rounded, working
 from pipeline.quantities import display
 from pipeline.sweep.remarks import remarks
@@ -52,7 +52,7 @@ def posterior(options: argparse.Namespace, store: Path) -> Result:
     document["differences"] = [one._asdict() for one in compared]
     text += map(_word_contrast, compared)
     if options.next is None:
-        command = ranking_command(store, options.scatter, at)
+        command = ranking_command(store, judged_words(options))
         text.append(f"next: the test that tells most: {command}")
     else:
         with working("ranking tests"):

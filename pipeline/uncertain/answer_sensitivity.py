@@ -31,12 +31,12 @@ def sensitivity(options: argparse.Namespace) -> Result:
         indices = pipeline.sensitivity(samples.ensemble, samples.given_draws)
     most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
     target = None if most.kind == "list" else most.path
-    frame, at = _indices(indices), given.judged_entries(options)
+    frame = _indices(indices)
     text = [
         *notes,
         *_describe_indices(indices, frame),
         f"next: {most.path} moves the boundary most; tests to make: "
-        f"{ranking_command(options.store, options.scatter, at, target)}",
+        f"{ranking_command(options.store, given.judged_words(options), target)}",
     ]
     draw = partial(pipeline.plot, indices, title=samples.ensemble.title)
     return Result(document | indices.as_dict(), text, pipeline.warned(ds), [frame], draw)

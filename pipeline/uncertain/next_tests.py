@@ -398,10 +398,8 @@ def _coordinate(quantity: Unknown, values: Array) -> Array:
 
 
 def ranking_command(
-    store: Path | str, scatter: float | None, at: Mapping[str, Any], target: str | None = None
+    store: Path | str, judged: Sequence[str] = (), target: str | None = None
 ) -> str:
-    """Command that ranks tests, of samples weighed in the same way, with the same inputs fixed."""
-    words = ["irg", "infer", str(store), "--next"]
-    words += ["--for", target] if target else []
-    words += [f"--at={path}={value}" for path, value in at.items()]
-    return shlex.join(words if scatter is None else [*words, f"--scatter={scatter:g}"])
+    """Command that ranks tests, of samples judged and weighed by the same options."""
+    wanted = ["--for", target] if target else []
+    return shlex.join(["irg", "infer", str(store), "--next", *wanted, *judged])

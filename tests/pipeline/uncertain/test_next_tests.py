@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.cli import given
 from pipeline.cli.parser import parse
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import draws_of, log_boundary
@@ -43,12 +44,21 @@ def test_what_is_known_of_a_boundary_today_is_the_spread_of_its_draws():
     assert best.narrows == pytest.approx(1 - best.spread / best.before)
 
 
-def test_tests_are_ranked_for_a_store_as_they_were_weighed():
-    store = "my rig.zarr"
-    at = {"pin.radius": "2 mm"}
-    options = parse(shlex.split(ranking_command(store, 0.08, at, "temperature.critical"))[1:])
-    assert str(options.scene) == store
-    assert options.at == [*at.items()]
+def test_tests_are_ranked_for_a_store_as_it_was_judged_and_weighed(monkeypatch):
+    monkeypatch.setattr(given, "criterion_in", lambda _: {"criterion": "l:hot", "own_laws": True})
+    typed = [
+        *("sensitivity", "my rig.zarr", "--given-measured", "--scatter=8%", "--friction=0.2"),
+        *("--criterion=l:hot", "--own-laws", "--at", "pin.radius=2 mm"),
+        *("--bulk-temperature", "pin=60 degC, disk=25 degC"),
+    ]
+    words = given.judged_words(parse(typed))
+    command = ranking_command("my rig.zarr", words, "temperature.critical")
+    options = parse(shlex.split(command)[1:])
+    assert str(options.scene) == "my rig.zarr"
+    bulks = {"pin": "60 degC", "disk": "25 degC"}
+    expected = {"pin.radius": "2 mm", "friction.coefficient": 0.2, "temperature.bulk": bulks}
+    assert dict(options.at) == expected
+    assert (options.criterion, options.own_laws) == ("l:hot", True)
     assert (options.next, options.target, options.scatter) == (1, "temperature.critical", 0.08)
 
 
