@@ -38,7 +38,8 @@ def infer(options: argparse.Namespace) -> Result:
                 f"the samples of {options.scene} are not computed; run irg run {options.scene}, "
                 "then irg infer with the store that it wrote"
             )
-    if names := values_in(options, "contact_width", "duration", "preset", "set", *PLACE):
+    ignored = "contact_width", "duration", "preset", "set", "kept", "workers", *PLACE
+    if names := values_in(options, *ignored):
         raise InputError(
             f"the samples of {store} stay as they were computed; leave out {flags_of(names)}"
         )

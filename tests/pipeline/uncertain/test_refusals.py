@@ -269,6 +269,10 @@ REFUSALS = {
         "the samples of scene.toml are not computed; run irg run scene.toml",
     ),
     "stay": (asked("infer", "--preset", "draft"), "stay as they were computed; leave out --preset"),
+    "not computed": (
+        asked("infer", "--workers", "2", "--store", "other.zarr"),
+        "stay as they were computed; leave out --store, --workers",
+    ),
     "needs samples": (inferred("--next"), "--next needs samples of unknown inputs"),
     "ignored": (inferred("--duration", "9 s"), "--duration belongs to --contact-width"),
     "no place": (inferred("--contact-width", "0.2 mm"), "is that of a test; give its --load and"),
