@@ -36,9 +36,12 @@ class Simulated:
 
 
 def decisive_places(one: Mesh) -> Mesh:
-    """The mesh at the places that may decide: letters with sliding, and the hottest place."""
+    """The mesh at the places that may decide: letters with sliding, and the hottest place.
+
+    It has no critical temperature, which moves none of theirs, and may lie below the bulk.
+    """
     kept = (at for at in one.places if at.sliding and (at.letter or at is one.hottest))
-    return replace(one, places=tuple(kept))
+    return replace(one, places=tuple(kept), pair=one.pair.changed(critical=None))
 
 
 def simulate(
@@ -86,7 +89,6 @@ def simulate(
 
 def _decisive(store: Path) -> Iterator[tuple[float, float]]:
     """Temperatures that decide and their errors [K], of the rows of a store."""
-    # The critical temperature moves none of them.
     table = pipeline.margin(pipeline.at(store, critical_temperature=1000.0))
     temperatures = (si_of(one, "°C") for one in table["decisive temperature [°C]"].astype(float))
     errors = table["temperature error [K]"].astype(float).fillna(math.inf)

@@ -274,6 +274,14 @@ def test_the_first_stage_above_the_critical_temperature_fails(fzg, monkeypatch):
     assert (never.fails, never.soonest, never.latest) == (None, None, None)
 
 
+def test_a_duty_whose_bulk_is_above_the_critical_temperature_is_simulated(fzg):
+    meshes = [gears.mesh(fzg.changed(critical=373.15), duty=stage_duty(fzg, n)) for n in (3, 12)]
+    assert meshes[-1].duty.bulk > 373.15
+    scene = gears.scene_toml([decisive_places(one) for one in meshes])
+    assert "critical" not in tomllib.loads(scene)["temperature"]
+    assert "critical" in tomllib.loads(gears.scene_toml(meshes))["temperature"]
+
+
 def test_the_oil_of_another_pair_is_tested_on_the_test_gears_with_its_surface(fzg):
     assert rig_pair(fzg) is fzg
     own = gears.read_pair("fzg_a", HELICAL | {
