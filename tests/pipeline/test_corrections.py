@@ -304,7 +304,8 @@ def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path):
         by_hand[SPECIFIC_WEAR_RATE] = f"{1e9 * values[SPECIFIC_WEAR_RATE]!r} mm^3/(N m)"
         sweep = pipeline.load_scene(tmp_path / "known.toml", overrides=by_hand)
         for load, rise in zip(samples.loads, samples.rises[number], strict=True):
-            expected = direct.log_rise(sweep, load, samples.sample_velocities[number])
+            velocity = samples.sample_velocities[number]
+            expected = direct.log_rise(sweep, load, velocity, sweep.conditions)
             assert np.log(rise) == pytest.approx(expected, abs=1e-6)
 
 

@@ -64,7 +64,7 @@ def direct(chances, limit, scene_with, count):
     rises, slopes = np.empty((2, count))
     for number, row in enumerate(inputs):
         sweep = scene_with(scene_values(ensemble, row))
-        rises[number] = log_rise(sweep, load, velocity)
+        rises[number] = log_rise(sweep, load, velocity, sweep.conditions)
     emulated = ensemble.rise(inputs, load, [velocity * 0.95, velocity * 1.05]).values
     slopes = np.maximum((emulated[:, 1] - emulated[:, 0]) / math.log(1.05 / 0.95), 0.05)
     values = {one: ensemble.values(one, inputs) for one in (CRITICAL, BULK, FRICTION)}
