@@ -41,7 +41,7 @@ def attributes_by(conditions: Conditions) -> dict[str, Any]:
 def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     """Rise at friction 1 that decides at each point [K], dims (..., load, velocity), or NaN."""
     ds = dataset_of(ds)
-    require_lists(ds, "load", "velocity")
+    require_lists(ds, *PLANE)
     column = conditions.decisive.column
     corrected = NEEDED if conditions.corrections else ()
     ds = keep_steps(ds, "status", "normal_load", column, "cooler_share", *corrected)

@@ -109,12 +109,12 @@ def judged_words(options: argparse.Namespace) -> list[str]:
 
 
 def _typed(path: str, value: Any) -> str:
-    """A value of an entry as it is typed, numbers in SI with a unit if they have one."""
+    """A value of an entry as it is typed; a number that has a unit is a temperature [K]."""
     if isinstance(value, Mapping):
         bodies = (f'{body} = "{_typed(path, one)}"' for body, one in value.items())
         return f"{{ {', '.join(bodies)} }}"
     has_unit = not isinstance(value, str) and unit_example(path)
-    return display(value, "degC") if has_unit else str(value)
+    return display(value, "degC", 10) if has_unit else str(value)
 
 
 def operating_points_in(options: argparse.Namespace) -> OperatingPoints:

@@ -222,7 +222,7 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
         text = "\n".join([head + _MARKS, *_lines(tomllib.loads(text)), ""])
     files = [path, *(copy for _, copy in copies)]
     for file in files:
-        if file.exists():
+        if file.exists() or file.is_symlink():
             raise InputError(f"{file} exists already; give another name, or remove it")
     try:
         path.write_text(text, encoding="utf-8")

@@ -89,7 +89,7 @@ class Simulated:
 
     def __init__(self, sweep: Sweep) -> None:
         self._sweep = sweep
-        self._hashes: dict[Variant, str] = {}
+        self._hashes: dict[Variant, str] = {}  # which goes to other processes; no cache does
 
     def at(self, point: Point) -> str:
         """Hash of what is simulated at a point."""

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 import tribo
-from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE
+from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, PENDING
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.selection import Selection
@@ -28,6 +28,9 @@ MEASURED = (
 OIL = tribo.Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
 LOADS = np.arange(200.0, 751.0, 50.0)
 VELOCITIES = np.arange(0.5, 4.01, 0.25)
+NOTHING = {
+    (load, velocity): PENDING for load in LOADS for velocity in VELOCITIES
+}  # of the plane is done
 RATE, INCREMENT = 150.0, 37.5
 _STEP = ("load", "velocity", "step")
 

@@ -15,7 +15,6 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import (
     end_of_point,
     open_sweep,
-    scene_sweep,
     stored_sweep,
     taken_entries,
 )
@@ -266,7 +265,6 @@ def test_a_number_that_lost_its_last_digits_is_the_value_of_its_row(tmp_path):
     one = ds.assign_coords(bore=ds["bore"].astype(np.float32).astype(float)).isel(bore=1)
     assert one["bore"].item() != 0.3
     assert taken_entries(one) == taken_entries(ds.isel(bore=1))
-    assert scene_sweep(one).scene == scene_sweep(ds).scene
     assert stored_sweep(one).scene.pin.radius == 6e-3
 
 

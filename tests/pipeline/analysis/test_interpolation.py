@@ -1,6 +1,7 @@
 """Interpolation close to power laws, and crossings (pipeline/analysis/curve.py)."""
 
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -86,17 +87,12 @@ def test_from_rest_values_rise_by_the_power_law_with_which_the_first_points_begi
 
 
 def test_rises_go_on_beyond_the_points_only_where_that_cannot_cross_the_limit():
-    x, y, places = np.array([1.0, 4.0]), np.array([10.0, 20.0]), np.array([0.25, 4.0, 16.0])
-    assert certain(x, y, places, limit=30.0) == pytest.approx([5.0, 20.0, np.nan], nan_ok=True)
-    assert certain(x, y, places, limit=15.0) == pytest.approx([5.0, 20.0, 40.0])
-
-
-def test_two_points_go_on_by_their_power_law_where_that_cannot_cross_the_limit():
-    x, y = np.array([1.0, 2.0]), np.array([1.0, 2.0])
-    places = np.array([0.5, 1.0, 2.0, 4.0])
-    for limit, expected in ((1.5, [0.5, 1, 2, 4]), (3.0, [0.5, 1, 2, np.nan])):
-        np.testing.assert_allclose(certain(x, y, places, limit), expected)
-    np.testing.assert_array_equal(certain(x[:1], y[:1], places[:2], 3.0), [np.nan, np.nan])
+    x, y, places = np.array([1.0, 4.0]), np.array([10.0, 20.0]), np.array([0.25, 1.0, 4.0, 16.0])
+    for limit, beyond in ((30.0, np.nan), (15.0, 40.0)):
+        found = certain(x, y, places, limit)
+        assert found == pytest.approx([5.0, 10.0, 20.0, beyond], nan_ok=True)
+        assert certain(x, y, np.array([2.0]), limit) == pytest.approx(10 * math.sqrt(2))
+    assert np.isnan(certain(x[:1], y[:1], places[:2], 30.0)).all()
 
 
 def test_wear_that_turns_often_is_severe_in_each_range_and_beyond_the_last():

@@ -10,7 +10,6 @@ import pipeline
 from pipeline.analysis.dataset import read_conditions, select_surface
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.store.create import writing
-from pipeline.store.schema import PENDING
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.own_laws import CRITERION, Reference
 from pipeline.sweep.unknown import Unknown
@@ -96,7 +95,6 @@ def unwritable():
     return write_text("", Path("a.csv"))
 
 
-NOTHING = {(load, v): PENDING for load in synthetic.LOADS for v in synthetic.VELOCITIES}
 REFUSALS = {
     # other conditions
     "entry": (at(**{"pin.radius": "3 mm"}), "run irg run synthetic.toml '--set=pin.radius=3 mm'"),
@@ -162,7 +160,8 @@ REFUSALS = {
     "velocity": (margin(400.0, 0.1), "velocity is 0.1 m/s; the sweep has 0.5 to 4 m/s"),
     "at rest": (margin(400.0, 0.0), "velocity is 0 m/s; the sweep has 0.5 to 4 m/s"),
     "unloaded": (margin(0.0, 2.0), "load is 0 N; the sweep has 200 to 750 N"),
-    "nothing": (margin(400.0, 2.1, status=NOTHING), "too few points about 400 N and 2.1 m/s"),
+    "nothing": (margin(400.0, 2.1, status=synthetic.NOTHING),
+                "too few points about 400 N and 2.1 m/s"),
     "no load": (margin(None, 2.0), "velocity is given without a load"),
     "no velocity": (margin(400.0), "load is given without a velocity"),
     "no place": (margin(), "no operating point is given"),

@@ -64,7 +64,6 @@ def over_computed(*measured, **values):
     return lambda: measured_over_computed(synthetic.sweep(measured=measured, **values))
 
 
-NOTHING = {(load, v): PENDING for load in synthetic.LOADS for v in synthetic.VELOCITIES}
 BASE = Variation("", "", (2.0,), ("crosses",))
 VARIED = Variations("A scene", (400.0,), BASE, (), points=1, contacts=1)
 
@@ -92,7 +91,7 @@ REFUSALS = {
     "show": (plot("ramp", show="colour"), "show is 'colour'; stored at each step are"),
     "no tests": (over_computed(), "the scene has no tests to draw"),
     "far tests": (over_computed(Measurement(9000.0, 1.0)), "no test of the scene is in the sweep"),
-    "begun tests": (over_computed(Measurement(600.0, 1.5), status=NOTHING),
+    "begun tests": (over_computed(Measurement(600.0, 1.5), status=synthetic.NOTHING),
                     "too little is done to tell of any test; go on with irg run"),
 }  # fmt: skip
 

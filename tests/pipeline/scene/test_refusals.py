@@ -101,6 +101,14 @@ def again():
     return new_scene("mine.toml")
 
 
+def linked():
+    Path("mine.toml").symlink_to("no/where.toml")
+    try:
+        return new_scene("mine.toml")
+    finally:
+        assert Path("mine.toml").is_symlink()
+
+
 def over(path, values, **others):
     return entry("sweep.over", {path: values}, **others)
 
@@ -291,6 +299,7 @@ TEXTS = {
     "new": (lambda: new_scene("mine.txt"), "give a name such as mine.toml"),
     "new like": (lambda: new_scene("mine.toml", "twin_disk"), 'did you mean "twin_disc"?'),
     "new again": (again, "mine.toml exists already"),
+    "new link": (linked, "mine.toml exists already"),
     "new folder": (lambda: new_scene("no/mine.toml"), "there is no folder no"),
 }
 
