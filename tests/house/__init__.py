@@ -1,6 +1,6 @@
-"""Sizes of the rooms, which a test compares with the numbers in `sizes.toml`.
+"""Sizes of the code: two sums that only fall, printed by room.
 
     python -m tests.house
 
-writes those of today into that file; a commit in which one rises names the file and says why.
+prints them. At the end of an issue its author writes the sums of that day into `sums.toml`.
 """

@@ -1,41 +1,49 @@
-"""Lines of code by room, calls that ask for the kind of a sweep, and names by preposition."""
+"""Lines of code by room, and their sums: the core of `pipeline`, and its extras."""
 
 import ast
-import re
+import tomllib
 from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-SIZES = Path(__file__).with_name("sizes.toml")
-_KIND = re.compile(r"\b(sweep_kind|require_kind|require_one_scene|map_scenes|parts_of)\(")
-_PREPOSITION = re.compile(
-    r"_?(of|on|in|at|with|by|from|to|under|about|for|as|beside|beyond|between|within|without|into)"
-    r"(_|$)"
-)
+SUMS = Path(__file__).with_name("sums.toml")
+_DATA = ("*.toml", "*.csv", "*.css", "*.html", "*.js", "*.mplstyle")
+
+
+def allowed():
+    """The sums at the end of the last issue."""
+    return tomllib.loads(SUMS.read_text(encoding="utf-8"))
+
+
+def sums():
+    """Lines of code of the core of `pipeline` and of its extras."""
+    extras = {room.parent.name for room in (ROOT / "pipeline").glob("*/commands.py")}
+    total = {"core": 0, "extras": 0}
+    for room, lines in lines_by_room().items():
+        package, _, name = room.partition(".")
+        if package == "pipeline":
+            total["extras" if name in extras else "core"] += lines
+    return total
 
 
 @cache
-def measured():
-    """Sizes of today, by table and name."""
-    sources = {
-        path.relative_to(ROOT): path.read_text(encoding="utf-8")
-        for package in ("tribo", "pipeline")
-        for path in sorted((ROOT / package).rglob("*.py"))
-    }
-    trees = {path: ast.parse(source) for path, source in sources.items()}
-    lines, names, calls = {}, {}, 0
-    for path, tree in trees.items():
-        room = ".".join(path.parts[:2]) if len(path.parts) > 2 else path.parts[0]
-        lines[room] = lines.get(room, 0) + code_lines(sources[path], tree)
-        package = path.parts[0]
-        names[package] = names.get(package, 0) + sum(map(begins_with_preposition, ast.walk(tree)))
-        calls += len(_KIND.findall(re.sub(r"\bdef \w+\(", "", sources[path])))
-    scripts = (ROOT / "pipeline").rglob("*.js")
-    lines["javascript"] = sum(path.read_text(encoding="utf-8").count("\n") for path in scripts)
+def lines_by_room():
+    """Lines of code by package and folder."""
+    rooms = {}
+    for package in ("tribo", "pipeline"):
+        for path in sorted((ROOT / package).rglob("*.py")):
+            parts = path.relative_to(ROOT).parts
+            room = ".".join(parts[:2]) if len(parts) > 2 else package
+            source = path.read_text(encoding="utf-8")
+            rooms[room] = rooms.get(room, 0) + code_lines(source, ast.parse(source))
+    return rooms
+
+
+def data_files():
+    """Lines of files beside the code, by their place."""
+    files = (path for kind in _DATA for path in (ROOT / "pipeline").rglob(kind))
     return {
-        "lines of code": lines,
-        "functions named by a preposition": names,
-        "calls that ask for a kind": {"pipeline": calls},
+        str(path.relative_to(ROOT)): path.read_text(encoding="utf-8").count("\n") for path in files
     }
 
 
@@ -53,18 +61,3 @@ def code_lines(source, tree):
         for number, line in enumerate(source.splitlines(), 1)
         if number not in skipped and line.strip() and not line.strip().startswith("#")
     )
-
-
-def begins_with_preposition(node):
-    """True of a function whose name begins with a preposition, such as `of_x`."""
-    is_function = isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
-    return is_function and bool(_PREPOSITION.match(node.name))
-
-
-def written(sizes):
-    """Sizes as text of the file."""
-    tables = (
-        "\n".join([f'["{name}"]', *(f'"{key}" = {size}' for key, size in sorted(table.items()))])
-        for name, table in sizes.items()
-    )
-    return "\n\n".join(tables) + "\n"
