@@ -22,13 +22,10 @@ from pipeline.sweep.about import OUTCOMES
 from tribo import InputError
 from tribo.types import Array
 
-_MILD = (
-    "mild ok okay io pass passed bestanden gut good leicht keinfresser nonseizure lastnonseizure"
-)
+_MILD = "mild ok okay io pass passed bestanden gut good leicht keinfresser"
 _SEVERE = (
     "severe fresser gefressen fressen scuff scuffed scuffing seizure seized fail failed nio schwer "
-    "notok niok weld welded welding verschweisst verschweissung "
-    "incipientseizure immediateseizure initialseizure score scored scoring"
+    "notok niok weld welded welding verschweisst verschweissung score scored scoring"
 )
 _NEGATION = re.compile(r"^\s*(not|no|non|nicht|keine?r?|ohne|without)[\s_-]+")
 _NEAR = re.compile(r" \(did you mean [^)]*\)")  # the word may mean the contrary

@@ -1,13 +1,12 @@
 """Forms in which usual machines report tests, as rows of load, velocity, outcome and run.
 
-A form is an entry of `FORMS`: by which columns it is known, what its columns make, and whether its
-rows are stages of one specimen. What the standards fix is in the library.
+A form is an entry of `FORMS`: by which columns it is known, and what its columns make. What the
+standards fix is in the library.
 """
 
 from __future__ import annotations
 
 import math
-import operator
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -29,7 +28,6 @@ class Quantity(NamedTuple):
     units: tuple[str, ...]
 
 
-_NEXT = 0.1  # N, less than any step
 _BODY = r"(disc|disk|roller|ring|scheibe|rolle|shaft|body|welle)"
 _SPEED = r"(speed|velocity|rpm|drehzahl|geschw\w*|[nuv])"
 _TURNING = "m/s", "rpm"
@@ -45,19 +43,14 @@ COLUMNS = {
     "frequency": Quantity(r"frequency|freq|(schwing)?frequenz", ("Hz",)),
     "stroke": Quantity(r"stroke( length)?|(schwing)?hub(weg|länge)?|schwingweg", ("mm",)),
     "passed": Quantity(
-        r"(ok|pass\w*|last pass\w*|last ok|gut) ?(load|value|last|kraft)"
-        r"|(load|last) (passed|ok)|last non ?seizure( load)?|lnsl?", ("N", "kgf"),
+        r"(ok|pass\w*|last pass\w*|last ok|gut) ?(load|last|kraft)|(load|last) (passed|ok)", ("N",)
     ),
     "seized": Quantity(
-        r"((initial|first) )?(fail\w*|seizure|scor\w*|scuff\w*|fress|weld\w*) ?"
-        r"(load|value|last|point)|schwei(ß|ss)(kraft|last)|isl|wl", ("N", "kgf"),
+        r"((initial|first) )?(fail\w*|seizure|scor\w*|scuff\w*|fress) ?(load|last)", ("N",)
     ),
     "load": Quantity(
-        r"((applied|test|normal|axial|lever|pan) )?(load|force)|(prüf|normal)?(last|kraft)|f ?n",
-        ("N", "kgf"),
+        r"((applied|test|normal|axial) )?(load|force)|(prüf|normal)?(last|kraft)|f ?n", ("N",)
     ),
-    "lever": Quantity(r"(load )?lever( arm)?( ratio)?|hebel(verhältnis)?", ("",)),
-    "speed": Quantity(r"((rotation\w*|spindle|ball|shaft) )?(speed|drehzahl|rpm)|n", ("rpm",)),
     "velocity": Quantity(r"(sliding )?(velocity|speed)|gleitgeschw\w*", ("m/s",)),
     "ratio": Quantity(r"slide( to)? roll ratio|slip( ratio)?|schlupf|srr", ("%", "")),
     "rolling": Quantity(
@@ -89,31 +82,9 @@ def _tooth_force(torque: float) -> float:
     return float(torque / _fixed("FZG", "base_radius"))
 
 
-def _ball_force(load: float) -> float:
-    """Force on each of three balls below a fourth: their contacts lie at cos⁻¹ √(2/3)."""
-    return load / math.sqrt(6)
-
-
-def _ball_velocity(turns: float) -> float:
-    """Sliding velocity on the contact circle, of radius R/√3, at turns in a second."""
-    radius = float(_fixed("four-ball", "ball_diameter")) / 2
-    return 2 * math.pi * turns * radius / math.sqrt(3)
-
-
-def _ring_velocity(turns: float) -> float:
-    """Velocity of the rim of a Timken ring, at turns in a second."""
-    return math.pi * float(_fixed("Timken", "ring_diameter")) * turns
-
-
-def _timken_step(load: float) -> float:
-    """Step between loads on the pan at a load, by which they are reported [N]."""
-    name = "step" if load >= _fixed("Timken", "least_of_step") else "lower_step"
-    return float(_fixed("Timken", name))
-
-
 @dataclass(frozen=True, slots=True)
 class Form:
-    """A form in which a machine reports tests."""
+    """A form in which a machine reports tests: stages of one specimen, until the load falls."""
 
     name: str
     #: Any of these sets of columns, or these words in a heading or the name of the file, tell it.
@@ -121,16 +92,9 @@ class Form:
     words: str
     makes: Mapping[str, tuple[Make, ...]]  #: Ways to make load and velocity; the first is asked.
     says: str  #: How they are made, in words.
-    #: Rows are stages of one specimen, until the load falls; else each is a specimen.
-    has_stages: bool = True
     #: Quantity before one that failed, and after one that was passed.
     before: Callable[[float], float] | None = None
     after: Callable[[float], float] | None = None
-    #: Words by which a standard is named, and quantities that it fixes.
-    standard: str = ""
-    fixed: tuple[str, ...] = ()
-    has_units: bool = False  #: Loads are usual in several units, of which none is guessed.
-    hint: str = "$^"  #: Words that tell it only where none is of another rig.
 
 
 def _signs(*sets: str) -> tuple[frozenset[str], ...]:
@@ -162,30 +126,6 @@ FORMS = (
         after=lambda load: load + _fixed("SRV", "step"),
     ),
     Form(
-        "Timken", (), r"timken|d ?2782|d ?2509",
-        {
-            "load": tuple(((name, "lever"), operator.mul) for name in ("load", "passed", "seized")),
-            "velocity": ((("speed",), _ring_velocity),),
-        },
-        "load is that on the pan by the ratio of the lever, velocity that of the ring's rim",
-        has_stages=False, before=lambda load: load - _timken_step(load - _NEXT),
-        after=lambda load: load + _timken_step(load + _NEXT),
-        standard=r"timken|d ?2782|d ?2509", fixed=("speed",), has_units=True,
-    ),
-    Form(
-        "four-ball", (),
-        r"(four|4).?ball|vierkugel|(?<![a-z])vka(?![a-z])|non.?seizure"
-        r"|\bweld\w* ?(load|last|point)|schwei(ß|ss)(kraft|last)",
-        {
-            "load": ((("load",), _ball_force), (("passed",), _ball_force),
-                     (("seized",), _ball_force)),
-            "velocity": ((("speed",), _ball_velocity),),
-        },
-        "load is that of one contact, 1/√6 of the applied one; velocity that of its circle",
-        has_stages=False, standard=r"d ?2783", fixed=("speed",), has_units=True,
-        hint=r"(load|last).*\b(kgf?|kp)\b",
-    ),
-    Form(
         "twin disc", _signs("ratio", "first second"), r"twin.?disc|zwei.?scheiben",
         {
             "load": ((("load",), float),),
@@ -197,25 +137,17 @@ FORMS = (
         "velocity is that of sliding, the difference of both surfaces",
     ),
 )  # fmt: skip
-_MACHINE = re.compile(
-    r"\b(fzg|a 83 90|srv|timken|(four|4) ball|vierkugel|vka|(astm|din|iso|en|ip)( [a-z]?\d+)+)\b"
-)
+_MACHINE = re.compile(r"\b(fzg|a 83 90|srv|(astm|din|iso|en|ip)( [a-z]?\d+)+)\b")
 """Names of machines and standards before a quantity in a title, in small letters without signs."""
-_ANOTHER = (
-    r"\bm?m/s\b|track|spur|(lauf|reib)(bahn|kreis)"
-    r"|(pin|ball|block|cylinder|stift|kugel|klotz|zylinder)[\W_]*"
-    r"(on|auf|dis[ck]|plate|scheibe|platte|ring)"
-)
-"""Words of a rig whose load is that of its contact."""
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\S.*)|(\d[\d.]*)\s*\+")
-_PARTS = re.compile(r"([+-]?[\d.]+(?:[eE][+-]?\d+)?(?::1)?)\s*((?<=\s)\S.*|[^\d\s.,:].*)?")
-"""Number, or ratio to one, and unit."""
+_PARTS = re.compile(r"([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*((?<=\s)\S.*|[^\d\s.,:].*)?")
+"""Number and unit."""
 _ENDS = ("failed", "seized", "passed")
 _TARGETS = {name: UNITS[name] for name in ("load", "velocity")}
 _CONTACT = ("N", "kN", "m/s", "mm/s")
 
 
-def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") -> dict[str, str]:
+def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> dict[str, str]:
     """Append a column for each quantity that the file does not say; return what is wrong."""
     wrong = dict[str, str]()
     for name, value in given.items():
@@ -225,7 +157,7 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any], origin: str = "given") ->
             continue
         match = _PARTS.fullmatch(str(value)) if name in COLUMNS else None
         number, unit = match.groups("") if match else str(value).partition(" ")[::2]
-        heading = Heading(f"{name}, {origin}", name, unit.strip())
+        heading = Heading(f"{name}, given", name, unit.strip())
         read = (_value(one, number, heading) for one in _columns([heading]))
         if name in COLUMNS and all(map(math.isnan, read)):
             like = f"1.5 {COLUMNS[name].units[0]}".strip()
@@ -262,9 +194,7 @@ def form_of(headings: Sequence[Heading], stem: str = "") -> Form | None:
         is_made = any("load" in inputs for inputs, _ in form.makes["load"])
         if {"load", "velocity"} <= contact and not is_made:
             continue
-        is_told = _is_named(form.words, headings, stem) or (
-            _is_named(form.hint, headings, stem) and not _is_named(_ANOTHER, headings, stem)
-        )
+        is_told = _is_named(form.words, headings, stem)
         is_load = any(name in found for name in ("load", "torque", "stage", *_ENDS))
         if any(signs <= seen for signs in form.signs) or (is_told and is_load):
             return form
@@ -278,17 +208,7 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     if form is None:
         return False
     found = _columns(sheet.headings)
-    if form.fixed and _is_named(form.standard, sheet.headings, stem):
-        values = {name: _fixed(form.name, name) for name in form.fixed if name not in found}
-        _add_given(sheet, values, "by the standard")
-        found = _columns(sheet.headings)
     ends = [name for name in _ENDS if name in found]
-    if bare := [one for one in ("load", *ends) if form.has_units and _is_bare(sheet, found, one)]:
-        column = sheet.headings[found[bare[0]]]
-        sheet.of_rows.append(
-            f'column "{column.text}" has no unit, and loads of {form.name} are usual in several; '
-            f'name it like "{column.title} [kgf]", [lbf] or [N]'
-        )
     ways = {name: _way(form, name, found, ends) for name in _TARGETS}
     inputs = [one for ins, _ in ways.values() for one in ins]
     rims = [one for one in ("first", "second") if one in inputs and one in found]
@@ -305,7 +225,6 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
     sheet.of_rows += listed_faults(faults)
     faulty = {fault.row for fault in faults}
     rows, last, run = list[Row](), math.inf, 0
-    makes_runs = form.has_stages and not has_runs
     for row in sheet.rows:
         values = {name: _value(name, row.cells[k], sheet.headings[k]) for name, k in found.items()}
         for one in turning:
@@ -319,10 +238,10 @@ def read_form(sheet: Sheet, stem: str, given: Mapping[str, Any], has_runs: bool)
             last = made[0]
             label = str(row.number if ends else run)
             cells = ["" if math.isnan(one) else f"{one:.6g}" for one in made]
-            cells += [outcome] * bool(ends) + [label] * makes_runs
+            cells += [outcome] * bool(ends) + [label] * (not has_runs)
             rows.append(Row(row.number, [*row.cells, *cells]))
     used = {found[one] for one in (*inputs, *ends, "stage") if one in found}
-    appended = _TARGETS | ({"outcome": ""} if ends else {}) | ({"run": ""} if makes_runs else {})
+    appended = _TARGETS | ({"outcome": ""} if ends else {}) | ({} if has_runs else {"run": ""})
     sheet.sure |= {*range(len(sheet.headings), len(sheet.headings) + len(appended))}
     heads = [Heading(f"{name} of {form.name}", name, unit) for name, unit in appended.items()]
     _put_rows(sheet, rows, used, heads)
@@ -364,14 +283,6 @@ def _assume_percent(sheet: Sheet, place: int) -> None:
         sheet.headings[place] = replace(heading, unit="%")
 
 
-def _is_bare(sheet: Sheet, found: Mapping[str, int], name: str) -> bool:
-    """True of a column of plain numbers without a unit."""
-    place = found.get(name)
-    if place is None or sheet.headings[place].unit:
-        return False
-    return any(re.fullmatch(r"[>\d.+ ]+", row.cells[place]) for row in sheet.rows)
-
-
 def _columns(headings: Sequence[Heading]) -> dict[str, int]:
     """Columns of the quantities of forms."""
     found = dict[str, int]()
@@ -389,8 +300,8 @@ def _columns(headings: Sequence[Heading]) -> dict[str, int]:
 def _fits(heading: Heading, title: str, quantity: Quantity) -> bool:
     """True if the unit of a heading is one of a quantity; a lone letter needs one."""
     unit = heading.unit
-    if not unit:
-        return "" in quantity.units or len(title) > 2
+    if not unit:  # a bare speed may be one of rotation
+        return "" in quantity.units or (len(title) > 2 and title != "speed")
     if unit in TURNS:
         return "rpm" in quantity.units
     for like in quantity.units:
@@ -415,7 +326,7 @@ def _value(name: str, cell: str, heading: Heading) -> float:
     parts = _PARTS.fullmatch(((match[1] or match[2]) if match else cell).strip())
     if parts is None:
         return math.nan
-    number, own = parts[1].removesuffix(":1" * (name == "lever")), parts[2] or ""
+    number, own = parts[1], parts[2] or ""
     unit = usual_unit(own) or heading.unit or usual
     try:
         if name == "ratio":
