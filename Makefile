@@ -73,18 +73,10 @@ promises: .venv/test  ## judge --accuracy, presets and stated errors on random s
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.worn
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 
-samples: .venv/test   ## judge samples by 2000 simulations, irg infer, next runs and next tests by truths, in 4 hours
+samples: .venv/test   ## judge samples by 2000 simulations, irg infer and next runs by truths, in 4 hours
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.bands
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --minutes 30
-	for case in known unknown ball; do \
-	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --promise --case $$case \
-	        --tests 4 10 20 40 --truths 150 --minutes 24 --laws drawn || exit 1; done
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.plans --minutes 30
-	for case in known unknown ball; do \
-	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.batches --case $$case || exit 1; done
-	for case in known unknown ball; do OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.plans \
-	    --case $$case --runs 10 --truths 100 --minutes 15 || exit 1; done
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.seeds
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.seeds --tests 24
 	for tests in 8 24; do \

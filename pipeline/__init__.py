@@ -22,8 +22,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - dataset: `open_sweep`, `end_of_point`
 - answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `warned`, `diff`,
   `vary`, `critical_temperatures`
-- inputs that are not known exactly: `Ensemble`, `sensitivity`, `posterior`, `candidates`,
-  `plan_tests`, `design`, `Goal`
+- inputs that are not known exactly: `Ensemble`, `sensitivity`, `posterior`
 - accuracy: `choose_fidelity`, `trade`
 - figures: `plot`, `report`, `explore`
 - quantities: `surface_statistics`, `to_si`

@@ -30,10 +30,6 @@ from .tradeoff.choose import choose_fidelity as choose_fidelity
 from .tradeoff.forecast import estimate as estimate
 from .tradeoff.trade import trade as trade
 from .uncertain.critical_temperature import critical_temperatures as critical_temperatures
-from .uncertain.design import Goal as Goal
-from .uncertain.design import design as design
 from .uncertain.ensemble import Ensemble as Ensemble
-from .uncertain.next_tests import candidates as candidates
-from .uncertain.next_tests import plan_tests as plan_tests
 from .uncertain.sensitivity import sensitivity as sensitivity
 from .uncertain.weigh import posterior as posterior

@@ -13,11 +13,8 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "laboratory": ("surface_statistics",),
     "page": ("explore",),
     "report": ("report",),
-    "uncertain": (
-        "Ensemble", "Goal", "candidates", "critical_temperatures", "design", "plan_tests",
-        "posterior", "sensitivity",
-    ),
-}  # fmt: skip
+    "uncertain": ("Ensemble", "critical_temperatures", "posterior", "sensitivity"),
+}
 """Folders in `pipeline` that are asked for their modules, if they are there; and public names."""
 
 

@@ -49,8 +49,7 @@ def plot(
     ----------
     ds : Dataset or path
         Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store. Or
-        what `pipeline.vary`, `trade`, `sensitivity`, `posterior` or `design` gave; of limits of a
-        design at values of another entry a list.
+        what `pipeline.vary`, `trade`, `sensitivity` or `posterior` gave.
     kind : {"diagram", "ramp", "fields", "temperature", "tests"}, optional
         Name of the figure of a sweep, the diagram if not given.
     out : path, optional
@@ -73,7 +72,7 @@ def plot(
         - ramp: ``show``, name of a variable at each step, in place of contact and wear.
         - fields: ``stacked``, True for panels below each other.
         - diagram, temperature, tests: ``ax``, axes of matplotlib to draw on; not of samples.
-        - of a sensitivity and of a design: ``title``, that of the scene.
+        - of a sensitivity: ``title``, that of the scene.
 
     Returns
     -------
@@ -94,7 +93,7 @@ def plot(
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> figure = pipeline.plot(pipeline.sensitivity(ensemble), title="A scene", width="16 cm")
     """
-    study = getattr(ds[0] if isinstance(ds, list | tuple) else ds, "drawn_by", None)
+    study = getattr(ds, "drawn_by", None)
     only = study.rpartition("draw_")[2] if study else ""
     kinds = {only: pkgutil.resolve_name(study)} if study else KINDS
     kind = kind or next(iter(kinds))

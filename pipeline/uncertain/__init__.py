@@ -1,1 +1,1 @@
-"""Inputs that are not known exactly: probabilities, causes, measurements and the next test."""
+"""Inputs that are not known exactly: probabilities, causes and measurements."""

@@ -25,21 +25,17 @@ def infer(options: argparse.Namespace) -> Result:
     """Infer a critical temperature, a wear rate, or all unknown inputs."""
     store = options.scene
     if not store.is_dir():
-        bulks = options.bulk_temperature or [None]
-        options.bulk_temperature = bulks[0]
-        # Several bulk temperatures are to choose from: those of a test to plan, of samples.
-        sweep = one_scene_in(options) if len(bulks) == 1 else None
-        if sweep is not None and (options.contact_width is not None or not sweep.variants.draw):
+        sweep = one_scene_in(options)
+        if options.contact_width is not None or not sweep.variants.draw:
             return _scene_result(options, sweep)
-        options.bulk_temperature = [bulk for bulk in bulks if bulk is not None]
         store = Path("results") / f"{options.scene.stem}.zarr"
         if not store.exists():
             raise InputError(
                 f"the samples of {options.scene} are not computed; run irg run {options.scene}, "
                 "then irg infer with the store that it wrote"
             )
-    ignored = "contact_width", "duration", "preset", "set", "kept", "workers", *PLACE
-    if names := values_in(options, *ignored):
+    ignored = "contact_width", "duration", "preset", "set", "bulk_temperature", "kept", "workers"
+    if names := values_in(options, *ignored, *PLACE):
         raise InputError(
             f"the samples of {store} stay as they were computed; leave out {flags_of(names)}"
         )
@@ -48,7 +44,7 @@ def infer(options: argparse.Namespace) -> Result:
 
 def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
     """Wear rate from a contact width, or critical temperature from transitions or tests."""
-    if given := values_in(options, "next", "target", "scatter", "discrepancy", "at"):
+    if given := values_in(options, "scatter", "discrepancy", "at"):
         raise InputError(
             f"{flags_of(given)} needs samples of unknown inputs: give [unknown] and "
             "sweep.samples in the scene"

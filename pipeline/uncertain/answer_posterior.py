@@ -1,42 +1,31 @@
-"""The posterior of the unknown inputs, and what to measure next, for ``irg infer``."""
+"""The posterior of the unknown inputs, for ``irg infer``."""
 
 from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
-from pipeline.cli.given import criterion_in, flags_of, judged_entries, judged_words, values_in
-from pipeline.cli.output import Result, rounded, working
+from pipeline.cli.given import criterion_in, judged_entries, values_in
+from pipeline.cli.output import Result, working
 from pipeline.quantities import display
 from pipeline.sweep.remarks import remarks
-from pipeline.sweep.unknown import Unit
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
-from pipeline.uncertain.next_tests import Candidate, ranking_command
 from pipeline.uncertain.posterior import Contrast, Judged, Posterior, contrasts
 from pipeline.uncertain.weigh import FALSE_ALARMS
-from tribo import InputError
 
 _TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing
 _SURE = math.log(1000.0)  # from which a power of ten will do
 
 
 def posterior(options: argparse.Namespace, store: Path) -> Result:
-    """Print and draw the inputs as the tests leave them, and the tests to make next."""
-    given = values_in(options, "target", "bulk_temperature")
-    if given and options.next is None:
-        raise InputError(f"{flags_of(given)} belongs to --next, which is not given")
-    if any(isinstance(bulk, dict) for bulk in options.bulk_temperature or ()):
-        raise InputError(
-            "--bulk-temperature of a test to plan is that of both bodies; give one such as 60 degC"
-        )
+    """Print and draw the inputs as the tests leave them."""
     with working("reading samples"):
         ds = pipeline.open_sweep(store)
         at = judged_entries(options)
@@ -46,21 +35,12 @@ def posterior(options: argparse.Namespace, store: Path) -> Result:
             ensemble, discrepancy=options.discrepancy, **values_in(options, "scatter")
         )
     document, text = weighed.as_dict(), list(_describe_inputs(weighed))
-    frame = _summary_frame(weighed)
     with working("comparing the oils"):
         compared = list(contrasts(weighed))
     document["differences"] = [one._asdict() for one in compared]
     text += map(_word_contrast, compared)
-    if options.next is None:
-        command = ranking_command(store, judged_words(options))
-        text.append(f"next: the test that tells most: {command}")
-    else:
-        with working("ranking tests"):
-            more, lines, frame = measurements_to_make(options, weighed)
-        document |= more
-        text += lines
     draw = partial(pipeline.plot, weighed)
-    return Result(document, text, pipeline.warned(ds), [frame], draw)
+    return Result(document, text, pipeline.warned(ds), [_summary_frame(weighed)], draw)
 
 
 def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
@@ -161,56 +141,3 @@ def _place(weighed: Posterior, judged: Judged) -> str:
     name = f"test {test['number']}, " if "number" in test else ""
     found = f"{judged.outcome}, at" if test.get("outcome") else "measured"
     return f"{name}{oil}at {test['normal_load']:g} N{bulk} {found} {test['velocity']:g} m/s"
-
-
-_SHOWN = 12  # candidates
-
-
-def measurements_to_make(
-    options: argparse.Namespace, weighed: Posterior
-) -> tuple[dict[str, Any], list[str | pd.DataFrame], pd.DataFrame]:
-    """Measurements ranked for a target, or tests in their order: plain data, text and a frame."""
-    about = {"target": options.target, "bulk_temperatures": options.bulk_temperature or ()}
-    inputs = {one.path: one for one in weighed.unknown if one.kind != "list"}
-    unknown = inputs.get(options.target or "")
-    if options.next > 1:
-        ranked = tests = pipeline.plan_tests(weighed, options.next, **about)
-        head = f"{options.next} runs to make next, each the best after those before it"
-    else:
-        ranked = pipeline.candidates(weighed, **about)
-        tests = tuple(one for one in ranked if one.test)[:1]
-        ranked = ranked[:_SHOWN]
-        head = "measurements to make next, the best first"
-    # The unit of spreads: percent of a velocity, and of an input whose ratios count.
-    unit = Unit("%", 0.01) if unknown is None or unknown.is_relative else unknown.spread
-    before = f"± {rounded(unit.express(ranked[0].before))}{unit.suffix}"
-    sentence = f"{head}; {options.target or 'the boundary, in velocity'} is known to {before} today"
-    frame = _measurements(ranked, unit)
-    lines = [sentence, frame, *filter(None, [ranked[-1].comparison])]
-    return _plan(options, ranked, tests), lines, frame
-
-
-def _measurements(ranked: Sequence[Candidate], unit: Unit) -> pd.DataFrame:
-    """Measurements, each with the spread of the target that it leaves, in its unit."""
-    left = "left, ±" if unit.name == "1" else f"left, ± [{unit.name}]"
-    columns = {
-        "measurement": [one.what for one in ranked], "runs": [one.runs for one in ranked],
-        left: [unit.express(one.spread) for one in ranked],
-        "narrows by [%]": [100 * one.narrows for one in ranked],
-    }  # fmt: skip
-    return pd.DataFrame(columns)
-
-
-def _plan(
-    options: argparse.Namespace, ranked: Sequence[Candidate], tests: Sequence[Candidate]
-) -> dict[str, Any]:
-    """Measurements and planned tests, as plain data."""
-    names = ("what", "test", "runs", "spread", "narrows", "in_turn", "staircase")
-    return {
-        "target": options.target,
-        "next": [{name: getattr(test, name) for name in names} for test in ranked],
-        "planned": [
-            {"tests": number, "what": test.what, "test": test.test, "sd": test.spread}
-            for number, test in enumerate(tests, 1)
-        ],
-    }

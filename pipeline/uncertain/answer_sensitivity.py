@@ -15,7 +15,6 @@ from pipeline.cli import given
 from pipeline.cli.output import Result, working
 from pipeline.sweep.remarks import remarks
 from pipeline.uncertain.fields import single_field
-from pipeline.uncertain.next_tests import ranking_command
 from pipeline.uncertain.sensitivity import Sensitivity
 
 _GOOD = 0.3  # share of the spread of a velocity that its error may be
@@ -29,15 +28,8 @@ def sensitivity(options: argparse.Namespace) -> Result:
     document, notes = samples.basis
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(samples.ensemble, samples.given_draws)
-    most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
-    target = None if most.kind == "list" else most.path
     frame = _indices(indices)
-    text = [
-        *notes,
-        *_describe_indices(indices, frame),
-        f"next: {most.path} moves the boundary most; tests to make: "
-        f"{ranking_command(options.store, given.judged_words(options), target)}",
-    ]
+    text = [*notes, *_describe_indices(indices, frame)]
     draw = partial(pipeline.plot, indices, title=samples.ensemble.title)
     return Result(document | indices.as_dict(), text, pipeline.warned(ds), [frame], draw)
 

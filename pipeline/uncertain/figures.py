@@ -1,4 +1,4 @@
-"""Figures of what is not known exactly: probabilities, their causes, inputs, limits of a design."""
+"""Figures of what is not known exactly: probabilities, their causes, inputs."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ from pipeline.figures.overlays import mark_tests
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.scene.units import typeset
 from pipeline.sweep.about import condition_rows
-from pipeline.sweep.unknown import Unknown
-from pipeline.uncertain.design import Limit
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.fields import single_field
 from pipeline.uncertain.inputs import QUANTILES
@@ -187,51 +185,3 @@ def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
         )  # fmt: skip
     axes.set_xlabel("measured velocity, with scatter [m/s]", fontsize=9)
     axes.set_ylabel("computed, with 90 % interval [m/s]", fontsize=9)
-
-
-_FAR = 0.01  # share of the goal below which a probability is not drawn
-
-
-@style.house_style
-def draw_design(limits: Limit | Sequence[Limit], title: str) -> Figure:
-    """Draw the probability over an entry with its limit, or limits over another entry."""
-    figure, axes = style.canvas(None, (7.2, 4.8))
-    limits = [limits] if isinstance(limits, Limit) else limits
-    limit = limits[0]
-    goal, shown = limit.goal, limit.entry.shown
-    if not limit.at:
-        values = shown.express(np.array(limit.values))
-        chances = np.array(limit.probabilities)
-        percent = 100 * np.where(chances > _FAR * goal.risk, chances, np.nan)
-        axes.semilogy(values, percent, "o-", ms=4, color=BLUE, label="emulated")
-        axes.axhline(100 * goal.risk, color=GREY, lw=1.0, label=f"goal, {100 * goal.risk:g} %")
-        if limit.value is not None and limit.interval is not None:
-            ends = [shown.express(end) for end in limit.interval]
-            axes.axvline(shown.express(limit.value), color=VERMILION, label="limit")
-            axes.axvspan(*ends, color=VERMILION, alpha=0.15, label="90 % interval of the limit")
-        style.plain_numbers(axes, "y")
-        axes.legend()
-        axes.set_xlabel(_label(limit.entry))
-        less = f"less than {goal.margin:g} K below the critical" if goal.margin else "severe wear"
-        axes.set_ylabel(f"probability of {less} [%]")
-    else:
-        other = limit.at[0].unknown
-        found = [(one.at[0].value, one.value) for one in limits if one.value is not None]
-        x, y = np.array(found).reshape(-1, 2).T
-        axes.plot(other.shown.express(x), shown.express(y), "o-", color=VERMILION)
-        axes.set(xlim=[other.shown.express(end) for end in other.parameters], xlabel=_label(other))
-        axes.set(ylim=[shown.express(end) for end in limit.entry.parameters])
-        side = next((one.side for one in limits if one.value is not None), "no value")
-        axes.set_ylabel(f"{_label(limit.entry)}, {side}")
-    place = limit.binding
-    axes.set_title(
-        f"{style.as_text(title)}\n{place.load:g} N at {place.velocity:g} m/s, "
-        f"{100 * goal.risk:g} % at most",
-        wrap=True,
-    )
-    return figure
-
-
-def _label(entry: Unknown) -> str:
-    unit = "" if entry.shown.name == "1" else f" [{style.as_text(entry.shown.name)}]"
-    return f"{style.entry_label(entry.path)}{unit}"

@@ -13,12 +13,15 @@ from pipeline.analysis.laboratory import compared
 from pipeline.analysis.rise_error import RiseError, add_counted
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.plan import run_point
 from pipeline.sweep.samples import SPECIFIC_WEAR_RATE
-from pipeline.uncertain import direct
+from pipeline.sweep.severity import worst_rises
+from pipeline.uncertain.inputs import FRICTION
 from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import deciding, with_fields
 from tests.pipeline.conftest import commit_all
+from tests.promises.risk import entries_of
 
 STEEL = tiny.sweep().scene.disk
 ALL = tribo.Corrections(
@@ -299,14 +302,16 @@ def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path):
     paths = [one.path for one in samples.design.inputs]
     for number in (0, 7):
         values = dict(zip(paths, samples.inputs[number].tolist(), strict=True))
-        row = [values.get(one.path, 0.12) for one in samples.unknown]
-        by_hand = direct.scene_values(samples, row) | at
+        simulated = [one for one in samples.unknown if one.path != FRICTION]
+        row = np.array([values[one.path] for one in simulated])
+        by_hand = entries_of(simulated, row) | at
         by_hand[SPECIFIC_WEAR_RATE] = f"{1e9 * values[SPECIFIC_WEAR_RATE]!r} mm^3/(N m)"
         sweep = pipeline.load_scene(tmp_path / "known.toml", overrides=by_hand)
         for load, rise in zip(samples.loads, samples.rises[number], strict=True):
             velocity = samples.sample_velocities[number]
-            expected = direct.log_rise(sweep, load, velocity, sweep.conditions)
-            assert np.log(rise) == pytest.approx(expected, abs=1e-6)
+            columns = run_point(sweep.changed(steps="end"), load, velocity).columns
+            expected = float(worst_rises(columns, load, sweep.conditions))
+            assert rise == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_coefficient_of_several_values_scales_friction_by_velocity(tmp_path):

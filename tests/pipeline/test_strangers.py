@@ -235,16 +235,6 @@ def test_a_store_runs_nothing_and_writes_no_empty_answer(
     assert not [*strangers.glob("out*")]
 
 
-def test_the_user_s_word_is_not_for_the_scene_that_a_store_names(strangers, done, ran, irg):
-    store = forged(done, strangers, "samples.zarr", "share")
-    root = read_root(place_of(strangers / store))
-    words = str(strangers / "wear.toml"), "--own-laws"
-    write(strangers / store, root._replace(sweep=root.sweep.changed(arguments=words)))
-    goal = ["--over", "temperature.critical", *AT, "--risk", "30%"]
-    assert "code runs only if you say so" in irg("design", store, *goal, "--own-laws")
-    assert not ran()
-
-
 def test_a_store_whose_chunks_would_be_unpickled_is_refused(strangers, done, ran, irg):
     store = forged(done, strangers, "small.zarr", "share")
     root = read_root(place_of(strangers / store))

@@ -90,27 +90,11 @@ def ensemble_of(scene, overrides, store=None):
         return pipeline.Ensemble.of(pipeline.open_sweep(store))
 
 
-def idle(ensemble):
-    """A test that tells nothing but how well the rig measures friction."""
-    load, velocity, friction = (
-        ensemble.loads[0],
-        ensemble.velocities[0],
-        ensemble.conditions.friction,
-    )
-    place = {"normal_load": float(load), "velocity": velocity, "outcome": "mild"}
-    return place | {"friction": friction, "friction_scatter": FRICTION_SCATTER * friction}
-
-
-def weighed(ensemble, tests, scatter=SCATTER, fewer=1):
-    """The posterior given tests, with the emulator of the samples fitted once.
-
-    ``fewer`` divides the number of draws: a quarter of them tells a spread to 2 %.
-    """
+def weighed(ensemble, tests, scatter=SCATTER):
+    """The posterior given tests, with the emulator of the samples fitted once."""
     tested = replace(ensemble, tests=tuple(tests))
     vars(tested)["_rise"] = ensemble._rise
-    counts = {"_FIRST": _FIRST, "_COUNT": weigh._COUNT, "_ENOUGH": weigh._ENOUGH}
-    counts = {name: count // fewer for name, count in counts.items()}
-    with mock.patch.object(Ensemble, "excess", _kept), mock.patch.multiple(weigh, **counts):
+    with mock.patch.object(Ensemble, "excess", _kept), mock.patch.object(weigh, "_FIRST", _FIRST):
         return pipeline.posterior(tested, scatter)
 
 

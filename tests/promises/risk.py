@@ -52,17 +52,16 @@ def drawn_anew(ensemble, count):
 
 def entries_of(unknown, values):
     """Values of unknown inputs [SI] as the scene would give them, by path."""
-    return {
-        entry.path: round(value) if entry.kind == "list" else written(entry, value)
-        for entry, value in zip(unknown, values.tolist(), strict=True)
-    }
+    pairs = zip(unknown, values.tolist(), strict=True)
+    return {entry.path: written(entry, value) for entry, value in pairs}
 
 
 def written(unknown, value):
     """A value as it would stand in the scene."""
     unit = unknown.shown
-    number = repr(float(unit.express(value)))
-    return float(number) if unit.name == "1" else f"{number} {unit.name}"
+    if unit.name != "1":
+        return f"{float(unit.express(value))!r} {unit.name}"
+    return int(value) if unknown.kind == "list" and value.is_integer() else value
 
 
 def direct(scene, entries, overrides, place, processes):

@@ -16,12 +16,17 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
+from pipeline.uncertain.inputs import CRITICAL
 from tests.helpers.campaigns import conclude
-from tests.promises.plans import spread_of
 from tests.promises.rigs import BULKS, CASES, WORKFLOWS, Rig
 
 APART = 0.05
 SCENE = WORKFLOWS / "uncertain.toml"
+
+
+def spread_of(posterior):
+    """Standard deviation of the critical temperature [K]."""
+    return next(row["posterior"]["sd"] for row in posterior.summary() if row["path"] == CRITICAL)
 
 
 def samples_of(overrides, folder, seed):

@@ -1,7 +1,6 @@
 """What figures mark: each mark, bar and line is at the number that it stands for, in its unit."""
 
 import math
-from dataclasses import replace
 
 import matplotlib
 import numpy as np
@@ -16,13 +15,10 @@ from pipeline.figures.ramp import ramp
 from pipeline.figures.studies import signed
 from pipeline.figures.style import TINTS
 from pipeline.run.vary import Variation, Variations
-from pipeline.scene.along import Place
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.model import Point
 from pipeline.sweep.surface import find_lubrication
-from pipeline.sweep.unknown import Fixed, Unit, Unknown
 from pipeline.tradeoff.trade import Choice, Trade
-from pipeline.uncertain.design import Goal, Limit
 from pipeline.uncertain.sensitivity import Sensitivity
 from tests.helpers import samples, synthetic, unknowns
 from tests.pipeline.figures.test_plot import contour, labels, lines, of_height
@@ -320,42 +316,6 @@ def test_choices_stand_at_their_work_and_error_and_the_front_joins_the_best():
     alone = pipeline.plot(Trade("A scene", (Point(200.0, 1.0),), "draft", (*choices[:3],
                                 choices[-1]), ()))  # fmt: skip
     assert alone.legends[0].get_title().get_text() == ""
-
-
-CELSIUS = Unit("°C", 1.0, 273.15)
-WIDE = Unknown(unknowns.CRITICAL.path, "uniform", (383.15, 473.15), "K", written=CELSIUS)
-
-
-def test_a_design_is_drawn_with_its_goal_its_limit_and_its_interval():
-    ensemble = samples.ensemble((WIDE, unknowns.RATE, unknowns.FRICTION, unknowns.LENGTH))
-    goal = Goal((Place(400.0, 1.6),), 0.05)
-    limit = Limit(
-        WIDE, goal, "at least", 420.0, (415.0, 424.0), (420.0, 473.15), (473.15, 0.0),
-        goal.places[0], (383.15, 413.15, 443.15, 473.15), (0.9, 0.1, 0.01, 0.0),
-    )  # fmt: skip
-    axes = pipeline.plot(limit, title=ensemble.title).axes[0]
-    drawn = {line.get_label(): np.column_stack(line.get_data()) for line in axes.lines}
-    np.testing.assert_allclose(drawn["emulated"][:, 0], np.array(limit.values) - 273.15)
-    np.testing.assert_allclose(drawn["emulated"][:, 1], [90.0, 10.0, 1.0, np.nan])  # none at 0
-    assert drawn["goal, 5 %"][:, 1] == pytest.approx([5.0, 5.0])
-    assert drawn["limit"][:, 0] == pytest.approx(2 * [limit.value - 273.15])
-    (span,) = axes.patches
-    low, high = np.array(limit.interval) - 273.15
-    assert (span.get_x(), span.get_x() + span.get_width()) == pytest.approx((low, high))
-    assert axes.get_xlabel() == "temperature: critical [°C]"
-    assert axes.get_ylabel() == "probability of severe wear [%]"
-    assert axes.get_title().endswith("400 N at 1.6 m/s, 5 % at most")
-    other = replace(unknowns.RATE, kind="uniform", parameters=(1e-15, 1.4e-15))
-    two = [replace(limit, value=value, at=(Fixed(other, rate),)) for rate, value in RATES]
-    axes = pipeline.plot(two, title=ensemble.title).axes[0]
-    x, y = axes.lines[0].get_data()
-    assert x == pytest.approx(unknowns.RATE.shown.express(np.array([rate for rate, _ in RATES])))
-    assert y == pytest.approx([value - 273.15 for _, value in RATES])
-    assert axes.get_ylim() == pytest.approx((110.0, 200.0))
-    assert axes.get_ylabel() == "temperature: critical [°C], at least"
-
-
-RATES = (1.1e-15, 400.0), (1.3e-15, 410.0)
 
 
 # What is not known exactly

@@ -13,7 +13,7 @@ from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Variants
-from pipeline.uncertain import design, inputs, next_tests, sensitivity
+from pipeline.uncertain import inputs, sensitivity
 from pipeline.uncertain.emulator import recalled
 from pipeline.uncertain.ensemble import Ensemble
 from tests.helpers.samples import fewer_draws
@@ -130,12 +130,9 @@ def test_the_rise_of_a_sample_left_out_is_within_the_stated_error(sampled):
         assert abs(emulated.values[0] - expected[0]) < 4 * emulated.error[0]
 
 
-def test_the_commands_say_risk_causes_and_the_next_test(
-    sampled, tmp_path, irg, irg_both, monkeypatch
-):
+def test_the_commands_say_risk_causes_and_inputs(sampled, tmp_path, irg, irg_both, monkeypatch):
     fewer_draws(monkeypatch)
     monkeypatch.setattr(inputs.prior, "__defaults__", (2**9,))
-    monkeypatch.setattr(next_tests, "_TRUTHS", 32)
     monkeypatch.setattr(sensitivity, "_POINTS", 2**8)
     load(sampled, unknown=UNKNOWN + MEASURED.replace("400 N", "500 N").replace("2 m/s", "1.3 m/s"))
     store = sampled / "out.zarr"
@@ -151,8 +148,7 @@ def test_the_commands_say_risk_causes_and_the_next_test(
     assert "16 samples may not suffice" in words
     irg("plot", store, "-o", tmp_path / "r.png")
     assert said("sensitivity", store, "-o", tmp_path / "s.png")["inputs"][0].startswith("wear.")
-    plan = said("infer", store, "--next", "-o", tmp_path / "p.png")
-    assert len(plan["next"]) == 12  # the best of more
+    assert len(said("infer", store, "-o", tmp_path / "p.png")["tests"]) == 1
     assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s],gear\n500,1.3,1\n900,2,2\n")
@@ -189,10 +185,6 @@ def test_the_commands_say_risk_causes_and_the_next_test(
         ),
         (("margin", "--load", "900 N", "--velocity", "2 m/s"), "load is 900 N; the samples have"),
         (("plot", "--kind", "ramp"), "has samples, so there is no plane of points"),
-        (
-            ("infer", "--next", "--bulk-temperature", "pin=60 degC, disk=25 degC"),
-            "of a test to plan is that of both bodies",
-        ),
     ],
 )
 def test_wrong_use_is_answered_in_a_line(sampled, irg, arguments, words):
@@ -227,58 +219,6 @@ def test_a_swapped_rise_of_a_sample_is_damage_though_it_is_finite(sampled, tmp_p
     rises[5] *= 0.97
     with pytest.raises(StoreError, match=r"damaged at .*variant 5: the data are not those"):
         pipeline.Ensemble.of(pipeline.open_sweep(path))
-
-
-# Choices of a preset, whose error is known and need not be measured.
-PRESET = SMALL.replace("increments = 10", "").replace("pixels_per_element = 1", 'preset = "draft"')
-RANGE = '"disk.roughness.ra" = { from = "0.1 um", to = "0.5 um" }\n'
-
-
-def test_a_design_is_confirmed_by_direct_simulations_of_its_own_scene(
-    tmp_path, irg, irg_both, monkeypatch
-):
-    monkeypatch.setattr(design, "SIMULATED", 12)  # simulations of a check, in place of 90
-    monkeypatch.setattr(design, "_DRAWS", 2**10)
-    store, place = tmp_path / "out.zarr", ("--load", "500 N", "--velocity", "1 m/s")
-    load(tmp_path, PRESET, UNKNOWN + RANGE)
-    irg("run", tmp_path / "scene.toml", "-o", store, "-q", "--workers", 1)
-    asked = ("design", store, *place, "--over", "disk.roughness.ra", "--json")
-    ends = [
-        irg("margin", store, *place, "--at", f"disk.roughness.ra={ra} um", "--json")["highest"]
-        for ra in (0.1, 0.5)
-    ]
-    risk = float(np.mean(ends))
-    assert abs(ends[1] - ends[0]) > 0.02
-    found = irg(*asked, f"--risk={risk}")
-    assert not [*tmp_path.glob("**/*.png")]
-    assert 1e-7 < found["limit"]["value"] < 5e-7
-    assert found["direct"]["simulated"] > 0
-    direct = found["direct"]
-    assert abs(direct["probability"] - risk) < 0.2  # as 16 samples of a coarse scene tell
-    assert direct["highest"] == direct["probability"] + 1.645 * direct["error"]
-    assert found["confirmed"] == (direct["highest"] <= risk)
-    values, limit = np.array(found["values"]), found["limit"]["value"]
-    assert values[[0, -1]] == pytest.approx([1e-7, 5e-7])
-    chances = np.array(found["probabilities"])
-    assert chances[[0, -1]] == pytest.approx(ends, abs=0.05)
-    # Below the risk by some errors of 12 simulations.
-    assert risk - 0.2 < np.interp(limit, values, chances) < risk
-    assert found["best"] == {"value": values[chances.argmin()], "probability": chances.min()}
-    assert (found["risk"], found["margin"]) == (risk, None)
-    assert found["side"] == ("at most" if ends[1] > ends[0] else "at least")
-    assert found["binding"] == {"load": 500.0, "velocity": 1.0}
-    (tmp_path / "scene.toml").write_text(PRESET.replace("2 mm", "3 mm") + UNKNOWN + RANGE)
-    said, found = irg_both(*asked[:-1], f"--risk={risk}", "-o", tmp_path / "design.png")
-    assert "scene.toml is not the scene of the store any more" in said
-    assert (tmp_path / "design.png").stat().st_size > 10_000
-    limit = found["limit"]["value"]
-    low, high = (1e6 * end for end in found["limit"]["interval"])
-    sign = "≤" if found["side"] == "at most" else "≥"
-    where = f"for a risk of {100 * risk:g} % at 500 N and 1 m/s"
-    assert (
-        f"disk.roughness.ra {sign} {1e6 * limit:.4g} µm ({low:.4g} µm to {high:.4g} µm) {where}"
-    ) in said
-    assert "give one of them" in irg(*asked[:-1], "--risk=1%", "--margin=20 K", code=2)
 
 
 def test_samples_whose_inputs_are_all_fixed_answer_by_the_emulator_at_them(sampled, irg):

@@ -1,7 +1,6 @@
 """All refusals of unknown inputs: what causes each, and what its message says."""
 
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -9,14 +8,11 @@ import pytest
 import pipeline
 from pipeline.scene.scenefile import load_scene
 from pipeline.store.create import writing
-from pipeline.sweep.own_laws import WEAR, Reference
 from pipeline.uncertain import critical_temperature, entries
-from pipeline.uncertain.answer_design import read_scene
 from tests.helpers import synthetic
 from tests.helpers.refusals import Refusals, command
 from tests.helpers.samples import LOADS, dataset, ensemble, field
 from tests.helpers.scenes import SCENE
-from tests.helpers.sweeps import with_fields
 from tests.helpers.unknowns import ALL, LENGTH, RATE
 from tribo import Corrections, Friction
 
@@ -24,7 +20,6 @@ RATES = '"wear.specific_wear_rate" = { median = "1.2e-6 mm^3/(N m)", factor = 1.
 FRICTIONS = '"friction.coefficient" = { mean = 0.13, sd = 0.01 }'
 RADII = '"pin.radius" = { mean = "2 mm", sd = "0.1 mm" }'
 PLACE = "--load", "500 N", "--velocity", "1 m/s"
-RISK = *PLACE, "--over", "friction.coefficient"
 
 
 def scene(*unknown, sweep="samples = 8", text=SCENE, overrides=None):
@@ -63,27 +58,10 @@ def weighed(loads=3, unknown=ALL, load=400.0, velocity=2.0, **told):
     def build():
         test = {"normal_load": load, "velocity": velocity, "friction": 0.1} | told
         made = ensemble(unknown, tests=[test])
-        parts = {name: getattr(made, name)[:, :loads] for name in ("rises", "widths")}
-        return pipeline.posterior(replace(made, loads=LOADS[:loads], **parts), 0.01)
+        made = replace(made, loads=LOADS[:loads], rises=made.rises[:, :loads])
+        return pipeline.posterior(made, 0.01)
 
     return build
-
-
-def planned(target=None, count=1, bulks=()):
-    test = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1}
-    found = pipeline.posterior(ensemble(tests=[test]), 0.05)
-    return pipeline.plan_tests(found, count, target, bulks)
-
-
-def sought(path, **changes):
-    goal = pipeline.Goal(((400.0, 2.0),), 0.05)
-    return partial(lambda: pipeline.design(replace(ensemble(), **changes), goal, path))
-
-
-def fixed():
-    given = pipeline.at(dataset(ensemble()), **{"wear.specific_wear_rate": 1.2e-15})
-    goal = pipeline.Goal(((400.0, 2.0),), 0.05)
-    return pipeline.design(pipeline.Ensemble.of(given), goal, RATE.path)
 
 
 def all_fixed():
@@ -139,10 +117,6 @@ def recorded():
     assert ramp in SCENE
     text = SCENE.replace(ramp, 'file = "load.csv"')
     return inferred("--contact-width", "0.2 mm", *PLACE, "--duration", "9 s", text=text)()
-
-
-def stored_scene(**values):
-    return lambda: read_scene(with_fields(dataset(ensemble()), **values))
 
 
 TWO_BULKS = {"temperature.bulk": {"pin": "30 degC", "disk": "25 degC"}}
@@ -258,11 +232,6 @@ REFUSALS = {
     "too few": (too_few, "0 of 8 samples are done at every load"),
     "rows": (bent, "are not judged row by row at another"),
     "weighed rows": (weighed_rows, "the tests weigh conditions as they were drawn"),
-    "target": (partial(planned, "pin.radius"), 'target is "pin.radius"; give one of'),
-    "count": (partial(planned, count=0), "count is 0; it must be at least 1"),
-    "bulk": (partial(planned, bulks=["-300 degC"]), "is -300 °C (-26.85 K), at which no oil"),
-    "range": (sought(RATE.path), "a design needs a range: give one of"),
-    "fixed": (fixed, "leave that out to seek its value"),
     # commands
     "not run": (
         inferred(text=SCENE.replace("fields = true", "samples = 8") + f"[unknown]\n{RATES}"),
@@ -273,7 +242,11 @@ REFUSALS = {
         asked("infer", "--workers", "2", "--store", "other.zarr"),
         "stay as they were computed; leave out --store, --workers",
     ),
-    "needs samples": (inferred("--next"), "--next needs samples of unknown inputs"),
+    "not judged": (
+        asked("infer", "--bulk-temperature", "60 degC"),
+        "stay as they were computed; leave out --bulk-temperature",
+    ),
+    "needs samples": (inferred("--discrepancy"), "--discrepancy needs samples of unknown inputs"),
     "ignored": (inferred("--duration", "9 s"), "--duration belongs to --contact-width"),
     "no place": (inferred("--contact-width", "0.2 mm"), "is that of a test; give its --load and"),
     "short": (
@@ -281,24 +254,7 @@ REFUSALS = {
         "must be at least the",
     ),
     "record": (recorded, "--duration holds a ramp; a recorded load ends where the record does"),
-    "not planned": (asked("infer", "--for", "400 N"), "--for belongs to --next"),
-    "both bodies": (
-        asked("infer", "--next", "--bulk-temperature", "pin=30 degC,disk=25 degC"),
-        "--bulk-temperature of a test to plan is that of both bodies",
-    ),
-    "three": (
-        asked("design", *RISK, "--over", "pin.radius", "--over", "pin.length"),
-        "two different",
-    ),
-    "given": (
-        asked("design", *RISK, "--friction", "0.1"),
-        "friction.coefficient is given and sought",
-    ),
-    "goals": (asked("design", *RISK, "--risk", "1%", "--margin", "20 K"), "are two goals"),
-    "sought": (asked("design", *PLACE, "--over", "velocity"), "the velocity is sought by --over"),
     "none unknown": (all_fixed, "no input of the samples is unknown"),
-    "own law": (stored_scene(wear=Reference("laws:Law", WEAR, (), "0")), "it has laws of its own"),
-    "no scene": (stored_scene(), "the scene is not the scene of the store any more"),
 }
 
 
