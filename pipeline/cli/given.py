@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +12,10 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.dataset import scene_sweep
 from pipeline.cli.output import tell
-from pipeline.quantities import display
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.reference import unit_example
-from pipeline.sweep.conditions import PATHS, changes_of
+from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.selection import KEPT_FIELDS
@@ -42,8 +41,7 @@ def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
 
 def flags_of(names: Iterable[str]) -> str:
     """Options as they are typed, one after the other."""
-    other = {"target": "for", "kept": "store"}
-    typed = (other.get(name, name.replace("_", "-")) for name in names)
+    typed = ("store" if name == "kept" else name.replace("_", "-") for name in names)
     return ", ".join(f"--{name}" for name in typed)
 
 
@@ -96,25 +94,6 @@ def criterion_in(options: argparse.Namespace) -> dict[str, Any]:
     """The criterion that the user gave, and permission to run it if that is code."""
     given = values_in(options, "criterion")
     return given | ({"own_laws": options.own_laws} if ":" in given.get("criterion", "") else {})
-
-
-def judged_words(options: argparse.Namespace) -> list[str]:
-    """Options that judge samples alike, for a command with --at, --criterion and --scatter."""
-    asked = conditions_in(options)
-    words = [f"--criterion={asked.pop('criterion')}"] if "criterion" in asked else []
-    words += ["--own-laws"] if asked.pop("own_laws", False) else []
-    entries = judged_entries(options) | {PATHS[name]: value for name, value in asked.items()}
-    words += [f"--at={path}={_typed(path, value)}" for path, value in entries.items()]
-    return words if options.scatter is None else [*words, f"--scatter={options.scatter:g}"]
-
-
-def _typed(path: str, value: Any) -> str:
-    """A value of an entry as it is typed; a number that has a unit is a temperature [K]."""
-    if isinstance(value, Mapping):
-        bodies = (f'{body} = "{_typed(path, one)}"' for body, one in value.items())
-        return f"{{ {', '.join(bodies)} }}"
-    has_unit = not isinstance(value, str) and unit_example(path)
-    return display(value, "degC", 10) if has_unit else str(value)
 
 
 def operating_points_in(options: argparse.Namespace) -> OperatingPoints:

@@ -84,11 +84,6 @@ def show_text(text: Iterable[str | pd.DataFrame]) -> None:
     print("\n".join(map(_shown, "\n".join(lines).split("\n"))), flush=True)
 
 
-def rounded(value: float, digits: int = 2) -> str:
-    """A number in so many digits, without a power of ten where it has fewer before the point."""
-    return f"{float(f'{value:.{digits}g}'):g}"
-
-
 def counted(number: int, one: str, several: str) -> str:
     """Number of something, in words."""
     return f"{number} {one if number == 1 else several}"

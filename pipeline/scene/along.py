@@ -76,11 +76,6 @@ class OperatingPoints:
         """Place and own conditions of each row."""
         return [*zip(self.places, self.conditions or ({},) * len(self.places), strict=True)]
 
-    def require_places_alone(self, reason: str) -> None:
-        """Refuse conditions of rows, for a reason."""
-        if own := sorted(set().union(*self.conditions)):
-            raise InputError(f"the table has columns for {', '.join(own)}; {reason}")
-
     @classmethod
     def read(
         cls,

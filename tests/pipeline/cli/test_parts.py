@@ -25,7 +25,7 @@ from pipeline.cli.next_steps import (
     more_of_boundary,
     point_that_decides,
 )
-from pipeline.cli.output import Result, _words_on, counted, point_fields, rounded, show
+from pipeline.cli.output import Result, _words_on, counted, point_fields, show
 from pipeline.cli.parser import parse
 from pipeline.cli.stores import _scene_status, _stores_and_scenes
 from pipeline.cli.studies import _critical_velocities, _variation_lines
@@ -121,7 +121,7 @@ def test_options_that_were_given_are_taken_and_no_others():
     assert given.values_in(asked, "load", "velocity", "set", "flag", "name", "nowhere") == {
         "load": 1.0, "velocity": 0.0, "name": ""
     }  # fmt: skip
-    assert given.flags_of(["bulk_temperature", "target"]) == "--bulk-temperature, --for"
+    assert given.flags_of(["bulk_temperature", "kept"]) == "--bulk-temperature, --store"
     assert given.beside(Path("a/b.zarr"), ".html") == Path("a/b.html")
     assert given.beside("s3://bucket/a/b.zarr", ".csv") == Path("b.csv")
 
@@ -179,14 +179,6 @@ def test_an_accuracy_picks_all_numerical_choices_but_how_heat_acts():
 
 
 # Output
-
-
-@pytest.mark.parametrize(
-    ("value", "digits", "text"),
-    [(0.01234, 2, "0.012"), (1234.5, 2, "1200"), (0.996, 2, "1"), (3.14159, 4, "3.142")],
-)
-def test_numbers_are_rounded_without_a_power_of_ten(value, digits, text):
-    assert rounded(value, digits) == text
 
 
 def test_things_are_counted_in_words():

@@ -252,9 +252,6 @@ ENTRIES = {
         f"{300 + n / 100},1\n" for n in range(5000)), **{"sweep.around": 9}),
         "places are too many"),
     # tables of points
-    "points alone": (lambda: OperatingPoints.read(
-        {"load": ["1 N"], "velocity": ["1 m/s"], "friction": [0.1]}).require_places_alone("no"),
-        "the table has columns for friction"),
     "points faulty": (points("load [N],velocity [m/s]\n-3,1\n"), "load: "),
     "points decimals": (points("load [N];velocity [m/s]\n1.200;1,5\n"), '"1.200" beside decimal'),
     "points type": (lambda: OperatingPoints.read(3), "points are of type int"),
