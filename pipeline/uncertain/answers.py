@@ -1,17 +1,14 @@
-"""Probability of severe wear by draws, and their boundary."""
+"""The boundary of draws: places along an axis at which their wear turns."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import ndtr
 
-from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.transition import LEAST_SLOPE
 from pipeline.uncertain.emulator import Groups
-from pipeline.uncertain.ensemble import Axis, Ensemble, Excess
+from pipeline.uncertain.ensemble import Axis, Ensemble
 from pipeline.uncertain.inputs import Draws, prior
 from tribo.types import Array
 
@@ -24,58 +21,6 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)
     return replace(draws, inputs=draws.inputs[:, : len(ensemble.unknown)])
-
-
-_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
-_WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
-_APART = 0.01  # step of the excess over which the slope of a probability is taken
-_NO_SCATTER = 1e-9  # in ln(velocity)
-_SHARES = (np.arange(400) + 0.5) / 400
-_DISTANCES = np.linspace(-3.0, 3.0, 6001)  # in ln(velocity)
-_WIDER, _AT_ONCE = 0.8, 2**12
-
-
-def probability_of(
-    excess: Excess, draws: Draws, scatter: Scatter | None = None, slope: Array | float = 1.0
-) -> tuple[float, float]:
-    """Probability that the excess of draws (n,) is above 0, and its standard error.
-
-    With a scatter of ln(velocity) it is the probability that the next run is severe; the slope is
-    d ln(rise) over d ln(velocity) by draw (n,). What neighbours share is taken as shared by all
-    draws, which errs to the safe side.
-    """
-    by_draw, density = run_probability(excess, scatter, slope)
-    probability = float(np.clip(draws.mean(by_draw), 0.0, 1.0))
-    by_draws = math.sqrt(float(np.sum((draws.weights * (by_draw - probability)) ** 2)))
-    by_samples = float(draws.mean(density * excess.shared))
-    return probability, math.hypot(by_draws, by_samples)
-
-
-def run_probability(
-    excess: Excess, scatter: Scatter | None, slope: Array | float
-) -> tuple[Array, Array]:
-    """Probability that the next run is severe by draw (n,), and its slope over the excess."""
-    if scatter is None or scatter.below(np.array(_NO_SCATTER)) == 1:
-        normal = np.exp(-0.5 * (excess.values / excess.error) ** 2) / math.sqrt(2 * math.pi)
-        return excess.probability, normal / excess.error
-    slopes = np.broadcast_to(slope, excess.values.shape)
-    by_draw, density = np.empty((2, len(slopes)))
-    quantiles = np.interp(_SHARES, scatter.below(_DISTANCES), _DISTANCES)
-    # Where the error is the wider of the two, over runs; else over errors.
-    is_wide = excess.error > _WIDER * slopes * quantiles[np.searchsorted(_SHARES, 0.84)]
-    for rows in np.array_split(np.flatnonzero(is_wide), 1 + is_wide.sum() // _AT_ONCE):
-        off = excess.values[rows, None] + slopes[rows, None] * quantiles
-        z = off / excess.error[rows, None]
-        by_draw[rows] = ndtr(z).mean(axis=1)
-        normal = np.exp(-0.5 * z**2) / math.sqrt(2 * math.pi)
-        density[rows] = normal.mean(axis=1) / excess.error[rows]
-    rows = np.flatnonzero(~is_wide)
-    off = excess.values[rows, None] + excess.error[rows, None] * _NODES
-    apart = off[..., None] + np.array([-_APART, 0.0, _APART])
-    shares = scatter.below(apart / slopes[rows, None, None])
-    below, by_draw[rows], above = np.einsum("nkj,k->jn", shares, _WEIGHTS)
-    density[rows] = (above - below) / (2 * _APART)
-    return by_draw, density
 
 
 def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:

@@ -66,12 +66,10 @@ class Emulator:
     whitener: Array  # (n, n), inverse of the Cholesky factor of the kernel between the rows
     check: LeftOut
 
-    def __call__(self, features: Array, between: Array) -> tuple[Array, Array, Array]:
-        """Sums of outputs, their standard error, and that of their smooth part, each (n, m).
+    def __call__(self, features: Array, between: Array) -> tuple[Array, Array]:
+        """Sums of outputs, and their standard error against a simulation, each (n, m).
 
-        Outputs are summed with weights ``between`` (m, n_output), as to interpolate. The first
-        error is that against a simulation, which has something of its own; the second one
-        neighbours share.
+        Outputs are summed with weights ``between`` (m, n_output), as to interpolate.
         """
         smooth, _ = _kernel(features, self.features, self.dimensions, self.constants)
         outputs = (self.mean + smooth @ self.weights) @ between.T
@@ -81,7 +79,7 @@ class Emulator:
         explained = np.sum((smooth @ self.whitener.T) ** 2, axis=1)
         shared = np.maximum(prior - explained, 0.0)[:, None]
         spread = np.sqrt(np.sum(between @ self.check.covariance * between, axis=1))
-        return outputs, np.sqrt(shared + s + n) * spread, np.sqrt(shared) * spread
+        return outputs, np.sqrt(shared + s + n) * spread
 
 
 class LeftOut(NamedTuple):

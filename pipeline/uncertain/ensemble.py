@@ -20,13 +20,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
-from scipy.special import ndtr
 
 from pipeline.analysis.dataset import (
     Kind,
     asked,
     dataset_of,
-    end_of_point,
     read_conditions,
     require_lists,
     require_one_scene,
@@ -77,17 +75,11 @@ class Excess(NamedTuple):
 
     values: Array
     error: Array  # standard error against a simulation with the same inputs
-    shared: Array  # part of it that draws near each other share, and more samples make smaller
 
     def draw_chance(self, seed: int) -> Array:
         """Values with an error of the emulator drawn for each draw, one for all its places."""
         chance = np.random.default_rng(seed).standard_normal(len(self.values))
         return (self.values.T + chance * self.error.T).T
-
-    @property
-    def probability(self) -> Array:
-        """Probability of severe wear."""
-        return np.asarray(ndtr(self.values / self.error))
 
 
 @shown
@@ -112,7 +104,6 @@ class Ensemble:
     contacts: Groups  #: Number of the contact that each sample shares with others.
     loads: Array  #: Normal loads on the whole pin [N].
     rises: Array  #: Rises that decide at friction 1 [K], shape (n_sample, n_load).
-    widths: Array  #: Widths of the contact at the end [m], likewise.
     tests: tuple[dict[str, Any], ...] = ()  #: Measured transitions, and tests with their outcome.
     hold: float = 0.0  #: Duration at the full load [s].
     #: Rises at the shorter holds of tests, where the samples have them.
@@ -184,7 +175,6 @@ class Ensemble:
             contacts=(numbers // design.per_contact)[done],
             loads=loads,
             rises=rises[done],
-            widths=values_of(end_of_point(ds[["time", "contact_width"]]), "contact_width")[done],
             tests=tests,
             hold=hold,
             rises_by_hold=rises_by_hold,
@@ -236,19 +226,10 @@ class Ensemble:
         Draws (n, n_unknown) are values of the unknown inputs [SI]. Raise an `InputError` at a load
         [N] or a velocity [m/s] outside the sweep, or if no critical temperature is known.
         """
-        rise = self.rise(draws, load, velocity)
-        return rise._replace(values=(rise.values.T - self.log_limit(draws)).T)
-
-    def rise(self, draws: Array, load: Axis | float, velocity: Axis | float) -> Excess:
-        """Logarithm of the rise at friction 1 [K] in place of the excess, likewise."""
-        heat = self._emulated(self._rise, draws, load, velocity)
+        rise, error = self._emulate(draws, load, velocity)
         # The factor of friction by velocity is known, and may bend at will.
-        factor = np.log(self.conditions.friction_factor(np.asarray(velocity, float)))
-        return heat._replace(values=heat.values + factor)
-
-    def width(self, draws: Array, load: float, velocity: float) -> Excess:
-        """Logarithm of the contact's width [m] in place of the excess, likewise."""
-        return self._emulated(self._width, draws, load, velocity)
+        rise = rise + np.log(self.conditions.friction_factor(np.asarray(velocity, float)))
+        return Excess((rise.T - self.log_limit(draws)).T, error)
 
     def require_unknown(self) -> None:
         """Raise an `InputError` if each input has one value."""
@@ -276,19 +257,17 @@ class Ensemble:
         draws: Array,
         friction: float | Array | None = None,
         bulk: float | None = None,
-        margin: float = 0.0,
         critical: float | Array | None = None,
         was_measured: bool = False,
     ) -> Array:
         """Logarithm of the rise at friction 1 above which wear is severe, shape (n,).
 
         A friction, a bulk and a critical temperature [K] that are given replace those of the draws.
-        With a margin [K] it is the rise that stays as far below the critical temperature. A
-        friction that was measured had the temperature of its contact already.
+        A friction that was measured had the temperature of its contact already.
         """
         frictions = self.values(FRICTION, draws) if friction is None else friction
         bulks = self.values(BULK, draws) if bulk is None else bulk
-        hottest = (self.values(CRITICAL, draws) if critical is None else critical) - margin
+        hottest = self.values(CRITICAL, draws) if critical is None else critical
         if not was_measured:
             frictions = frictions * np.exp(self.log_friction_factor(hottest))
         rise = np.maximum(hottest - bulks, _LEAST_RISE)
@@ -310,20 +289,15 @@ class Ensemble:
     @functools.cached_property
     def _rise(self) -> Emulator:
         table = self.conditions.friction_factor(self.sample_velocities)
-        return self._fitted(self.rises / table[:, None])
-
-    @functools.cached_property
-    def _width(self) -> Emulator:
-        return self._fitted(self.widths)
-
-    def _fitted(self, values: Array) -> Emulator:
         features = features_of(self.design, self.inputs.T, self.sample_velocities)
-        return fitted(*features, self.contacts, np.log(values), self.keeper)
+        values = np.log(self.rises / table[:, None])
+        return fitted(*features, self.contacts, values, self.keeper)
 
-    def _emulated(
-        self, emulator: Emulator, draws: Array, load: Axis | float, velocity: Axis | float
-    ) -> Excess:
-        """Outputs of an emulator by draw, load and velocity in place of the excess."""
+    def _emulate(
+        self, draws: Array, load: Axis | float, velocity: Axis | float
+    ) -> tuple[Array, Array]:
+        """Logarithm of the rise at friction 1 [K] and its error, by draw, load and velocity."""
+        emulator = self._rise
         loads, velocities = np.atleast_1d(load), np.atleast_1d(np.asarray(velocity, float))
         self.require_within(loads, velocities)
         nodes = velocities
@@ -338,15 +312,15 @@ class Ensemble:
         at_nodes = []
         for node, wider in zip(nodes, widening.tolist(), strict=True):
             features, _ = features_of(self.design, columns, np.full(len(draws), node))
-            values, *errors = emulator(features, weights)
-            at_nodes.append([values, *(wider * np.hypot(error, bends) for error in errors)])
+            values, error = emulator(features, weights)
+            at_nodes.append([values, wider * np.hypot(error, bends)])
         parts = [np.stack(part, axis=-1) for part in zip(*at_nodes, strict=True)]
         if len(velocities) > _NODES:
             x, wanted = np.log(nodes), np.log(velocities)
             parts = [CubicSpline(x, part, axis=-1)(wanted) for part in parts]
         shape = len(draws), *np.shape(load), *np.shape(velocity)
-        values, *errors = (part.reshape(shape) for part in parts)
-        return Excess(values, *map(np.abs, errors))
+        values, error = (part.reshape(shape) for part in parts)
+        return values, np.abs(error)
 
     @property
     def left_out(self) -> LeftOut:
@@ -379,7 +353,6 @@ def keep_fits(ds: xr.Dataset) -> None:
             ensemble = Ensemble.of(scene)
             for held in ensemble.ensembles_by_hold.values():
                 _ = held._rise
-            _ = ensemble._width
 
 
 def _row_conditions(

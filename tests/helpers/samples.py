@@ -70,7 +70,6 @@ def ensemble(unknown=ALL, count=64, tests=(), noise=0.0):
         contacts=np.arange(count) // size,
         loads=LOADS,
         rises=rises,
-        widths=np.full(rises.shape, 2e-4) * velocities[:, None] ** 0.1,
         tests=tuple(tests),
         velocity_error=0.0,
     )
@@ -124,7 +123,6 @@ def dataset(samples, growth=((0.0, 1.0),), **told):
         {
             "normal_load": (dims, loads),
             "time": (dims, np.broadcast_to(1.0 + holds, rise.shape[:3])),
-            "contact_width": (dims, np.broadcast_to(samples.widths[..., None], rise.shape[:3])),
             "mean_rise": (dims, 0.6 * rise[..., 0]),
             "status": (dims[:2], np.full(rise.shape[:2], DONE)),
             "rise_quantile": ((*dims, "cooler_share"), rise * (1 + 0.5 * (quantiles - 0.9))),

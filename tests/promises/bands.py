@@ -35,7 +35,7 @@ def places(ensemble, count):
 
 def of_first(ensemble, count):
     """The emulator of the first samples alone."""
-    names = ("inputs", "sample_velocities", "contacts", "rises", "widths")
+    names = ("inputs", "sample_velocities", "contacts", "rises")
     return replace(
         ensemble, **{name: getattr(ensemble, name)[:count] for name in names}, keeper=None
     )

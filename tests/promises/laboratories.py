@@ -62,8 +62,7 @@ def closed_excess(self, draws, load, velocity):
     values = by_load[:, :, None] + EXPONENT * np.log(velocities)
     values = values - self.log_limit(draws)[:, None, None]
     values = values.reshape(len(draws), *np.shape(load), *np.shape(velocity))
-    error = np.full(values.shape, 1e-4)
-    return Excess(values, error, error)
+    return Excess(values, np.full(values.shape, 1e-4))
 
 
 def samples_of(unknown):
@@ -238,8 +237,7 @@ def main():
     parser.add_argument("--count", type=int, default=50, help="laboratories of a part")
     options = parser.parse_args()
     parts = []
-    width = mock.Mock(side_effect=lambda draws, *_: Excess(*np.full((3, len(draws)), 1e-3)))
-    with mock.patch.multiple(Ensemble, excess=closed_excess, width=width):
+    with mock.patch.object(Ensemble, "excess", closed_excess):
         for row in rows(options.count):
             print(json.dumps(row), file=sys.stderr, flush=True)
             parts.append(row)

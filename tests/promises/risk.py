@@ -22,7 +22,8 @@ from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import rise_limit, worst_rises
 from pipeline.sweep.unknown import drawn
 from pipeline.sweep.variants import Variants
-from pipeline.uncertain.answers import draws_of, probability_of
+from pipeline.uncertain.answers import draws_of
+from pipeline.uncertain.fields import SampleField
 from tests.helpers.campaigns import conclude
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
@@ -75,12 +76,25 @@ def direct(scene, entries, overrides, place, processes):
         return np.concatenate(pool.map_async(_of_chunk, tasks, chunksize=1).get(timeout=4 * 3600))
 
 
+def risk(field, load, velocity):
+    """Share of draws whose wear is severe at a point, and its standard error.
+
+    The error of the emulator is taken as one for all draws.
+    """
+    draws = field.draws
+    share = float(draws.mean(field.temperatures(load, velocity).is_severe))
+    excess = field.ensemble.excess(draws.inputs, load, velocity)
+    low, high = (float(draws.mean(excess.values > sign * excess.error)) for sign in (1, -1))
+    by_draws = math.sqrt(share * (1 - share) / draws.effective)
+    return share, math.hypot(by_draws, (high - low) / 2)
+
+
 def judged(ensemble, scene, count, overrides, place, processes=1):
     """The risk beside direct simulations, and the error of the emulated rise of each."""
     load, velocity = place
     draws = draws_of(ensemble, None)
     of_draws = ensemble.excess(draws.inputs, load, velocity)
-    stated, error = probability_of(of_draws, draws)
+    stated, error = risk(SampleField(ensemble, draws, None), load, velocity)
     values, entries = drawn_anew(ensemble, count)
     excesses = direct(scene, entries, overrides, place, processes)
     share = float(np.mean(excesses > 0))

@@ -161,12 +161,7 @@ def test_a_boundary_beyond_the_sweep_is_said_to_lie_there():
 
 def test_a_single_load_has_no_critical_load():
     samples = ensemble()
-    single = dataclasses.replace(
-        samples,
-        loads=samples.loads[:1],
-        rises=samples.rises[:, :1],
-        widths=samples.widths[:, :1],
-    )
+    single = dataclasses.replace(samples, loads=samples.loads[:1], rises=samples.rises[:, :1])
     assert math.isnan(margin(single, 200.0, 2.0).critical_load)
     with pytest.raises(InputError, match="load is 400 N; the samples have 200 N alone"):
         margin(single, 400.0, 2.0)
