@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -76,16 +76,6 @@ class Truths(NamedTuple):
     rig: Array | None = None  # friction of the rig, and its scatter, (n, 2)
     slopes: Array | None = None  # those of a discrepancy, (n, 2)
     oils: Mapping[str, Array] = {}  # critical temperatures of oils that have their own, (n,)
-
-
-def distances_of(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
-    """Distances of draws from tests."""
-    found = np.empty((4, len(tests), len(truths.inputs)))
-    for hold, held in ensemble.ensembles_by_hold.items():
-        numbers = [i for i, test in enumerate(tests) if test.get("hold", ensemble.hold) == hold]
-        if numbers:
-            found[:, numbers] = _distances_at_hold(held, [tests[i] for i in numbers], truths)
-    return Distances(*found)
 
 
 def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
@@ -170,17 +160,6 @@ def fix_varying(unknown: Sequence[Unknown], inputs: Array) -> Array:
     """Draws (n, n_unknown) with medians in place of what varies from part to part."""
     medians = [one.quantile(np.array([0.5]))[0] for one in unknown]
     return np.where([one.varies for one in unknown], medians, inputs)
-
-
-def part_scatter(
-    unknown: Sequence[Unknown], distances: Callable[[Array], Distances], seed: int
-) -> tuple[Array, Array]:
-    """Mean and variance (n_test, 1) that what varies from part to part adds to distances."""
-    if not any(one.varies for one in unknown):
-        return np.zeros((1, 1)), np.zeros((1, 1))
-    inputs = prior(unknown, seed, _VARIED).inputs
-    apart = distances(inputs).values - distances(fix_varying(unknown, inputs)).values
-    return apart.mean(axis=1)[:, None], apart.var(axis=1)[:, None]
 
 
 class Runs(NamedTuple):
@@ -322,16 +301,30 @@ class Joint:
 
     @functools.cached_property
     def _part_scatter(self) -> tuple[Array, Array]:
-        return part_scatter(self.unknown, self._distances, self.ensemble.design.seed)
+        """Mean and variance (n_test, 1) that what varies from part to part adds to distances."""
+        if not any(one.varies for one in self.unknown):
+            return np.zeros((1, 1)), np.zeros((1, 1))
+        inputs = prior(self.unknown, self.ensemble.design.seed, _VARIED).inputs
+        fixed = fix_varying(self.unknown, inputs)
+        apart = self._distances(inputs).values - self._distances(fixed).values
+        return apart.mean(axis=1)[:, None], apart.var(axis=1)[:, None]
 
     def _distances(self, inputs: Array) -> Distances:
+        """Distances of draws of all inputs (n, n_unknown) from the tests."""
         truths = Truths(
             inputs[:, : len(self.ensemble.unknown)],
             inputs[:, self.rig] if self.rig else None,
             inputs[:, -2:] if self.has_discrepancy else None,
             {oil: inputs[:, column] for oil, column in self.oils.items()},
         )
-        return distances_of(self.ensemble, self.tests, truths)
+        found = np.empty((4, len(self.tests), len(inputs)))
+        for hold, held in self.ensemble.ensembles_by_hold.items():
+            holds = [test.get("hold", self.ensemble.hold) for test in self.tests]
+            numbers = [number for number, one in enumerate(holds) if one == hold]
+            if numbers:
+                tests = [self.tests[number] for number in numbers]
+                found[:, numbers] = _distances_at_hold(held, tests, truths)
+        return Distances(*found)
 
     def require_near(self, distances: Distances) -> None:
         """Raise an `InputError` where even the best draws are far from the tests."""
