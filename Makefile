@@ -73,7 +73,7 @@ promises: .venv/test  ## judge --accuracy, presets and stated errors on random s
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.worn
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 
-samples: .venv/test   ## judge samples by 2000 simulations, irg infer and next runs by truths, in 4 hours
+samples: .venv/test   ## judge samples by 2000 simulations, irg infer and next runs by truths, in 2 hours
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.bands
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --minutes 30
