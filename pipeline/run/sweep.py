@@ -136,7 +136,7 @@ def run_sweep(
         for note in _repair(store):
             told(Progress(note))
 
-    with writing(out, sweep, repair) as store:
+    with writing(out, sweep, told, repair) as store:
         for note in _notes(store, before) if before else ():
             told(Progress(note))
         if retry_failed:

@@ -80,7 +80,9 @@ _ROOM = 2  # reference loads up to which a bucket has room for the steps of a co
 
 
 @contextmanager
-def writing(path: PathLike, sweep: Sweep, repair: Repair | None = None) -> Iterator[Store]:
+def writing(
+    path: PathLike, sweep: Sweep, progress: Report = silent, repair: Repair | None = None
+) -> Iterator[Store]:
     """Create the store of a sweep, or open it and make room for what the sweep adds.
 
     A repair is called before anything else is changed. Raise a `StoreMismatchError` if it belongs
@@ -89,7 +91,7 @@ def writing(path: PathLike, sweep: Sweep, repair: Repair | None = None) -> Itera
     """
     place = place_of(path, to_write=True)
     find_root(place)  # before a lock is laid in what is no store
-    with held(place) as lock:
+    with held(place, progress) as lock:
         if isinstance(place, Folder):
             with writes(place):
                 for file in (place.path / (ROOT + PARTIAL), *place.path.glob(f"*/*{PARTIAL}")):

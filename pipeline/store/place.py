@@ -123,14 +123,6 @@ class Folder:
         """Remove a file."""
         (self.path / key).unlink()
 
-    def written_at(self, key: str) -> float:
-        """Time at which a file was written, by the clock of its disk [s]; 0 if there is none."""
-        try:
-            with (self.path / key).open("rb") as stream:  # NFS asks its server when it opens one
-                return os.fstat(stream.fileno()).st_mtime
-        except FileNotFoundError:
-            return 0.0
-
     def mark(self) -> Mark:
         """Mark of the root, which another root in its place does not have; None if none."""
         with suppress(OSError):
@@ -200,14 +192,6 @@ class Bucket:
     def remove(self, key: str) -> None:
         """Remove an object."""
         self._call("rm_file", self._key(key))
-
-    def written_at(self, key: str) -> float:
-        """Time at which an object was written, by its server's clock [s]; 0 if there is none."""
-        try:
-            time: datetime = self._call("modified", self._key(key))
-        except FileNotFoundError:
-            return 0.0
-        return time.timestamp()
 
     def _key(self, key: str) -> str:
         return f"{self.address.removeprefix(SCHEME)}/{key}"

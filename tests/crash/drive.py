@@ -105,7 +105,7 @@ def _unsynced():
 
 def _unlocked():
     @contextmanager
-    def held(place):
+    def held(place, progress=None):
         place.path.mkdir(parents=True, exist_ok=True)
         yield lambda: True
 

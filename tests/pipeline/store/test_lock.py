@@ -10,18 +10,20 @@ from pathlib import Path
 
 import pytest
 
+import pipeline
 from pipeline.cli import main
-from pipeline.store import lock
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK, StoreError
 from pipeline.store.progress import summary
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from tests.helpers import tiny
+from tests.helpers.heard import Heard
 from tests.helpers.stores import assert_is_as_computed, commit, contents, held_elsewhere, record
 
 SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)
-HERE = f"process {os.getpid()} on {os.uname().nodename}"
+HOST = os.uname().nodename
+HERE = f"process {os.getpid()} on {HOST}"
 
 
 @pytest.fixture
@@ -55,7 +57,7 @@ def test_a_store_is_locked_by_whatever_path(path):
             assert summary(path).running == HERE
     with writing(path, SWEEP):
         with pytest.raises(StoreError, match="in use"):
-            verify_store(alias, repair=True)
+            pipeline.run_sweep(SWEEP, alias)
         assert verify_store(alias).is_clean
     assert summary(path).running is None
 
@@ -87,13 +89,39 @@ def test_a_process_that_was_killed_holds_nothing(path):
     assert_is_as_computed(path, [POINT])
 
 
-@pytest.mark.parametrize(
-    "left", ["", "process 7 on elsewhere\n", "process 7 on elsewh\0", "\udcff"]
-)
-def test_on_a_disk_of_this_machine_what_a_killed_process_of_any_host_left_is_free(path, left):
+@pytest.mark.parametrize("left", ["", f"process 7 on {HOST}\n", "process 7 on elsewh\0", "\udcff"])
+def test_what_a_killed_process_of_this_host_or_nobody_left_is_free(path, left):
     (path / LOCK).write_bytes(left.encode(errors="surrogateescape"))
     assert summary(path).running is None
     commit(path, SWEEP, ())
+    assert (path / LOCK).read_bytes() == b""
+
+
+def test_what_a_process_of_another_host_left_is_not_taken_until_somebody_deletes_it(path, irg):
+    """Its lock may not reach this host, and no clock tells whether it lives."""
+    (path / LOCK).write_text("process 7 on node7\n")
+    os.utime(path / LOCK, (0, 0))
+    before = contents(path)
+    with pytest.raises(StoreError) as refused:
+        pipeline.run_sweep(SWEEP, path, workers=1)
+    assert str(refused.value) == (
+        f"{path} is in use by process 7 on node7; if that has ended, delete {path}/status/lock"
+    )
+    assert (path / LOCK).read_text() == "process 7 on node7\n"
+    assert contents(path) == before
+    assert "running: process 7 on node7" in irg("status", path)
+    (path / LOCK).unlink()
+    commit(path, SWEEP, [OTHER])
+    assert_is_as_computed(path, [POINT, OTHER])
+
+
+def test_a_lock_names_process_and_host_and_is_emptied_at_a_proper_end(path):
+    with writing(path, SWEEP):
+        assert (path / LOCK).read_text() == f"{HERE}\n"
+    assert (path / LOCK).read_text() == ""
+    with pytest.raises(RuntimeError, match="in between"), writing(path, SWEEP):
+        raise RuntimeError("in between")
+    assert (path / LOCK).read_text() == ""
 
 
 def test_one_who_asks_for_the_holder_at_that_moment_does_not_stop_a_run(path):
@@ -180,9 +208,12 @@ def test_a_disk_that_fails_is_not_taken_for_one_in_use(path, monkeypatch):
 
 
 @pytest.mark.parametrize("fault", [errno.ENOLCK, errno.EOPNOTSUPP])
-def test_a_disk_without_locks_has_a_heartbeat(path, monkeypatch, fault):
+def test_a_disk_without_locks_is_written_and_told(path, monkeypatch, fault):
     monkeypatch.setattr(fcntl, "flock", refused(fault))
-    monkeypatch.setattr(lock, "SETTLE", 0.0)
-    with writing(path, SWEEP):
-        refuse(path, f"{HERE}; wait for it, or write to another store; it was last heard of")
-    commit(path, SWEEP, [OTHER])
+    messages = Heard()
+    with writing(path, SWEEP, messages.hear) as store:
+        store.commit([record(OTHER)])
+    assert messages == [f"{path} has no locks: let one run at a time write to it"]
+    assert_is_as_computed(path, [POINT, OTHER])
+    (path / LOCK).write_text("process 7 on node7\n")
+    refuse(path, "process 7 on node7; if that has ended, delete")

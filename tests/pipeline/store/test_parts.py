@@ -13,7 +13,7 @@ from numcodecs.zstd import Zstd
 
 import tribo
 from pipeline.scene.scenefile import load_scene
-from pipeline.store import create, files, lock, place, root
+from pipeline.store import create, files, place, root
 from pipeline.store.checksum import checksum, packed
 from pipeline.store.create import restore_root, writing
 from pipeline.store.inputs import inputs_variable, joined_arrays, split_arrays
@@ -299,7 +299,6 @@ def test_files_of_a_folder_are_made_once_and_told_with_their_folders(tmp_path):
     folder = Folder(tmp_path)
     assert folder.mark() is None
     assert folder.read("a") is None
-    assert folder.written_at("a") == 0.0
     assert folder.create("a", b"first")
     assert not folder.create("a", b"second")
     assert folder.read("a") == b"first"
@@ -310,7 +309,6 @@ def test_files_of_a_folder_are_made_once_and_told_with_their_folders(tmp_path):
     assert mark[-1] == 2
     folder.put({ROOT: b"22"})
     assert folder.mark() != mark  # another root, though of the same content
-    assert folder.written_at("a") == (tmp_path / "a").stat().st_mtime
     folder.remove("a")
     assert folder.keys() == {"b/c", ROOT}
     assert Folder(tmp_path / "none").keys() == set()
@@ -406,21 +404,6 @@ def test_a_store_that_is_replaced_while_it_is_read_is_read_again(tmp_path, monke
     with pytest.raises(StoreError, match="as it is"):
         steadily(path, fails)
     assert calls.count("again") == 1
-
-
-# The lock
-
-
-def test_a_lock_names_its_process_and_of_a_heartbeat_its_machine():
-    heart = b"process 7 on elsewhere\nboot/1 " + 32 * b"0" + b"\n"
-    assert lock._named(heart) == ("process 7 on elsewhere", "7", "boot/1")
-    assert lock._named(b"process 7 on elsewhere\n") == ("process 7 on elsewhere", "7", None)
-    for other in (None, b"", b"process x on y\n", b"\xff", heart + b"more"):
-        assert lock._named(other) == ("another process", None, None)
-    error = lock._use_error(Folder(Path("/a")), heart, "; or wait")
-    assert str(error) == (
-        "/a is in use by process 7 on elsewhere; wait for it, or write to another store; or wait"
-    )
 
 
 # Roots and sizes

@@ -1,11 +1,9 @@
 """All refusals of stores: what causes each, and what its message says."""
 
-import itertools
 import json
 import os
 import shutil
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -25,7 +23,6 @@ from tests.helpers.stores import commit
 
 SWEEP = tiny.full()
 MANY = tuple(float(load) for load in range(1, 4001))
-ELSEWHERE_BEATING = f"process 7 on elsewhere\nmachine {'0' * 32}\n"
 
 
 def changed(change, read=summary):
@@ -145,24 +142,6 @@ def patched(module, name, value, build):
     return run
 
 
-def beating(at_rest):
-    """A store on a disk of other machines, too, one of which has it, or takes it meanwhile."""
-    commit("a.zarr", SWEEP, ())
-    held = Path("a.zarr", LOCK)
-    held.write_text("" if at_rest else ELSEWHERE_BEATING)
-
-    times = itertools.count()
-
-    def take(_):
-        if next(times):
-            held.write_text(ELSEWHERE_BEATING)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(lock, "is_local", lambda _: False)
-        patch.setattr(lock, "time", SimpleNamespace(sleep=take, time=lock.time.time))
-        commit("a.zarr", SWEEP, ())
-
-
 def deleted_folder():
     Path("gone").mkdir()
     os.chdir("gone")
@@ -217,9 +196,8 @@ REFUSALS = {
     "no locks": (patched(lock, "fcntl", None, lambda: go_on("a.zarr")), "no file locks"),
     "no lock": (changed(link(LOCK), go_on), "is not a file; move it elsewhere"),
     "in use": (in_use, f"in use by process {os.getpid()}"),
-    "beats": (changed(put(LOCK, ELSEWHERE_BEATING.encode()), go_on), "in use by process 7 on else"),
-    "heard of": (lambda: beating(at_rest=False), "it was last heard of"),
-    "taken": (lambda: beating(at_rest=True), "in use by process 7 on elsewhere"),
+    "elsewhere": (changed(put(LOCK, b"process 7 on node7\n"), go_on),
+                  "on node7; if that has ended, delete"),
     "unfinished": (lambda: unfinished(is_held=False), "was left unfinished as it was made"),
     "being made": (lambda: unfinished(is_held=True), "is being made by process"),
     # the root

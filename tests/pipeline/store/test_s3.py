@@ -2,36 +2,33 @@
 
 import functools
 import os
-import time
 
 import boto3
 import pytest
 import s3fs
 from aiobotocore.endpoint import AioEndpoint
-from botocore.exceptions import ClientError
-from s3fs.errors import translate_boto_error
 
 from pipeline.analysis.dataset import open_sweep
 from pipeline.run.sweep import run_sweep
-from pipeline.store import lock, place
+from pipeline.store import place
 from pipeline.store.create import writing
 from pipeline.store.place import Bucket, StoreError, StoreMismatchError, place_of
 from pipeline.store.progress import summary
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
+from tests.crash.drive import computing
 from tests.helpers import tiny
+from tests.helpers.heard import Heard
 from tests.helpers.s3 import served
 from tests.helpers.stores import (
     Killed,
     assert_is_as_computed,
     commit,
     done_points,
-    held_elsewhere,
     record,
 )
 
-ELSEWHERE = b"process 7 on elsewhere\nmachine %s\n" % (b"0" * 32)
 SWEEP = tiny.full(loads=(150.0, 600.0), velocities=(1.0,))
 POINT, OTHER = points(SWEEP)
 
@@ -144,63 +141,14 @@ def test_a_creation_and_a_growth_that_are_killed_go_on(address, monkeypatch):
     assert verify_store(address).is_clean
 
 
-def test_one_driver_at_a_time(made):
+def test_an_object_store_is_written_without_a_lock_and_told_in_a_line(made):
+    messages = Heard()
+    with computing({}, pace=0.0), pytest.raises(KeyError):  # the point that is still to do
+        run_sweep(SWEEP, made, progress=messages.hear)
+    assert messages == [f"{made} has no locks: let one run at a time write to it"]
     with writing(made, SWEEP):
-        assert summary(made).running.startswith(f"process {os.getpid()} on ")
-        with pytest.raises(StoreError, match=f"in use by process {os.getpid()} on"):
-            commit(made, SWEEP, ())
-    assert summary(made).running is None
+        assert summary(made).running is None
     assert keys(f"{made}/status/lock") == []
-
-
-def test_a_driver_counts_as_long_as_it_lives_or_is_heard_of(address, monkeypatch):
-    with held_elsewhere(address) as holder:
-        assert summary(address).running == holder
-        with pytest.raises(StoreError, match=f"in use by {holder}"):
-            commit(address, SWEEP, ())
-    assert keys(f"{address}/status/lock")
-    assert summary(address).running is None
-    commit(address, SWEEP, [POINT])
-    put(f"{address}/status/lock", ELSEWHERE)
-    assert summary(address).running == "process 7 on elsewhere"
-    with pytest.raises(StoreError, match=r"process 7 on elsewhere; .*last heard of . s ago"):
-        commit(address, SWEEP, ())
-    monkeypatch.setattr(lock, "STALE", 1.0)
-    monkeypatch.setattr(lock, "SETTLE", 0.0)
-    time.sleep(1.1)  # S3 tells times in whole seconds, which then differ by one at least
-    assert summary(address).running is None
-    commit(address, SWEEP, ())
-
-
-def refusal(status, code):
-    error = {"Error": {"Code": code, "Message": "no"}}
-    return ClientError(error | {"ResponseMetadata": {"HTTPStatusCode": status}}, "PutObject")
-
-
-REFUSALS = {
-    "AWS": translate_boto_error(refusal(412, "PreconditionFailed")),
-    "AWS, two at once": translate_boto_error(refusal(409, "ConditionalRequestConflict")),
-    "MinIO": refusal(412, "PreconditionFailed"),
-    "Ceph": OSError(22, None),
-}
-
-
-@pytest.mark.parametrize("error", REFUSALS.values(), ids=REFUSALS)
-def test_a_server_refuses_in_its_own_way_to_create_what_is_there(address, monkeypatch, error):
-    put(f"{address}/status/lock", b"process 7 on elsewhere\n")
-    call = s3fs.S3FileSystem._call_s3
-
-    async def refused(self, method, *arguments, **options):
-        if "IfNoneMatch" in options:
-            raise error
-        return await call(self, method, *arguments, **options)
-
-    monkeypatch.setattr(s3fs.S3FileSystem, "_call_s3", refused)
-    with pytest.raises(StoreError, match="in use by process 7 on elsewhere"):
-        commit(address, SWEEP, ())
-    delete(f"{address}/status/lock")
-    with pytest.raises(StoreError, match="cannot be written"):  # it can make no object like that
-        commit(address, SWEEP, ())
 
 
 def test_what_is_no_store_is_refused(address):
