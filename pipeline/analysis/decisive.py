@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 from functools import partial
 from typing import Any
@@ -52,10 +51,6 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     dims = [*(str(name) for name in ds["status"].dims if name not in PLANE), *PLANE]
     is_done = values_of(ds, "status") == DONE
     rises = np.where(is_done, rises, np.nan)
-    suspects = is_done & np.isnan(rises)
-    if conditions.critical_temperature is not None:
-        suspects |= boundary_neighbours(rises, rise_limit(conditions))
-    require_sound(ds, suspects, *dims)
     return xr.DataArray(
         rises,
         {name: ds[name].variable for name in ("realization", *dims) if name in ds.coords},
@@ -69,29 +64,6 @@ def strip_friction(rise: xr.DataArray, conditions: Conditions) -> xr.DataArray:
     """A decisive rise [K] without the friction factor of its velocity, if there is one."""
     velocities = rise["velocity"]
     return rise / velocities.copy(data=conditions.friction_factor(velocities.values))
-
-
-def require_all_sound(ds: xr.Dataset) -> None:
-    """Compare all points of a dataset that are done with their checksums."""
-    done = ds["status"] == DONE
-    require_sound(ds, done.values, *map(str, done.dims))
-
-
-def require_sound(ds: xr.Dataset, suspects: Mask, *dims: str) -> None:
-    """Compare points of a store, by the given dimensions, with their checksums, each once."""
-    reader = ds["status"].encoding.get("reader")
-    if reader is None:
-        return
-    places: dict[str, list[int | None]] = {}
-    for name in reader.dims:
-        values = np.atleast_1d(ds[name].values).tolist() if name in ds.coords else [None]
-        places[name] = [None if value is None else reader.position(name, value) for value in values]
-    indices = set()
-    for found in np.argwhere(suspects).tolist():
-        at = dict(zip(dims, found, strict=True))
-        here = ([places[k][at[k]]] if k in at else places[k] for k in reader.dims)
-        indices |= {index for index in itertools.product(*here) if None not in index}
-    reader.require_sound(indices)
 
 
 def boundary_neighbours(rises: Array, limit: float) -> Mask:

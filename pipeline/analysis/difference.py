@@ -22,7 +22,6 @@ from pipeline.analysis.dataset import (
     stored_sweep,
     sweep_kind,
 )
-from pipeline.analysis.decisive import require_all_sound
 from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.margin_frame import margin, row_labels
 from pipeline.analysis.tables import as_dict, frame_of
@@ -92,7 +91,6 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
         )
     for ds in (first, second):
         require_variables(ds, "status")
-        require_all_sound(ds)
     points, alike = _points(first, second)
     between = _margins if all(have_places) else _boundary
     crossings = between(first, second)

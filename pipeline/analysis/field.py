@@ -29,8 +29,6 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.decisive import (
     decisive_rise,
-    require_all_sound,
-    require_sound,
     strip_friction,
 )
 from pipeline.analysis.model_error import Scatter, severe_share
@@ -181,10 +179,6 @@ class PointField:
                 f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the "
                 "sweep to its end, or add points there"
             )
-        if self.place is None:  # else all rows are checked
-            beneath = np.array([plane.beneath(load, velocity) for plane in self.planes])
-            dims = [name for name in ("realization",) if name in self.source.dims]
-            require_sound(self.source, beneath if dims else beneath[0], *dims, *PLANE)
         rises = np.array([rise for rise, _ in found])
         return Here(
             self.conditions.contact_temperature(rises),
@@ -342,7 +336,6 @@ def fields(ds: xr.Dataset | PathLike) -> list[Field]:
     if kind is Kind.PLANE:
         return [point_field(scene) for scene in scenes(ds)]
     # At once, for a read of each row by itself takes ten times as long.
-    require_all_sound(ds)
     ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
     return [*_joined_places(point_field(scene) for scene in scenes(ds))]
 

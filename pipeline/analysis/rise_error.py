@@ -141,13 +141,6 @@ class RisePlane:
                 getattr(whole, name)[here] = getattr(plane, name)
         return whole
 
-    def beneath(self, load: float, velocity: float) -> Mask:
-        """Mask of the points that the rise at a place is taken from."""
-        mask = np.zeros(self.rises.shape, bool)
-        for row, columns in self.rests_on(load, velocity):
-            mask[row, columns] = True
-        return mask
-
     def is_done(self, load: float, velocity: float) -> bool:
         """True if that very point is done."""
         here = self.rises[np.ix_(self.loads == load, self.velocities == velocity)]

@@ -10,11 +10,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from pipeline.analysis.dataset import corrected_field, drawn_row, one_row, read_conditions
-from pipeline.analysis.decisive import decisive_rise, require_sound
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.figures import style
 from pipeline.quantities import UNITS, shown_in
 from pipeline.scene.units import in_si
-from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.severity import rise_limit
@@ -59,9 +58,6 @@ def chosen_points(
                 f"the point {point_name(ds, point)} is not done{reason and ': '}{reason}; "
                 "give another load or velocity, or go on with irg run"
             )
-    shown = np.zeros(is_finite.shape, bool)
-    shown[tuple(np.transpose(points))] = True
-    require_sound(ds, shown, *PLANE)
     return points
 
 

@@ -29,7 +29,7 @@ from pipeline.analysis.dataset import (
     sweep_at_bulks,
     values_of,
 )
-from pipeline.analysis.decisive import decisive_rise, require_all_sound
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.frames import frames_of
@@ -83,7 +83,6 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
     done = values_of(ds, "status") == DONE
-    require_all_sound(ds)
     system = corrected_sweep(ds, conditions)
     # By load, velocity, bulk ratio, share or quantile, and step.
     deciding, quantiles = _tables(system, conditions.decisive, ratios, shares)

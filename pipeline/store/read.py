@@ -1,10 +1,8 @@
-"""A store as a dataset of xarray, with points that are not done as NaN, and their soundness."""
+"""A store as a dataset of xarray, with points that are not done as NaN."""
 
 from __future__ import annotations
 
-import functools
 import itertools
-from collections.abc import Collection
 from contextlib import suppress
 from typing import Any
 
@@ -15,7 +13,6 @@ from xarray.core import indexing
 
 from pipeline.store.layout import made_coordinates
 from pipeline.store.place import (
-    Bucket,
     Mark,
     PathLike,
     StoreError,
@@ -27,8 +24,7 @@ from pipeline.store.place import (
     steadily,
 )
 from pipeline.store.root import read_root
-from pipeline.store.schema import AT_END, DONE, INPUTS, MADE, PENDING, RECORDS, is_coordinate
-from pipeline.store.verify import faults_at
+from pipeline.store.schema import DONE, INPUTS, MADE, PENDING, RECORDS, is_coordinate
 from pipeline.store.write import Store
 from tribo.types import Mask
 
@@ -76,7 +72,7 @@ class _Backend(BackendEntrypoint):
             dims, attributes = array.metadata.dimension_names, array.metadata.attributes
             shown = {key: value for key, value in attributes.items() if key not in _OF_ROOT}
             variables[name] = xr.Variable(dims, present[name], shown)
-        variables["status"].encoding["reader"] = Reader(store)
+        variables["status"].encoding["keeper"] = Keeper(place)
         along = {*store.axes, *MADE, "own_grid"}
         coords = {name: variables.pop(name) for name in [*variables] if name in along}
         return xr.Dataset(variables, coords, root.attributes)
@@ -128,73 +124,27 @@ class _Masked(BackendArray):
         return values
 
 
-_Index = tuple[int, ...]
 _KEPT = "status/kept-"  # files beside the lock, which are no data
-_FEW = 2000  # points, which are all checked with the first, in 0.2 ms each without fields
-_CLOSE = 1e-9  # relative distance of a coordinate that was scaled, and scaled back
 
 
-class Reader:
-    """The store that a dataset is read from, and the points of it that were found sound."""
+class Keeper:
+    """Keeps what commands make of a dataset in the store that it is read from."""
 
-    def __init__(self, store: Store) -> None:
-        self._store = store
-        self._sound: set[_Index] = set()
-        self.dims = store.dims
+    def __init__(self, place: StorePlace) -> None:
+        self._place = place
         self.may_keep = False  # True while a run reads, which writes anyway
 
-    def __deepcopy__(self, _: Any) -> Reader:
+    def __deepcopy__(self, _: Any) -> Keeper:
         return self
 
     def kept(self, name: str) -> bytes | None:
-        """Content that a command has cached in the store under a name; None if there is none."""
+        """Content that is kept under a name; None if there is none."""
         with suppress(OSError):
-            return self._store.place.read(_KEPT + name)
+            return self._place.read(_KEPT + name)
         return None
 
     def keep(self, name: str, content: bytes) -> None:
-        """Cache content in the store under a name, if this may write to it and can."""
+        """Keep content under a name, if this may write to the store and can."""
         with suppress(OSError):
             if self.may_keep:
-                self._store.place.create(_KEPT + name, content)
-
-    def position(self, name: str, value: Any) -> int | None:
-        """Place of a value along a dimension of the store; None if it has none."""
-        axis = self._store.axes[name]
-        if value in axis or isinstance(value, str):
-            return axis.index(value) if value in axis else None
-        distances = np.abs(np.asarray(axis) - value)
-        nearest = int(np.argmin(distances))
-        return nearest if distances[nearest] <= _CLOSE * abs(value) else None
-
-    def require_sound(self, indices: Collection[_Index]) -> None:
-        """Raise a `StoreError` for the first of some done points that is damaged.
-
-        Of few points all are compared, but for fields in a bucket, where each is a request.
-        """
-        wanted = {*indices, *self._done_if_few} - self._sound
-        for point, fault in faults_at(self._store, wanted) if wanted else ():
-            if fault and self._is_in_place():
-                place = self._store.place
-                raise StoreError(
-                    f"{place} is damaged at {self._store.in_words(point)}: {fault}; irg verify "
-                    f"{place} --repair makes such points pending, and irg run computes them"
-                )
-        self._sound |= wanted
-
-    @functools.cached_property
-    def _done_if_few(self) -> set[_Index]:
-        """Points that are done, if they are few enough to compare them all."""
-        store = self._store
-        is_slow = isinstance(store.place, Bucket) and not AT_END.keys().isdisjoint(store.arrays)
-        if is_slow or store.flags.size >= _FEW:
-            return set()
-        return {*map(tuple, np.argwhere(store.flags == DONE).tolist())}
-
-    def _is_in_place(self) -> bool:
-        """False if it was deleted or replaced since, which leaves a dataset in memory whole."""
-        try:
-            root = read_root(self._store.place)
-        except StoreError:
-            return False
-        return root.attributes == self._store.root.attributes
+                self._place.put({_KEPT + name: content})

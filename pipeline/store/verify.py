@@ -307,19 +307,6 @@ def _points(
         yield index, point, entries
 
 
-def faults_at(store: Store, indices: Iterable[_Index]) -> Iterator[tuple[Point, str]]:
-    """Done points at some places, each with the fault of its data; empty if it has none."""
-    of_chunk: dict[_Index, list[_Index]] = {}
-    names = [name for name in store.arrays if name in STEPPED or name in _BESIDE]
-    for index in sorted(indices):
-        of_chunk.setdefault(store.chunk_of(index), []).append(index)
-    with reaches(store.place):
-        keys = store.place.keys()
-        for numbers, members in of_chunk.items():
-            for _, point, entries in _points(store, members, _values(store, names, numbers, keys)):
-                yield point, _fault(store, point, entries)
-
-
 def _fault(store: Store, point: Point, entries: Mapping[str, Any], is_done: bool = True) -> str:
     """Fault of a point by its entries, None for lost ones; empty if there is no fault."""
     told = RECORDS.keys() - {"steps"}  # a point that failed may have no steps in its chunk yet

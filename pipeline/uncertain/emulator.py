@@ -29,7 +29,7 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize
 from scipy.special import ndtr
 
-from pipeline.store.read import Reader
+from pipeline.store.read import Keeper
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.samples import JUDGED, SPECIFIC_WEAR_RATE, Design
 from pipeline.sweep.severity import worst_rises
@@ -109,7 +109,7 @@ class LeftOut(NamedTuple):
 
 
 def fitted(
-    features: Array, dimensions: Groups, contacts: Groups, outputs: Array, keeper: Reader | None
+    features: Array, dimensions: Groups, contacts: Groups, outputs: Array, keeper: Keeper | None
 ) -> Emulator:
     """Fit a Gaussian process to outputs (n, n_output) of rows, with constants kept in a store."""
     mean = outputs.mean(axis=0)
@@ -336,7 +336,7 @@ _RULE = b"2"  # by which the numbers are found; another one finds others
 
 
 def kept_or_found(
-    keeper: Reader | None, data: Sequence[Array | Any], find: Callable[[], Array]
+    keeper: Keeper | None, data: Sequence[Array | Any], find: Callable[[], Array]
 ) -> Array:
     """Numbers found from data, or those kept when they were found from the same data."""
     if keeper is None:
@@ -350,7 +350,7 @@ def kept_or_found(
     return np.array(numbers, float)
 
 
-def recalled(keeper: Reader, name: str) -> Any:
+def recalled(keeper: Keeper, name: str) -> Any:
     """Numbers that are kept; None if there are none, or if they were cut short or damaged."""
     with suppress(ValueError, KeyError, TypeError, RecursionError):
         document = json.loads(keeper.kept(name) or b"")

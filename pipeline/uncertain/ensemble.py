@@ -32,11 +32,9 @@ from pipeline.analysis.dataset import (
     sweep_kind,
     values_of,
 )
-from pipeline.analysis.decisive import require_sound
 from pipeline.analysis.scenes import scenes
 from pipeline.store.place import PathLike
-from pipeline.store.read import Reader
-from pipeline.store.schema import DONE
+from pipeline.store.read import Keeper
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import FIELDS, PATHS, Conditions
 from pipeline.sweep.model import Sweep
@@ -113,7 +111,7 @@ class Ensemble:
     same_rig: bool = True  #: The friction of tests is that of the scene, not another machine's.
     #: Relative error of boundary velocities by the fidelity of the samples; None if not known.
     velocity_error: float | None = None
-    keeper: Reader | None = None  #: Store in which fits are kept.
+    keeper: Keeper | None = None  #: Store in which fits are kept.
 
     @classmethod
     def of(cls, ds: xr.Dataset | PathLike) -> Ensemble:
@@ -155,7 +153,6 @@ class Ensemble:
         of_rows = _row_conditions(conditions, sweep, ds["variant"].values.tolist(), shares)
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
         rises = decisive_rises(columns, loads, of_rows)
-        require_sound(ds, values_of(ds, "status") == DONE, "variant", "load")
         done = np.isfinite(rises.sum(axis=1))
         _require_enough(int(np.count_nonzero(done)), len(numbers))
         hold = float(getattr(sweep.scene.loading, "hold", 0.0))
@@ -182,7 +179,7 @@ class Ensemble:
             missing=int(np.count_nonzero(~done)),
             same_rig=sweep.about.same_rig,
             velocity_error=velocity_error(sweep),
-            keeper=ds["status"].encoding.get("reader"),
+            keeper=ds["status"].encoding.get("keeper"),
         )
 
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
@@ -347,7 +344,7 @@ class Ensemble:
 
 def keep_fits(ds: xr.Dataset) -> None:
     """Fit the samples of a store and keep the fits in it, so that commands need not."""
-    ds["status"].encoding["reader"].may_keep = True
+    ds["status"].encoding["keeper"].may_keep = True
     for scene in scenes(ds):
         with suppress(InputError):  # too few are done
             ensemble = Ensemble.of(scene)

@@ -219,7 +219,9 @@ def places(row, preset, share):
             is_point = load in row["loads"] and velocity in row["velocities"]
             if is_point and preset == "fine":
                 continue
-            beneath = plane.beneath(load, velocity)
+            beneath = np.zeros(plane.rises.shape, bool)
+            for number, columns in plane.rests_on(load, velocity):
+                beneath[number, columns] = True
             column = interpolated(plane.velocities, plane.rises.T, velocity)
             yield {
                 "scene": f"{row['family']} {row['number']}",

@@ -1,16 +1,15 @@
 """Parts of a store: chunks, names, messages, places and checksums, at their bounds."""
 
 import errno
-import shutil
 from copy import deepcopy as copy_deeply
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-import zarr
 from numcodecs.zstd import Zstd
 
+import pipeline
 import tribo
 from pipeline.scene.scenefile import load_scene
 from pipeline.store import create, files, place, root
@@ -45,7 +44,6 @@ from pipeline.store.place import (
     writes,
 )
 from pipeline.store.progress import FailedPoint, Summary, summarized
-from pipeline.store.read import Reader
 from pipeline.store.root import are_rows
 from pipeline.store.schema import DONE, FAILED, is_coordinate, is_of_points, variables_of
 from pipeline.store.verify import Verification, changed_chunks, note_files, verify_store
@@ -678,36 +676,14 @@ def test_steps_are_read_with_their_time_load_and_distance_in_one_shape(copy):
     np.testing.assert_array_equal(steps["mean_rise"][number][-len(known) :], known)
 
 
-def test_a_value_has_a_place_if_it_is_that_of_the_store_but_for_rounding(copy):
-    reader = Reader(opened(copy))
-    assert reader.dims == ("load", "velocity")
-    assert reader.position("load", 250.0) == 1
-    assert reader.position("load", 600.0 * (1 + 5e-10)) == 2
-    assert reader.position("load", 600.0 * (1 + 2e-9)) is None
-    assert reader.position("load", 300.0) is None
-    assert reader.position("load", "250 N") is None
-
-
 def test_what_a_command_caches_is_kept_by_a_run_alone(copy):
-    reader = Reader(opened(copy))
-    reader.keep("a", b"content")
-    assert reader.kept("a") is None
-    reader.may_keep = True
-    reader.keep("a", b"content")
-    assert reader.kept("a") == b"content"
-    reader.keep("a", b"other")
-    assert reader.kept("a") == b"content"
+    keeper = pipeline.open_sweep(copy)["status"].encoding["keeper"]
+    keeper.keep("a", b"content")
+    assert keeper.kept("a") is None
+    keeper.may_keep = True
+    keeper.keep("a", b"content")
+    assert keeper.kept("a") == b"content"
     assert verify_store(copy).is_clean
-
-
-def test_a_point_that_is_damaged_is_not_read_though_others_are_asked_for(copy):
-    zarr.open_group(copy, mode="r+")["mean_rise"][0, 0, -1] += 1.0
-    with pytest.raises(StoreError, match=r"is damaged at 150 N, 0.5 m/s: the data are not those"):
-        Reader(opened(copy)).require_sound([(1, 1)])
-    reader = Reader(opened(copy))
-    shutil.rmtree(copy)  # which leaves a dataset in memory whole
-    reader._done_if_few = set()
-    assert not reader._is_in_place()
 
 
 def test_a_search_writes_to_a_folder_that_is_deleted_unless_it_has_one(tmp_path):

@@ -245,7 +245,6 @@ ELSEWHERE = {
     "create._grown_root StoreError": "one of the two by nobody: a growth between values on S3",
     "create._remade StoreMismatchError": "test_restore.py",
     "place._call OSError": "test_s3.py, by servers that refuse",
-    "read.require_sound StoreError": "analysis/test_soundness.py",
     "verify._require_right_root LostRootError": "test_restore.py",
     "verify._require_right_root UnreadableError": "test_restore.py",
     "write.require_lock StoreError": "test_lock.py",
