@@ -102,7 +102,6 @@ STORE_OR_FOLDER = STORE.but(
     metavar="OUT.zarr", nargs="?", default=Path("results"),
     help="store that irg run has made, or a folder of stores; default: results",
 )  # fmt: skip
-REPAIR = flag("--repair", "{verify_store.repair}; irg run computes them again")
 
 
 SHEET = Option("--sheet", metavar="NAME", help="sheet of a workbook; default: its first one")

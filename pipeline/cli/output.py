@@ -90,13 +90,8 @@ def counted(number: int, one: str, several: str) -> str:
 
 
 def failed_points(points: Iterable[FailedPoint]) -> list[dict[str, Any]]:
-    """Points for a JSON document, each with its surface only in a sweep over several."""
-    return [point_fields(asdict(point)) for point in points]
-
-
-def point_fields(point: dict[str, Any]) -> dict[str, Any]:
-    """Fields of a point with its surface, sample or entries among them."""
-    return point | dict(point.pop("variant"))
+    """Points for a JSON document, each with its surface, sample or entries among its fields."""
+    return [point | dict(point.pop("variant")) for point in map(asdict, points)]
 
 
 def tell(*messages: str | Progress) -> None:

@@ -45,7 +45,7 @@ COMMANDS = (
     ),
     Command(
         "verify", "stores:verify", "read a whole store and name each damaged point",
-        "results/scene.zarr --repair", (o.STORE, o.REPAIR),
+        "results/scene.zarr", (o.STORE,),
     ),
     Command(
         "boundary", "verdicts:boundary",

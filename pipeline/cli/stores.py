@@ -15,8 +15,8 @@ from pipeline.analysis.dataset import whole_sweep
 from pipeline.analysis.tables import as_dict, frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import dataset_in
-from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, point_fields, working
-from pipeline.store.place import DAMAGED, ROOT, StoreError
+from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, working
+from pipeline.store.place import ROOT, StoreError, place_of, remedy
 from pipeline.store.progress import summary
 from pipeline.store.root import read_sweep
 from pipeline.sweep.accuracy import error_in_words, velocity_error
@@ -78,30 +78,19 @@ def _is_folder_of_stores(path: Path | str) -> bool:
 def verify(options: argparse.Namespace) -> Result:
     """Read everything and name what is damaged."""
     with working("reading points") as progress:
-        check = pipeline.verify_store(options.store, options.repair, progress)
+        check = pipeline.verify_store(options.store, progress)
     document = {
         "done": check.done,
         "damaged": failed_points(check.damaged),
         "shared": check.shared,
-        "without_status": [point_fields(point._asdict()) for point in check.without_status],
-        "repaired": check.repaired,
     }
-    taken = "done again" if check.repaired else "the next run takes it as done"
     text = [
         f"{check.done} points are done and intact, {len(check.damaged)} are damaged",
-        *(f"damaged: {damage}" for damage in check.damaged),
-        *(f"damaged: {fault}" for fault in check.shared),
-        *(f"complete, but without a status: {point}; {taken}" for point in check.without_status),
+        *(f"damaged: {damage}" for damage in (*check.damaged, *check.shared)),
     ]
     if check.is_clean:
         return Result(document, text, pipeline.warned(options.store))
-    if check.repaired:
-        text.append(
-            "repaired; damaged points are pending, and computed again by: irg run; what was "
-            f"replaced is kept in {options.store}/{DAMAGED}"
-        )
-        return Result(document, text, pipeline.warned(options.store), code=SOME_FAILED)
-    text.append("set damaged points to be computed again with: irg verify --repair")
+    text.append(remedy(place_of(options.store)))
     return Result(document, text, code=SOME_FAILED)
 
 

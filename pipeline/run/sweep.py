@@ -20,12 +20,12 @@ from pipeline.run.tally import Tally, shown_progress
 from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
-from pipeline.store.create import grown, restore_root, writing
-from pipeline.store.place import DAMAGED, Bucket, PathLike
+from pipeline.store.create import grown, writing
+from pipeline.store.place import PathLike
 from pipeline.store.progress import FailedPoint, summarized
 from pipeline.store.root import find_sweep
 from pipeline.store.schema import FAILED, require_free_names
-from pipeline.store.verify import changed_chunks, note_files, repaired
+from pipeline.store.verify import mend_store
 from pipeline.store.versions import package_versions
 from pipeline.store.write import Store, Writer, opened
 from pipeline.sweep.codec import differences
@@ -76,7 +76,8 @@ def run_sweep(
     sweep : Sweep, str or path
         The scene, or its path.
     out : str or path
-        Path of the store, which is created, resumed or extended.
+        Path of the store, which is created, resumed or extended. In a folder all points that are
+        done are compared with their checksums first, and computed again if they differ.
     workers : int, optional
         Number of processes; one for each core that this process may use if not given.
     client : distributed.Client, optional
@@ -127,16 +128,12 @@ def run_sweep(
     further = None if boundary_only is None else boundary_search(sweep, boundary_only)
     began = time.monotonic()
     told = progress or silent
-    restore_root(out, sweep, told)
+    if damaged := mend_store(out, sweep):
+        told(Progress(f"{damaged} damaged points of {out} are computed again"))
     before = find_sweep(out)
     if further:
         sweep = further(opened(out) if before else None, retry_failed)
-
-    def repair(store: Store) -> None:
-        for note in _repair(store):
-            told(Progress(note))
-
-    with writing(out, sweep, told, repair) as store:
+    with writing(out, sweep, told) as store:
         for note in _notes(store, before) if before else ():
             told(Progress(note))
         if retry_failed:
@@ -153,8 +150,6 @@ def run_sweep(
                     with Writer(store) as writer:
                         compute(link, asked, writer, waiting, tally)
         summary = summarized(store)
-        store.keep_root()
-        note_files(store)
     return Outcome(
         total=summary.total,
         done=summary.done,
@@ -190,28 +185,7 @@ def _rounds(
         following = further(store) if further else sweep
         if following.plane.chosen == sweep.plane.chosen:
             return
-        store.keep_root()
         sweep, store = following, grown(store.place, following, store.lock)
-
-
-def _repair(store: Store) -> Iterator[str]:
-    """Make damaged points pending, of what differs from the last run's end; none of a bucket."""
-    place = store.place
-    if isinstance(place, Bucket):
-        return
-    changed = changed_chunks(store)
-    if changed is None:
-        yield f"all points of {place} are checked: no run has ended well since it was changed"
-    elif changed:
-        yield (
-            f"{len(changed)} chunks of points of {place} are checked, whose files differ from "
-            "those that the last run left; irg verify checks all"
-        )
-    if damaged := repaired(store, changed):
-        yield (
-            f"{damaged} damaged points of {place} are computed again; what is replaced is kept in "
-            f"{place}/{DAMAGED}"
-        )
 
 
 def _notes(store: Store, before: Sweep) -> Iterator[str]:

@@ -19,6 +19,8 @@ from pipeline.sweep.stored import Simulated
 
 _LONGEST = 2000  # characters of a message, which somebody is to read
 _ENCODER = Zstd(**COMPRESSION)  # as Zarr's codec of this name uses it
+SIGNED = ("message", "warning_flags")
+"""What a checksum covers beside data."""
 
 
 def checksum(simulated: str, point: Point, data: Mapping[str, Any]) -> str:
@@ -28,7 +30,9 @@ def checksum(simulated: str, point: Point, data: Mapping[str, Any]) -> str:
     for name in sorted(data):
         digest.update(name.encode())
         content = data[name]
-        if not isinstance(content, bytes):
+        if isinstance(content, str):
+            content = content.encode()
+        elif not isinstance(content, bytes):
             content = np.ascontiguousarray(content).data
         digest.update(struct.pack("<L", zlib.crc32(content)))
     return digest.hexdigest()
@@ -45,7 +49,7 @@ def packed(record: PointRecord, simulated: Simulated) -> PointRecord:
     data |= {name: _ENCODER.encode(data[name]) for name in data.keys() & AT_END.keys()}
     # Names of files in a message may be no text.
     message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
-    about = {"warning_flags": np.int32(record.warning_flags)}
+    about = {"message": message, "warning_flags": np.int32(record.warning_flags)}
     return replace(
         record,
         data=None if record.data is None else data,

@@ -5,10 +5,10 @@
     TriboError
     └── StoreError               no store, not readable, not writable or in use
         ├── StoreMismatchError   the store of another scene
-        ├── DamagedError         data that were read, and are proved wrong
-        └── UnreadableError      data that cannot be read now, so that nothing is known of them
+        └── DamagedError         data that were read, and are proved wrong
 
-What is read is sound, or raises one of the last two. Only what is proved wrong is ever replaced.
+Data that cannot be read now may be sound, and raise a plain `StoreError`. Only what is proved wrong
+is ever replaced.
 """
 
 from __future__ import annotations
@@ -16,10 +16,9 @@ from __future__ import annotations
 import errno
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -37,8 +36,6 @@ ROOT = "zarr.json"
 """Key of the metadata of a group; that of an array lies below its name."""
 LOCK = "status/lock"
 """Key of the lock of a store: within it, where no other path misses it."""
-DAMAGED = "damaged"
-"""Folder within a store that keeps what was replaced."""
 SCHEME = "s3://"
 _TRIES, _PAUSE = 10, 0.02  # [s]: a growth renames in less
 _LARGER = ".larger"
@@ -77,10 +74,6 @@ class DamagedError(StoreError):
     """Data of a store that were read, and are not what was written."""
 
 
-class UnreadableError(StoreError):
-    """Data of a store that cannot be read now, and may be sound."""
-
-
 @dataclass(frozen=True)
 class Folder:
     """A folder of a disk, by its absolute path."""
@@ -107,21 +100,6 @@ class Folder:
     def put(self, contents: Mapping[str, bytes]) -> None:
         """Replace files; return once they are on the disk."""
         replace_files(self.path, contents)
-
-    def create(self, key: str, content: bytes) -> bool:
-        """Create a file unless there is one; return whether that was done."""
-        try:
-            with (self.path / key).open("xb") as stream:
-                stream.write(content)
-                stream.flush()
-                os.fsync(stream.fileno())
-        except FileExistsError:
-            return False
-        return True
-
-    def remove(self, key: str) -> None:
-        """Remove a file."""
-        (self.path / key).unlink()
 
     def mark(self) -> Mark:
         """Mark of the root, which another root in its place does not have; None if none."""
@@ -178,30 +156,15 @@ class Bucket:
         """Names of all objects."""
         return {name.removeprefix(self._key("")) for name in self._call("find", self._key(""))}
 
-    def create(self, key: str, content: bytes) -> bool:
-        """Create an object unless there is one; return whether that was done."""
-        try:
-            self._call("pipe_file", self._key(key), content, mode="create")
-        except OSError:
-            # Each kind of server says in its own way that there is one.
-            if self.read(key) is None:
-                raise
-            return False
-        return True
-
-    def remove(self, key: str) -> None:
-        """Remove an object."""
-        self._call("rm_file", self._key(key))
-
     def _key(self, key: str) -> str:
         return f"{self.address.removeprefix(SCHEME)}/{key}"
 
-    def _call(self, name: str, *arguments: Any, **options: Any) -> Any:
+    def _call(self, name: str, *arguments: Any) -> Any:
         """Call a method of s3fs; what goes wrong is an `OSError`."""
         import fsspec  # which stores in folders do without
 
         try:
-            return getattr(fsspec.filesystem("s3", **_OPTIONS), name)(*arguments, **options)
+            return getattr(fsspec.filesystem("s3", **_OPTIONS), name)(*arguments)
         except OSError:
             raise
         except Exception as error:
@@ -309,16 +272,16 @@ def writes(place: StorePlace, advice: str = "") -> Iterator[None]:
 
 @contextmanager
 def reaches(place: StorePlace) -> Iterator[None]:
-    """Turn an `OSError` into an `UnreadableError` that says which file cannot be read, and why."""
+    """Turn an `OSError` into a `StoreError` that says which file cannot be read, and why."""
     try:
         yield
     except OSError as error:
         if is_lack_of_memory(error):
             raise
         file = error.filename if isinstance(error.filename, str) else place
-        raise UnreadableError(
-            f"{file} cannot be read: {error.strerror or error}; nothing was changed: see to its "
-            "permissions, its disk or what it links to, then repeat the command"
+        raise StoreError(
+            f"{file} cannot be read: {error.strerror or error}; see to its permissions, its disk "
+            "or what it links to, then repeat the command"
         ) from error
 
 
@@ -335,25 +298,21 @@ def decodes(place: StorePlace, name: str) -> Iterator[None]:
 
 @contextmanager
 def reads(place: StorePlace, name: str) -> Iterator[None]:
-    """Turn errors of data into an error that tells damaged data from data that cannot be read."""
+    """Turn errors of data into a `DamagedError`, or a `StoreError` if nobody can read them now."""
     with reaches(place), decodes(place, name):
         yield
 
 
-def keep_beside(place: StorePlace, keys: Iterable[str]) -> None:
-    """Keep what is to be replaced, in a folder of the present time within `DAMAGED`."""
-    now = f"{datetime.now(UTC):%Y%m%dT%H%M%S.%fZ}"
-    for key in keys:
-        if (content := place.read(key)) is not None:
-            place.put({f"{DAMAGED}/{now}/{key}": content})
-
-
 def damaged(place: StorePlace, name: str) -> str:
     """Message that data of a store cannot be read."""
-    return (
-        f"{place}: {name} cannot be read; irg verify names what is damaged, and repairs it with "
-        "--repair"
-    )
+    return f"{place}: {name} cannot be read; irg verify names what is damaged; {remedy(place)}"
+
+
+def remedy(place: StorePlace) -> str:
+    """What to do about a store that is damaged."""
+    if isinstance(place, Bucket):  # whose points no run reads again
+        return "write to another store"
+    return "irg run with its scene makes it sound again"
 
 
 def is_lack_of_memory(error: BaseException) -> bool:

@@ -37,10 +37,6 @@ def open_store(path: PathLike) -> xr.Dataset:
     return xr.open_dataset(str(place_of(path)), engine=_Backend, chunks=None)
 
 
-_OF_ROOT = ("coordinates", "versions", "stations")
-"""Attributes of arrays that the root or the dataset has."""
-
-
 class _Backend(BackendEntrypoint):
     """Backend of xarray for a store, which takes axes and metadata from its root."""
 
@@ -70,7 +66,7 @@ class _Backend(BackendEntrypoint):
                 mask = store.flags != PENDING if name in RECORDS else done
                 present[name] = indexing.LazilyIndexedArray(_Masked(store, name, mask, seen))
             dims, attributes = array.metadata.dimension_names, array.metadata.attributes
-            shown = {key: value for key, value in attributes.items() if key not in _OF_ROOT}
+            shown = {key: value for key, value in attributes.items() if key != "coordinates"}
             variables[name] = xr.Variable(dims, present[name], shown)
         variables["status"].encoding["keeper"] = Keeper(place)
         along = {*store.axes, *MADE, "own_grid"}

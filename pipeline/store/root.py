@@ -8,14 +8,14 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.store.files import PARTIAL
-from pipeline.store.inputs import DIM, split_arrays
+from pipeline.store.inputs import split_arrays
 from pipeline.store.layout import arrays_of
 from pipeline.store.lock import holder_of
 from pipeline.store.place import (
@@ -25,41 +25,27 @@ from pipeline.store.place import (
     Folder,
     PathLike,
     StoreError,
+    StoreMismatchError,
     StorePlace,
     place_of,
     reaches,
     reads,
 )
-from pipeline.store.schema import (
-    COLUMNS,
-    FORMAT,
-    INPUTS,
-    MADE,
-    PLANE,
-    RECORDS,
-    VARIABLES,
-    is_coordinate,
-)
+from pipeline.store.schema import FORMAT, INPUTS, MADE, is_coordinate, variables_of
 from pipeline.store.versions import package_versions, provenance
 from pipeline.sweep.codec import Arrays, CodecError, build, fits, sweep_text, text_sweep
 from pipeline.sweep.limits import MOST_BYTES_OF_ROOT, MOST_PARTS_OF_ROOT, MOST_POINTS
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.stations import Stations
+from pipeline.sweep.stored import misfits
+from tribo import InputError
 from tribo.errors import near_path
 
-_AXES = {"float64": list[float], "int64": list[int], "string": list[str]}
-"""Values along an axis, by the type of its array."""
+_AXES = {"float64": list[float], "int64": list[int], "str": list[str]}
+"""Values along an axis, by the type of its variable."""
 _CONSOLIDATED = "consolidated_metadata"
 _CODECS = {"bytes", "vlen-utf8", "zstd"}
-ELSEWHERE = (
-    "irg run with the scene that made it makes it again; or restore it from a backup, or write to "
-    "another store"
-)
-_UNLIKE = "is of another version of this program, or damaged"
-
-
-class LostRootError(StoreError):
-    """The root of a store is lost or damaged, while its points are there."""
+_ANEW = "run its scene into another store"
+_ELSEWHERE = f"restore it from a backup, or {_ANEW}"
 
 
 Versions = dict[str, str]
@@ -115,7 +101,10 @@ class Root(NamedTuple):
 
 
 def read_root(place: StorePlace) -> Root:
-    """Read a root; raise a `StoreError` if it is missing, lost, damaged or of another version."""
+    """Read a root; raise a `StoreError` if it is missing, lost, damaged or of another version.
+
+    Nothing makes it again: the line says what to do.
+    """
     root = find_root(place)
     if root is not None:
         return root
@@ -140,7 +129,7 @@ def find_root(place: StorePlace) -> Root | None:
     if content is not None:
         return _parsed(place, content)
     if _has_points(keys):
-        raise LostRootError(f"{place} has lost its {ROOT}; {ELSEWHERE}")
+        raise StoreError(f"{place} has lost its {ROOT}; {_ELSEWHERE}")
     if not all(map(_is_beginning, keys)):
         raise _no_store(place)
     return None
@@ -184,42 +173,40 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
     if (parts := content.count(b"[") + content.count(b"{")) > MOST_PARTS_OF_ROOT:
         raise StoreError(
             f"{place}: {ROOT} is damaged: it has {parts} lists and tables, and that of a store has "
-            f"at most {MOST_PARTS_OF_ROOT}; {ELSEWHERE}"
+            f"at most {MOST_PARTS_OF_ROOT}; {_ELSEWHERE}"
         )
     try:
         document = json.loads(content)
         attributes, arrays = document["attributes"], dict(document[_CONSOLIDATED]["metadata"])
-        facts = json.loads(attributes.get("store", "{}")) or {"hash": "", **attributes}
+        text, facts = attributes["sweep"], json.loads(attributes["store"])
         version, expected = facts.pop("format"), facts.pop("hash")
-        is_as_written = "store" not in attributes or _hash(document) == expected
+        is_as_written = version != FORMAT or _hash(document) == expected
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         with reaches(place):
             has_points = _has_points(place.keys())
         if has_points:
-            raise LostRootError(f"{place}: {ROOT} is damaged; {ELSEWHERE}") from None
+            raise StoreError(f"{place}: {ROOT} is damaged; {_ELSEWHERE}") from None
         raise StoreError(
             f"{place} is not the store of a sweep; give a folder that irg run made"
         ) from None
     if not is_as_written:
-        raise LostRootError(f"{place}: {ROOT} is damaged: it is not what was written; {ELSEWHERE}")
+        raise StoreError(f"{place}: {ROOT} is damaged: it is not what was written; {_ELSEWHERE}")
     if version != FORMAT:
         raise StoreError(
-            f"{place} has format {version}, and this program reads format {FORMAT}; make it anew: "
-            "irg run its scene into another folder with -o, or after moving this one away"
+            f"{place} is of another version of this program: it has format {version}, and this one "
+            f"reads {FORMAT}; {_ANEW}"
         )
     try:
         built: Facts = build(Facts, facts)
-    except CodecError as error:
-        raise _root_error(place, f"{_UNLIKE}: {error}") from error
-    _require_known(place, built, arrays)
-    require_likely(place, built, arrays)
-    try:
-        root = Root(text_sweep(attributes["sweep"], _inputs(place, arrays)), built, arrays)
-    except (CodecError, DamagedError) as error:
-        fault = "is damaged" if isinstance(error, DamagedError) else _UNLIKE
-        raise LostRootError(f"{place}: {ROOT} {fault}: {error}; {ELSEWHERE}") from error
-    if not are_rows(root):
-        raise _root_error(place, "is damaged: its axes are not those of its sweep")
+        _require_plain(arrays)
+        root = Root(text_sweep(text, _inputs(place, arrays)), built, arrays)
+        _require_fitting(root)
+    except DamagedError as error:
+        raise StoreError(f"{place}: the arrays of its scene are damaged; {_ELSEWHERE}") from error
+    except (InputError, ValueError, KeyError, TypeError) as error:
+        raise StoreError(
+            f"{place} is of another version of this program, or damaged: {error}; {_ANEW}"
+        ) from error
     return root
 
 
@@ -240,151 +227,59 @@ def _require_small_file(folder: Path) -> None:
     if file.is_file() and (size := file.stat().st_size) > MOST_BYTES_OF_ROOT:
         raise StoreError(
             f"{folder} is not the store of a sweep, or its {ROOT} is damaged: it has {size:.2g} "
-            f"bytes; {ELSEWHERE}"
+            f"bytes; {_ELSEWHERE}"
         )
 
 
-def require_likely(place: StorePlace, facts: Facts, arrays: Mapping[str, Any]) -> None:
-    """Refuse a root of more points, other arrays or axes than a store has."""
-    if fault := root_fault(facts, arrays):
-        raise _root_error(place, fault)
+def _require_plain(arrays: Mapping[str, Any]) -> None:
+    """Raise a `CodecError` for arrays that are not as a store has them.
 
-
-def _root_error(place: StorePlace, fault: str) -> StoreError:
-    return StoreError(f"{place}: {ROOT} {fault}; {ELSEWHERE}")
-
-
-_WHO = ("versions", "later_versions", "worker_versions")
-
-
-def copied_attributes(root: Root) -> dict[str, str]:
-    """Attributes of the array `step`, from which a root takes this if it is made again."""
-    versions = {name: getattr(root.facts, name) for name in _WHO}
-    stations = root.sweep.record.stations
-    return {
-        "versions": json.dumps(versions),
-        "stations": json.dumps(stations and asdict(stations)),
-    }
-
-
-def copied(place: StorePlace, names: Iterable[str]) -> tuple[Stations, Facts, dict[str, Any]]:
-    """What arrays of these names have of a root.
-
-    Raise a `DamagedError` if they do not belong together.
+    They are made as large as they say, before a chunk of them is read. Codecs of Zarr 2 may
+    unpickle chunks, and those of Zarr 3 are looked up among all that is installed.
     """
     try:
-        with reaches(place):
-            read = {name: place.read(f"{name}/{ROOT}") for name in names}
-        if lost := [name for name, content in read.items() if content is None]:
-            raise ValueError(f"{lost[0]}/{ROOT} is lost")
-        arrays = {name: json.loads(content or b"") for name, content in read.items()}
-        along = {k: v for k, v in arrays.items() if is_coordinate(k) and k not in _NO_AXES}
-        if not all(map(_is_plain, along.values())):
-            raise ValueError("their axes are not those of a store")
-        axes = {}
-        for name, array in arrays_of(place, along, read_only=True).items():
-            with reads(place, name):
-                axes[name] = array[:].tolist()
-        status = arrays["status"]
-        chunk = status["chunk_grid"]["configuration"]["chunk_shape"]
-        block = zip(status["dimension_names"], chunk, strict=True)
-        copies = arrays["step"]["attributes"]
-        stations = json.loads(copies["stations"])
-        facts = {"generation": 0, "axes": axes, "points_per_chunk": dict(block)}
-        return (
-            build(Stations, stations | {"holds": tuple(stations["holds"])}),
-            build(Facts, facts | json.loads(copies["versions"])),
-            arrays,
-        )
-    except (CodecError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise DamagedError(f"{place}: the arrays make no root: {error}") from error
-
-
-def _require_known(place: StorePlace, facts: Facts, arrays: Mapping[str, Any]) -> None:
-    """Refuse a root with a variable that no store of this version has."""
-    if unknown := sorted(arrays.keys() - {*VARIABLES, *facts.axes, INPUTS}):
-        raise StoreError(
-            f"{place} is of another version of this program, with the variable {unknown[0]}; read "
-            "it with that version, or write to another store"
-        )
-
-
-def require_complete(place: StorePlace, root: Root) -> None:
-    """Refuse to add to a store that lacks a variable which every store of this version has."""
-    if lacking := [name for name in (*RECORDS, *COLUMNS) if name not in root.arrays]:
-        raise StoreError(
-            f"{place} is of another version of this program, without the variable {lacking[0]}; "
-            "continue it with that version, or write to another store"
-        )
-
-
-_NO_AXES = {INPUTS, *MADE}  # coordinates without values in the root
-
-
-def root_fault(facts: Facts, arrays: Mapping[str, Any]) -> str:
-    """Fault of a root; empty if it may be that of a store.
-
-    The arrays are made as large as it says, before a chunk of them is read. Codecs of Zarr 2 may
-    unpickle chunks, those of Zarr 3 are looked up among all that is installed, and a name with a
-    slash would lead out of the store.
-    """
-    axes = facts.axes
-    try:
-        sizes = {name: len(values) for name, values in axes.items()}
-        if INPUTS in arrays:
-            sizes[DIM] = arrays[INPUTS]["shape"][0]
-        fits_axes = {"checksum", "load", *axes} <= arrays.keys() and all(
-            _is_plain(array)
-            and array["shape"] == [sizes[dim] for dim in array["dimension_names"]]
-            and (name not in axes if not is_coordinate(name) else _is_axis(name, array, axes))
+        are_plain = all(
+            array["zarr_format"] == 3
+            and {codec["name"] for codec in array["codecs"]} <= _CODECS
+            and all(size <= MOST_POINTS for size in array["shape"])
             and 0 not in array["chunk_grid"]["configuration"]["chunk_shape"]
-            and array["attributes"].keys() >= {"long_name"}
-            and "/" not in name
-            for name, array in arrays.items()
+            for array in arrays.values()
         )
-        points = math.prod(arrays["status"]["shape"])
-        unfit = [k for k in axes if not _are_labels(axes[k], str(arrays[k]["data_type"]))]
     except (KeyError, TypeError, AttributeError):
-        fits_axes, points, unfit = False, 0, []
-    if not fits_axes:
-        return (
-            "is damaged: its arrays are not of Zarr 3, or not those of a store, of the sizes of "
-            "its axes"
+        are_plain = False
+    if not are_plain:
+        raise CodecError("its arrays are not of Zarr 3, or not those of a store")
+
+
+def _require_fitting(root: Root) -> None:
+    """Raise a `CodecError` for arrays, axes or rows that are not those of the root's sweep."""
+    wanted, axes, arrays = variables_of(root.sweep), root.axes, root.arrays
+    labels = {name for name in wanted if is_coordinate(name) and name not in MADE}
+    if unlike := sorted((arrays.keys() - {INPUTS}) ^ wanted.keys() or axes.keys() ^ labels):
+        raise CodecError(f"the variable {unlike[0]} is unknown or missing")
+    for name in sorted(labels):
+        is_of_numbers = all(value == value for value in axes[name])  # and not of NaN
+        if not (fits(axes[name], _AXES[wanted[name].dtype]) and is_of_numbers):
+            raise CodecError(f"its axis {name} is not of the kind that a run writes")
+    for name, variable in wanted.items():
+        shape = [len(axes[dim]) for dim in variable.dims]
+        is_of_axis = name not in labels or [len(axes[name])] == shape
+        has_dims = arrays[name]["dimension_names"] == [*variable.dims]
+        if not (has_dims and is_of_axis and arrays[name]["shape"] == shape):
+            raise CodecError(f"the variable {name} does not have the sizes of its axes")
+    if any(axes[name] != [*values] for name, values in root.sweep.variants.axes.items()):
+        raise CodecError("its axes are not those of its scene")
+    if (points := math.prod(arrays["status"]["shape"])) > MOST_POINTS:
+        raise CodecError(f"it has {points:.4g} points, and a store at most {MOST_POINTS:.0e}")
+
+
+def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:
+    """Raise a `StoreMismatchError` if a sweep cannot go on with the store of a root."""
+    if differing := [*misfits(root.sweep, sweep)]:
+        advice = "give it what the store has, or write to another store"
+        raise StoreMismatchError(
+            "\n  ".join([f"{place} belongs to another scene; {advice}", *differing])
         )
-    if unfit:
-        return f"is damaged: its axis {unfit[0]} is missing, or not of the kind that a run writes"
-    if points > MOST_POINTS:
-        return f"tells of {points:.4g} points, and a store has at most {MOST_POINTS:.0e}"
-    return ""
-
-
-def _are_labels(values: list[Any], kind: str) -> bool:
-    """True for values of an axis of a type; NaN are those of a chunk that is lost."""
-    return fits(values, _AXES.get(kind, list[Any])) and all(value == value for value in values)
-
-
-def _is_axis(name: str, array: Mapping[str, Any], axes: Mapping[str, list[Any]]) -> bool:
-    """True for metadata of a coordinate with values in the root, or of the arrays of the scene."""
-    return name in _NO_AXES or [len(axes[name])] == array["shape"]
-
-
-def _is_plain(array: Mapping[str, Any]) -> bool:
-    """True for metadata of an array with codecs of a store; each axis may be an array."""
-    codecs = {codec["name"] for codec in array["codecs"]}
-    is_short = all(size <= MOST_POINTS for size in array["shape"])
-    return array["zarr_format"] == 3 and codecs <= _CODECS and is_short
-
-
-def are_rows(root: Root) -> bool:
-    """True if the sweep has the rows that the axes of the store ask for, and each its own label."""
-    table, axes = root.sweep.variants, root.axes
-    dims = [dim for dim in root.arrays["status"]["dimension_names"] if dim not in PLANE]
-    names = [column.name for column in table.columns if column.name not in PLANE]
-    return (
-        dims == [*table.axes]
-        and {*names} <= axes.keys()
-        and all(axes[name] == [*labels] for name, labels in table.axes.items())
-    )
 
 
 def _is_beginning(key: str) -> bool:

@@ -10,7 +10,7 @@ from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import ROWS, VARIANT, Column
 from tribo import InputError, WarningKind
 
-FORMAT = 5
+FORMAT = 6
 """Version of the layout."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
@@ -139,7 +139,7 @@ RECORDS = {
     "checksum": Variable(
         PLANE,
         None,
-        "BLAKE2b-64 of the scene, place, data and kinds of warnings of the point",
+        "BLAKE2b-64 of the scene, place, data and warnings of the point",
         "str",
     ),
 }

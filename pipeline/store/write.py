@@ -5,7 +5,6 @@ Data are written first, the status last: done means that all of a point is on th
 
 from __future__ import annotations
 
-import json
 import threading
 import time
 from collections import deque
@@ -44,7 +43,7 @@ from pipeline.store.place import (
     steadily,
     writes,
 )
-from pipeline.store.root import Root, copied_attributes, now, read_root, root_document
+from pipeline.store.root import Root, now, read_root, root_document
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE, STEPPED
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
@@ -180,18 +179,8 @@ class Store:
             return
         facts = replace(self.root.facts, worker_versions=noted | {now(): dict(versions)})
         self.root = self.root._replace(facts=facts)
-        step = self.root.arrays["step"]
-        step["attributes"] |= copied_attributes(self.root)
         with self._writes():
-            self.place.put({f"step/{ROOT}": json.dumps(step).encode()})
-        self.keep_root()
-
-    def keep_root(self) -> None:
-        """Write the root again if it is not what this process has, as after damage."""
-        document = root_document(self.root)
-        with self._writes():
-            if self.place.read(ROOT) != document:
-                self.place.put({ROOT: document})
+            self.place.put({ROOT: root_document(self.root)})
 
     def forget(self, points: Iterable[Point]) -> None:
         """Make points pending again."""
@@ -203,6 +192,7 @@ class Store:
         for point in points_of(sweep):
             wanted[self.index(point)] = 1
         changed, self.asked = self.asked != wanted, wanted
+        self._put_marks("status", self.flags, changed)  # or lost ones would look like none
         self._put_marks("asked", wanted, changed)
 
     def write(

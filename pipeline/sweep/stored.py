@@ -97,8 +97,3 @@ class Simulated:
         if name not in self._hashes:
             self._hashes[name] = content_hash(self._sweep.variant(name).scene)
         return self._hashes[name]
-
-    def group(self, point: Point) -> Variant:
-        """Labels of a point that are not drawn."""
-        chosen = {column.name for column in self._sweep.variants.chosen}
-        return tuple(label for label in point.variant if label[0] in chosen)

@@ -1,6 +1,5 @@
 """Entries with several values (``[sweep] over``), from the scene to every answer."""
 
-import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +9,7 @@ import pipeline
 import tribo
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.scene.over import scale_friction
-from pipeline.store.create import restore_root, writing
+from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import PointRecord, points, tasks
@@ -70,16 +69,6 @@ def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, 
     assert stored_sweep(one).scene == stored_sweep(other).scene
     assert not np.array_equal(*boundaries["critical_velocity"].values, equal_nan=True)
     assert verify_store(swept).is_clean
-
-
-def test_a_lost_root_is_made_again_by_all_of_its_values_and_may_be_by_more(swept, folder, tmp_path):
-    path = shutil.copytree(swept, tmp_path / "out.zarr")
-    (path / "zarr.json").unlink()
-    for radii in ('["2 mm"]', '["2 mm", "3 mm"]'):
-        with pytest.raises(StoreMismatchError, match="with all its values"):
-            restore_root(path, load(folder, f'{{ "pin.radius" = {radii} }}'))
-    assert restore_root(path, load(folder, '{ "pin.radius" = ["4 mm", "3 mm", "2 mm"] }'))
-    assert verify_store(path).done == verify_store(swept).done > 0
 
 
 def test_the_boundary_alone_is_sought_for_each_value(swept, folder):

@@ -27,7 +27,7 @@ def test_every_command_that_reads_rises_names_the_damage(copy, tmp_path, capsys,
     out = ["-o", str(tmp_path / "a.html")] if command in ("report", "explore") else []
     out = ["-o", str(tmp_path / "a.png")] if command == "plot" else out
     assert main([command, str(copy), *place, *out]) == 2
-    assert "rise_quantile cannot be read; irg verify names what is d" in capsys.readouterr().err
+    assert "rise_quantile cannot be read; irg verify names what is da" in capsys.readouterr().err
 
 
 def test_a_sound_chunk_in_the_place_of_another_is_found_by_verify_and_run_alone(copy):

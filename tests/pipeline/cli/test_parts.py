@@ -25,13 +25,14 @@ from pipeline.cli.next_steps import (
     more_of_boundary,
     point_that_decides,
 )
-from pipeline.cli.output import Result, _words_on, counted, point_fields, show
+from pipeline.cli.output import Result, _words_on, counted, failed_points, show
 from pipeline.cli.parser import parse
 from pipeline.cli.stores import _scene_status, _stores_and_scenes
 from pipeline.cli.studies import _critical_velocities, _variation_lines
 from pipeline.cli.sweeps import _cost, _film, _library, _meaning, _unknown_inputs
 from pipeline.run.vary import Variation, Variations
 from pipeline.scene.facts import Span, facts_of
+from pipeline.store.progress import FailedPoint
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.model import Point
@@ -183,7 +184,8 @@ def test_an_accuracy_picks_all_numerical_choices_but_how_heat_acts():
 
 def test_things_are_counted_in_words():
     assert [counted(n, "load", "loads") for n in (0, 1, 2)] == ["0 loads", "1 load", "2 loads"]
-    assert point_fields({"load": 1.0, "variant": (("oil", "a"),)}) == {"load": 1.0, "oil": "a"}
+    (failed,) = failed_points([FailedPoint(1.0, 2.0, "why", (("oil", "a"),))])
+    assert failed == {"load": 1.0, "velocity": 2.0, "message": "why", "place": "", "oil": "a"}
     assert _words_on("reading", 12.0, Progress(done=0, total=9)) == "reading, 12 s so far"
     assert _words_on("reading", 12.0, Progress(done=3, total=9)) == (
         "reading: 3 of 9 done, 12 s so far, 24 s to go"

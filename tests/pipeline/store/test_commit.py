@@ -132,7 +132,7 @@ def test_a_point_that_is_not_done_is_not_a_number_whatever_is_on_the_disk(copy):
 @pytest.mark.parametrize("name", ["mean_rise", "rise_quantile", "pressure", "message", "checksum"])
 def test_a_missing_chunk_of_a_done_point_is_an_error_that_says_what_to_do(copy, name, capsys):
     next((copy / name).glob("c.*")).unlink()
-    with pytest.raises(StoreError, match=f"{name} cannot be read; irg verify .* --repair"):
+    with pytest.raises(StoreError, match=f"{name} cannot be read; irg verify .*; irg run"):
         open_sweep(copy)
     if name == "rise_quantile":
         assert main(["boundary", str(copy)]) == 2

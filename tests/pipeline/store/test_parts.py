@@ -1,8 +1,7 @@
 """Parts of a store: chunks, names, messages, places and checksums, at their bounds."""
 
 import errno
-from copy import deepcopy as copy_deeply
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +10,9 @@ from numcodecs.zstd import Zstd
 
 import pipeline
 import tribo
-from pipeline.scene.scenefile import load_scene
 from pipeline.store import create, files, place, root
 from pipeline.store.checksum import checksum, packed
-from pipeline.store.create import restore_root, writing
+from pipeline.store.create import writing
 from pipeline.store.inputs import inputs_variable, joined_arrays, split_arrays
 from pipeline.store.layout import (
     block_of,
@@ -34,7 +32,6 @@ from pipeline.store.place import (
     DamagedError,
     Folder,
     StoreError,
-    UnreadableError,
     decodes,
     is_lack_of_memory,
     place_of,
@@ -44,9 +41,8 @@ from pipeline.store.place import (
     writes,
 )
 from pipeline.store.progress import FailedPoint, Summary, summarized
-from pipeline.store.root import are_rows
 from pipeline.store.schema import DONE, FAILED, is_coordinate, is_of_points, variables_of
-from pipeline.store.verify import Verification, changed_chunks, note_files, verify_store
+from pipeline.store.verify import mend_store, verify_store
 from pipeline.store.versions import provenance
 from pipeline.store.write import Writer, stored
 from pipeline.sweep.model import Plane, Point
@@ -54,7 +50,6 @@ from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import Progress
 from pipeline.sweep.stored import Simulated
 from tests.helpers import tiny
-from tests.helpers.scenes import SCENE
 from tests.helpers.stores import commit, done_points, fail, make, opened, record
 
 SWEEP, POINT = tiny.full(), Point(250.0, 1.0)
@@ -216,8 +211,9 @@ def test_a_checksum_tells_scene_place_and_each_value():
         checksum("scene", Point(1.0, 2.0), data | {"a": np.array([1.0, 2.5])}),
         checksum("scene", Point(1.0, 2.0), data | {"b": b"encodes"}),
         checksum("scene", Point(1.0, 2.0), {"a": data["a"], "c": data["b"]}),
+        checksum("scene", Point(1.0, 2.0), data | {"message": "é"}),
     ]
-    assert len({first, *others}) == 7
+    assert len({first, *others}) == 8
     apart = np.arange(8.0).reshape(2, 4).T  # not in one piece
     assert checksum("", POINT, {"a": apart}) == checksum("", POINT, {"a": apart.copy()})
 
@@ -230,7 +226,7 @@ def test_a_record_is_packed_once_with_fields_encoded_in_single_precision():
     np.testing.assert_array_equal(rise, np.float32(record(POINT).data["rise"]).ravel())
     assert one.data["mean_rise"].dtype == float
     assert one.data["own_grid"].dtype == bool
-    about = {"warning_flags": np.int32(one.warning_flags)}
+    about = {"message": one.message, "warning_flags": np.int32(one.warning_flags)}
     assert one.checksum == checksum(simulated.at(POINT), POINT, one.data | about)
 
 
@@ -239,7 +235,9 @@ def test_a_failed_record_has_no_data_and_a_message_that_somebody_can_read():
     assert one.data is None
     assert one.message == "a\\udcff" + 1998 * "b"
     assert one.checksum == checksum(
-        Simulated(SWEEP).at(POINT), POINT, {"warning_flags": np.int32(0)}
+        Simulated(SWEEP).at(POINT),
+        POINT,
+        {"message": one.message, "warning_flags": np.int32(0)},
     )
 
 
@@ -279,11 +277,10 @@ def test_a_growth_is_read_where_it_is_and_gets_its_name_from_whoever_writes(tmp_
     assert not beside.exists()
 
 
-@pytest.mark.parametrize("use", ["repair", "restore", "write"])
+@pytest.mark.parametrize("use", ["mend", "write"])
 def test_whoever_writes_ends_a_growth_that_was_killed_between_its_renames(copy, use):
     calls = {
-        "repair": lambda: verify_store(copy, repair=True),
-        "restore": lambda: restore_root(copy, SWEEP),
+        "mend": lambda: mend_store(copy, SWEEP),
         "write": lambda: require_writable(copy),
     }
     beside = copy.rename(place.larger(copy))
@@ -297,8 +294,7 @@ def test_files_of_a_folder_are_made_once_and_told_with_their_folders(tmp_path):
     folder = Folder(tmp_path)
     assert folder.mark() is None
     assert folder.read("a") is None
-    assert folder.create("a", b"first")
-    assert not folder.create("a", b"second")
+    folder.put({"a": b"first"})
     assert folder.read("a") == b"first"
     assert folder.read("a/b") is None  # below a file
     folder.put({"b/c": b"1", ROOT: b"22"})
@@ -307,18 +303,7 @@ def test_files_of_a_folder_are_made_once_and_told_with_their_folders(tmp_path):
     assert mark[-1] == 2
     folder.put({ROOT: b"22"})
     assert folder.mark() != mark  # another root, though of the same content
-    folder.remove("a")
-    assert folder.keys() == {"b/c", ROOT}
     assert Folder(tmp_path / "none").keys() == set()
-
-
-def test_what_is_replaced_is_kept_by_its_time(tmp_path):
-    folder = Folder(tmp_path)
-    folder.put({"b/c": b"1"})
-    place.keep_beside(folder, ["b/c", "b/none"])
-    (kept,) = tmp_path.glob("damaged/*/**/c")
-    assert kept.read_bytes() == b"1"
-    assert len(kept.relative_to(tmp_path).parts) == 4
 
 
 def test_a_file_above_a_store_is_the_reason_why_it_cannot_be_written(tmp_path):
@@ -340,12 +325,12 @@ def test_a_file_above_a_store_is_the_reason_why_it_cannot_be_written(tmp_path):
 
 def test_what_cannot_be_read_is_named_by_its_file_or_else_by_its_place():
     with (
-        pytest.raises(UnreadableError, match=r"^/a/b cannot be read: gone; nothing"),
+        pytest.raises(StoreError, match=r"^/a/b cannot be read: gone; see to its permissions"),
         reaches(Folder(Path("/a"))),
     ):
         raise OSError(errno.EIO, "gone", "/a/b")
     with (
-        pytest.raises(UnreadableError, match=r"^/a cannot be read: gone; nothing"),
+        pytest.raises(StoreError, match=r"^/a cannot be read: gone; see to its permissions"),
         reaches(Folder(Path("/a"))),
     ):
         raise OSError("gone")
@@ -416,76 +401,8 @@ def test_a_store_has_as_many_points_as_its_most_and_no_more(path, monkeypatch):
     with pytest.raises(StoreError, match=r"would have 404 points; a store has at most 4e\+02"):
         make(path, tiny.sweep(loads=loads, velocities=(11.0,)))
     monkeypatch.setattr(root, "MOST_POINTS", 399)
-    with pytest.raises(StoreError, match=r"tells of 400 points, and a store has at most 4e\+02"):
+    with pytest.raises(StoreError, match=r"it has 400 points, and a store at most 4e\+02"):
         opened(path)
-
-
-def of_array(name, **entries):
-    return lambda axes, arrays: arrays[name].update(entries)
-
-
-def chunked(*sizes):
-    return {"chunk_grid": {"configuration": {"chunk_shape": [*sizes]}}}
-
-
-SIZES = (
-    "is damaged: its arrays are not of Zarr 3, or not those of a store, of the sizes of its axes"
-)
-ROOT_FAULTS = {
-    "none": (lambda axes, arrays: None, ""),
-    "no checksums": (lambda axes, arrays: arrays.pop("checksum"), SIZES),
-    "no loads": (lambda axes, arrays: arrays.pop("load"), SIZES),
-    "no status": (lambda axes, arrays: arrays.pop("status"), SIZES),
-    "an axis without an array": (lambda axes, arrays: arrays.pop("cooler_share"), SIZES),
-    "a coordinate without values": (lambda axes, arrays: axes.pop("step"), SIZES),
-    "a variable as an axis": (lambda axes, arrays: axes.update(checksum=["a"]), SIZES),
-    "an axis of another length": (lambda axes, arrays: axes["load"].append(700.0), SIZES),
-    "Zarr 2": (of_array("mean_rise", zarr_format=2), SIZES),
-    "a codec that runs code": (of_array("mean_rise", codecs=[{"name": "pickle"}]), SIZES),
-    "a shape": (of_array("mean_rise", shape=[3, 3, 8]), SIZES),
-    "no dimensions": (of_array("mean_rise", dimension_names=["load", "velocity"]), SIZES),
-    "chunks of nothing": (of_array("mean_rise", **chunked(3, 0, 7)), SIZES),
-    "no words": (of_array("mean_rise", attributes={"units": "K"}), SIZES),
-    "a way out": (lambda axes, arrays: arrays.update({"../x": arrays["mean_rise"]}), SIZES),
-    "no list": (lambda axes, arrays: axes.update(load=7.0), SIZES),
-    "NaN": (lambda axes, arrays: axes["load"].__setitem__(1, float("nan")),
-            "is damaged: its axis load is missing, or not of the kind that a run writes"),
-    "text": (lambda axes, arrays: axes["velocity"].__setitem__(0, "fast"),
-             "is damaged: its axis velocity is missing, or not of the kind that a run writes"),
-    "a step between two": (lambda axes, arrays: axes["step"].__setitem__(0, -6.5),
-                           "is damaged: its axis step is missing, or not of the kind that a run w"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", ROOT_FAULTS)
-def test_a_root_is_that_of_a_store_or_has_a_fault(alone, name):
-    change, fault = ROOT_FAULTS[name]
-    found = opened(alone).root
-    axes, arrays = copy_deeply(found.axes), copy_deeply(found.arrays)
-    change(axes, arrays)
-    said = root.root_fault(replace(found.facts, axes=axes), arrays)
-    assert said.startswith(fault)
-    assert bool(said) == bool(fault)
-
-
-def test_rows_with_a_load_and_a_velocity_each_are_those_of_their_store(path, tmp_path):
-    rows = """along = [
-      { "pin.radius" = "3 mm", load = "300 N", velocity = "1 m/s" },
-      { "pin.radius" = "4 mm", load = "200 N", velocity = "2 m/s" },
-    ]"""
-    (tmp_path / "scene.toml").write_text(SCENE.replace("[sweep]", f"[sweep]\n{rows}"))
-    sweep = load_scene(tmp_path / "scene.toml", overrides={"fidelity.increments": 3})
-    store = make(path, sweep)
-    assert are_rows(store.root)
-    assert store.flags.shape == (2,)
-    assert [point[:2] for point in store.points_at(np.nonzero(store.asked))] == [
-        (300.0, 1.0),
-        (200.0, 2.0),
-    ]
-    axes = {name: of for name, of in store.axes.items() if name != "pin.radius"}
-    assert not are_rows(store.root._replace(facts=replace(store.root.facts, axes=axes)))
-    swapped = store.axes | {store.dims[0]: store.axes[store.dims[0]][::-1]}
-    assert not are_rows(store.root._replace(facts=replace(store.root.facts, axes=swapped)))
 
 
 @dataclass(frozen=True)
@@ -534,54 +451,11 @@ def test_generations_count_the_growths_that_moved_points(copy):
     assert make(copy, tiny.full(loads=(200.0,))).root.facts.generation == 2
 
 
-def test_a_lost_root_is_made_again_though_statuses_are_lost_too(copy):
-    (copy / ROOT).unlink()
-    file = copy / "status" / "c.0.0"
-    file.write_bytes(file.read_bytes()[:-3])
-    assert restore_root(copy, SWEEP)
-    assert len(verify_store(copy).without_status) == 9
-    assert verify_store(copy, repair=True).shared == ("the statuses are damaged",)
-    assert len(done_points(copy)) == 9
-    assert not restore_root(copy, SWEEP)
-    assert not restore_root(copy.with_name("none.zarr"), SWEEP)
-
-
-def test_marks_that_are_lost_are_named_though_some_points_are_pending(path):
-    commit(path, SWEEP, [POINT])
-    (path / "asked" / "c.0.0").unlink()
-    found = verify_store(path)
-    assert found.shared == ("the points that the last run asked for are damaged",)
-    assert (found.done, found.damaged, found.is_clean) == (1, (), False)
-
-
-@pytest.mark.parametrize(
-    ("damaged", "shared", "is_clean"),
-    [
-        ((), (), True),
-        ((FailedPoint(1.0, 2.0, "why"),), (), False),
-        ((), ("the statuses are damaged",), False),
-    ],
-)
-def test_a_store_is_clean_without_any_fault(damaged, shared, is_clean):
-    assert Verification(1, damaged, shared, (POINT,), False).is_clean == is_clean
-
-
 def test_progress_of_a_verification_counts_points_that_are_done(path):
     commit(path, SWEEP, [POINT, Point(600.0, 1.0)])
     told = []
     verify_store(path, progress=told.append)
     assert told == [Progress(done=2, total=2)]
-
-
-def test_files_that_are_removed_or_come_make_their_chunk_one_to_read_again(copy):
-    store = make(copy, SWEEP)
-    note_files(store)
-    (copy / "mean_rise" / "notes.txt").write_text("no chunk")
-    (copy / "elsewhere").mkdir()
-    (copy / "elsewhere" / "c.0.0").write_text("no array")
-    assert changed_chunks(store) == set()
-    (copy / "rise" / "c.2.2.0.0").unlink()
-    assert changed_chunks(store) == {(0, 0)}
 
 
 # What was computed, by whom, and how far
@@ -614,9 +488,6 @@ def test_versions_of_workers_are_noted_once(path):
     with writing(path, SWEEP) as store:
         for _ in range(2):
             store.note_worker({"numpy": "1.0"})
-    assert [*opened(path).root.facts.worker_versions.values()] == [{"numpy": "1.0"}]
-    (path / ROOT).unlink()
-    assert restore_root(path, SWEEP)
     assert [*opened(path).root.facts.worker_versions.values()] == [{"numpy": "1.0"}]
 
 

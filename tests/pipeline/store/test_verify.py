@@ -1,104 +1,227 @@
-"""Damage of stores: it is named, never read, and repaired."""
+"""Damage of stores: `irg verify` names it, and one run has the same bits as before."""
 
 import errno
 import itertools
 import shutil
 
+import numpy as np
 import pytest
+import xarray as xr
 import zarr
 
-from pipeline.analysis.dataset import open_sweep
-from pipeline.run.sweep import run_sweep
+import pipeline
 from pipeline.store.create import writing
+from pipeline.store.layout import chunk_numbers
 from pipeline.store.place import Folder, StoreError
-from pipeline.store.progress import summary
-from pipeline.store.schema import COLUMNS, FIELDS
-from pipeline.store.verify import verify_store
+from pipeline.store.schema import COLUMNS, FIELDS, variables_of
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
 from pipeline.sweep.variants import surfaces
+from tests.crash.drive import computing
 from tests.helpers import tiny
-from tests.helpers.stores import (
-    assert_is_as_computed,
-    commit,
-    contents,
-    done_points,
-    killed_after,
-)
+from tests.helpers.heard import Heard
+from tests.helpers.stores import assert_is_as_computed, commit, contents, fail, killed_after, record
 from tests.pipeline.conftest import commit_all
 
 SWEEP = tiny.full()
 POINT, NEXT = Point(250.0, 1.0), Point(600.0, 1.0)
 ALL = set(points(SWEEP))
-ABOUT = ("message", "warning_flags", "wall_time", "steps")
 OTHER = "the data are not those that were computed"
+SHORT = tiny.full(loads=(250.0,), velocities=tuple(np.linspace(0.5, 1.5, 16).tolist()))
+LONG = tiny.full(loads=(250.0,), velocities=(*SHORT.plane.velocities, 2.0))
 
 
-def chunks(path, *names):
-    return sorted(itertools.chain.from_iterable((path / name).glob("c.*") for name in names))
+def chunks(path, name):
+    return sorted(file for file in (path / name).iterdir() if chunk_numbers(file.name))
+
+
+def flipped(file):
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 1
+    file.write_bytes(content)
 
 
 def cut(file):
     file.write_bytes(file.read_bytes()[:-3])
 
 
-def flip_in_the_middle(file):
-    content = bytearray(file.read_bytes())
-    content[len(content) // 2] ^= 1
-    file.write_bytes(content)
+def missing(file):
+    file.unlink()
 
 
-HARMS = [flip_in_the_middle, cut, lambda file: file.unlink()]
+def exchanged(file):
+    """With another chunk of the same array, or of another one if it has no other."""
+    others = [*chunks(file.parents[1], file.parent.name), *sorted(file.parents[1].glob("*/c.*"))]
+    content = file.read_bytes()
+    other = next(one for one in others if one.read_bytes() != content)
+    file.write_bytes(other.read_bytes())
+    other.write_bytes(content)
 
 
-def reasons(damages):
-    return {Point(damage.load, damage.velocity): damage.message for damage in damages}
+HARMS = [flipped, cut, missing, exchanged]
+# By its status a point is pending, as it is before it is computed; no checksum has these durations.
+UNNAMED = ["status", "asked", "wall_time"]
 
 
-def assert_repaired(path, damaged):
-    """Let a repair make these points pending, and a run compute them as they were."""
-    assert not verify_store(path, repair=True).is_clean
-    assert verify_store(path).is_clean
-    assert set(done_points(path)) == ALL - damaged
-    with open_sweep(path) as ds:
-        ds.load()
-    commit(path, SWEEP, damaged)
-    assert_is_as_computed(path, ALL)
+def resumed(path, sweep, **options):
+    """Run a sweep from records; what it did, and what it said."""
+    messages = Heard()
+    with computing({point: record(point) for point in points(sweep)}, pace=0.0):
+        return pipeline.run_sweep(sweep, path, progress=messages.hear, **options), messages
+
+
+def stored(path):
+    """All values of a store, as they stand on the disk."""
+    with xr.open_zarr(path, chunks=None) as ds:
+        texts = {name: ds[name].values.tolist() for name in ("message", "checksum")}
+        numbers = {name: ds[name].values.tobytes() for name in ds.variables if name not in texts}
+        return texts | numbers
+
+
+def reasons(path):
+    return {
+        Point(damage.load, damage.velocity): damage.message
+        for damage in pipeline.verify_store(path).damaged
+    }
+
+
+@pytest.fixture(scope="session")
+def long(tmp_path_factory):
+    """A store that has grown by a second chunk of points."""
+    path = tmp_path_factory.mktemp("long") / "tiny.zarr"
+    commit(path, SHORT)
+    commit(path, LONG, [Point(250.0, 2.0)])
+    return path
 
 
 def test_a_store_without_damage_is_clean_and_left_as_it_is(copy):
     before = contents(copy)
-    for repair in (False, True):
-        verification = verify_store(copy, repair)
-        assert verification.is_clean
-        assert verification.done == 9
-        assert verification.without_status == ()
+    verification = pipeline.verify_store(copy)
+    assert verification.is_clean
+    assert verification.done == 9
+    outcome, messages = resumed(copy, SWEEP)
+    assert (outcome.computed, messages) == (0, [])
     assert contents(copy) == before
 
 
-@pytest.mark.parametrize(
-    ("name", "harm"),
-    [
-        ("mean_rise", HARMS[0]),
-        ("checksum", HARMS[0]),
-        ("message", HARMS[0]),
-        ("wall_time", HARMS[2]),
-    ],
-)
-def test_damage_to_data_is_named_and_computed_again(copy, name, harm):
-    harm(*chunks(copy, name))
-    verification = verify_store(copy)
-    assert reasons(verification.damaged) == dict.fromkeys(ALL, f"{name} cannot be read")
-    assert (verification.done, verification.shared) == (0, ())
-    assert_repaired(copy, ALL)
+@pytest.mark.parametrize("harm", HARMS)
+@pytest.mark.parametrize("name", variables_of(LONG))
+def test_damage_of_any_array_is_named_and_one_run_has_the_same_bits(long, tmp_path, harm, name):
+    path = shutil.copytree(long, tmp_path / "tiny.zarr")
+    before = stored(path)
+    harm(chunks(path, name)[-1])
+    harmed = contents(path)
+    found = pipeline.verify_store(path)
+    assert found.is_clean == (harm is exchanged and name in UNNAMED)
+    assert contents(path) == harmed
+    outcome, messages = resumed(path, LONG)
+    assert outcome.computed >= len(found.damaged)
+    expected = [f"{len(found.damaged)} damaged points of {path} are computed again"]
+    assert messages == (expected if found.damaged else [])
+    if (harm, name) != (exchanged, "wall_time"):
+        assert stored(path) == before
+    assert pipeline.verify_store(path).is_clean
+
+
+@pytest.mark.parametrize("harm", [flipped, missing])
+def test_damaged_metadata_of_an_array_are_named_and_written_anew(copy, harm):
+    before = contents(copy)
+    harm(copy / "mean_rise" / "zarr.json")
+    assert pipeline.verify_store(copy).shared == ("mean_rise/zarr.json",)
+    resumed(copy, SWEEP)
+    assert contents(copy) == before
 
 
 def test_damage_to_a_field_costs_its_point_alone(copy):
     (copy / "rise" / "c.1.1.0.0").unlink()
-    verification = verify_store(copy)
-    assert reasons(verification.damaged) == {POINT: "rise cannot be read"}
-    assert verification.done == 8
-    assert_repaired(copy, {POINT})
+    verification = pipeline.verify_store(copy)
+    assert reasons(copy) == {POINT: "rise cannot be read"}
+    assert (verification.done, verification.shared) == (8, ())
+    assert resumed(copy, SWEEP)[0].computed == 1
+
+
+def test_a_chunk_that_cannot_be_read_is_named_with_all_of_its_points(copy):
+    cut(copy / "wall_time" / "c.0.0")
+    verification = pipeline.verify_store(copy)
+    assert reasons(copy) == dict.fromkeys(ALL, "wall_time cannot be read")
+    assert (verification.done, verification.shared) == (0, ("wall_time/c.0.0",))
+
+
+def test_a_chunk_of_points_that_are_not_done_is_mended_too(path):
+    """Else none of its points could be written."""
+    commit(path, SWEEP, [POINT])
+    with writing(path, SWEEP) as store:
+        store.forget([POINT])
+    flipped(path / "mean_rise" / "c.0.0.0")
+    assert pipeline.verify_store(path).shared == ("mean_rise/c.0.0.0",)
+    assert resumed(path, SWEEP)[0].done == 9
+    assert pipeline.verify_store(path).is_clean
+
+
+def test_a_failed_point_whose_message_is_lost_is_tried_again(path):
+    fail(path, SWEEP, POINT, "it diverged")
+    assert pipeline.verify_store(path).is_clean
+    cut(path / "message" / "c.0.0")
+    assert reasons(path) == {POINT: "message cannot be read"}
+    outcome, _ = resumed(path, SWEEP)
+    assert (outcome.computed, outcome.failed) == (9, ())
+
+
+def test_a_store_that_is_half_done_is_as_sound_as_a_whole_one(path):
+    """Also where a run was killed between data and statuses, or asked for points and no more."""
+    commit(path, SWEEP, ())
+    assert pipeline.verify_store(path).is_clean
+    commit(path, SWEEP, [POINT])
+    status = (path / "status" / "c.0.0").read_bytes()
+    commit(path, SWEEP, [NEXT])
+    (path / "status" / "c.0.0").write_bytes(status)
+    verification = pipeline.verify_store(path)
+    assert (verification.done, verification.is_clean) == (1, True)
+    assert resumed(path, SWEEP)[0].computed == 8
+
+
+def values(path, name):
+    return zarr.open_group(path, mode="r+")[name]
+
+
+def test_data_in_the_place_of_others_are_found(copy):
+    shutil.copy(copy / "rise" / "c.2.1.0.0", copy / "rise" / "c.1.1.0.0")
+    values(copy, "mean_rise")[0, 0, -1] += 1.0
+    values(copy, "warning_flags")[0, 1] ^= 1
+    values(copy, "message")[2, 2] = "nothing to warn of"
+    others = Point(150.0, 0.5), Point(150.0, 1.0), Point(600.0, 1.5)
+    assert reasons(copy) == dict.fromkeys((POINT, *others), OTHER)
+
+
+def test_points_in_the_places_of_each_other_are_found(copy):
+    """Data with their checksums, with which they agree, but not with their place."""
+    about = ("checksum", "message", "warning_flags", "wall_time", "steps")
+    for name in (*COLUMNS, *FIELDS, *about):
+        array = values(copy, name)
+        array[1, 1], array[2, 1] = array[2, 1], array[1, 1]
+    assert reasons(copy) == {POINT: OTHER, NEXT: OTHER}
+    assert resumed(copy, SWEEP)[0].computed == 2
+
+
+def test_a_status_without_data_is_found(path):
+    commit(path, SWEEP, [POINT])
+    values(path, "status")[2, 1] = 1
+    assert [*reasons(path)] == [NEXT]
+
+
+@pytest.mark.parametrize("name", ["load", "time"])
+def test_damaged_coordinates_are_not_read(copy, alone, name):
+    """The root has them too, and a hash over them."""
+    cut(chunks(copy, name)[0])
+    assert pipeline.open_sweep(copy)[name].equals(pipeline.open_sweep(alone)[name])
+
+
+@pytest.mark.parametrize("name", ["status", "asked"])
+def test_statuses_that_cannot_be_read_are_told_by_who_reads_them(copy, name):
+    cut(copy / name / "c.0.0")
+    for read in (pipeline.open_sweep, pipeline.summary):
+        with pytest.raises(StoreError, match=f"{name} cannot be read; irg verify names .*; irg ru"):
+            read(copy)
 
 
 def a_folder(file):
@@ -125,154 +248,68 @@ def test_what_cannot_be_read_now_is_named_and_nothing_is_changed(copy, irg, harm
     """It may be sound: here are points that nobody can read for a while."""
     harm(copy / name)
     before = contents(copy)
-    for command in (("verify", copy), ("verify", copy, "--repair")):
-        said = irg(*command, code=2)
-        assert f"{copy / name} cannot be read: " in said
-        assert "nothing was changed" in said
-    with pytest.raises(StoreError, match=f"{name} cannot be read: .*; nothing was changed"):
-        run_sweep(SWEEP, copy, workers=1)
+    assert f"{copy / name} cannot be read: " in irg("verify", copy, code=2)
+    with pytest.raises(StoreError, match=f"{name} cannot be read: "):
+        pipeline.run_sweep(SWEEP, copy, workers=1)
     assert contents(copy) == before
 
 
-def test_what_a_repair_replaces_is_kept_and_no_value_made_up(copy):
-    time, field = copy / "mean_rise" / "c.0.0.0", copy / "rise" / "c.1.1.0.0"
-    flip_in_the_middle(time)
-    flip_in_the_middle(field)
-    flip_in_the_middle(copy / "load" / "c.0")
-    names = [str(file.relative_to(copy)) for file in (time, field, copy / "load" / "c.0")]
+def test_another_scene_mends_nothing(copy):
+    cut(copy / "status" / "c.0.0")
     before = contents(copy)
-    verify_store(copy, repair=True)
-    kept = {
-        name.split("/", 2)[2]: content
-        for name, content in contents(copy).items()
-        if name.startswith("damaged/")
-    }
-    assert {name: kept[name] for name in names if name in kept} == {
-        name: before[name] for name in names if name != "rise/c.1.1.0.0"
-    }
-    assert not time.exists()
-    assert field.read_bytes() == before["rise/c.1.1.0.0"]
-    commit(copy, tiny.full(velocities=(0.75,)), ())  # which makes a larger store
-    assert kept.items() <= {k.split("/", 2)[-1]: v for k, v in contents(copy).items()}.items()
+    with pytest.raises(pipeline.StoreMismatchError):
+        pipeline.run_sweep(tiny.full(increments=7), copy, workers=1)
+    assert contents(copy) == before
 
 
-def values(path, name):
-    return zarr.open_group(path, mode="r+")[name]
-
-
-def test_data_in_the_place_of_others_are_found(copy):
-    shutil.copy(copy / "rise" / "c.2.1.0.0", copy / "rise" / "c.1.1.0.0")
-    values(copy, "mean_rise")[0, 0, -1] += 1.0
-    values(copy, "warning_flags")[0, 1] ^= 1
-    others = Point(150.0, 0.5), Point(150.0, 1.0)
-    assert reasons(verify_store(copy).damaged) == dict.fromkeys((POINT, *others), OTHER)
-
-
-def test_points_in_the_places_of_each_other_are_found(copy):
-    """Data with their checksums, with which they agree, but not with their place."""
-    for name in (*COLUMNS, *FIELDS, "checksum", *ABOUT):
-        array = values(copy, name)
-        array[1, 1], array[2, 1] = array[2, 1], array[1, 1]
-    assert reasons(verify_store(copy).damaged) == {POINT: OTHER, NEXT: OTHER}
-    assert_repaired(copy, {POINT, NEXT})
-
-
-@pytest.mark.parametrize(("name", "harm"), [("load", HARMS[1]), ("step", HARMS[2])])
-def test_lost_coordinates_are_not_read_and_are_restored(copy, alone, name, harm):
-    """The root has them too, and a hash over them."""
-    harm(*chunks(copy, name))
-    assert open_sweep(copy)[name].equals(open_sweep(alone)[name])
-    verification = verify_store(copy, repair=True)
-    assert verification.shared == (f"the coordinate {name} is damaged",)
-    assert verify_store(copy).is_clean
-    assert_is_as_computed(copy, ALL)
-
-
-@pytest.mark.parametrize("name", ["time", "sliding_distance"])
-def test_data_in_the_place_of_times_or_distances_are_computed_again(copy, name):
-    """No other scene has one of these and not the other, so that the root is right all the same."""
-    values(copy, name)[...] = 3.0
-    for file in chunks(copy, "max_rise"):
-        flip_in_the_middle(file)
-    verification = verify_store(copy)
-    assert verification.shared == (f"the coordinate {name} is damaged",)
-    assert {*reasons(verification.damaged)} == ALL
-    assert_repaired(copy, ALL)
-
-
-@pytest.mark.parametrize(
-    ("name", "harm", "with_data"),
-    [("status", HARMS[0], True), ("status", HARMS[0], False), ("asked", HARMS[2], True)],
-)
-def test_lost_statuses_cost_no_sound_point(copy, name, harm, with_data):
-    """Also if no point of the same chunk is sound."""
-    harm(*chunks(copy, name))
-    if not with_data:
-        for file in chunks(copy, "mean_rise"):
-            file.write_bytes(b"")
-    verify_store(copy, repair=True)
-    verification = verify_store(copy)
-    assert verification.is_clean
-    assert verification.done == (9 if with_data else 0)
-    with open_sweep(copy) as ds:
-        assert (ds["status"] == (1 if with_data else 0)).all()
-    with writing(copy, SWEEP) as store:
-        assert len(store.pending()) == (0 if with_data else 9)
-
-
-@pytest.mark.parametrize("name", ["status", "asked"])
-def test_statuses_that_cannot_be_read_are_no_clean_store(copy, name):
-    cut(*chunks(copy, name))
-    assert not verify_store(copy).is_clean
-    with pytest.raises(StoreError, match="irg verify"):
-        open_sweep(copy)
-    with pytest.raises(StoreError, match="irg verify"):
-        summary(copy)
+def test_a_search_of_the_boundary_begins_with_what_is_sound(copy):
+    for name in ("status", "max_rise"):
+        flipped(chunks(copy, name)[0])
+    messages = Heard()
+    outcome = pipeline.run_sweep(SWEEP, copy, workers=1, progress=messages.hear, boundary_only=0.5)
+    assert messages[0] == f"9 damaged points of {copy} are computed again"
+    assert outcome.done == outcome.total > 0
+    assert pipeline.verify_store(copy).is_clean
 
 
 def test_the_command_names_what_is_damaged(copy, irg):
-    flip_in_the_middle(copy / "rise" / "c.1.1.0.0")
+    flipped(copy / "rise" / "c.1.1.0.0")
     document = irg("verify", copy, "--json", code=1)
-    reason = "the data are not those that were computed"
-    assert document["done"] == 8
-    assert document["damaged"] == [
-        {"load": 250.0, "velocity": 1.0, "message": reason, "place": "250 N, 1 m/s"}
-    ]
-    assert f"damaged: 250 N, 1 m/s: {reason}" in irg("verify", copy, "--repair", code=1)
-    irg("verify", copy)
+    assert document == document | {
+        "done": 8,
+        "damaged": [{"load": 250.0, "velocity": 1.0, "message": OTHER, "place": "250 N, 1 m/s"}],
+        "shared": [],
+    }
+    said = irg("verify", copy, code=1)
+    assert f"damaged: 250 N, 1 m/s: {OTHER}" in said
+    assert "irg run with its scene makes it sound again" in said
     irg("verify", copy.parent, code=2)
 
 
-def test_damage_on_one_of_several_surfaces_is_named_and_repaired(tmp_path):
+def test_damage_on_one_of_several_surfaces_is_named(tmp_path):
     path = tmp_path / "tiny.zarr"
     sweep = tiny.sweep(loads=(150.0,), velocities=(0.5,), variants=surfaces((1, 2)), fields=True)
     commit_all(path, sweep)
     cut(path / "pressure" / "c.1.0.0.0.0")
     cut(path / "realization" / "c.0")
-    verification = verify_store(path, repair=True)
-    assert list(map(str, verification.damaged)) == [
-        "150 N, 0.5 m/s, surface 2: the data are not those that were computed"
-    ]
-    assert verification.shared == ("the coordinate realization is damaged",)
-    assert verify_store(path).is_clean
-    with open_sweep(path) as ds:
-        assert ds["status"].values.ravel().tolist() == [1, 0]
+    verification = pipeline.verify_store(path)
+    assert list(map(str, verification.damaged)) == [f"150 N, 0.5 m/s, surface 2: {OTHER}"]
+    assert verification.shared == ("realization",)
 
 
-def test_a_repair_that_is_killed_leaves_no_damaged_point_done(copy, monkeypatch):
+def test_a_run_that_is_killed_while_it_mends_leaves_no_damaged_point_done(copy, monkeypatch):
     cut(copy / "mean_rise" / "c.0.0.0")
     harmed = shutil.copytree(copy, copy.with_name("harmed.zarr"))
-    for count in itertools.count(0, 12):
+    for count in itertools.count(0, 31):
         shutil.rmtree(copy)
         shutil.copytree(harmed, copy)
         with killed_after(monkeypatch, count) as was_killed:
-            verify_store(copy, repair=True)
-        before = set(done_points(copy))
-        assert before == (ALL if count == 0 else set())
-        verify_store(copy, repair=True)
-        assert set(done_points(copy)) == set()
-        with open_sweep(copy) as ds:
-            ds.load()
+            resumed(copy, SWEEP)
+        if count:
+            assert pipeline.verify_store(copy).damaged == ()
+        assert resumed(copy, SWEEP)[0].done == 9
+        assert_is_as_computed(copy, ALL)
+        assert pipeline.verify_store(copy).is_clean
         if not was_killed:
             assert count > 1
             return
@@ -280,17 +317,16 @@ def test_a_repair_that_is_killed_leaves_no_damaged_point_done(copy, monkeypatch)
 
 @pytest.mark.parametrize("method", ["read", "keys", "put"])
 def test_what_a_disk_refuses_is_an_error_of_the_store(copy, monkeypatch, method):
-    (copy / "mean_rise" / "zarr.json").unlink()  # to be restored
+    (copy / "mean_rise" / "zarr.json").unlink()  # to be written anew
 
     def refused(*_):
         raise PermissionError(errno.EACCES, "Permission denied")
 
     calls = {
-        "status": lambda: summary(copy),
-        "open": lambda: open_sweep(copy),
-        "verify": lambda: verify_store(copy),
-        "repair": lambda: verify_store(copy, repair=True),
-        "write": lambda: commit(copy, SWEEP, [POINT]),
+        "status": lambda: pipeline.summary(copy),
+        "open": lambda: pipeline.open_sweep(copy),
+        "verify": lambda: pipeline.verify_store(copy),
+        "run": lambda: pipeline.run_sweep(SWEEP, copy),
     }
     monkeypatch.setattr(Folder, method, refused)
     said = {}
@@ -299,14 +335,6 @@ def test_what_a_disk_refuses_is_an_error_of_the_store(copy, monkeypatch, method)
             call()
         except StoreError as error:
             said[name] = str(error)
-    expected = {"read": set(calls), "keys": {"open", "verify", "repair"}, "put": {"repair"}}
-    assert said.keys() >= expected[method]
+    expected = {"read": {*calls}, "keys": {"open", "verify", "run"}, "put": {"run"}}
+    assert said.keys() == expected[method]
     assert all("Permission denied" in words for words in said.values())
-
-
-def test_a_coordinate_whose_chunk_is_lost_is_named_and_written_again(copy):
-    (copy / "load" / "c.0").unlink()
-    found = verify_store(copy)
-    assert (found.done, found.shared) == (9, ("the coordinate load is damaged",))
-    verify_store(copy, repair=True)
-    assert verify_store(copy).is_clean
