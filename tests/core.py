@@ -28,7 +28,7 @@ NEEDS = {
         figures.plot.plot$ figures/test_(fit|marks|plot|refusals) run/test_samples
         scene/test_(reference|scenefile).*uncertain scene/test_reference.*writes_and_lists
         scene/test_refusals.*(distribution|row.samples) scene/test_wear_laws.*(unknown|of_another)
-        sweep/test_codec sweep/test_physics.*(samples|uncertain)
+        sweep/test_codec
         tradeoff/test_forecast.*share_the_time
     """,
     "laboratory": """

@@ -198,7 +198,6 @@ OVER = Option(
     help="{vary.over}, such as 0.08,0.12, or -20%%,+20%% of the value in the scene; may be "
     "repeated",
 )  # fmt: skip
-PHYSICS = flag("--physics", "{vary.physics}")
 SCATTER = Option(
     "--scatter", metavar="SHARE", type=values.share,
     help="{at.scatter}; default: 5%%",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import itertools
 import math
-from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -20,32 +19,30 @@ from tribo import InputError
 if TYPE_CHECKING:
     from pipeline.run.vary import Variations  # with Dask
 
-_STATES = ("counted", "could be counted", "cannot be sized")
-
 
 def vary(options: argparse.Namespace) -> Result:
     """Print and draw the boundary for each value of some entries."""
     over: dict[str, list[Any]] = {}
     for key, values in options.over:
         over.setdefault(key, []).extend(values)
-    if not over and not options.physics:
-        raise InputError("nothing to vary; give --over KEY=VALUE,VALUE for an entry, or --physics")
+    if not over:
+        raise InputError("nothing to vary; give --over KEY=VALUE,VALUE for an entry")
     with run_line() as progress:
         result = pipeline.vary(
             options.scene,
             over,
             options.preset,
             given.settings_in(options),
-            physics=options.physics,
             own_laws=options.own_laws,
             out=options.kept,
             workers=options.workers,
             progress=progress,
         )
     frame = _critical_velocities(result)
+    counts = f"{result.points} points, computed on the contacts of {result.contacts}"
     return Result(
         result.as_dict(),
-        _variation_lines(result, frame),
+        [short(frame), "", counts],
         warned=result.warned,
         frames=[frame],
         draw=partial(pipeline.plot, result),
@@ -65,24 +62,6 @@ def _critical_velocities(result: Variations) -> pd.DataFrame:
         rows += [(name, variation.value, *row) for row in values]
     heads = "entry", "value", "load [N]", "critical velocity [m/s]", "change [%]", "outcome"
     return frame_of(heads, rows)
-
-
-def _variation_lines(result: Variations, frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
-    """The frame, and physics that the scene leaves out."""
-    yield short(frame)
-    yield ""
-    yield f"{result.points} points, computed on the contacts of {result.contacts}"
-    for state, group in itertools.groupby(
-        sorted(result.physics, key=lambda effect: _STATES.index(effect.state)),
-        key=lambda effect: effect.state,
-    ):
-        yield from ("", f"{state}:")
-        for effect in group:
-            yield f"  {effect.name}: {effect.size}"
-            if effect.certainty:
-                yield f"    certainty  {effect.certainty}"
-            if effect.entry:
-                yield f"    entry      {effect.entry}"
 
 
 def trade(options: argparse.Namespace) -> Result:

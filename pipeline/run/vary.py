@@ -21,7 +21,6 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.store.write import opened, stored
 from pipeline.sweep.model import PART_OF, Sweep, differing_inputs
-from pipeline.sweep.physics import Effect, physics_of
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report
 from pipeline.sweep.variants import Label, rows
@@ -61,9 +60,6 @@ class Variations:
     points: int
     contacts: int
     warned: Warned = NO_WARNING  #: Points that carry a warning, over all scenes.
-    #: Physics beside the half-spaces; where it can be sized its name is the key of a change, with
-    #: "without" before it where the scene counts it.
-    physics: tuple[Effect, ...] = ()
 
     def changes(self, variation: Variation) -> Array:
         """Relative change of the critical velocity at each load; NaN where there is none."""
@@ -100,11 +96,6 @@ class Variations:
             "points": self.points,
             "contacts": self.contacts,
             "warnings": self.warned.as_dict(),
-            "physics": [
-                {"key": effect.key[0]}
-                | {name: getattr(effect, name) for name in ("state", "size", "certainty", "entry")}
-                for effect in self.physics
-            ],
         }
 
 
@@ -114,7 +105,6 @@ def vary(
     preset: str | None = None,
     overrides: Mapping[str, Any] | None = None,
     tolerance: float = 0.01,
-    physics: bool = False,
     own_laws: bool = False,
     out: PathLike | None = None,
     workers: int | None = None,
@@ -141,9 +131,6 @@ def vary(
         See `pipeline.load_scene`.
     tolerance : float
         Relative error of the critical velocity, in addition to that of the scene's fidelity.
-    physics : bool
-        Add the physics beside the half-spaces: each effect that the scene counts left out, each
-        other one with a usual size.
     out : path, optional
         Store of the points, which is resumed if it is there, and kept; none is kept if not given.
     workers, client, progress : optional
@@ -175,8 +162,6 @@ def vary(
         for key, values in over.items()
         for value in _absolute(scene, key, values, overrides)
     }
-    effects = physics_of(sweep) if physics else ()
-    others |= {effect.key: effect.scene for effect in effects if effect.scene}
     variations = [("", ""), *others]
     scenes = [sweep, *others.values()]
     varied = _combine(sweep.variant(), variations, scenes)
@@ -197,7 +182,7 @@ def vary(
     )
     counts = len(done), len(contacts)
     loads = sweep.plane.loads
-    return Variations(sweep.about.title, loads, unvaried, tuple(rest), *counts, carried, effects)
+    return Variations(sweep.about.title, loads, unvaried, tuple(rest), *counts, carried)
 
 
 def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Iterable[Sweep]) -> Sweep:

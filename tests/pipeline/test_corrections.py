@@ -1,6 +1,5 @@
 """Physics beside the half-spaces: entries that cost no simulation, one for all answers."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -259,21 +258,6 @@ def test_a_disc_has_the_entries_of_its_scene():
     assert entries["disk.shaft_loss"] == "5 W/K"
     assert entries["pin.diameter"] == "100 mm"
     assert not any(".disc" in path or "stops" in path for path in entries)
-
-
-def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, irg):
-    (tmp_path / "plain.toml").write_text(SCENE)
-    command = ["vary", str(tmp_path / "plain.toml"), "--physics", "-q"]
-    command += ["--set", 'pin.stem={resistance="8 K/W"}', "--set", 'sweep.loads=["400 N"]']
-    command += ["--set", "increments=1", "--workers", "1"]
-    budget = irg(*command)
-    table, counted = budget.split("counted:\n", 1)
-    counted, could_be, not_sized = re.split("\n(?:could be counted|cannot be sized):\n", counted)
-    for name in ("without stem and holder", "earlier turns", "warming bulk", "oxide"):
-        assert f"\n{name}" in table
-    assert counted.count("  entry") == could_be.count("pin.stem") + 1 == 1
-    assert "plastic memory of the track: " in not_sized
-    assert "--physics" in irg(*command[:2], "-q", code=2)
 
 
 UNKNOWN = """

@@ -181,7 +181,7 @@ def test_without_all_extras_a_sweep_runs_and_is_resumed(store, tmp_path):
 
 def test_tests_of_the_core_need_no_extra():
     """`make core` runs all of them."""
-    rooms = "analysis/test_friction_curve", "scene/test_along", "sweep/test_physics"
+    rooms = "analysis/test_friction_curve", "scene/test_along", "scene/test_refusals"
     assert core.main([f"tests/pipeline/{name}.py" for name in rooms]) == 0
 
 

@@ -122,7 +122,6 @@ COMMANDS = [
     ["run", "-o", "out.zarr", "--accuracy", "5%"],
     ["point", *AT],
     ["vary", "--over", "friction.coefficient=0.09"],
-    ["vary", "--physics"],
     ["infer"],
     ["trade"],
 ]

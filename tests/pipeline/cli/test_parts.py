@@ -28,7 +28,7 @@ from pipeline.cli.next_steps import (
 from pipeline.cli.output import Result, _words_on, counted, failed_points, show
 from pipeline.cli.parser import parse
 from pipeline.cli.stores import _scene_status, _stores_and_scenes
-from pipeline.cli.studies import _critical_velocities, _variation_lines
+from pipeline.cli.studies import _critical_velocities
 from pipeline.cli.sweeps import _cost, _film, _library, _meaning, _unknown_inputs
 from pipeline.run.vary import Variation, Variations
 from pipeline.scene.facts import Span, facts_of
@@ -36,7 +36,6 @@ from pipeline.store.progress import FailedPoint
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.model import Point
-from pipeline.sweep.physics import Effect
 from pipeline.sweep.samples import Design, Draw
 from pipeline.sweep.stages import Progress
 from pipeline.sweep.unknown import Fixed, Unknown
@@ -488,11 +487,7 @@ def test_the_table_of_variations_has_a_row_for_each_value_and_load():
         Variation("pin.radius", "3 mm", (2.2, nan), ("crosses", "mild throughout")),
         Variation("friction.coefficient", "0.2", (1.0, 0.5), crosses),
     )
-    effects = (
-        Effect("warming bulk", "cannot be sized", "why", ""),
-        Effect("film", "could be counted", "10 nm", "an order", "disk.film"),
-    )
-    made = Variations("A scene", (200.0, 600.0), base, others, 12, 5, physics=effects)
+    made = Variations("A scene", (200.0, 600.0), base, others, 12, 5)
     frame = _critical_velocities(made)
     assert frame["entry"].tolist() == [
         "unchanged", "unchanged", "friction.coefficient", "friction.coefficient", "pin.radius",
@@ -501,13 +496,6 @@ def test_the_table_of_variations_has_a_row_for_each_value_and_load():
     np.testing.assert_allclose(frame["change [%]"], [nan, nan, -50.0, -50.0, 10.0, nan])
     assert frame["load [N]"].tolist() == [200.0, 600.0] * 3
     assert frame["outcome"].tolist()[-1] == "mild throughout"
-    _, *said = _variation_lines(made, frame)
-    assert said == [
-        "", "12 points, computed on the contacts of 5",
-        "", "could be counted:", "  film: 10 nm", "    certainty  an order",
-        "    entry      disk.film",
-        "", "cannot be sized:", "  warming bulk: why",
-    ]  # fmt: skip
 
 
 def test_scenes_are_files_that_extend_one_or_have_a_sweep(tmp_path):
