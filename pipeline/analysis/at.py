@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import math
 import secrets
-import shlex
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any
@@ -299,25 +298,22 @@ def _number(value: float | str) -> float:
 
 
 def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
-    """Say that an entry acts in the simulation, with the command that computes it."""
+    """Say that an entry acts in the simulation, or only after another run, and what to run."""
     if not (find_entry(path) or find_entry(path.rpartition(".")[0])):  # or a part of an entry
         return f"{path} is no entry of a scene{did_you_mean(path, dict(all_keys()))}"
     sweep = whole_sweep(ds)
-    scene, *words = sweep.about.arguments or (f"{sweep.about.name}.toml",)
-    changed = f"--set={path}="
-    run = ["irg", "run", scene, *(word for word in words if not word.startswith(changed))]
-    run.append(f"{changed}{value}")
     turns_pin = path.startswith("pin.") and sweep.scene.motion  # its wear spreads over its track
     if acts_later(path) and not turns_pin:
-        command = shlex.join([*run, "-o", ds.encoding.get("source", "STORE")])
         beside = needed_beside(path)
         also = f" (with {', '.join(beside)}, too, if the scene has none)" if beside else ""
         return (
-            f"{path} acts after the simulation, but --at does not take it: run {command}{also}, "
-            "which computes no point anew and judges the store by it"
+            f"{path} acts after the simulation, but --at does not take it: run the scene again "
+            f"with it{also} into the same store, which computes no point anew and judges by it"
         )
-    command = shlex.join([*run, "-o", "OTHER.zarr"])
     has = f"; it has several of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""
     if unknown := open_inputs(sweep):
         has = f"; its samples have {', '.join(unknown)}"
-    return f"{path} is not one of the entries that this sweep can be judged at{has}: run {command}"
+    return (
+        f"{path} is not one of the entries that this sweep can be judged at{has}; run the scene "
+        f"with {path} = {value} into another store"
+    )

@@ -20,6 +20,7 @@ from pipeline.analysis.field import Field, continued_friction, quantile
 from pipeline.analysis.model_error import Scatter, severe_share
 from pipeline.analysis.rise_error import RiseError
 from pipeline.analysis.transition import CROSSES, SEVERAL, Line, Turns, outcomes
+from pipeline.sweep.accuracy import MEASURES
 from pipeline.sweep.shown import shown
 from tribo.types import Array
 
@@ -113,6 +114,13 @@ class Margin:
         )
 
     @property
+    def decided_by(self) -> str | None:
+        """What kind of thing would decide the verdict; None if it is decided."""
+        if self.verdict != NOT_DECIDED:
+            return None
+        return what_decides(self.error, self.is_open_by_model, self.counts_inputs)
+
+    @property
     def sentence(self) -> str:
         """The answer for those who decide."""
         side = "below" if self.distance >= 0 else "above"
@@ -128,7 +136,10 @@ class Margin:
         """Return all values as plain data."""
         plain: dict[str, Any] = asdict(self)
         entries: dict[str, Any] = plain.pop("entries")
-        names = "verdict", "sentence", "temperature_error", "velocity_factor", "load_factor"
+        names = (
+            "verdict", "sentence", "decided_by", "temperature_error", "velocity_factor",
+            "load_factor",
+        )  # fmt: skip
         chances = {name: told(plain[name]) for name in ("probability", "lowest", "highest")}
         return {name: getattr(self, name) for name in names} | plain | chances | entries
 
@@ -141,6 +152,21 @@ def verdict_between(lowest: float, highest: float) -> str:
     if highest <= DECIDED[0]:
         return "mild"
     return "severe" if lowest >= DECIDED[-1] else NOT_DECIDED
+
+
+def what_decides(error: RiseError, is_open_by_model: bool, counts_inputs: bool = False) -> str:
+    """Say what kind of thing would decide a verdict that is not decided."""
+    if is_open_by_model:
+        inputs = "better known inputs, such as the critical temperature, or "
+        return f"{inputs * counts_inputs}a test there"
+    measured = f"its numerical error, which {MEASURES} measures"
+    parts = {
+        "more points there": error.interpolation,
+        measured if error.preset is None else "a finer preset": error.preset,
+        "what the warnings ask for": error.warned,
+    }
+    sizes = {kind: math.inf if part is None else part for kind, part in parts.items()}
+    return max(sizes, key=lambda kind: sizes[kind])
 
 
 def told(probability: float) -> float:

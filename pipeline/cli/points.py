@@ -7,12 +7,17 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import pipeline
-from pipeline.analysis.margin import NOT_DECIDED, percent, probabilities_alone, verdict_between
+from pipeline.analysis.margin import (
+    NOT_DECIDED,
+    percent,
+    probabilities_alone,
+    verdict_between,
+    what_decides,
+)
 from pipeline.analysis.model_error import USUAL, ModelError
 from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
 from pipeline.analysis.tables import frame_of, upright
-from pipeline.cli.given import conditions_in, one_scene_in, selected
-from pipeline.cli.next_steps import lines_on, point_that_decides
+from pipeline.cli.given import one_scene_in, selected
 from pipeline.cli.output import Result, working
 from pipeline.quantities import column_heads, display
 from pipeline.scene.facts import require_bearable_load
@@ -46,7 +51,7 @@ def point(options: argparse.Namespace) -> Result:
     relative = add_counted(alone, conditions)
     error = relative.times(scale)
     left_out = note_on_turns(sweep, options.load, options.velocity), note_on_wear(sweep)
-    judged, commands = None, list[str]()
+    judged, decided_by = None, None
     distance = None if critical is None else critical - decisive
     usual = sweep.about.model_scatter
     model = ModelError(usual=USUAL if usual is None else usual)
@@ -59,10 +64,9 @@ def point(options: argparse.Namespace) -> Result:
             lambda ratio: conditions.friction_factor(here * ratio),
         )  # fmt: skip
         judged = verdict_between(chances[0], chances[2])
-        by_model = verdict_between(chances[1], chances[1]) == NOT_DECIDED
-        if judged == NOT_DECIDED and not by_model:
-            about = distance, scale, conditions_in(options)
-            commands = point_that_decides(sweep, place, options.realization, *about)
+        if judged == NOT_DECIDED:
+            by_model = verdict_between(chances[1], chances[1]) == NOT_DECIDED
+            decided_by = what_decides(error, by_model)
     document = measures(sweep.scene, result.state) | {
         "velocity": options.velocity,
         "friction": conditions.friction,
@@ -78,13 +82,13 @@ def point(options: argparse.Namespace) -> Result:
         "molten": decisive > MELTS,
         "not_counted": "; ".join(filter(None, left_out)) or None,
         "wall_time": result.wall_time,
-        "next": commands,
+        "decided_by": decided_by,
         **selected(sweep),
     }
     values = document | {"load": options.load, "distance": distance}
     frame = frame_of([*_COLUMNS.values()], [[values[name] for name in _COLUMNS]])
     text = [*_point_lines(sweep, result, document, error), "", upright(frame)]
-    text += lines_on(commands, by_model=not commands) if judged == NOT_DECIDED else ()
+    text += [f"would decide it: {decided_by}"] if decided_by else []
     return Result(document, text, frames=[frame])
 
 

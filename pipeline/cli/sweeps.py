@@ -77,9 +77,9 @@ def run(options: argparse.Namespace) -> Result:
     if outcome.failed:
         text.append("try these again with: the same command and --retry-failed")
     elif outcome.done:
-        words = [str(out), *(["--criterion", own.reference, "--own-laws"] if own else [])]
-        commands = (shlex.join(["irg", name, *words]) for name in sweep.variants.answer_commands)
-        text.append(f"next: {', '.join(commands)}")
+        answer = "margin" if sweep_kind(judged) is Kind.PLACES else "boundary"
+        store = shlex.quote(str(out))
+        text.append(f"next: irg {answer} {store}, irg plot {store}")
     code = output.SOME_FAILED if outcome.failed else output.DONE
     return Result(document, text, pipeline.warned(judged), code=code)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,24 +23,22 @@ from pipeline.analysis.dataset import (
     sweep_kind,
 )
 from pipeline.analysis.field import Field, fields
-from pipeline.analysis.margin import NOT_DECIDED, Margin
+from pipeline.analysis.margin import Margin
 from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
-from pipeline.analysis.scenes import parts_of, scenes, words
+from pipeline.analysis.scenes import scenes, words
 from pipeline.analysis.tables import as_dict, notes_of, short, upright
 from pipeline.analysis.transition import (
-    BEYOND,
     CROSSES,
     SEVERAL,
-    UNKNOWN,
     in_words,
     outcomes,
 )
 from pipeline.cli.given import dataset_in, operating_points_in, table_in, values_in
-from pipeline.cli.next_steps import after_boundary, command_that_decides, lines_on, more_of_boundary
 from pipeline.cli.output import Result, counted, working
 from pipeline.quantities import shown_in
 from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
+from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.physics import note_on_ends
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
@@ -68,19 +65,10 @@ def margin(options: argparse.Namespace) -> Result:
     document |= _tell_basis([one.field for one in found], text)
     known = [one for one in found if one.margin]
     text += [] if is_one else _error_lines(known)
-    open_ = [one for one in known if one.known().verdict == NOT_DECIDED]
-    document["next"] = commands = _next(ds, options.store, open_)
-    if open_:
-        text += lines_on(commands, by_model=all(one.known().is_open_by_model for one in open_))
+    text += _deciding_lines(known)
     document["not_counted"] = note = _note_on_rows(ds, found)
     is_molten = is_one and any(one.known().decisive_temperature > MELTS for one in known)
     text += remarks("warning", note, MOLTEN * is_molten)
-    if is_one:
-        document["command"] = None
-        if any(_is_incomplete(one.known()) for one in known):
-            own = known[0].field.conditions.as_dict()
-            document["command"] = more_of_boundary(ds, options.store, own)
-            text.append(f"compute more of the boundary with: {document['command']}")
     return Result(document, text, pipeline.warned(ds), [table])
 
 
@@ -93,14 +81,13 @@ def _note_on_rows(ds: xr.Dataset, found: Sequence[Judged]) -> str | None:
     return next(filter(None, (note_on_wear(stored_sweep(row)) for row in rows)), None)
 
 
-def _next(ds: xr.Dataset, store: Path | str, undecided: Iterable[Judged]) -> list[str]:
-    """Commands that decide what is not decided, each once."""
-    decided = (
-        command_that_decides(ds, store, one.known(), one.field.conditions.as_dict())
-        for one in undecided
-        if not one.known().is_open_by_model
-    )
-    return [*filter(None, dict.fromkeys(decided))]
+def _deciding_lines(known: Iterable[Judged]) -> list[str]:
+    """What kinds of things would decide the verdicts that are not decided, with their counts."""
+    kinds = Counter(filter(None, (one.known().decided_by for one in known)))
+    if kinds.total() == 1:
+        return [f"would decide it: {next(iter(kinds))}"]
+    counts = ", ".join(f"{kind} ({count})" for kind, count in kinds.most_common())
+    return [f"would decide them: {counts}"] if counts else []
 
 
 def _place_lines(
@@ -179,13 +166,6 @@ def _tell_basis(some: Sequence[Field], text: list[str | pd.DataFrame]) -> Mappin
     return data
 
 
-def _is_incomplete(here: Margin) -> bool:
-    """A transition beyond the computed points, or across some that are not done."""
-    found = {"velocity": here.velocity_outcome, "load": here.load_outcome}
-    is_beyond = any(outcomes(axis)[code] == found[axis] for axis in found for code in BEYOND)
-    return is_beyond or here.velocity_bridged + here.load_bridged > 0
-
-
 def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities and loads, and the band of their errors."""
     ds = dataset_in(options)
@@ -194,7 +174,7 @@ def boundary(options: argparse.Namespace) -> Result:
         return _row_boundaries(ds)
     with working("finding the boundary"):
         crossings = pipeline.boundary(ds)
-    command, tests = None, None
+    tests = None
     document = document_of(crossings)
     drawn = [one.path for one in stored_sweep(ds).variants.unknown]
     text: list[str | pd.DataFrame] = [judged_by(map(read_conditions, scenes(ds)), drawn)]
@@ -204,16 +184,14 @@ def boundary(options: argparse.Namespace) -> Result:
     if kind is Kind.SAMPLES:
         document |= _tell_basis(fields(ds), text)
     else:
-        command = _command(crossings, options.store, ds)
         left_out.append(turns_left_out(ds, crossings))
         # Of several values of a condition none is that of a test which gives none.
         tests = laboratory.compared(ds.isel(dict.fromkeys(judged_dims(ds), 0)))
-        text += ["", f"compute more of the boundary with: {command}"] if command else []
     text += [part for warning in remarks("warning", *left_out) for part in ("", warning)]
     if kind is not Kind.SAMPLES:
         text += [] if tests is None else ["", *laboratory.test_parts(tests)]
-        text += after_boundary(scene_sweep(ds), options.store)
-    document |= {"command": command, "not_counted": "; ".join(filter(None, left_out)) or None}
+        text.append(error_in_words(scene_sweep(ds)))
+    document["not_counted"] = "; ".join(filter(None, left_out)) or None
     if tests is not None:
         document["tests"] = as_dict(tests)
     return Result(document, text, pipeline.warned(ds), frames.frames_of(crossings))
@@ -256,12 +234,3 @@ def document_of(crossings: xr.Dataset) -> dict[str, Any]:
     missing = frames.missing_points(crossings)
     told = {"conditions": conditions, "model_error": held["model_error"]}
     return document | told | {"missing_points": missing}
-
-
-def _command(crossings: xr.Dataset, store: Path | str, ds: xr.Dataset) -> str | None:
-    """The command that computes points of the boundary that are missing; None if none are."""
-    for _, part in parts_of(crossings):
-        is_beyond = part["outcome_at_load"].isin((*BEYOND, UNKNOWN)).any()
-        if is_beyond or part["bridged_at_load"].any():
-            return more_of_boundary(ds, store, part.attrs)
-    return None

@@ -5,6 +5,9 @@ from __future__ import annotations
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import PRESET_BOUNDS, preset_of
 
+MEASURES = "irg run SCENE -o STORE --measure"
+"""Command that measures the error of a fidelity."""
+
 
 def velocity_error(sweep: Sweep) -> float | None:
     """Largest known relative error of the boundary velocity: measured, or of the preset."""
@@ -19,7 +22,7 @@ def error_in_words(sweep: Sweep) -> str:
         return str(selection)
     error = velocity_error(sweep)
     if error is None:
-        return "how far boundary velocities err is not known: --accuracy measures it"
+        return f"how far boundary velocities err is not known; {MEASURES} measures it"
     return (
         f"boundary velocities may err by up to {100 * error:g} %, which preset {_preset(sweep)} "
         "keeps to on most scenes"

@@ -162,13 +162,6 @@ class Variants:
         """True if all rows share a plane, so that none has its own place."""
         return self.velocities is None and self._places("load") is None
 
-    @property
-    def answer_commands(self) -> tuple[str, ...]:
-        """Commands that answer first, by what the rows are: samples, planes or single points."""
-        if self.draw:
-            return "boundary", "sensitivity"
-        return ("boundary" if self.has_plane else "margin"), "plot"
-
     def _places(self, name: str) -> tuple[Any, ...] | None:
         return next((column.values for column in self.columns if column.name == name), None)
 

@@ -3,7 +3,6 @@
 import functools
 import itertools
 import json
-import shlex
 from dataclasses import replace
 
 import numpy as np
@@ -134,7 +133,7 @@ def judged_case(name, changes):
     return _judged(name, tuple(changes.items()))
 
 
-def test_the_command_that_is_named_computes_what_was_beyond(tmp_path, monkeypatch, capsys):
+def test_a_search_under_other_conditions_computes_what_was_beyond(tmp_path, monkeypatch, capsys):
     rate = "2e-6 mm^3/(N m)"
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scenes").mkdir()
@@ -148,12 +147,14 @@ def test_the_command_that_is_named_computes_what_was_beyond(tmp_path, monkeypatc
     ask += ["150 degC"]
     assert main(ask) == 0
     document = json.loads(capsys.readouterr().out)
-    assert set(document["outcome_at_load"]) & {outcomes("velocity")[code] for code in BEYOND}
-    assert main([*shlex.split(document["command"])[1:], "-q", "--workers", "1"]) == 0
+    assert set(document["outcome_at_load"]) & {
+        outcomes("velocity")[code] for code in (ABOVE, BELOW)
+    }
+    run += ["--set", "friction.coefficient=0.085", "--set", "temperature.critical=150 degC"]
+    assert main([*run, "-q", "--workers", "1"]) == 0
     capsys.readouterr()
     assert main(ask) == 0
     again = json.loads(capsys.readouterr().out)
-    assert again["command"] is None
     sweep = pipeline.load_scene(scene, "draft", {"wear.specific_wear_rate": rate})
     conditions = sweep.conditions.changed(friction=0.085, critical_temperature=423.15)
     for load, velocity in zip(again["load"], again["critical_velocity"], strict=True):

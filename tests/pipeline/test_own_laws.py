@@ -165,7 +165,7 @@ def test_the_scene_of_the_page_runs(folder, irg):
         irg(*shlex.split(command)[1:], *([] if " boundary " in command else few), "-q")
         for command in commands
     ]
-    assert any("criterion laws:hottest" in line for line in said)
+    assert any("criterion: laws:hottest" in line for line in said)
 
 
 @pytest.mark.parametrize(

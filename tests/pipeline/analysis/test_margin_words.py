@@ -125,6 +125,34 @@ def test_what_the_model_leaves_open_is_told_from_the_numerical_error(
     assert (found.verdict, found.is_open_by_model) == (verdict, by_model)
 
 
+@pytest.mark.parametrize(
+    ("error", "changes", "kind"),
+    [
+        ((1.0, 2.0, 0.0), {}, "a finer preset"),
+        ((3.0, 2.0, 1.0), {}, "more points there"),
+        ((0.0, 2.0, 2.5), {}, "what the warnings ask for"),
+        ((3.0, 2.0, None), {}, "what the warnings ask for"),
+        (
+            (3.0, None, 1.0),
+            {},
+            "its numerical error, which irg run SCENE -o STORE --measure measures",
+        ),
+        ((None, 2.0, 1.0), {}, "more points there"),
+        ((3.0, 2.0, 1.0), {"probability": 0.3}, "a test there"),
+        (
+            (3.0, 2.0, 1.0),
+            {"probability": 0.3, "counts_inputs": True},
+            "better known inputs, such as the critical temperature, or a test there",
+        ),
+        ((3.0, 2.0, 1.0), {"highest": 0.03}, None),  # mild
+    ],
+)
+def test_what_is_not_decided_says_what_kind_of_thing_would_decide_it(here, error, changes, kind):
+    open_ = {"lowest": 0.0, "probability": 0.02, "highest": 0.5, "error": RiseError(*error)}
+    found = changed(here, **open_ | changes)
+    assert found.decided_by == found.as_dict()["decided_by"] == kind
+
+
 def test_plain_data_have_the_answers_and_the_values_of_entries(here):
     found = changed(here, probability=0.0, highest=1.0, entries={"pin.radius": 2e-3})
     plain = found.as_dict()

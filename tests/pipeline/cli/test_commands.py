@@ -107,7 +107,7 @@ def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     assert "the velocity is negative, so the disk slides towards −x" in said
 
 
-def test_a_point_within_its_error_is_not_decided_and_the_next_command_is_named(
+def test_a_point_within_its_error_is_not_decided_and_what_would_decide_it_is_said(
     scene, store, irg, irg_both
 ):
     """By the numerical error alone: the model has none of its own here."""
@@ -125,11 +125,8 @@ def test_a_point_within_its_error_is_not_decided_and_the_next_command_is_named(
     assert near["temperature_error"] == pytest.approx(expected, rel=1e-6)
     in_store = irg("margin", store, *place[2:6], "--critical-temperature", critical, "--json")
     assert in_store["temperature_error"] == pytest.approx(expected, rel=1e-6)
-    (command,) = near["next"]
-    assert command.startswith("irg point ")
-    assert "--accuracy=1%" in command
-    assert "--set=temperature.critical=" in command
-    assert f"not decided; next: {command}" in said
+    assert near["decided_by"] == "a finer preset"
+    assert "\nwould decide it: a finer preset\n" in said
     own = irg(*place, "--set", "increments=7", "--json")
     assert own["selection"]["name"] == "the scene's own fidelity"
     probed = max(own["selection"]["error"], own["selection"]["coarser"])
@@ -193,7 +190,7 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
         irg(*point, *words) for words in (options, [f"--set={entry}" for entry in same])
     )
     for document in (by_option, by_setting):
-        del document["wall_time"], document["next"]
+        del document["wall_time"]
     assert by_option == by_setting
     assert by_option["failed_fraction"] > 0.05
     document = irg(*point, "--friction", 0)

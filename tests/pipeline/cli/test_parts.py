@@ -3,7 +3,6 @@
 import argparse
 import json
 import math
-import shlex
 import sys
 from argparse import ArgumentTypeError as Refused
 from dataclasses import replace
@@ -16,26 +15,16 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.analysis.dataset import scene_sweep, stored_sweep
 from pipeline.cli import given, output, stores, values
 from pipeline.cli.begin import new
-from pipeline.cli.next_steps import (
-    after_boundary,
-    lines_on,
-    more_of_boundary,
-    point_that_decides,
-)
 from pipeline.cli.output import Result, _words_on, counted, failed_points, show
-from pipeline.cli.parser import parse
 from pipeline.cli.stores import _scene_status, _stores_and_scenes
 from pipeline.cli.studies import _critical_velocities
 from pipeline.cli.sweeps import _cost, _film, _library, _meaning, _unknown_inputs
 from pipeline.run.vary import Variation, Variations
 from pipeline.scene.facts import Span, facts_of
 from pipeline.store.progress import FailedPoint
-from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import FromLibrary
-from pipeline.sweep.model import Point
 from pipeline.sweep.samples import Design, Draw
 from pipeline.sweep.stages import Progress
 from pipeline.sweep.unknown import Fixed, Unknown
@@ -398,83 +387,6 @@ def _cost_of_samples():
     said = dict(_cost(samples(8), cost, searched=False))
     assert said["disk"] == "about 1 MB"
     return said["points"]
-
-
-# The next command
-
-
-def test_commands_are_listed_five_at_most_and_their_number_is_told():
-    commands = [f"irg point {k}" for k in range(7)]
-    said = [*lines_on(commands, by_model=False)]
-    assert said[:5] == [f"not decided; next: irg point {k}" for k in range(5)]
-    assert said[5:] == ["and 2 more commands, which --json lists"]
-    assert len([*lines_on(commands[:5], by_model=False)]) == 5
-    assert [*lines_on([], by_model=False)] == [
-        "no accuracy decides this: the point is within its error of the boundary"
-    ]
-    assert len([*lines_on(commands, by_model=True)]) == 1
-
-
-def told(**values):
-    return synthetic.sweep(arguments=("a scene.toml",), **values)
-
-
-def test_the_command_after_a_boundary_names_its_error_and_a_better_accuracy():
-    (line,) = after_boundary(stored_sweep(told(preset="draft")), "look.zarr")
-    assert line == (
-        "preset draft: velocities may err by up to 8 %, as irg trade measures on a scene; next: "
-        "irg run 'a scene.toml' --accuracy=2% -o look_accurate.zarr"
-    )
-
-
-@pytest.mark.parametrize(
-    ("conditions", "settings"),
-    [
-        ({}, []),
-        ({"friction": 0.12}, ["--set=friction.coefficient=0.12"]),
-        ({"critical_temperature": 423.15}, ["--set=temperature.critical=150 degC"]),
-        ({"bulk_temperature": 323.15}, ["--set=temperature.bulk=50 degC"]),
-        ({"failing_share": 0.2}, ["--set=temperature.failing_share=0.2"]),
-        ({"criterion": "mean"}, ["--set=temperature.criterion=mean"]),
-    ],
-)
-def test_other_conditions_are_entries_of_the_next_run(conditions, settings):
-    ds = told()
-    command = more_of_boundary(ds, "out.zarr", synthetic.CONDITIONS | conditions)
-    words = parse(shlex.split(command)[1:])
-    assert [f"--set={key}={value}" for key, value in words.set] == settings
-    assert words.boundary_only is not None
-    assert words.output == Path("out.zarr")
-
-
-def test_missing_points_are_run_as_they_were_asked_for():
-    pending = more_of_boundary(told(status={(400.0, 2.0): PENDING}), "out.zarr", {"friction": 0.2})
-    assert pending == "irg run 'a scene.toml' -o out.zarr"
-    failed = more_of_boundary(told(status={(400.0, 2.0): FAILED}), "out.zarr", {})
-    assert failed == "irg run 'a scene.toml' -o out.zarr --retry-failed"
-    picked = told(selection=synthetic.selection(accuracy=0.03), status={(400.0, 2.0): PENDING})
-    assert "--accuracy=0.03" in more_of_boundary(picked, "out.zarr", {})
-
-
-@pytest.mark.parametrize(
-    ("preset", "distance", "accuracy"),
-    [
-        ("draft", 30.0, "5%"),  # 8 % of 100 K are 8 K, 5 % are enough
-        ("draft", 3.0, "2%"),
-        ("draft", 1.0, "1%"),
-        ("draft", 0.5, "1%"),  # the finest, though it may not be enough
-        ("draft", -3.0, "2%"),
-        ("fine", 5.0, None),  # nothing is finer
-        ("standard", 2.5, "2%"),
-        (None, 5.0, "2%"),
-    ],
-)
-def test_the_loosest_accuracy_that_decides_is_suggested(preset, distance, accuracy):
-    sweep = scene_sweep(told(preset=preset))
-    place = Point(400.0, 2.0)
-    commands = point_that_decides(sweep, place, None, distance, 100.0, ())
-    found = [word for one in commands for word in one.split() if word.startswith("--accuracy=")]
-    assert found == ([f"--accuracy={accuracy}"] if accuracy else [])
 
 
 # Studies, stores and beginnings

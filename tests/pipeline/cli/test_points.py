@@ -51,34 +51,6 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
     assert "load is 9000 N; the sweep has" in beyond["note"]
 
 
-@pytest.mark.parametrize(("missing", "axis"), [((450.0, 2.0), "load"), ((400.0, 2.25), "velocity")])
-def test_a_transition_across_a_missing_point_names_the_command_that_computes_it(
-    monkeypatch, irg, missing, axis
-):
-    ds = synthetic.sweep(status={missing: 0}, arguments=("scene.toml",))
-    monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
-    friction = 120.0 / synthetic.rise(*missing, 0.9)
-    place = ("--load", "400 N", "--velocity", "2 m/s", "--friction", friction)
-    document = irg("margin", "out.zarr", *place, "--json")
-    bridged = {name: document[f"{name}_bridged"] for name in ("load", "velocity")}
-    assert bridged == {"load": 0, "velocity": 0} | {axis: 1}
-    assert document["command"].startswith("irg run scene.toml -o out.zarr")
-    assert document["command"] in irg("margin", "out.zarr", *place)
-
-
-@pytest.mark.parametrize(("missing", "is_across"), [((450.0, 1.75), True), ((450.0, 3.0), False)])
-def test_a_boundary_across_a_missing_point_of_one_load_names_the_command(
-    monkeypatch, irg, missing, is_across
-):
-    """At 450 N wear turns at 1.67 m/s, at friction 0.1085."""
-    loads = (400.0, 450.0, 500.0)
-    ds = synthetic.sweep(loads, status={missing: 0}, arguments=("scene.toml",))
-    monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
-    document = irg("boundary", "out.zarr", "--friction", "0.1085", "--json")
-    command = "irg run scene.toml -o out.zarr" if is_across else None
-    assert document["command"] == command
-
-
 def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, irg):
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s]\n400,2\n\n-1,2\n400,fast\n400\n")

@@ -45,7 +45,8 @@ def test_a_value_that_a_store_is_judged_at_has_its_unit(irg, monkeypatch):
         path, _, number = entry.partition("=")
         said = judged(entry, code=2)
         assert f"--at: {path} is {number}, without a unit; give one such as" in said
-    assert "run irg run" in judged("pin.radius=3 mm", code=2)
+    said = judged("pin.radius=3 mm", code=2)
+    assert "run the scene with pin.radius = 3 mm into another store" in said
     said = judged("temperature.critical=150 degC", "friction.coefficient=0.12")
     assert "above 150 °C; friction 0.12, bulk 25 °C" in said
     same = irg("boundary", "out.zarr", "--critical-temperature=150 degC", "--friction=0.12")

@@ -8,10 +8,9 @@ import pipeline
 from pipeline.analysis.margin_frame import judged
 from pipeline.analysis.rise_error import RiseError
 from pipeline.cli.verdicts import (
+    _deciding_lines,
     _error_lines,
-    _is_incomplete,
     _margin_lines,
-    _next,
     _place_lines,
     _table_lines,
 )
@@ -101,25 +100,6 @@ def test_lines_along_velocity_and_load_tell_what_is_known_beyond_the_outcome(her
     assert not [line for line in _margin_lines(unlike) if line.startswith("in velocity: ")]
 
 
-@pytest.mark.parametrize(
-    ("changes", "is_incomplete"),
-    [
-        ({}, False),
-        ({"velocity_outcome": "mild throughout"}, False),
-        ({"velocity_outcome": "mild at every velocity computed"}, True),
-        ({"load_outcome": "severe at every load computed"}, True),
-        ({"velocity_outcome": "mild at every load computed"}, False),  # no outcome of a velocity
-        ({"velocity_bridged": 1}, True),
-        ({"load_bridged": 2}, True),
-    ],
-)
-def test_more_points_would_tell_a_transition_beyond_or_across_those_that_are_done(
-    here, changes, is_incomplete
-):
-    known = {"velocity_outcome": "crosses", "load_outcome": "crosses"}
-    assert _is_incomplete(changed(here, **known | changes)) == is_incomplete
-
-
 def test_a_place_that_is_not_known_has_its_reason(found):
     ds = synthetic.sweep()
     document, text = _place_lines(ds, found[:1])
@@ -163,23 +143,18 @@ def test_errors_of_a_table_are_told_once(found):
     assert _error_lines([known[0], other])[0].endswith(" or another")
 
 
-def test_commands_that_decide_are_each_told_once_and_none_where_the_model_leaves_it_open(
-    found, monkeypatch
-):
-    ds = synthetic.sweep()
-    open_ = changed(found[0].margin, lowest=0.01, probability=0.02, highest=0.5)
-    by_model = changed(open_, lowest=0.3, probability=0.4)
-    assert not open_.is_open_by_model
-    assert by_model.is_open_by_model
-    told = []
+def test_what_would_decide_verdicts_is_told_by_its_kind_and_counted(found):
+    numerical = changed(found[0].margin, lowest=0.01, probability=0.02, highest=0.5)
+    by_model = changed(numerical, lowest=0.3, probability=0.4)
+    between = changed(numerical, error=RiseError(3.0, 2.0, 0.0))
+    at_point = changed(numerical, error=RiseError(0.0, 2.0, 0.0))
 
-    def command(of, store, margin, conditions):
-        told.append((margin, conditions["friction"]))
-        return f"irg run {store}"
+    def lines(*margins):
+        return _deciding_lines([found[0]._replace(margin=one) for one in margins])
 
-    monkeypatch.setattr("pipeline.cli.verdicts.command_that_decides", command)
-    some = [found[0]._replace(margin=one) for one in (open_, open_, by_model)]
-    assert _next(ds, "a.zarr", some) == ["irg run a.zarr"]
-    assert told == [(open_, 0.1)] * 2
-    monkeypatch.setattr("pipeline.cli.verdicts.command_that_decides", lambda *_: None)
-    assert _next(ds, "a.zarr", some) == []
+    assert lines(found[0].margin) == []
+    assert lines(found[0].margin, between) == ["would decide it: more points there"]
+    assert lines(at_point) == ["would decide it: a finer preset"]
+    assert lines(between, by_model, by_model) == [
+        "would decide them: a test there (2), more points there (1)"
+    ]
