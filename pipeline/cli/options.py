@@ -206,12 +206,6 @@ GIVEN_MEASURED = flag("--given-measured", "{at.given_measured}")
 WEIGHED = (GIVEN_MEASURED, SCATTER)
 JUDGED = (AT, CONDITIONS, OWN_LAWS)
 
-OF_TRADE = (
-    *OF_SCENE,
-    Option("--base", metavar="NAME", default="fine", help="{trade.base}"),
-    FIGURE_OR_TABLE,
-)
-
 OF_PLOT = (
     Option(
         "--kind", default="diagram",

@@ -80,7 +80,7 @@ COMMANDS = (
     ),
     Command(
         "trade", "studies:trade", "measure speed against accuracy",
-        "scene.toml -o trade.png", o.OF_TRADE,
+        "scene.toml -o trade.png", (*o.OF_SCENE, o.FIGURE_OR_TABLE),
     ),
     Command(
         "plot", "figures:plot", "draw a figure of a store",

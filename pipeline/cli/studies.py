@@ -66,6 +66,6 @@ def _critical_velocities(result: Variations) -> pd.DataFrame:
 
 def trade(options: argparse.Namespace) -> Result:
     """Measure speed against accuracy on a scene."""
-    measured = pipeline.trade(given.scene_in(options), base=options.base, progress=tell)
+    measured = pipeline.trade(given.scene_in(options), progress=tell)
     draw = partial(pipeline.plot, measured)
     return Result(measured.as_dict(), [str(measured)], frames=[measured.table], draw=draw)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Sequence
-from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from pipeline.figures import style
-from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.run.vary import Variation, Variations
 from pipeline.scene.units import typeset
 from pipeline.tradeoff.trade import Choice, Trade
@@ -128,8 +127,6 @@ def _bar(
 
 
 _LEAST_ERROR = 1e-4  # the smallest error that is told apart from none
-_MARKERS = ("o", "s", "^", "v", "<", ">", "P", "X", "p", "h")
-_MARKER_COLOURS = (GREEN, PURPLE, ORANGE, SKY, GREY)
 
 
 @style.house_style
@@ -143,9 +140,8 @@ def draw_trade(trade: Trade) -> Figure:
         drawstyle="steps-post", color=BLUE, lw=style.THIN, gid="front",
         label="no other choice is both faster and nearer",
     )  # fmt: skip
-    varied = [choice for choice in choices if choice.varied]
     presets = [choice for choice in choices if choice.name in PRESETS]
-    others = [choice for choice in choices if choice not in varied and choice not in presets]
+    others = [choice for choice in choices if choice not in presets]
     for label, of_kind, marker, colour in (
         ("presets", presets, "D", VERMILION),
         ("the scene's own", others, "s", BLACK),
@@ -160,7 +156,6 @@ def draw_trade(trade: Trade) -> Figure:
             choice.name, (_work(choice), _error(choice)), (-8, -4), textcoords="offset points",
             ha="right", va="top", fontweight="bold", path_effects=style.HALO,
         )  # fmt: skip
-    _draw_varied(axes, varied)
     axes.margins(0.12)
     axes.set_xlabel("work, in % of that of the reference")
     axes.set_ylabel("largest error of the boundary velocity")
@@ -169,23 +164,8 @@ def draw_trade(trade: Trade) -> Figure:
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
     style.write_title(axes, style.as_text(f"Speed against accuracy: {trade.title}"))
-    title = f"open marks: one choice of {trade.base} varied, to the values from left to right"
-    style.legend_below(figure, title=title if varied else None)
+    style.legend_below(figure)
     return figure
-
-
-def _draw_varied(axes: Axes, varied: Sequence[Choice]) -> None:
-    """Mark the values of each numerical choice that was varied alone."""
-    fields = sorted({choice.varied for choice in varied if choice.varied})
-    looks = zip(cycle(_MARKERS), cycle(_MARKER_COLOURS), strict=False)
-    for field, (marker, colour) in zip(fields, looks, strict=False):
-        of_field = [choice for choice in varied if choice.varied == field]
-        of_field.sort(key=lambda choice: -choice.saving)
-        values = ", ".join(choice.name.partition(" = ")[2] for choice in of_field)
-        axes.plot(
-            *_places(of_field), ls="none", marker=marker, mfc="none", mec=colour,
-            label=f"{field.replace('_', ' ')} {values}", gid=field,
-        )  # fmt: skip
 
 
 def _places(choices: Sequence[Choice]) -> tuple[list[float], list[float]]:

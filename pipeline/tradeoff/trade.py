@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
 import pandas as pd
@@ -34,7 +34,6 @@ from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
 _USUAL = ("draft", "standard", "fine")
 _LOADS = 4
-_SAVES, _MOVES = 1.1, 0.002  # a choice is wasted that saves so much, and moves so little
 _BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # errors, for each of which the cheapest is named
 _HEADS = (
     "name", "velocity error [%]", "rise error [%]", "width error [%]", "share error",
@@ -48,8 +47,7 @@ _OF_PROBE = "fidelity", "seconds", "convolutions", "work", "peak_bytes"
 class Choice:
     """One fidelity against the reference."""
 
-    name: str  # a preset's, or what is varied in it
-    varied: str | None  # field of the fidelity
+    name: str  # a preset's, or "as in the scene"
     fidelity: Fidelity
     velocity_errors: tuple[float, ...]  # relative, of the boundary at each point, with sign
     # Largest at any point, without sign: relative, but for the failed share.
@@ -70,25 +68,6 @@ class Choice:
     saving: float
 
 
-@dataclass(frozen=True, slots=True)
-class Wasted:
-    """A numerical choice that costs much and gains nothing."""
-
-    preset: str
-    field: str  # field of the fidelity
-    value: Any  # that the preset has
-    cheaper: Any  # value that would do
-    saving: float  # factor by which it takes less work
-    moves: float  # largest relative change of the boundary velocity by it
-
-    def __str__(self) -> str:
-        return (
-            f"{self.field} = {_shown(self.value)} of {self.preset!r}: with {_shown(self.cheaper)} "
-            f"the work is {self.saving:.2g} times less, and the boundary moves by "
-            f"{100 * self.moves:.2f} %"
-        )
-
-
 @shown
 @dataclass(frozen=True, slots=True)
 class Trade:
@@ -97,9 +76,7 @@ class Trade:
     drawn_by: ClassVar = "pipeline.figures.studies:draw_trade"
     title: str  #: Title of the scene.
     points: tuple[Point, ...]  #: Points at which the errors are measured.
-    base: str  #: Preset that was varied.
     choices: tuple[Choice, ...]  #: Fidelities that were measured, the reference last.
-    wasted: tuple[Wasted, ...]  #: Choices of the base that cost much and gain nothing.
     not_converged: tuple[str, ...] = ()  #: Choices that did not converge, and why.
 
     @property
@@ -155,21 +132,14 @@ class Trade:
                 f"cheapest within {100 * bound:g} %: {self.cheapest(bound).name}"
                 for bound in _BOUNDS
             ),
-            *(f"wasted: {finding}" for finding in self.wasted),
             *(f"no result: {reason}" for reason in self.not_converged),
         ]
         return "\n".join(lines)
 
 
-def _shown(value: Any) -> str:
-    """A value for printing."""
-    return f"{value:g}" if isinstance(value, float) else str(value)
-
-
 def trade(
     sweep: SceneLike,
     presets: Sequence[str] = _USUAL,
-    base: str | None = "fine",
     loads: Sequence[float | str] | None = None,
     progress: Report | None = None,
     own_laws: bool = False,
@@ -183,8 +153,6 @@ def trade(
         is a preset.
     presets : sequence of str
         Presets to compare with ``reference``.
-    base : str, optional
-        Preset whose numerical choices are varied, one at a time. None for none.
     loads : sequence of float or str, optional
         Loads at which to look at the boundary [N], or text with a unit; four of the sweep's if
         not given.
@@ -203,11 +171,10 @@ def trade(
     Examples
     --------
     >>> import pipeline
-    >>> print(pipeline.trade("first_try", presets=["draft"], base=None))  # doctest: +SKIP
+    >>> print(pipeline.trade("first_try", presets=["draft"]))  # doctest: +SKIP
     """
     sweep = sweep_of(sweep, own_laws)
-    named = (*presets, *([base] if base else []))
-    for name in named:
+    for name in presets:
         if name not in PRESETS:
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
     if not math.isfinite(rise_limit(sweep.conditions)):
@@ -216,28 +183,26 @@ def trade(
     asked = asked or [*some_places(sweep.changed(variants=Variants()), _LOADS)]
     places, exponents = near_the_boundary(sweep, asked)
     stages = staged(
-        _candidates(sweep, named, base),
+        [*_candidates(sweep, presets).items()],
         progress or silent,
         name=lambda stage: stage[0],
-        weight=lambda stage: _work(stage[2]),
+        weight=lambda stage: _work(stage[1]),
     )
-    _, _, exact = next(stages)
+    _, exact = next(stages)
     reference = probe(sweep, exact, places, with_memory=True)
     choices, failed = [], []
-    for name, varied, fidelity in stages:
+    for name, fidelity in stages:
         try:
             tried = probe(sweep, fidelity, places, with_memory=True)
         except ConvergenceError as error:
             failed.append(f"{name}: {error}")
         else:
-            choices.append(_choice(name, varied, tried, reference, exponents))
-    choices.append(_choice("reference", None, reference, reference, exponents))
+            choices.append(_choice(name, tried, reference, exponents))
+    choices.append(_choice("reference", reference, reference, exponents))
     return Trade(
         title=sweep.about.title,
         points=places,
-        base=base or "",
         choices=tuple(choices),
-        wasted=_wasted(choices, base),
         not_converged=tuple(failed),
     )
 
@@ -248,52 +213,18 @@ def _work(fidelity: Fidelity) -> float:
     return (coarse + 1) / fidelity.pixels_per_element**2
 
 
-def _candidates(
-    sweep: Sweep, presets: Sequence[str], base: str | None
-) -> list[tuple[str, str | None, Fidelity]]:
-    """Name, varied field and fidelity of all that is to be measured, the reference first.
-
-    Each fidelity stands there once, with its first name.
-    """
-    candidates: list[tuple[str, str | None, Fidelity]] = [
-        (name, None, dividing_pixels(sweep, PRESETS[name])) for name in ("reference", *presets)
-    ]
+def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
+    """Fidelities to measure, by their names: the reference first, each once."""
+    named = {name: dividing_pixels(sweep, PRESETS[name]) for name in ("reference", *presets)}
     if sweep.about.preset is None:
-        candidates.append(("as in the scene", None, sweep.scene.fidelity))
-    if base:
-        start = dividing_pixels(sweep, PRESETS[base])
-        for field, values in _variations(start, sweep.scene.unequal_bulks).items():
-            for value in values:
-                changed = dividing_pixels(sweep, replace(start, **{field: value}))
-                candidates.append((f"{base}, {field} = {_shown(value)}", field, changed))
-    first: dict[Fidelity, tuple[str, str | None, Fidelity]] = {}
-    for candidate in candidates:
-        first.setdefault(candidate[2], candidate)
-    return [*first.values()]
+        named["as in the scene"] = sweep.scene.fidelity
+    names: dict[Fidelity, str] = {}
+    for name, fidelity in named.items():
+        names.setdefault(fidelity, name)
+    return {name: fidelity for fidelity, name in names.items()}
 
 
-def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ...]]:
-    """Values to try of each field alone, as far as they go with unequal bulk temperatures."""
-    block, coarsening = start.pixels_per_element, start.history_coarsening
-    steps = start.increments
-    return {
-        "pixels_per_element": (2 * block, 4 * block),
-        "averaging": ("mean", "sample") if block > 1 else (),
-        "history_coarsening": (max(1, coarsening // 2), 2 * coarsening, 4 * coarsening),
-        "increments": (*sorted({max(1, steps // 10), max(1, steps // 4), 2 * steps}),),
-        "wear_scheme": ("implicit", "sdirk2"),
-        "contact_tolerance": (
-            float(f"{start.contact_tolerance / 30:.0e}"), min(1.0, start.contact_tolerance * 10)
-        ),
-        "partition": () if unequal_bulks else ("uniform",),
-        "heat_tolerance": (start.heat_tolerance / 100, min(0.1, start.heat_tolerance * 100)),
-        "kernel": ("nearest-image",),
-    }  # fmt: skip
-
-
-def _choice(
-    name: str, varied: str | None, measured: Probe, reference: Probe, exponents: Sequence[float]
-) -> Choice:
+def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[float]) -> Choice:
     """A choice against the reference."""
     errors = velocity_errors(measured.readings, reference.readings, exponents)
 
@@ -306,7 +237,6 @@ def _choice(
 
     return Choice(
         name=name,
-        varied=varied,
         velocity_errors=errors,
         velocity_error=max(map(abs, errors)),
         rise_error=abs(largest("rise")),
@@ -319,20 +249,3 @@ def _choice(
         speedup=reference.seconds / max(measured.seconds, 1e-9),
         saving=reference.work / max(measured.work, 1.0),
     )
-
-
-def _wasted(choices: Sequence[Choice], base: str | None) -> tuple[Wasted, ...]:
-    """Choices of the base that cost much and gain nothing, the costliest of each field first."""
-    start = next((choice for choice in choices if choice.name == base), None)
-    if start is None:
-        return ()
-    costliest: dict[str, Wasted] = {}
-    for choice in sorted(choices, key=lambda choice: choice.work):
-        saving = start.work / choice.work
-        pairs = zip(choice.velocity_errors, start.velocity_errors, strict=True)
-        moves = max(abs(one - other) for one, other in pairs)
-        if choice.varied and saving >= _SAVES and moves <= _MOVES:
-            value, cheaper = (getattr(one.fidelity, choice.varied) for one in (start, choice))
-            found = Wasted(start.name, choice.varied, value, cheaper, saving, moves)
-            costliest.setdefault(choice.varied, found)
-    return tuple(costliest.values())

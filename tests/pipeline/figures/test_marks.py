@@ -268,11 +268,11 @@ def test_where_each_entry_has_one_value_bars_end_in_their_changes():
     assert 1.5 < one.get_figheight() < 3.5
 
 
-def choice(name, saving, error, varied=None):
+def choice(name, saving, error):
     usual = dict.fromkeys(("rise_error", "width_error", "share_error", "area_error"), 0.0)
     usual |= dict.fromkeys(("pressure_error", "saturated_error", "seconds", "speedup"), 0.0)
     return Choice(
-        name, varied, PRESETS["draft"], (error,), error, convolutions=1, work=1.0 / saving,
+        name, PRESETS["draft"], (error,), error, convolutions=1, work=1.0 / saving,
         peak_bytes=1, saving=saving, **usual,
     )  # fmt: skip
 
@@ -280,29 +280,20 @@ def choice(name, saving, error, varied=None):
 def test_choices_stand_at_their_work_and_error_and_the_front_joins_the_best():
     choices = (
         choice("draft", 20.0, 0.05),
+        choice("standard", 2.5, 0.0),
         choice("fine", 4.0, 0.005),
         choice("as in the scene", 8.0, 0.03),
-        choice("increments = 10", 10.0, 0.06, "increments"),
-        choice("increments = 40", 5.0, 0.02, "increments"),
-        choice("rays = 9", 2.5, 0.0, "rays"),
         choice("reference", 1.0, 0.0),
     )
-    axes = pipeline.plot(Trade("A scene", (Point(200.0, 1.0),), "draft", choices, ())).axes[0]
+    axes = pipeline.plot(Trade("A scene", (Point(200.0, 1.0),), choices)).axes[0]
     places = lines(axes)
-    assert places["presets"].tolist() == [[5.0, 0.05], [25.0, 0.005]]
+    no_error = [40.0, 1e-4]  # is shown as the least
+    assert places["presets"].tolist() == [[5.0, 0.05], no_error, [25.0, 0.005]]
     assert places["the scene's own"].tolist() == [[12.5, 0.03]]
-    assert places["increments"].tolist() == [[10.0, 0.06], [20.0, 0.02]]
-    best = [[5.0, 0.05], [12.5, 0.03], [20.0, 0.02], [25.0, 0.005], [40.0, 1e-4]]
-    assert places["front"].tolist() == best
+    assert places["front"].tolist() == [[5.0, 0.05], [12.5, 0.03], [25.0, 0.005], no_error]
     assert axes.get_xlim()[0] < axes.get_xlim()[1]  # more work to the right
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     assert axes.yaxis.get_major_formatter()(0.05, 0) == "5 %"
-    assert "increments 10, 40" in labels(axes.figure.legends[0])
-    assert places["rays"].tolist() == [[40.0, 1e-4]]  # no error is shown as the least
-    marks = {line.get_gid(): (line.get_marker(), line.get_markeredgecolor()) for line in axes.lines}
-    assert len({marks[kind] for kind in ("increments", "rays")}) == 2
-    title = axes.figure.legends[0].get_title().get_text()
-    assert title == "open marks: one choice of draft varied, to the values from left to right"
     assert axes.get_title() == "Speed against accuracy: A scene"
     assert axes.get_xlabel() == "work, in % of that of the reference"
     assert axes.get_ylabel() == "largest error of the boundary velocity"
@@ -310,12 +301,10 @@ def test_choices_stand_at_their_work_and_error_and_the_front_joins_the_best():
     for axis in (axes.xaxis, axes.yaxis):
         assert set(axis.get_minor_formatter().format_ticks([2.0, 3.0])) == {""}
     named = {text.get_text(): text.xy for text in axes.texts}
-    assert named == {"draft": (5.0, 0.05), "fine": (25.0, 0.005), "as in the scene": (12.5, 0.03)}
-    alone = pipeline.plot(Trade("A scene", (Point(200.0, 1.0),), "draft", choices[-3:], ()))
-    assert "open marks" in alone.legends[0].get_title().get_text()
-    alone = pipeline.plot(Trade("A scene", (Point(200.0, 1.0),), "draft", (*choices[:3],
-                                choices[-1]), ()))  # fmt: skip
-    assert alone.legends[0].get_title().get_text() == ""
+    assert named == {
+        "draft": (5.0, 0.05), "standard": (40.0, 1e-4), "fine": (25.0, 0.005),
+        "as in the scene": (12.5, 0.03),
+    }  # fmt: skip
 
 
 # What is not known exactly

@@ -35,17 +35,17 @@ TRUE = Reading(
 )
 
 
-def choice(name, work, *errors, varied=None, fidelity=PRESETS["fine"]):
+def choice(name, work, *errors):
     rest = {"rise_error": 0.1, "width_error": 0.2, "share_error": 0.3, "area_error": -0.04}
     rest |= {"pressure_error": 0.05, "saturated_error": -0.06, "seconds": 2.0, "convolutions": 7}
     costs = {"work": work, "peak_bytes": 10**6, "speedup": 3.0, "saving": 100.0 / work}
     largest = max(map(abs, errors))
-    return Choice(name, varied, fidelity, errors, largest, **rest, **costs)
+    return Choice(name, PRESETS["fine"], errors, largest, **rest, **costs)
 
 
 def traded(*choices, **values):
     points = Point(60.0, 1.23456), Point(180.0, 2.0)
-    return Trade("A scene", points, "fine", choices, values.pop("wasted", ()), **values)
+    return Trade("A scene", points, choices, **values)
 
 
 def test_the_front_has_each_choice_that_no_cheaper_one_equals():
@@ -58,56 +58,32 @@ def test_the_front_has_each_choice_that_no_cheaper_one_equals():
     assert found == ["a", "d", "d", "reference"]
 
 
-def test_it_says_the_points_the_cheapest_within_each_error_and_what_is_wasted():
-    start, cheap = choice("fine", 55.0, 0.004), choice("draft", 10.0, -0.03)
-    finer = PRESETS["fine"]
-    varied = [
-        choice("fine, increments = 5", 10.0, 0.0041, varied="increments",
-               fidelity=replace(finer, increments=5)),
-        choice("fine, increments = 12", 20.0, 0.004, varied="increments",
-               fidelity=replace(finer, increments=12)),
-        choice("fine, heat_tolerance = 0.01", 50.0, 0.002, varied="heat_tolerance",
-               fidelity=replace(finer, heat_tolerance=0.01)),
-        choice("fine, kernel = nearest-image", 50.5, 0.004, varied="kernel"),  # saves 9 %
-        choice("fine, averaging = sample", 10.0, 0.0062, varied="averaging"),  # moves by 0.22 %
-    ]  # fmt: skip
-    choices = (cheap, start, *varied, choice("reference", 100.0, 0.0))
-    wasted = tradeoff._wasted(choices, "fine")
-    assert [(one.preset, one.field, one.value, one.cheaper) for one in wasted] == [
-        ("fine", "increments", 50, 5),
-        ("fine", "heat_tolerance", 1e-4, 0.01),  # 1.1 times less work, and by 0.2 %
-    ]
-    assert tradeoff._wasted(choices, None) == tradeoff._wasted(choices, "as-published") == ()
-    assert str(wasted[0]) == (
-        "increments = 50 of 'fine': with 5 the work is 5.5 times less, "
-        "and the boundary moves by 0.01 %"
+def test_it_says_the_points_and_the_cheapest_within_each_error():
+    table = traded(
+        choice("draft", 10.0, -0.03),
+        choice("fine", 55.0, 0.004),
+        choice("reference", 100.0, 0.0),
+        not_converged=("standard: why",),
     )
-    assert str(wasted[1]) == (
-        "heat_tolerance = 0.0001 of 'fine': with 0.01 the work is 1.1 times less, "
-        "and the boundary moves by 0.20 %"
-    )
-    table = traded(*choices, wasted=wasted, not_converged=("standard: why",))
     said = str(table).splitlines()
     assert said[:3] == [
         "A scene: speed against accuracy at",
         "  60 N 1.23 m/s, 180 N 2 m/s",
         "",
     ]
-    assert said[-9:] == [
+    assert said[-7:] == [
         "",
         "cheapest within 5 %: draft",
         "cheapest within 3 %: draft",
-        "cheapest within 2 %: fine, increments = 5",
-        "cheapest within 1 %: fine, increments = 5",
-        "cheapest within 0.5 %: fine, increments = 5",
-        f"wasted: {wasted[0]}",
-        f"wasted: {wasted[1]}",
+        "cheapest within 2 %: fine",
+        "cheapest within 1 %: fine",
+        "cheapest within 0.5 %: fine",
         "no result: standard: why",
     ]
     document = table.as_dict()
     assert [*document["cheapest_within"]] == ["0.05", "0.03", "0.02", "0.01", "0.005"]
     assert document["points"][1] == {"load": 180.0, "velocity": 2.0}
-    assert document["front"] == [one.name for one in table.front]
+    assert document["front"] == ["draft", "fine", "reference"]
 
 
 class Rig:
@@ -143,7 +119,7 @@ def test_errors_are_against_the_reference_and_the_largest_of_the_points(rig):
     rig.off = {"rise": 990.0, "failed_share": 0.23, "contact_width": 0.9e-4}
     rig.off |= {"contact_fraction": 0.012, "mean_pressure": 0.7e9, "saturated_fraction": 0.05}
     scene = SCENE.changed(fidelity=Fidelity(increments=77))
-    table = trade(scene, ("draft", "standard"), None, loads=["60 N", 180.0])
+    table = trade(scene, ("draft", "standard"), loads=["60 N", 180.0])
     assert rig.places == [Target(60.0), Target(180.0)]
     names = [one.name for one in table.choices]
     assert names == ["draft", "as in the scene", "reference"]
@@ -160,7 +136,6 @@ def test_errors_are_against_the_reference_and_the_largest_of_the_points(rig):
     assert (draft.speedup, draft.saving) == (5.0, 5.0)
     assert (exact.speedup, exact.saving, exact.velocity_error) == (1.0, 1.0, 0.0)
     assert own.fidelity == scene.scene.fidelity
-    assert table.base == ""
     assert table.not_converged == ("standard: the contact did not converge",)
     assert rig.tried[0] == replace(PRESETS["reference"], heat_kernel="pin")
 
@@ -170,36 +145,18 @@ def test_four_loads_and_all_usual_presets_are_taken_where_nothing_is_told(rig):
     loads = tuple(float(load) for load in range(60, 190, 20))  # seven
     trade(SCENE.changed(loads=loads, preset="fine"), progress=said.append)
     assert [place.load for place in rig.places] == [60.0, 100.0, 140.0, 180.0]
-    fine = "fine, "
     assert [(one.words, one.done, one.total) for one in said] == [
-        (f"{number} of 19: {name}", number - 1, 19)
-        for number, name in enumerate(
-            [
-                "reference", "draft", "standard", "fine",
-                fine + "pixels_per_element = 2", fine + "pixels_per_element = 4",
-                fine + "history_coarsening = 1", fine + "history_coarsening = 4",
-                fine + "history_coarsening = 8",
-                fine + "increments = 5", fine + "increments = 12", fine + "increments = 100",
-                fine + "wear_scheme = implicit",
-                fine + "contact_tolerance = 0.0003", fine + "contact_tolerance = 0.1",
-                fine + "partition = uniform",
-                fine + "heat_tolerance = 1e-06", fine + "heat_tolerance = 0.01",
-                fine + "kernel = nearest-image",
-            ],
-            1,
-        )
-    ]  # fmt: skip
-
-
-def test_a_base_that_is_not_among_the_presets_is_a_choice_too(rig):
-    names = [
-        name for name, *_ in tradeoff._candidates(SCENE, ("fine", "reference", "draft"), "draft")
+        ("1 of 4: reference", 0, 4),
+        ("2 of 4: draft", 1, 4),
+        ("3 of 4: standard", 2, 4),
+        ("4 of 4: fine", 3, 4),
     ]
-    assert names[:4] == ["reference", "fine", "draft", "as in the scene"]
-    assert "draft, averaging = mean" in names
-    assert "draft, increments = 1" in names  # a quarter and a tenth of 5 are both 1
-    assert names.count("draft, increments = 1") == 1
-    assert "draft, heat_tolerance = 0.1" in names  # no looser than that
+
+
+def test_a_fidelity_that_has_two_names_is_measured_once_by_the_first(rig):
+    scene = SCENE.changed(fidelity=PRESETS["fine"], preset=None)
+    table = trade(scene, ("fine", "draft", "reference"))
+    assert [one.name for one in table.choices] == ["fine", "draft", "reference"]
 
 
 def test_a_choice_takes_the_time_of_its_steps_on_their_grids():
