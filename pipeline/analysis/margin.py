@@ -126,6 +126,7 @@ class Margin:
         side = "below" if self.distance >= 0 else "above"
         ends = percent(self.lowest), percent(self.highest)
         within = f" ({ends[0].removesuffix(' %')} to {ends[1]})" if ends[0] != ends[1] else ""
+        within = ", numerical error not known" if self.error.total is None else within
         likely = f"severe wear is {percent(self.probability)} likely{within}"
         where = f"{abs(self.distance):.3g} K {side} the critical temperature"
         rest = "" if self.counts_inputs else f"; {_EXACT}"

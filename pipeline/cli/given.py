@@ -20,7 +20,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.selection import KEPT_FIELDS
 from pipeline.sweep.stages import Progress
-from pipeline.tradeoff.choose import choose_accuracy, measure_own_error
+from pipeline.tradeoff.choose import choose_accuracy, measure_error
 from tribo import InputError
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
@@ -143,8 +143,8 @@ def scene_in(
         )
     if accuracy is not None:
         sweep = choose_accuracy(sweep, accuracy, points, store, tell_probe)
-    elif points is not None or store is not None:
-        sweep = measure_own_error(sweep, points, store, tell_probe)
+    elif store is not None and options.measure:
+        sweep = measure_error(sweep, store, tell_probe)
     if sweep.about.selection:
         tell(str(sweep.about.selection))
     return sweep

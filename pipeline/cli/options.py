@@ -89,6 +89,10 @@ ACCURACY = Option(
     "--accuracy", metavar="BOUND", type=values.share,
     help="{choose_fidelity.accuracy}",
 )  # fmt: skip
+MEASURE = flag(
+    "--measure",
+    "measure the error of the scene's own numerical choices, before a run or on its finished store",
+)
 BOUNDARY_ONLY = Option(
     "--boundary-only", metavar="TOLERANCE", nargs="?", const=0.01, type=values.share,
     help="{run_sweep.boundary_only}; default: 1%%",
@@ -142,7 +146,7 @@ OF_RUN = (
     flag("--dashboard", "{run_sweep.dashboard}"),
     flag("--retry-failed", "{run_sweep.retry_failed}"),
     BOUNDARY_ONLY,
-    ACCURACY,
+    Group("", (ACCURACY, MEASURE)),
 )  # fmt: skip
 
 PLACE = (

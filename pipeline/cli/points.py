@@ -21,7 +21,7 @@ from pipeline.cli.given import one_scene_in, selected
 from pipeline.cli.output import Result, working
 from pipeline.quantities import column_heads, display
 from pipeline.scene.facts import require_bearable_load
-from pipeline.sweep.accuracy import velocity_error
+from pipeline.sweep.accuracy import error_in_words, has_unknown_error, velocity_error
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.plan import PointResult
@@ -89,6 +89,7 @@ def point(options: argparse.Namespace) -> Result:
     frame = frame_of([*_COLUMNS.values()], [[values[name] for name in _COLUMNS]])
     text = [*_point_lines(sweep, result, document, error), "", upright(frame)]
     text += [f"would decide it: {decided_by}"] if decided_by else []
+    text += [error_in_words(sweep)] if has_unknown_error(sweep) else []
     return Result(document, text, frames=[frame])
 
 

@@ -14,7 +14,7 @@ import psutil
 
 import pipeline
 from pipeline import extras
-from pipeline.analysis.dataset import Kind, sweep_kind
+from pipeline.analysis.dataset import Kind, scene_sweep, sweep_kind
 from pipeline.analysis.tables import frame_of
 from pipeline.cli import output
 from pipeline.cli.given import scene_in, selected
@@ -25,6 +25,7 @@ from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.store.schema import require_free_names
 from pipeline.sweep.about import library_tables
+from pipeline.sweep.accuracy import MEASURES, error_in_words, has_unknown_error
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own_laws import own_laws, refer
 from pipeline.sweep.physics import note_on_turns
@@ -32,7 +33,7 @@ from pipeline.sweep.remarks import Remark, remarks
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import VARIANT
-from pipeline.tradeoff.forecast import Estimate, savings, worker_bytes
+from pipeline.tradeoff.forecast import Estimate, measuring_time, savings, worker_bytes
 from tribo import lubrication_regime
 
 
@@ -60,6 +61,7 @@ def run(options: argparse.Namespace) -> Result:
     judged = pipeline.at(out, criterion=own.reference if own else None, own_laws=bool(own))
     if sweep_kind(judged) is Kind.SAMPLES:
         extras.module("uncertain", "fields").keep_fits(judged)
+    stored = scene_sweep(judged)
     document = {
         "store": str(out),
         "points": outcome.total,
@@ -67,13 +69,15 @@ def run(options: argparse.Namespace) -> Result:
         "done": outcome.done,
         "failed": output.failed_points(outcome.failed),
         "wall_time": outcome.wall_time,
-        **selected(sweep),
+        **selected(stored),
     }
     text = [
         f"{out}: {outcome.done} of {outcome.total} points done, {outcome.computed} of them now, "
         f"in {outcome.wall_time:.1f} s",
         *(f"failed: {point}" for point in outcome.failed),
     ]
+    if has_unknown_error(stored):
+        text.append(error_in_words(stored))
     if outcome.failed:
         text.append("try these again with: the same command and --retry-failed")
     elif outcome.done:
@@ -130,7 +134,12 @@ def check(options: argparse.Namespace) -> Result:
     searched = options.boundary_only is not None
     cost = pipeline.estimate(sweep, workers=options.workers, boundary_only=searched)
     document |= cost.as_dict() | selected(sweep)
-    costs = frame_of(_HEADS, _cost(sweep, cost, searched))
+    costs = [*_cost(sweep, cost, searched)]
+    if has_unknown_error(sweep):
+        document["measuring_seconds"] = seconds = measuring_time(sweep)
+        words = f"not known; {MEASURES} measures it, in roughly {duration(seconds)}"
+        costs.append(("error", words))
+    costs = frame_of(_HEADS, costs)
     return Result(document, ["", costs], frames=[meaning, costs])
 
 

@@ -16,6 +16,12 @@ def velocity_error(sweep: Sweep) -> float | None:
     return PRESET_BOUNDS.get(str(_preset(sweep)))
 
 
+def has_unknown_error(sweep: Sweep) -> bool:
+    """True if there is a boundary to find whose error is neither promised nor measured."""
+    is_judged = sweep.conditions.friction > 0 and sweep.conditions.critical_temperature is not None
+    return is_judged and any(sweep.plane.velocities) and velocity_error(sweep) is None
+
+
 def error_in_words(sweep: Sweep) -> str:
     """The one error of a sweep: the largest known of its boundary velocity, and its origin."""
     if selection := sweep.about.selection:
@@ -30,5 +36,5 @@ def error_in_words(sweep: Sweep) -> str:
 
 
 def _preset(sweep: Sweep) -> str | None:
-    """Preset of a sweep, or that its fidelity is but for the fields that a scene keeps."""
+    """Preset of a sweep, or the finest whose promise its fidelity keeps."""
     return sweep.about.preset or preset_of(sweep.scene.fidelity)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+import operator
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from pipeline.sweep.shown import shown
@@ -18,13 +19,35 @@ Judged by `make promises`.
 """
 
 
+_FINER = {
+    "pixels_per_element": operator.le,
+    "history_coarsening": operator.le,
+    "fewest_elements": operator.ge,
+    "increments": operator.ge,
+    "contact_tolerance": operator.le,
+    "heat_tolerance": operator.le,
+}
+"""How a field compares with that of a coarser preset; the other fields must be equal."""
+
+
 def preset_of(fidelity: Fidelity) -> str | None:
-    """Preset that numerical choices are but for the fields that a scene keeps; None for none."""
-    kept: dict[str, Any] = {name: getattr(fidelity, name) for name in KEPT_FIELDS}
-    if kept["heat_model"] == "history":  # which needs every step on the scene's own grid
-        kept["history_coarsening"] = 1
-    names = (name for name in PRESET_BOUNDS if replace(PRESETS[name], **kept) == fidelity)
+    """Finest preset whose promise numerical choices keep, since none is coarser; None for none."""
+    names = (name for name in reversed(PRESET_BOUNDS) if _is_as_fine(fidelity, PRESETS[name]))
     return next(names, None)
+
+
+def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
+    """True if no field is coarser than that of a preset, except those that a scene keeps."""
+    without_effect = {*KEPT_FIELDS}
+    if fidelity.pixels_per_element == 1:
+        without_effect.add("averaging")
+        if fidelity.history_coarsening == 1:  # no smaller elements could be taken
+            without_effect.add("fewest_elements")
+    return all(
+        _FINER.get(one.name, operator.eq)(getattr(fidelity, one.name), getattr(preset, one.name))
+        for one in fields(Fidelity)
+        if one.name not in without_effect
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from pipeline.store.place import PathLike, StoreMismatchError, require_writable
 from pipeline.store.root import find_sweep
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
-from pipeline.sweep.selection import Selection, Trial, preset_of
+from pipeline.sweep.selection import Selection, Trial
 from pipeline.sweep.severity import rise_limit
 from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.tradeoff.probe import (
@@ -32,7 +32,7 @@ from pipeline.tradeoff.probe import (
     probe,
     some_places,
 )
-from tribo import PRESETS, ConvergenceError, Fidelity, InputError, TriboError
+from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 from tribo.simulation.point_warnings import FEW_NODES
 
 # `make promises` judges these together: change one, and judge all again.
@@ -67,6 +67,7 @@ Judged by `make promises`.
 _LOADS, _PLACES = 4, 6  # to look at, and with several surfaces
 _APART = 0.05  # distance of ln(velocity) at a load, either way, from that of the boundary
 _PASSES = 5.0  # times the yardstick's steps at each load that a probe takes, trials included
+_OWN_PASSES = 2.0  # likewise at each point, without trials
 _WORTH = 0.5  # share of the reference's steps in the whole sweep that a thorough probe may take
 _FEWEST_STEPS = 50  # to know the heat of all the past
 _OWN = "the scene's own fidelity"
@@ -111,26 +112,11 @@ def choose_accuracy(
     return sweep.changed(fidelity=selection.fidelity, preset=preset, selection=selection)
 
 
-def measure_own_error(
-    sweep: Sweep, points: Sequence[Point] | None, store: PathLike | None, progress: Report
-) -> Sweep:
-    """Give a sweep with its own fidelity the error that a probe measures, or that its store has.
-
-    The sweep stays unchanged if it has a preset, if the store has no error, or if there is no
-    boundary to measure an error at.
-    """
-    conditions = sweep.conditions
-    is_judged = conditions.friction > 0 and conditions.critical_temperature is not None
-    moves = all(point.velocity for point in points) if points else max(sweep.plane.velocities) > 0
-    if preset_of(sweep.scene.fidelity) or not (is_judged and moves):
-        return sweep
-    if stored := _find_stored(store):
-        return sweep.changed(selection=stored.about.selection)
-    try:
-        return sweep.changed(selection=choose_fidelity(sweep, None, points, progress))
-    except TriboError as error:
-        progress(Progress(f"the error of [fidelity] is not known: {error}"))
-        return sweep
+def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
+    """Give a sweep the error of its own fidelity, which its store has or a probe measures."""
+    stored = _find_stored(store)
+    selection = stored and stored.about.selection
+    return sweep.changed(selection=selection or choose_fidelity(sweep, None, progress=progress))
 
 
 def _find_stored(store: PathLike | None) -> Sweep | None:
@@ -187,13 +173,13 @@ def choose_fidelity(
     if accuracy is not None and not 0 < accuracy < 1:
         raise InputError(f"accuracy is {accuracy!r}; it must be between 0 and 1, such as 0.02")
     if not math.isfinite(rise_limit(sweep.conditions)):
-        raise InputError("friction is 0, so there is no boundary; an accuracy needs one above 0")
+        raise InputError("friction is 0, so there is no boundary; give one above 0")
     if points and not all(point.velocity for point in points):
         raise InputError("velocity is 0, so there is no heat; an accuracy needs one above 0")
     began = time.perf_counter()
     told = progress or silent
-    places = some_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
-    thorough = not points and _is_worth_it(sweep, places)
+    places = _probed_places(sweep)
+    thorough = not points and _is_worth_it(sweep)
     if points:
         places = tuple(dict.fromkeys(Target(place.load, place.variant) for place in points))
     told(Progress("the boundary by the preset standard"))
@@ -277,14 +263,29 @@ def _both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
     return tuple(point._replace(velocity=v) for point, either in pairs for v in either)
 
 
-def _is_worth_it(sweep: Sweep, places: Sequence[Target]) -> bool:
-    """True if a thorough probe takes few steps beside the whole sweep at the reference."""
+def _probed_places(sweep: Sweep) -> tuple[Target, ...]:
+    """Places of the boundary that a probe looks at."""
+    return some_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
+
+
+def measuring_steps(sweep: Sweep) -> float:
+    """Steps of the yardstick that take as long as measuring the error of a sweep's fidelity."""
+    sides = 2 if _is_worth_it(sweep) else 1
+    return _OWN_PASSES * sides * _yardstick_steps(sweep)
+
+
+def _yardstick_steps(sweep: Sweep) -> int:
+    """Steps of the yardstick to one point at each place that a probe looks at."""
     scene = sweep.changed(fidelity=dividing_pixels(sweep, YARDSTICK)).scene
-    to_probe = _PASSES * sum(step_count(scene, place.load) for place in places)
+    return sum(step_count(scene, place.load) for place in _probed_places(sweep))
+
+
+def _is_worth_it(sweep: Sweep) -> bool:
+    """True if a thorough probe takes few steps beside the whole sweep at the reference."""
     scene = sweep.changed(fidelity=dividing_pixels(sweep, PRESETS["reference"])).scene
     ends = [step_count(scene, load) for load in sweep.plane.loads]
     steps = sum(ends) if ends[0] == ends[-1] else ends[-1] + len(ends)
-    return to_probe <= _WORTH * steps * sweep.ramps
+    return _PASSES * _yardstick_steps(sweep) <= _WORTH * steps * sweep.ramps
 
 
 def _finest(

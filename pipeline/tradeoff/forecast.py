@@ -21,6 +21,8 @@ from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.shown import shown
 from pipeline.sweep.station_choice import choose_stations
+from pipeline.tradeoff.choose import measuring_steps
+from pipeline.tradeoff.probe import YARDSTICK, dividing_pixels
 from tribo import State
 from tribo.simulation import Trunks, contacts, heat
 from tribo.simulation.trunks import MOST_BYTES
@@ -161,6 +163,13 @@ class _Work:
         of_heat = (heats_on_way * share + heats) * self.heat_time
         commits = len(task.points) * _SECONDS_TO_COMMIT
         return float(steps * self.contact_time + of_heat + commits)
+
+
+def measuring_time(sweep: Sweep) -> float:
+    """Time to measure the error of a sweep's own fidelity, roughly, by steps timed now [s]."""
+    exact = sweep.changed(fidelity=dividing_pixels(sweep, YARDSTICK))
+    contact_time, _, _ = _timed(exact.variant())
+    return measuring_steps(sweep) * contact_time
 
 
 def worker_bytes(sweep: Sweep, tasks: int = 1) -> float:

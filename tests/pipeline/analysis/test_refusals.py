@@ -97,9 +97,9 @@ def unwritable():
 
 REFUSALS = {
     # other conditions
-    "entry": (at(**{"pin.radius": "3 mm"}), "run irg run synthetic.toml '--set=pin.radius=3 mm'"),
+    "entry": (at(**{"pin.radius": "3 mm"}), "; run the scene with pin.radius = 3 mm into"),
     "misspelt": (at(**{"pin.radus": "3 mm"}), 'pin.radus is no entry of a scene (did you mean'),
-    "part": (at(**{"wear.parameters.distance": 3.0}), "--set=wear.parameters.distance=3.0"),
+    "part": (at(**{"wear.parameters.distance": 3.0}), "with wear.parameters.distance = 3.0 into"),
     "twice": (at(friction=0.1, **{"friction.coefficient": 0.2}), "coefficient is given twice"),
     "friction": (at(friction="a lot"), "friction is 'a lot'; give a number"),
     "negative": (at(friction=-0.1), "friction is -0.1; it must be at least 0"),

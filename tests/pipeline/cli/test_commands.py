@@ -14,8 +14,11 @@ from pipeline.cli.parser import FIRST, commands
 from tests.helpers.scenes import MEASURED, SCENE
 from tribo import WarningKind
 
-# An error that is known needs no probe.
+# With a preset, whose error is promised.
 DRAFT = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "draft"')
+
+
+NOT_KNOWN = "how far boundary velocities err is not known"
 
 
 def run(*arguments):
@@ -127,12 +130,15 @@ def test_a_point_within_its_error_is_not_decided_and_what_would_decide_it_is_sai
     assert in_store["temperature_error"] == pytest.approx(expected, rel=1e-6)
     assert near["decided_by"] == "a finer preset"
     assert "\nwould decide it: a finer preset\n" in said
-    own = irg(*place, "--set", "increments=7", "--json")
-    assert own["selection"]["name"] == "the scene's own fidelity"
-    probed = max(own["selection"]["error"], own["selection"]["coarser"])
-    assert own["temperature_error"] == pytest.approx(
-        error_of_point(few, 4.0, probed).total * (own["decisive_temperature"] - 298.15), rel=1e-6
+    finer = irg(*place, "--set", "increments=7", "--json")
+    assert finer["temperature_error"] == pytest.approx(
+        relative * (finer["decisive_temperature"] - 298.15), rel=1e-6
     )
+    said, coarser = irg_both(*place, "--set", "increments=4")
+    assert coarser["temperature_error"] is None
+    assert coarser["verdict"] == "not decided"
+    assert "its error not known" in said
+    assert f"{NOT_KNOWN}; irg run SCENE -o STORE --measure measures it\n" in said
 
 
 def test_plot_writes_a_figure(store, tmp_path, irg):

@@ -38,17 +38,18 @@ def test_what_is_simulated_follows_the_conditions_that_were_given(
 
 
 @pytest.mark.parametrize(
-    ("accuracy", "points", "store", "measured"),
+    ("asked", "points", "store", "measured"),
     [
-        (None, None, None, []),
-        (None, None, "a.zarr", ["own error", None, "a.zarr"]),
-        (None, [(400.0, 2.0)], None, ["own error", [(400.0, 2.0)], None]),
-        (0.05, None, "a.zarr", ["accuracy", 0.05, None, "a.zarr"]),
-        (0.05, None, None, ["accuracy", 0.05, None, None]),
+        ({}, None, None, []),
+        ({}, [(400.0, 2.0)], None, []),
+        ({"measure": False}, None, "a.zarr", []),
+        ({"measure": True}, None, "a.zarr", ["own error", "a.zarr"]),
+        ({"accuracy": 0.05, "measure": False}, None, "a.zarr", ["accuracy", 0.05, None, "a.zarr"]),
+        ({"accuracy": 0.05}, None, None, ["accuracy", 0.05, None, None]),
     ],
 )
-def test_an_error_is_measured_where_it_is_asked_for_and_where_something_is_computed(
-    monkeypatch, capsys, accuracy, points, store, measured
+def test_an_error_is_measured_where_it_is_asked_for(
+    monkeypatch, capsys, asked, points, store, measured
 ):
     called = []
     picked = tiny.sweep(selection=synthetic.selection())
@@ -64,8 +65,8 @@ def test_an_error_is_measured_where_it_is_asked_for_and_where_something_is_compu
 
     monkeypatch.setattr(pipeline, "load_scene", lambda *_, **__: tiny.sweep())
     monkeypatch.setattr(given, "choose_accuracy", measure("accuracy"))
-    monkeypatch.setattr(given, "measure_own_error", measure("own error"))
-    sweep = given.scene_in(options(accuracy=accuracy), points, store)
+    monkeypatch.setattr(given, "measure_error", measure("own error"))
+    sweep = given.scene_in(options(**asked), points, store)
     assert called == measured
     said = f"irg: probing: step 1\nirg: {picked.about.selection}\n" if measured else ""
     assert capsys.readouterr().err == said

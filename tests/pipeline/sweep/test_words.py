@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import pandas as pd
 import pytest
 
-from pipeline.sweep.accuracy import error_in_words, velocity_error
+from pipeline.sweep.accuracy import error_in_words, has_unknown_error, velocity_error
 from pipeline.sweep.model import Point
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, duration, staged
@@ -44,6 +44,47 @@ def test_inputs_are_said_in_the_unit_of_the_scene():
 )
 def test_a_duration_is_said_in_the_unit_that_suits_it(seconds, words):
     assert duration(seconds) == words
+
+
+PIXELS = {"pixels_per_element": 1, "history_coarsening": 1}
+
+
+@pytest.mark.parametrize(
+    ("preset", "changes", "error"),
+    [
+        ("draft", {"increments": 6}, 0.08),
+        ("draft", {"increments": 4}, None),
+        ("draft", {"contact_tolerance": 0.09, "heat_tolerance": 1e-3}, 0.08),
+        ("draft", {"contact_tolerance": 0.11}, None),
+        ("draft", {"heat_tolerance": 0.011}, None),
+        ("draft", {"fewest_elements": 399}, None),
+        ("draft", PIXELS | {"fewest_elements": 0, "averaging": "mean"}, 0.08),
+        ("draft", {"averaging": "mean"}, None),
+        ("draft", {"partition": "uniform"}, None),
+        ("draft", {"heat_model": "history", "history_coarsening": 1}, 0.08),
+        ("standard", {"history_coarsening": 1, "increments": 100}, 0.03),  # of figures 5 and 8
+        ("standard", {"history_coarsening": 4}, 0.08),
+        ("standard", {"pixels_per_element": 4, "fewest_elements": 400}, 0.08),
+        ("fine", {}, 0.01),
+        ("fine", {"increments": 49}, 0.03),
+        ("reference", {"increments": 50}, 0.01),
+    ],
+)
+def test_choices_that_are_at_least_as_fine_as_a_preset_keep_its_promise(preset, changes, error):
+    own = synthetic.scene(preset=None, fidelity=replace(PRESETS[preset], **changes))
+    assert velocity_error(own) == error
+    assert has_unknown_error(own) == (error is None)
+
+
+@pytest.mark.parametrize(
+    "changes", [{"friction": 0.0}, {"critical_temperature": None}, {"velocities": (0.0,)}]
+)
+def test_an_error_is_not_missed_where_there_is_no_boundary(changes):
+    own = synthetic.scene(preset=None, fidelity=replace(PRESETS["draft"], increments=4))
+    assert has_unknown_error(own)
+    if "velocities" not in changes:
+        changes = {"conditions": replace(own.conditions, **changes)}
+    assert not has_unknown_error(own.changed(**changes))
 
 
 def test_a_store_errs_as_its_preset_whatever_its_heat_model_or_as_was_measured():

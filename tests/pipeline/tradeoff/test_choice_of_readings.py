@@ -9,7 +9,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.stages import Progress
 from pipeline.sweep.variants import surfaces
 from pipeline.tradeoff import choose
-from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity, measure_own_error
+from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity, measure_error
 from pipeline.tradeoff.probe import YARDSTICK, OwnError, Probe, Reading, Yardstick
 from tests.helpers import synthetic, tiny
 from tests.helpers.accuracy_scenes import SCENES
@@ -298,43 +298,19 @@ def test_a_store_whose_choice_errs_by_the_accuracy_goes_on(tmp_path):
     assert choose_accuracy(tiny.sweep(), 0.05, store=tmp_path / "a.zarr").about.preset == "fine"
 
 
-@pytest.mark.parametrize(
-    ("changes", "points"),
-    [
-        ({"fidelity": PRESETS["fine"]}, None),
-        ({"conditions": replace(WORN.conditions, friction=0.0)}, None),
-        ({"conditions": replace(WORN.conditions, critical_temperature=None)}, None),
-        ({"velocities": (0.0,)}, None),
-        ({}, [Point(60.0, 1.0), Point(60.0, 0.0)]),
-    ],
-    ids=["preset", "no friction", "no critical temperature", "no velocity", "a still point"],
-)
-def test_no_error_of_an_own_fidelity_is_measured_where_there_is_none(rig, changes, points):
+def test_the_error_of_an_own_fidelity_is_measured(rig, tmp_path):
     own = WORN.changed(fidelity=Fidelity(increments=30))
-    sweep = own.changed(**changes)
-    assert measure_own_error(sweep, points, None, rig.said.append) is sweep
-    assert rig.said == []
-    measured = measure_own_error(own, points and points[:1], None, rig.said.append)
+    measured = measure_error(own, tmp_path / "new.zarr", rig.said.append)
+    assert measured.changed(selection=None) == own
     assert measured.about.selection.name == "the scene's own fidelity"
-    assert len(measured.about.selection.points) == (1 if points else 6)
-
-
-def test_why_the_error_of_an_own_fidelity_is_not_known_is_told(rig):
-    def err(fidelity, number):
-        raise ConvergenceError("the contact did not converge", None)
-
-    rig.err = err
-    own = WORN.changed(fidelity=Fidelity(increments=30))
-    assert measure_own_error(own, None, None, rig.said.append) is own
-    words = "the error of [fidelity] is not known: the contact did not converge"
-    assert rig.said[-1] == Progress(words)
+    assert rig.said[0] == Progress("the boundary by the preset standard")
 
 
 def test_the_error_of_an_own_fidelity_is_that_of_its_store(rig, tmp_path):
     selection = synthetic.selection(accuracy=None, name="the scene's own fidelity")
     with writing(tmp_path / "a.zarr", tiny.sweep(selection=selection)):
         pass
-    again = measure_own_error(tiny.sweep(), None, tmp_path / "a.zarr", rig.said.append)
+    again = measure_error(tiny.sweep(), tmp_path / "a.zarr", rig.said.append)
     assert again.about.selection == selection
     assert rig.said == []
 
