@@ -90,7 +90,8 @@ def test_progress_counts_the_points_that_are_asked_for_and_the_time_of_those_to_
         store.commit([PointRecord(Point(150.0, 0.5), None, "out of memory")])
         store.forget([Point(250.0, velocity) for velocity in (0.5, 1.0, 1.5)])
         times = store.read("wall_time", ...)[store.flags == DONE]
-        tally = Tally(store, reports.append, time.monotonic() - 7.0)
+        began = time.monotonic() - 7.0
+        tally = Tally(store, reports.append, began)
         tally.begin(store, Connection(None, workers=2))
         tally.count([])
         tally.count([PointRecord(Point(150.0, 0.5), None, "out of memory")])
@@ -99,7 +100,7 @@ def test_progress_counts_the_points_that_are_asked_for_and_the_time_of_those_to_
     assert tally.computed == 2
     first, *_ = reports
     assert (first.done, first.total, first.failed, first.time_to_go) == (2, 6, 1, None)
-    assert first.elapsed == pytest.approx(7.0, abs=3.0)
+    assert 7.0 <= first.elapsed <= time.monotonic() - began
     assert len(reports) == 3  # nothing was written once
     # Three points on two workers, each of the mean time of all points that are there.
     assert reports[-1].time_to_go == pytest.approx(1.5 * np.mean(times), rel=1e-9)

@@ -10,7 +10,7 @@ from pipeline.sweep import plan
 from pipeline.sweep.plan import points, run_point, run_points, tasks
 from pipeline.sweep.variants import surfaces
 from pipeline.tradeoff import forecast
-from pipeline.tradeoff.forecast import estimate, savings, worker_bytes
+from pipeline.tradeoff.forecast import estimate, measuring_time, savings, worker_bytes
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.scenes import STEEL
@@ -93,6 +93,14 @@ def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkey
     # 4 increments and the ends of 4 loads, with a temperature each, whose contacts 4 samples share.
     shared = 128 * (4 * 9.0 + 8 * 1.0 / 4)
     assert estimate("uncertain", 1).seconds == pytest.approx(shared, rel=0.02)
+
+
+def test_measuring_an_error_takes_twice_the_steps_of_the_yardstick_at_each_point(monkeypatch):
+    """Its 25 increments of 30 N: 9, 17 and 25 steps; points on both sides if that is worth it."""
+    timed = 1.5, 9.0, None
+    monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
+    assert measuring_time(SWEEP) == pytest.approx(1.5 * 2 * 51)
+    assert measuring_time(SWEEP.changed(velocities=VELOCITIES)) == pytest.approx(1.5 * 4 * 51)
 
 
 def test_the_time_is_that_of_a_whole_run_within_its_factor():
