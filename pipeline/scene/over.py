@@ -46,8 +46,7 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     written = [{path: texts[path][value] for path, value in name} for name in names]
     scenes = [scene_with(values, sweep, reading.make, "sweep.over") for values in written]
     parts = tuple(tuple(differing_inputs(sweep, scene)) for scene in scenes)
-    changed = [[one for one in part if one[0] != "arguments"] for part in parts]
-    if len(parts) > 1 and all(part == changed[0] for part in changed):
+    if len(parts) > 1 and all(part == parts[0] for part in parts):
         raise InputError(
             f"sweep.over: {' and '.join(asked)} changes nothing in this scene; leave it out"
         )
@@ -127,8 +126,6 @@ def scene_with(values: Mapping[str, Any], sweep: Sweep, make: Make, key: str) ->
         scene = scale_friction(make(values), sweep, values)
     except InputError as error:
         raise InputError(f"{key}: {place}: {error}") from error
-    settings = (f"--set={path}={value}" for path, value in values.items())
-    scene = scene.changed(arguments=(*sweep.about.arguments, *settings))
     for name in _SAME:
         if scene.get(name) != sweep.get(name):
             raise InputError(

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from os import PathLike, fspath
+from os import PathLike
 from typing import Any
 
 import tribo
 from pipeline.scene.consistency import check_tables
-from pipeline.scene.document import Document, as_toml, override_entries, read_document
+from pipeline.scene.document import Document, override_entries, read_document
 from pipeline.scene.extensions import Reading, begin
 from pipeline.scene.facts import track_faults
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, replace_value
@@ -81,7 +81,7 @@ def load_scene(
     >>> scene.about.preset, scene.plane.loads
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
-    path, arguments = scene_path(path), _arguments(path, preset, overrides or {})
+    path = scene_path(path)
     faults = Faults()
     replaced = _path_overrides(overrides or {}, preset, faults)
     document = override_entries(read_document(path, faults), replaced, faults)
@@ -89,7 +89,7 @@ def load_scene(
     entries = document.entries()
     if isinstance(entries.get("oil"), str):
         entries["oil"] = {"like": entries["oil"]}
-    reader = _Reader(document, arguments, Laws(path.parent, own_laws))
+    reader = _Reader(document, Laws(path.parent, own_laws))
 
     def variant(values: Mapping[str, Any]) -> Sweep:
         """The sweep with other values of some entries; raises its first fault."""
@@ -129,7 +129,6 @@ class _Reader:
     """Reads entries into a sweep, and files that they name once for all entries."""
 
     document: Document
-    arguments: tuple[str, ...]
     laws: Laws
     parts: dict[str, Any] = field(default_factory=dict)
 
@@ -175,7 +174,6 @@ class _Reader:
                 oil=oil,
                 preset=preset,
                 sources=taken,
-                arguments=self.arguments,
             ),
         )
         for body, fault in track_faults(sweep):
@@ -188,17 +186,6 @@ class _Reader:
         key = repr(tables)
         self.parts[key] = self.parts.get(key) or make()
         return self.parts[key]
-
-
-def _arguments(
-    path: str | PathLike[str], preset: str | None, overrides: Mapping[str, Any]
-) -> tuple[str, ...]:
-    """Arguments of a command that reads the scene so."""
-    settings = [
-        f"--set={key}={value if isinstance(value, str) else as_toml(value)}"
-        for key, value in overrides.items()
-    ]
-    return (fspath(path), *([f"--preset={preset}"] if preset else []), *settings)
 
 
 SceneLike = Sweep | str | PathLike[str]

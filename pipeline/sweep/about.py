@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any, Literal, NamedTuple
 
 from pipeline.quantities import display, display_sides
@@ -96,8 +96,6 @@ class About:
     selection: Selection | None = None  # reasons of a fidelity picked for its accuracy
     sources: tuple[FromLibrary, ...] = ()
     notes: tuple[Remark, ...] = ()  # assumptions made on reading the scene
-    # Arguments by which the command reads the scene; none if it was not read from a file.
-    arguments: tuple[str, ...] = field(default=(), compare=False)
 
 
 def scene_rows(scene: Scene) -> Iterator[Line]:

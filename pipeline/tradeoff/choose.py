@@ -67,7 +67,7 @@ Judged by `make promises`.
 _LOADS, _PLACES = 4, 6  # to look at, and with several surfaces
 _APART = 0.05  # distance of ln(velocity) at a load, either way, from that of the boundary
 _PASSES = 5.0  # times the yardstick's steps at each load that a probe takes, trials included
-_OWN_PASSES = 2.0  # likewise at each point, without trials
+_OWN_PASSES = 2.5  # likewise at each point, without trials
 _WORTH = 0.5  # share of the reference's steps in the whole sweep that a thorough probe may take
 _FEWEST_STEPS = 50  # to know the heat of all the past
 _OWN = "the scene's own fidelity"

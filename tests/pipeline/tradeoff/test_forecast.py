@@ -95,12 +95,12 @@ def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkey
     assert estimate("uncertain", 1).seconds == pytest.approx(shared, rel=0.02)
 
 
-def test_measuring_an_error_takes_twice_the_steps_of_the_yardstick_at_each_point(monkeypatch):
+def test_measuring_an_error_takes_its_passes_of_the_yardstick_at_each_point(monkeypatch):
     """Its 25 increments of 30 N: 9, 17 and 25 steps; points on both sides if that is worth it."""
     timed = 1.5, 9.0, None
     monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
-    assert measuring_time(SWEEP) == pytest.approx(1.5 * 2 * 51)
-    assert measuring_time(SWEEP.changed(velocities=VELOCITIES)) == pytest.approx(1.5 * 4 * 51)
+    assert measuring_time(SWEEP) == pytest.approx(1.5 * 2.5 * 51)
+    assert measuring_time(SWEEP.changed(velocities=VELOCITIES)) == pytest.approx(1.5 * 5.0 * 51)
 
 
 def test_the_time_is_that_of_a_whole_run_within_its_factor():
