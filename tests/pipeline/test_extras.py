@@ -170,7 +170,7 @@ def test_without_all_extras_a_sweep_runs_and_is_resumed(store, tmp_path):
         run,
         ["boundary", "first.zarr"],
         ["margin", "first.zarr", "--points", "duty.csv", "--json"],
-        ["trade", "smaller.toml", "--base", "draft", *SMALL[:2], *FEWER],
+        ["trade", "smaller.toml", *SMALL[:2], *FEWER],
     ]
     done = copy.python("-c", _ALONE, json.dumps([str(tmp_path), str(store), [], asked]))
     assert done.returncode == 0, done.stderr
