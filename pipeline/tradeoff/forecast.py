@@ -7,7 +7,7 @@ import math
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from pipeline.sweep.remarks import Remark
 from pipeline.sweep.shown import shown
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.tradeoff.choose import measuring_steps
-from pipeline.tradeoff.probe import YARDSTICK, dividing_pixels
+from pipeline.tradeoff.probe import YARDSTICK
 from tribo import State
 from tribo.simulation import Trunks, contacts, heat
 from tribo.simulation.trunks import MOST_BYTES
@@ -166,10 +166,14 @@ class _Work:
 
 
 def measuring_time(sweep: Sweep) -> float:
-    """Time to measure the error of a sweep's own fidelity, roughly, by steps timed now [s]."""
-    exact = sweep.changed(fidelity=dividing_pixels(sweep, YARDSTICK))
+    """Time to measure the error of a sweep's own fidelity, roughly, by steps timed now [s].
+
+    They are timed on the scene's own elements, which are fewer than the pixels.
+    """
+    size = sweep.scene.fidelity.pixels_per_element
+    exact = sweep.changed(fidelity=replace(YARDSTICK, pixels_per_element=size))
     contact_time, _, _ = _timed(exact.variant())
-    return measuring_steps(sweep) * contact_time
+    return size**2 * measuring_steps(sweep) * contact_time
 
 
 def worker_bytes(sweep: Sweep, tasks: int = 1) -> float:

@@ -99,8 +99,10 @@ def test_measuring_an_error_takes_its_passes_of_the_yardstick_at_each_point(monk
     """Its 25 increments of 30 N: 9, 17 and 25 steps; points on both sides if that is worth it."""
     timed = 1.5, 9.0, None
     monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
-    assert measuring_time(SWEEP) == pytest.approx(1.5 * 2.5 * 51)
-    assert measuring_time(SWEEP.changed(velocities=VELOCITIES)) == pytest.approx(1.5 * 5.0 * 51)
+    sweep = SWEEP.changed(fidelity=Fidelity(pixels_per_element=2))  # four pixels each
+    assert measuring_time(sweep) == pytest.approx(4 * 1.5 * 2.5 * 51)
+    both_sides = sweep.changed(velocities=VELOCITIES)
+    assert measuring_time(both_sides) == pytest.approx(4 * 1.5 * 5.0 * 51)
 
 
 def test_the_time_is_that_of_a_whole_run_within_its_factor():
