@@ -1,23 +1,22 @@
 """The boundary between mild and severe wear, from a stored sweep and without a new simulation.
 
 Over several surfaces it has a band. Quantiles count a surface without a transition beyond all that
-was computed; a mean, which this would bias, is given only if every surface has one.
+was computed.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.special import ndtri
 
-from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import (
     Kind,
+    count_missing,
     dataset_of,
     entry_dims,
     read_conditions,
@@ -34,14 +33,11 @@ from pipeline.analysis.scenes import map_scenes
 from pipeline.analysis.transition import (
     ABOVE,
     BELOW,
-    BEYOND,
     CROSSES,
     MILD,
     SEVERAL,
     SEVERE,
-    UNKNOWN,
     Line,
-    Turns,
     outcomes,
 )
 from pipeline.quantities import UNITS
@@ -49,7 +45,6 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
-from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import cold_bodies, describe_cold_bodies, turn_parts
 from pipeline.sweep.surface import find_lubrication
 from tribo import Corrections
@@ -69,7 +64,8 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
     -------
     Dataset
         ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the first place at
-        which wear turns severe, NaN where the computed points do not cross.
+        which wear turns severe. NaN where the computed points do not cross, or where wear is severe
+        at the lowest.
         ``mild_below(load)`` and ``severe_above(load)`` [m/s] are the ends of the band that the
         errors leave: below and above it the verdict of `pipeline.margin` is decided.
 
@@ -82,33 +78,25 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
         - ``turns(load, turn)``: all places at which wear turns; the first turns to mild wear where
           ``begins_severe``.
         - ``computed_from``, ``computed_to``: ends of what was computed [m/s, N].
-        - ``missing``: number of pending or failed points; ``bridged``: those of them that a
-          crossing is interpolated across.
         - ``film_parameter`` at the crossing, if the scene gives an oil.
         - ``rise_exponent`` (at loads alone): d ln(rise) over d ln(velocity) at the crossing.
 
         Attributes are the conditions, with units in ``units_of_attributes``; ``model_error``, what
-        the model's own error rests on; ``missing_points``, the number of those missing; and
-        ``misfit``, why the tests contradict the model, where they do.
+        the model's own error rests on; ``missing_points``, the number of points that are pending or
+        failed; and ``misfit``, why the tests contradict the model, where they do.
 
         Over several surfaces all but the band have a dimension ``realization`` in front, and these
         are added, likewise for ``critical_load``:
 
         - ``critical_velocity_quantile(quantile, load)``: velocity below which a share of the
           surfaces turn severe. Surfaces that are mild or severe throughout count beyond all
-          velocities, so a quantile among them is NaN.
-        - ``critical_velocity_first``: velocity at which the first of the ``patches`` under the pin
-          and around its track turns severe, if the surfaces' velocities are log-normal.
-        - ``critical_velocity_mean``, ``critical_velocity_spread`` (standard deviation): NaN unless
-          every surface crosses.
-        - ``turns_at_load_median(load, turn)``: velocities at which wear of half of the surfaces
-          turns, to mild wear first where ``begins_severe_at_load_median``.
+          velocities, so a quantile among them is NaN. The median is not the onset: the hottest
+          patch under the pin scuffs first.
         - ``crossing_at_load``: number of surfaces that cross; ``known_at_load``: number of those
           known to cross or not.
 
-        For samples there are only the band, ``critical_velocity_quantile``, the first velocities at
-        which the next run is severe with a probability of 5, 50 and 95 %, and
-        ``turns_at_load_median``, all at which that passes 50 %.
+        For samples there are only the band and ``critical_velocity_quantile``, the first velocities
+        at which the next run is severe with a probability of 5, 50 and 95 %.
 
     Raises
     ------
@@ -134,10 +122,14 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
     """
     ds = dataset_of(ds)
     require_kind(ds, Kind.PLANE, Kind.SAMPLES)
-    found = map_scenes(ds, _band_alone if sweep_kind(ds) is Kind.SAMPLES else boundary_under)
-    turns = [found[name].notnull() for name in found if "turn" in found[name].dims]
-    most = max(int(one.sum("turn").max()) for one in turns)
-    return found.isel(turn=slice(max(most, 1)))
+    if sweep_kind(ds) is Kind.SAMPLES:
+        found = map_scenes(ds, _band_alone)
+    else:
+        found = map_scenes(ds, boundary_under)
+        turns = [found[name].notnull() for name in found if "turn" in found[name].dims]
+        most = max(int(one.sum("turn").max()) for one in turns)
+        found = found.isel(turn=slice(max(most, 1)))
+    return found.assign_attrs(missing_points=count_missing(ds))
 
 
 def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.Dataset:
@@ -148,7 +140,6 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
     result = xr.Dataset(coords=coords, attrs=_condition_attributes(found.conditions))
     for axis, line in (("velocity", "load"), ("load", "velocity")):
         result = result.assign(_transitions(found, axis, line, ds))
-    result.attrs["missing_points"] = int(sum(plane.is_missing.sum() for plane in found.planes))
     if oil := find_lubrication(stored_sweep(ds)):
         for axis, line in (("velocity", "load"), ("load", "velocity")):
             places = {line: result[line].values, axis: result[f"critical_{axis}"].values}
@@ -159,7 +150,7 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
             words = "film parameter at the crossing"
             result[f"film_parameter_at_{line}"] = dims, film, {"units": "1", "long_name": words}
     if "realization" in result.dims:
-        result = add_band(result, _patches(stored_sweep(ds)))
+        result = add_band(result)
     return _add_errors(result, found, ds)
 
 
@@ -191,9 +182,11 @@ def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dic
     def each(take: Callable[[Line], Any]) -> Any:
         return np.array([[take(one) for one in member] for member in members])
 
+    first = each(lambda one: one.first)
+    critical = np.where(np.isfinite(first), first, math.nan)
     columns: dict[str, tuple[Any, str, str]] = {
         f"critical_{axis}": (
-            each(lambda one: one.place), unit, f"{noun} at the transition to severe wear"
+            critical, unit, f"{noun} at the transition to severe wear"
         ),
         f"computed_from_at_{line}": (
             each(lambda one: one.computed[0]), unit, f"{axis} computed from at this {line}"
@@ -201,16 +194,8 @@ def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dic
         f"computed_to_at_{line}": (
             each(lambda one: one.computed[1]), unit, f"{axis} computed to at this {line}"
         ),
-        f"bridged_at_{line}": (
-            each(lambda one: one.bridged(one.place)), "1",
-            "pending or failed points that the crossing is interpolated across",
-        ),
         f"begins_severe_at_{line}": (
             each(lambda one: one.begins_severe), "1", f"wear is severe at the lowest {axis} known"
-        ),
-        f"missing_at_{line}": (
-            np.array([one.is_missing.sum(axis=int(by_load)) for one in field.planes]), "1",
-            f"pending or failed points at this {line}",
         ),
     }  # fmt: skip
     result: dict[str, Any] = {
@@ -220,11 +205,8 @@ def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dic
     padded = each(lambda one: _padded(one.places))
     attrs = {"units": unit, "long_name": f"{noun} at which wear turns"}
     result[f"turns_at_{line}"] = [*dims, "turn"], padded.reshape(*shape, _TURNS), attrs
-    if "realization" in dims:
-        half = [_half(several, here) for several in zip(*members, strict=True)]
-        result |= _turn_variables(half, f"{noun} at which wear of half of the surfaces turns", line)
     if axis == "velocity":
-        slopes = each(lambda one: one.curve.exponent(one.place)).reshape(shape)
+        slopes = each(lambda one: one.curve.exponent(one.first)).reshape(shape)
         attrs = {"units": "1", "long_name": "d ln(rise) / d ln(velocity) at the crossing"}
         result["rise_exponent_at_load"] = dims, slopes, attrs
     meanings = {
@@ -239,28 +221,6 @@ def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dic
 
 def _padded(places: tuple[float, ...]) -> tuple[float, ...]:
     return (places + (math.nan,) * _TURNS)[:_TURNS]
-
-
-def _half(lines: Sequence[Line], here: float) -> tuple[tuple[float, ...], bool]:
-    """Turns of half of the surfaces that are known, if no more points could tell others."""
-    known = [line for line in lines if line.outcome != UNKNOWN]
-    if not known or any(line.outcome in BEYOND for line in known):
-        return (), False
-    return Turns.of(known, here).shared()
-
-
-def _turn_variables(
-    half: Sequence[tuple[tuple[float, ...], bool]], words: str, line: str
-) -> dict[str, Any]:
-    """Turns of half of the members, at each load or velocity, and if they begin severe."""
-    turns = np.array([_padded(places) for places, _ in half])
-    begins = [begins for _, begins in half]
-    attrs = {"units": UNITS["load" if line == "velocity" else "velocity"], "long_name": words}
-    said = {"units": "1", "long_name": "half is severe below the first of these turns"}
-    return {
-        f"turns_at_{line}_median": ([line, "turn"], turns, attrs),
-        f"begins_severe_at_{line}_median": (line, begins, said),
-    }
 
 
 _STEPS = 241  # velocities among which the ends of a band are sought
@@ -302,9 +262,6 @@ def _band_alone(ds: xr.Dataset) -> xr.Dataset:
     words = "velocity at which the next run is severe with a probability"
     attrs = {"units": "m/s", "long_name": words}
     result["critical_velocity_quantile"] = ("quantile", "load"), np.transpose(lines), attrs
-    half = [(Curve(grid, row).crossings(DECIDED[1]), row[0] > DECIDED[1]) for row in rows]
-    words = "velocity at which the next run turns likelier to be severe than not, or back"
-    result = result.assign(_turn_variables(half, words, "load"))
     return _add_errors(result, field, ds)
 
 
@@ -312,80 +269,49 @@ BAND = (0.1, 0.5, 0.9)
 """Shares of the surfaces whose transition lies lower: lower end, middle and upper end."""
 
 
-def _patches(sweep: Sweep) -> float:
-    """Patches as large as the window that lie side by side under the pin and around its track.
-
-    Around it one, where the scene gives no track.
-    """
-    scene, corrections = sweep.scene, sweep.conditions.corrections
-    track = corrections.track if corrections else None
-    around = track.length / scene.pixels.size[0] if track else 1.0
-    return max(1.0, around) * max(1.0, scene.pin.patches(scene.pixels))
-
-
-def add_band(boundaries: xr.Dataset, patches: float = 1.0) -> xr.Dataset:
-    """Add quantiles, mean, spread and counts over several surfaces, and where wear begins.
-
-    Severe wear begins (III*) at the first of so many patches of the surface: of independent ones,
-    whose logarithms are normal, the median of the least.
-    """
+def add_band(boundaries: xr.Dataset) -> xr.Dataset:
+    """Add quantiles over several surfaces, and counts of the surfaces."""
     shares = ("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
     with_quantiles = boundaries.assign_coords(quantile=shares)
-    below = ndtri(-math.expm1(math.log(0.5) / patches))  # half of the time the first is below
     for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
         outcome, unit = boundaries[f"outcome_at_{axis}"], boundaries[name].attrs["units"]
-        mean, spread, first, quantiles = xr.apply_ufunc(
+        quantiles = xr.apply_ufunc(
             _band_of,
             boundaries[name],
             outcome,
             boundaries[f"computed_from_at_{axis}"],
             boundaries[f"computed_to_at_{axis}"],
             input_core_dims=[["realization"]] * 4,
-            output_core_dims=[[], [], [], ["quantile"]],
-            kwargs={"below": below},
+            output_core_dims=[["quantile"]],
             vectorize=True,
         )
         crossing = (outcome == CROSSES).sum("realization")
         certain = outcome.isin((CROSSES, MILD, SEVERE, SEVERAL)).sum("realization")
         quantiles = quantiles.transpose(..., "quantile", axis)
         columns = {
-            f"{name}_mean": (mean, unit, "mean over the surfaces"),
-            f"{name}_spread": (spread, unit, "their standard deviation"),
             f"{name}_quantile": (quantiles, unit, "that a share of the surfaces stays below"),
-            f"{name}_first": (first, unit, f"at which the first of {patches:.0f} patches turns"),
             f"crossing_at_{axis}": (crossing, "1", "surfaces that cross"),
             f"known_at_{axis}": (certain, "1", "surfaces whose outcome is known"),
         }
         for column, (values, units, words) in columns.items():
             attrs = {"units": units, "long_name": words}
             with_quantiles[column] = values.dims, values.values, attrs
-    return with_quantiles.assign_attrs(patches=patches)
+    return with_quantiles
 
 
-def _band_of(
-    places: Array, outcomes: Array, first: Array, last: Array, below: float
-) -> tuple[float, float, float, Array]:
-    """Mean, spread, first and quantiles of the transitions of several surfaces along one line."""
+def _band_of(places: Array, outcomes: Array, first: Array, last: Array) -> Array:
+    """Quantiles of the transitions of several surfaces along one line."""
     low, high = _ends(places, outcomes, first, last)
-    quantiles = np.array([quantile(low, high, share) for share in BAND])
-    # Not all that are known cross, or some not only once.
-    if not np.isfinite(low).all() or (low != high).any() or (outcomes == SEVERAL).any():
-        return math.nan, math.nan, math.nan, quantiles
-    if len(low) == 1:
-        return float(low[0]), math.nan, math.nan, quantiles
-    logs = np.log(low)
-    begins = math.exp(logs.mean() + below * logs.std(ddof=1))
-    return float(low.mean()), float(low.std(ddof=1)), begins, quantiles
+    return np.array([quantile(low, high, share) for share in BAND])
 
 
 def _ends(places: Array, outcomes: Array, first: Array, last: Array) -> tuple[Array, Array]:
     """Least and greatest place of each transition that has any."""
-    is_kind = [outcomes == kind for kind in (CROSSES, MILD, SEVERE, ABOVE, BELOW)]
+    is_kind = [np.isfinite(places), *(outcomes == kind for kind in (MILD, SEVERE, ABOVE))]
+    # Wear that is severe at the lowest place computed turns severe below it.
+    is_kind.append(np.isin(outcomes, (BELOW, SEVERAL)))
     low = np.select(is_kind, [places, np.inf, -np.inf, last, -np.inf], math.nan)
     high = np.select(is_kind, [places, np.inf, -np.inf, np.inf, first], math.nan)
-    is_several = outcomes == SEVERAL  # the first turn to severe wear, which may lie anywhere else
-    low = np.where(is_several, np.nan_to_num(places, nan=-np.inf), low)
-    high = np.where(is_several, np.nan_to_num(places, nan=np.inf), high)
     is_known = ~np.isnan(low)
     return (low[is_known], high[is_known]) if is_known.any() else (np.array([math.nan]),) * 2
 

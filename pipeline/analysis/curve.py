@@ -89,8 +89,8 @@ class Curve:
         return float(self.y[same[0]] if same.size else self(np.array([place]), continued)[0])
 
     def exponent(self, place: float) -> float:
-        """Exponent d ln(y)/d ln(x) at a place; NaN where that is, or beyond the points."""
-        if not place > 0 or len(self.x) < 2:
+        """Exponent d ln(y)/d ln(x) at a place; NaN if the place is NaN or infinite."""
+        if not 0 < place < math.inf or len(self.x) < 2:
             return math.nan
         ends = np.clip([place / _NEAR, place * _NEAR], self.x[0], self.x[-1])
         low, high = self._inside(ends)

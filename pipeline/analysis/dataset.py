@@ -18,7 +18,7 @@ from pipeline.scene.faults import quoted
 from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
-from pipeline.store.schema import AT_END, COORDINATES, INPUTS, MADE, PLANE, STEPPED
+from pipeline.store.schema import AT_END, COORDINATES, DONE, INPUTS, MADE, PLANE, STEPPED
 from pipeline.sweep.codec import text_sweep
 from pipeline.sweep.conditions import PATHS, Conditions, changes_of
 from pipeline.sweep.judged import fix_inputs, replace_conditions
@@ -392,6 +392,11 @@ def drawn_row(ds: xr.Dataset) -> Variant:
 def asked(ds: xr.Dataset) -> xr.DataArray:
     """Points that the last run asked for: all of its scene, or those it chose."""
     return ds["asked"] != 0 if "asked" in ds else xr.ones_like(ds["status"], bool)
+
+
+def count_missing(ds: xr.Dataset) -> int:
+    """Count the points asked for that are pending or failed."""
+    return int((asked(ds) & (ds["status"] != DONE)).sum())
 
 
 def sweep_at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:

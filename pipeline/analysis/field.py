@@ -34,7 +34,7 @@ from pipeline.analysis.decisive import (
 from pipeline.analysis.model_error import Scatter, severe_share
 from pipeline.analysis.rise_error import RiseError, RisePlane, add_counted, grids_of, rise_error
 from pipeline.analysis.scenes import scenes
-from pipeline.analysis.transition import LEAST_SLOPE, Line, Turns, range_of
+from pipeline.analysis.transition import LEAST_SLOPE, Line, Transitions, range_of
 from pipeline.quantities import UNITS
 from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE
@@ -102,8 +102,8 @@ class Field(Protocol):
     def error(self, load: float, velocity: float) -> RiseError:
         """Numerical error there, relative to the rise: that of the member that errs most."""
 
-    def turns(self, axis: str, load: float, velocity: float) -> Turns:
-        """Where wear turns severe along an axis through a place."""
+    def transitions(self, axis: str, load: float, velocity: float) -> Transitions:
+        """Where wear first turns severe along an axis through a place."""
 
     def probability(
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
@@ -218,10 +218,9 @@ class PointField:
         worst = max(errors, key=lambda one: math.inf if one.total is None else one.total)
         return add_counted(worst, self.conditions)
 
-    def turns(self, axis: str, load: float, velocity: float) -> Turns:
+    def transitions(self, axis: str, load: float, velocity: float) -> Transitions:
         """See `Field`."""
-        here = velocity if axis == "velocity" else load
-        return Turns.of(self.lines(axis, load, velocity), here)
+        return Transitions.of(self.lines(axis, load, velocity))
 
     def probability(
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
@@ -260,17 +259,13 @@ class PointField:
     ) -> Line:
         plane, factor, limit = self.planes[number], self.conditions.friction_factor, self.limit
         x, other, place, along = plane.velocities, plane.loads, load, velocity
-        rises, is_missing = plane.rises * factor(x), plane.is_missing
+        rises = plane.rises * factor(x)
         if axis == "load":
-            x, other, place, along = other, x, velocity, load
-            rises, is_missing = rises.T, is_missing.T
-        above = int(np.searchsorted(other, place))
-        is_between = above < len(other) and other[above] != place
-        missing = np.logical_or.reduce(is_missing[above - is_between : above + 1])
+            x, other, place, along, rises = other, x, velocity, load, rises.T
         has_curve = self.conditions.has_friction_curve
         is_row = place in other and not is_filled
         if is_row:
-            computed = going_on = rises[above]
+            computed = going_on = rises[int(np.searchsorted(other, place))]
         elif axis == "load":
             computed, here = self._load_rises(number, velocity), np.array([velocity])
             going_on = np.array(
@@ -285,7 +280,7 @@ class PointField:
                 np.array([Curve(other, column).at(place) for column in lines.T])
                 for lines in (rises, rows)
             )
-        done, missing = x[np.isfinite(computed)], x[missing]
+        done = x[np.isfinite(computed)]
         rise, is_within = (math.nan, False) if is_row else self._rise(number, load, velocity)
         if is_within:
             number_there = int(np.searchsorted(x, along))
@@ -297,7 +292,7 @@ class PointField:
         if has_curve and axis == "velocity":
             continued = continued_friction(x, going_on, factor)
             x, going_on = along_friction(x, going_on, factor)
-        return Line(Curve(x, going_on), limit, self.ends[axis], done, missing, continued)
+        return Line(Curve(x, going_on), limit, self.ends[axis], done, continued)
 
 
 def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array, Array]:
@@ -383,9 +378,18 @@ def _joined_places(rows: Iterable[PointField]) -> Iterator[PointField]:
 
 
 def quantile(values: Array, weights: Array, share: float) -> float:
-    """Value that a share of the weight stays below; values may be infinite, NaN if one is."""
+    """Value that a share of the weight stays below; NaN if any value is NaN.
+
+    Values may be infinite: nothing is interpolated beside these.
+    """
     if np.isnan(values).any():
         return math.nan
     order = np.argsort(values)
-    below = np.cumsum(weights[order]) - 0.5 * weights[order]
-    return float(np.interp(share * weights.sum(), below, values[order]))
+    values, weights = values[order], weights[order]
+    total, share = np.cumsum(weights), share * weights.sum()
+    sides = [np.searchsorted(total.round(12), round(share, 12), side) for side in ("left", "right")]
+    below, above = values[np.minimum(sides, len(values) - 1)]
+    if math.isinf(below) or math.isinf(above):
+        return float(below if math.isinf(below) else above)
+    known = np.isfinite(values)
+    return float(np.interp(share, (total - 0.5 * weights)[known], values[known]))

@@ -11,7 +11,7 @@ import xarray as xr
 from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.scenes import attribute_values, heads_of, parts_of
 from pipeline.analysis.tables import frame_of, short
-from pipeline.analysis.transition import CROSSES, SEVERAL, in_words, outcomes, severe_ranges
+from pipeline.analysis.transition import CROSSES, in_words, outcomes
 from pipeline.quantities import UNITS, column_heads
 from pipeline.sweep.conditions import FIELDS
 from tribo.material import BOUNDARY, FULL_FILM
@@ -22,13 +22,15 @@ JUDGED = column_heads(
     "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share", "criterion"
 )
 """Heads of the conditions that wear is judged by."""
+ONSET = "the median is not the onset: the hottest patch under the pin scuffs first"
+"""What the median over surfaces leaves out."""
 
 
 def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
     """Frames of `pipeline.boundary`: critical velocities by load, critical loads by velocity."""
     if "critical_velocity" not in boundaries:
         return (_along(boundaries, "critical_velocity", "load"),)
-    return *(_along(boundaries, *ends) for ends in BOUNDARIES), *_turning_surfaces(boundaries)
+    return tuple(_along(boundaries, *ends) for ends in BOUNDARIES)
 
 
 def boundary_parts(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
@@ -45,17 +47,9 @@ def boundary_parts(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
             f"{BOUNDARY:g} boundary lubrication, below {FULL_FILM:g} mixed, above it a full film, "
             "which the model does not have"
         )
-    patches = attribute_values(boundaries, "patches")
-    if patches and boundaries["critical_velocity_first"].notnull().any():
-        yield (
-            "mean: where the patch of the window turns severe (III); first patch: where the first "
-            f"of {max(patches):.0f} such patches does, and severe wear begins (III*), if their "
-            f"logarithms are normal with the spread of {boundaries.sizes['realization']} surfaces; "
-            "patches lie side by side under the pin, and around the disk's "
-            "track where the scene gives it"
-        )
-    if missing := missing_points(boundaries):
-        yield f"{missing} points are pending or failed and were left out"
+    if "realization" in boundaries.dims:
+        yield ONSET
+    yield from missing_lines(boundaries.attrs["missing_points"])
 
 
 def _next_run_lines(boundaries: xr.Dataset) -> Iterator[str]:
@@ -76,9 +70,9 @@ def _next_run_lines(boundaries: xr.Dataset) -> Iterator[str]:
         yield f"{f'{labels}: ' if labels else ''}the next run is {'; '.join(said)}"
 
 
-def missing_points(boundaries: xr.Dataset) -> int:
-    """Number of pending and failed points, of all scenes."""
-    return sum(attribute_values(boundaries, "missing_points"))
+def missing_lines(missing: int) -> list[str]:
+    """The line that says how many points are pending or failed; none if all are done."""
+    return [f"{missing} points are pending or failed and were left out"] * bool(missing)
 
 
 def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
@@ -121,44 +115,14 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
         signature="(),(),(),(),(n)->()",
     )
     inner: list[list[str]] = [[], [], [], [], ["turn"]]
-    bridged = boundaries[f"bridged_at_{axis}"]
     yield column_heads(name)[name], boundaries[name]
     yield "outcome", xr.apply_ufunc(worded, *given, input_core_dims=inner)
-    yield "points not done beside it", bridged.where(bridged > 0)
-
-
-def _turning_surfaces(boundaries: xr.Dataset) -> Iterator[pd.DataFrame]:
-    """Each of several surfaces in a row, along an axis on which wear of any turns several times."""
-    for name, axis in BOUNDARIES:
-        outcome = boundaries[f"outcome_at_{axis}"]
-        if "realization" in outcome.dims and (outcome == SEVERAL).any():
-            rows = xr.Dataset(
-                {head: one.drop_attrs() for head, one in _surface(boundaries, name, axis)}
-            )
-            dims = [*entry_dims(outcome), "realization", axis]
-            heads = heads_of(boundaries, dims[:-2]) | column_heads(axis)
-            frame = rows.reset_coords(drop=True).to_dataframe(dims).reset_index()
-            yield frame.rename(columns=heads | {"realization": "surface"})
-
-
-def _half_ranges(boundaries: xr.Dataset, other: str, axis: str) -> xr.DataArray:
-    """Ranges in which half of the members are severe, in words."""
-    given = [boundaries[f"{part}_at_{axis}_median"] for part in ("turns", "begins_severe")]
-    worded = np.vectorize(
-        lambda turns, begins: (
-            severe_ranges(turns, begins, other) if np.isfinite(turns).any() else None
-        ),
-        otypes=[object],
-        signature="(n),()->()",
-    )
-    words: xr.DataArray = xr.apply_ufunc(worded, *given, input_core_dims=[["turn"], []])
-    return words
 
 
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Median, ends of the band, mean and spread of several surfaces, and how many of them cross.
+    """Median and ends of the band of several surfaces, and how many surfaces have each outcome.
 
-    Of samples the velocities of some probabilities alone.
+    For samples, the velocities of some probabilities alone.
     """
     other, surfaces = name.removeprefix("critical_"), "realization"
     unit, band = UNITS[other], boundaries[f"{name}_quantile"]
@@ -166,24 +130,13 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
         for place, share in enumerate(band["quantile"].values.tolist()):
             velocity = band.isel(quantile=place, drop=True)
             yield f"velocity of {100 * share:g} % [{unit}]", velocity.where(velocity > 0, -np.inf)
-        begins = boundaries["begins_severe_at_load_median"]
-        if (boundaries["turns_at_load_median"].count("turn") + begins > 1).any():
-            yield "likelier than not", _half_ranges(boundaries, other, axis)
         return
     heads = [f"{100 * share:g} %" for share in band["quantile"].values]
     heads[1] = f"critical {other}, median"
     for place in (1, 0, 2):
         yield f"{heads[place]} [{unit}]", band.isel(quantile=place, drop=True)
-    for moment in ("mean", "spread"):
-        yield f"{moment} [{unit}]", boundaries[f"{name}_{moment}"]
-    if f"{name}_first" in boundaries:
-        yield f"first patch [{unit}]", boundaries[f"{name}_first"]
     codes = boundaries[f"outcome_at_{axis}"]
     yield "surfaces", xr.full_like(codes, 1).sum(surfaces)
     for code, outcome in outcomes(other).items():
         if code == CROSSES or (codes == code).any():
             yield "cross" if code == CROSSES else outcome, (codes == code).sum(surfaces)
-    if (codes == SEVERAL).any():
-        yield "half of them", _half_ranges(boundaries, other, axis)
-    bridged = (boundaries[f"bridged_at_{axis}"] > 0).sum(surfaces)
-    yield "of them across points not done", bridged.where(bridged > 0)

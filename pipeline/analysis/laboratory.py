@@ -110,7 +110,7 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
     InputError
         If the load lies outside the sweep, or too little of it is done to tell.
     """
-    low, high = own.turns("velocity", test.normal_load, test.velocity).computed
+    low, high = own.transitions("velocity", test.normal_load, test.velocity).computed
     end = float(np.clip(test.velocity, low, high))
     if math.isnan(end):
         end = float(np.clip(test.velocity, *own.ends["velocity"]))
@@ -139,14 +139,15 @@ def _residual(run: Sequence[tuple[str | None, float, bool]]) -> float | None:
 
 
 def critical_velocity(own: PointField, test: Measurement) -> float:
-    """Velocity nearest to a test at which wear of half of the surfaces turns in its own field.
+    """Velocity nearest to a test at which wear turns in its own field: the median of the surfaces.
 
-    Of a transition, and of a test in a run, it is one at which wear turns severe. It is 0 or
-    infinite where wear does not turn among the computed points [m/s].
+    For a transition, and for a test in a run, wear turns severe there. The velocity is infinite,
+    or -infinite, if wear is mild, or severe, at all computed points [m/s].
     """
-    turns = own.turns("velocity", test.normal_load, test.velocity)
     to_severe = test.outcome is None or test.run is not None
-    return turns.nearest(test.velocity, to_severe=to_severe)
+    lines = own.lines("velocity", test.normal_load, test.velocity)
+    nearest = [line.nearest(test.velocity, to_severe) for line in lines]
+    return quantile(np.array(nearest), own.weights, 0.5)
 
 
 def tests_beside(

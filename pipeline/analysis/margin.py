@@ -19,7 +19,7 @@ import numpy as np
 from pipeline.analysis.field import Field, continued_friction, quantile
 from pipeline.analysis.model_error import Scatter, severe_share
 from pipeline.analysis.rise_error import RiseError
-from pipeline.analysis.transition import CROSSES, SEVERAL, Line, Turns, outcomes
+from pipeline.analysis.transition import Line
 from pipeline.sweep.accuracy import MEASURES
 from pipeline.sweep.shown import shown
 from tribo.types import Array
@@ -59,21 +59,14 @@ class Margin:
     critical_temperature: float  #: Temperature above which the lubricant fails [K].
     distance: float  #: Critical less deciding temperature [K]; negative where wear is severe.
     model_error: str  #: The model's own error, and what it rests on.
-    critical_velocity: float  #: The nearest at this load [m/s]; NaN if the sweep has none.
-    critical_load: float  #: The nearest at this velocity [N]; NaN if the sweep has none.
-    velocity_outcome: str  #: One of `pipeline.analysis.transition.outcomes`.
+    #: First velocity at this load at which wear turns severe [m/s]. NaN if the sweep has none, or
+    #: if wear is severe at the lowest velocity.
+    critical_velocity: float
+    critical_load: float  #: First load at this velocity, likewise [N].
+    velocity_outcome: str  #: Why there is none, or where wear is severe if it turns several times.
     load_outcome: str  #: Likewise, along the load.
-    #: All velocities at which wear of half of the members turns at this load [m/s].
-    velocity_turns: tuple[float, ...]
-    load_turns: tuple[float, ...]  #: All loads at which it turns at this velocity [N].
-    velocity_member_turns: tuple[tuple[float, ...], ...]  #: Those of each surface.
-    load_member_turns: tuple[tuple[float, ...], ...]  #: Likewise.
-    velocity_begins_severe: bool  #: Wear is severe below the first of these turns.
-    load_begins_severe: bool  #: Likewise.
     velocity_range: tuple[float, float]  #: Lowest and highest velocity computed there [m/s].
     load_range: tuple[float, float]  #: Lowest and highest load computed there [N].
-    velocity_bridged: int  #: Points not done that the critical velocity is interpolated across.
-    load_bridged: int  #: Points not done that the critical load is interpolated across.
     is_computed: bool  #: That very point is done, and the temperature not interpolated.
     is_continued: bool  #: Temperature extrapolated beyond the computed points.
     members: int  #: Surfaces, or draws of unknown inputs, that it rests on.
@@ -198,31 +191,27 @@ def answer(
     here, weights = field.temperatures(load, velocity), field.weights
     error = field.error(load, velocity)
     lowest, middle, highest = probabilities(field, load, np.array([velocity]), scatter, error)
-    place = {"velocity": velocity, "load": load}
-    turns = {axis: field.turns(axis, load, velocity) for axis in place}
+    along = {axis: field.transitions(axis, load, velocity) for axis in ("velocity", "load")}
     spread = {"decisive_temperature": here.values, "distance": here.critical - here.values}
     ends_and_middles: list[dict[str, Any]] = [
         {name: quantile(values, weights, share) for name, values in spread.items()}
-        | {f"critical_{axis}": one.nearest(place[axis], share) for axis, one in turns.items()}
+        | {
+            f"critical_{axis}": max(quantile(one.first, weights, share), 0.0)
+            for axis, one in along.items()
+        }
         for share in DECIDED
     ]
     low, middles, high = ends_and_middles
     intervals = {}
-    if len(weights) > 1:  # where wear turns mild, the 95 % lie below the 5 %
-        intervals = {name: tuple(sorted((low[name], high[name]))) for name in low}
+    if len(weights) > 1:
+        intervals = {name: (low[name], high[name]) for name in low}
     for name in ("critical_velocity", "critical_load"):
         middles[name] = middles[name] if 0 < middles[name] < math.inf else math.nan
     scale = field.conditions.temperature_error(middles["decisive_temperature"])
     told: dict[str, Any] = {
         f"{axis}_{name}": value
-        for axis, one in turns.items()
-        for name, value in (
-            ("outcome", outcome_in_words(one, axis)),
-            *zip(("turns", "begins_severe"), one.shared(), strict=True),
-            ("member_turns", one.by_member),
-            ("range", one.computed),
-            ("bridged", one.bridged),
-        )
+        for axis, one in along.items()
+        for name, value in (("outcome", one.worded(axis)), ("range", one.computed))
     }
     return Margin(
         load=load,
@@ -269,8 +258,8 @@ def probabilities_alone(
     def share(shift: float) -> Array:
         if curve is None or not math.isfinite(limit):
             return np.array(0.0)
-        nowhere = np.array([])  # neither a sweep's ends nor its places change where it is severe
-        line = Line(curve, limit * math.exp(-shift), (math.nan, math.nan), nowhere, nowhere)
+        # Neither a sweep's ends nor its places change where it is severe.
+        line = Line(curve, limit * math.exp(-shift), (math.nan, math.nan), np.array([]))
         return severe_share(line.severe(), np.array(1.0), scatter)
 
     low, middle, high = map(float, _bounded(share, error))
@@ -295,8 +284,8 @@ def error_band(
     """
     ends = field.ends["velocity"]
     here = math.sqrt(max(ends[0], 1e-3 * ends[1]) * ends[1])
-    turns = field.turns("velocity", load, here)
-    place = turns.nearest(here)
+    transitions = field.transitions("velocity", load, here)
+    place = quantile(transitions.first, field.weights, 0.5)
     if math.isnan(place) or field.misfit:
         return math.nan, math.nan
     place = float(np.clip(place, max(ends[0], velocities[0]), ends[1]))
@@ -315,7 +304,7 @@ def error_band(
 
     def end(side: int) -> float:
         # Between points the error may be unknown, where it is known at the outermost one.
-        outermost = turns.computed[side]
+        outermost = transitions.computed[side]
         for start in (place, outermost):
             if (found := end_beside(side, start)) is not None:
                 return found
@@ -341,17 +330,3 @@ def _decided_ends(
         part = [shut[-1], shut[-1] + 1]
         above = float(np.interp(DECIDED[-1], lowest[part], velocities[part]))
     return below, above
-
-
-def outcome_in_words(turns: Turns, axis: str) -> str:
-    """Outcome of a line, or that of half of its members, or on how many of them wear turns."""
-    codes = np.unique(turns.outcome)
-    words = outcomes(axis)
-    if len(codes) == 1:
-        return words[int(codes[0])]
-    places, begins = turns.shared()
-    if len(places) + begins > 1:
-        return words[SEVERAL]
-    kinds = [CROSSES] if CROSSES in codes else codes.tolist()
-    counts = [f"{words[kind]} on {np.sum(turns.outcome == kind)}" for kind in kinds]
-    return f"{', '.join(counts)} of {len(turns.outcome)}"

@@ -65,7 +65,7 @@ def margin(
         The `Margin` of one place in a single scene. For several places a data frame with a row for
         each: its place, the ``verdict`` on the next run, the ``probability`` that it is severe,
         ``decisive temperature [°C]``, its numerical ``temperature error [K]``, the ``distance [K]``
-        below the critical temperature and, along velocity and load, the factor to the nearest
+        below the critical temperature and, along velocity and load, the factor to the first
         critical value, that value and the outcome. Over several surfaces or samples these are
         medians; ``distance low [K]`` and ``distance high [K]`` are the 5 and 95 % quantiles. A
         place that the sweep says nothing about has a ``note`` instead.
@@ -166,7 +166,6 @@ def margin_frame(
             notes.insert(0, one.reason)
         else:
             values = [_value(one.margin, name) for name in _COLUMNS]
-            notes = [*_bridged(one.margin), *notes]
         rows.append((*one.place, *values, "; ".join(notes) or None))
     results = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS.values(), "note"), rows)
     return pd.concat([labels, _passed_on(points, results), results], axis="columns")
@@ -219,10 +218,3 @@ def counts_in_words(frame: pd.DataFrame) -> str:
     least = frame.loc[frame["distance [K]"].astype(float).idxmin()]
     place = f"{least['load [N]']:g} N and {least['velocity [m/s]']:g} m/s"
     return f"{said}; the least margin is {least['distance [K]']:.3g} K, at {place}"
-
-
-def _bridged(margin: Margin) -> Iterator[str]:
-    """Note on critical values that are interpolated across points that are not done."""
-    counts = {"velocity": margin.velocity_bridged, "load": margin.load_bridged}
-    if listed := [f"{count} along the {name}" for name, count in counts.items() if count]:
-        yield f"points not done next to the transition: {', '.join(listed)}"

@@ -21,7 +21,7 @@ import numpy as np
 import scipy  # loads its parts when they are used
 import xarray as xr
 
-from pipeline.analysis.dataset import asked, keep_steps, stored_sweep
+from pipeline.analysis.dataset import keep_steps, stored_sweep
 from pipeline.analysis.warned_points import warnings_of
 from pipeline.sweep.conditions import Conditions
 from tribo import WarningKind
@@ -122,7 +122,6 @@ class RisePlane:
     loads: Array
     velocities: Array
     rises: Array
-    is_missing: Mask  # asked for, and not done
     flags: Indices
     durations: Array
     is_refined: Mask  # on smaller elements than the preset's, since few of those touch
@@ -133,11 +132,11 @@ class RisePlane:
         loads = np.unique(np.concatenate([plane.loads for plane in planes]))
         velocities = np.unique(np.concatenate([plane.velocities for plane in planes]))
         rises = np.full((len(loads), len(velocities)), np.nan)
-        rest = (np.zeros(rises.shape, kind) for kind in (bool, int, float, bool))
+        rest = (np.zeros(rises.shape, kind) for kind in (int, float, bool))
         whole = cls(loads, velocities, rises, *rest)
         for plane in planes:
             here = np.ix_(np.isin(loads, plane.loads), np.isin(velocities, plane.velocities))
-            for name in ("rises", "is_missing", "flags", "durations", "is_refined"):
+            for name in ("rises", "flags", "durations", "is_refined"):
                 getattr(whole, name)[here] = getattr(plane, name)
         return whole
 
@@ -168,7 +167,7 @@ def grids_of(ds: xr.Dataset, rise: xr.DataArray) -> list[RisePlane]:
     # The error of a fidelity that was picked is that of the scene itself.
     is_refined = touching < (0 if sweep.about.selection else scene.fidelity.fewest_elements)
     duration = stepped["time"].max("step")
-    of_rows = rise, rise.isnull() & asked(ds), warnings_of(ds), duration, is_refined
+    of_rows = rise, warnings_of(ds), duration, is_refined
     parts = (
         part.broadcast_like(rise).transpose(*rise.dims).values.reshape(shape) for part in of_rows
     )

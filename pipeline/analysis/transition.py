@@ -52,7 +52,6 @@ class Line:
     limit: float  # rise above which wear is severe [K]
     ends: tuple[float, float]  # of the sweep's own range
     done: Array  # places that are done, ascending
-    missing: Array  # places that are not
     #: The curve far beyond its ends, where it is no power law: friction by velocity is known there.
     continued: Curve | None = None
 
@@ -63,7 +62,7 @@ class Line:
 
     @functools.cached_property
     def begins_severe(self) -> bool:
-        """Wear is severe below the first of them."""
+        """Wear is severe below the first of these places."""
         return bool(self.curve.x.size) and bool(Criterion.is_severe(self.curve.y[0], self.limit))
 
     @property
@@ -86,28 +85,22 @@ class Line:
         return MILD if is_whole[1] else ABOVE
 
     @property
-    def place(self) -> float:
-        """First place at which wear turns severe; NaN where there is none."""
-        return next(iter(self.places[self.begins_severe :]), math.nan)
+    def first(self) -> float:
+        """First place at which wear turns severe.
 
-    def nearest(self, here: float) -> float:
-        """The place at which wear turns that is nearest by its ratio; NaN where nothing is known.
-
-        It is infinite where wear is mild at all that is known, and 0 where severe.
+        It is -infinite if wear is severe at the lowest place, infinite if wear is mild at every
+        place, and NaN if nothing is known.
         """
-        if self.outcome in (MILD, ABOVE):
-            return math.inf
-        if self.outcome in (SEVERE, BELOW):
-            return 0.0
-        return min(self.places, key=lambda place: abs(math.log(place / here)), default=math.nan)
+        if self.outcome == UNKNOWN:
+            return math.nan
+        if self.begins_severe:
+            return -math.inf
+        return self.places[0] if self.places else math.inf
 
-    def bridged(self, place: float) -> int:
-        """Number of points not done between the two done ones beside a place."""
-        done = np.setdiff1d(self.done, self.missing)
-        below, above = done[done <= place], done[done >= place]
-        if not (below.size and above.size):
-            return 0
-        return int(np.sum((self.missing > below[-1]) & (self.missing < above[0])))
+    def nearest(self, here: float, to_severe: bool = False) -> float:
+        """The turn nearest by its ratio, or the nearest to severe wear; without one as `first`."""
+        counted = self.places[self.begins_severe :: 2] if to_severe else self.places
+        return min(counted, key=lambda place: abs(math.log(place / here)), default=self.first)
 
     def severe(self) -> list[tuple[float, float]]:
         """Ranges in which wear is severe, where the line goes on by the power law of its ends.
@@ -140,15 +133,15 @@ def in_words(
     outcome: str,
     computed: Iterable[float],
     along: str,
-    turns: Iterable[float] = (),
+    turns: Sequence[float] = (),
     begins_severe: bool = False,
 ) -> str:
     """One of `outcomes` along ``"velocity"`` or ``"load"``, with how far was computed.
 
-    Of several turns the ranges in which wear is severe instead.
+    Where wear turns several times, the ranges in which it is severe instead, if turns are given.
     """
     words = outcomes(along)
-    if outcome == words[SEVERAL]:
+    if outcome == words[SEVERAL] and len(turns):
         return severe_ranges(turns, begins_severe, along)
     low, high = (f"{end:.4g} {UNITS[along]}" for end in computed)
     reached = {words[ABOVE]: f" (to {high})", words[BELOW]: f" (from {low})"}
@@ -178,88 +171,34 @@ def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
     return float(min(asked)), float(max(asked))
 
 
-class Turns(NamedTuple):
-    """Where wear turns on the members of a field, along an axis through a place."""
+class Transitions(NamedTuple):
+    """Where wear first turns severe on the members of a field, along an axis through a place."""
 
     outcome: Array  # of each member, (m,): keys of `outcomes`
+    first: Array  # of each member, (m,); see `Line.first`
     computed: tuple[float, float]  # lowest and highest place computed
-    bridged: int  # most points not done that one of them is interpolated across
-    places: Array  # places at which any member turns, (n,)
-    steps: Array  # weights of these members, negative where they turn to mild wear, (n,)
-    begins: float  # share of the members that are severe below all of them
-    by_member: tuple[tuple[float, ...], ...] = ()  # the places of each, where members are few
-
-    def shared(self, share: float = 0.5) -> tuple[tuple[float, ...], bool]:
-        """Places beyond which more, or less, than a share of the members is severe, ascending.
-
-        And whether more is below the first of them. Of members that turn once these are their
-        quantiles.
-        """
-        order = np.argsort(self.places, kind="stable")
-        places, steps = self.places[order], self.steps[order]
-        after = self.begins + np.cumsum(steps)
-        # From one turn to the next of its kind the share changes steadily, and else at turns alone.
-        is_other = np.diff(steps > 0, prepend=np.nan, append=np.nan) != 0
-        is_node = np.column_stack([is_other[:-1], np.ones_like(places, dtype=bool), is_other[1:]])
-        shares = np.column_stack([after - steps, after - steps / 2, after])[is_node]
-        x = np.repeat(places, 3)[is_node.ravel()]
-        signs = np.sign((shares - share).round(12))
-        (known,) = signs.nonzero()
-        found = []
-        (turning,) = np.nonzero(np.diff(signs[known]))
-        for low, high in zip(known[turning], known[turning + 1], strict=True):
-            if high == low + 1:
-                part = (share - shares[low]) / (shares[high] - shares[low])
-                found.append(float(x[low] + part * (x[high] - x[low])))
-            else:  # in the middle, where exactly this share is severe
-                found.append(float(x[low + 1] + x[high - 1]) / 2)
-        return tuple(found), bool(signs[known[0]] > 0 if known.size else self.begins >= share)
-
-    def nearest(self, here: float, share: float = 0.5, to_severe: bool = False) -> float:
-        """The place nearest by its ratio at which half turns, or of another share beside that.
-
-        It is infinite where the share is mild at all that is known, 0 where it is severe, and NaN
-        where that of a member is not known; likewise where another share does not turn between
-        the turns of the half beside that. Turns to severe wear alone may be asked for.
-        """
-        if (self.outcome == UNKNOWN).any():
-            return math.nan
-        places, begins = self.shared(share)
-        half, half_begins = self.shared()
-        none = 0.0 if begins else math.inf
-        if counted := half[int(half_begins) :: 2] if to_severe else half:
-            here = min(counted, key=lambda place: abs(math.log(place / here)))
-            number = half.index(here)
-            is_rise = number % 2 == half_begins
-            # Another turn of the half ends the reach of this one.
-            low, _, high = (0.0, *half, math.inf)[number : number + 3]
-            same = places[int(begins == is_rise) :: 2]
-            places = tuple(place for place in same if low < place < high)
-            # There a smaller share is severe all along, and a larger one nowhere.
-            none = 0.0 if (share < 0.5) == is_rise else math.inf
-        elif to_severe:
-            places = ()
-        return min(places, key=lambda place: abs(math.log(place / here)), default=none)
+    places: tuple[float, ...] = ()  # of a single member, all places at which wear turns
 
     @classmethod
-    def of(cls, lines: Sequence[Line], here: float) -> Turns:
-        """Turns of lines about a velocity [m/s] or a load [N]."""
-        known = [line for line in lines if line.outcome != UNKNOWN]
-        weight = 1 / len(lines)
-        steps = [
-            weight if number % 2 == line.begins_severe else -weight
-            for line in lines
-            for number in range(len(line.places))
-        ]
+    def of(cls, lines: Sequence[Line]) -> Transitions:
+        """Transitions of lines over velocities [m/s] or loads [N]."""
+        ends = [line.computed for line in lines if line.outcome != UNKNOWN]
         return cls(
             np.array([line.outcome for line in lines]),
+            np.array([line.first for line in lines]),
             (
-                min((line.computed[0] for line in known), default=math.nan),
-                max((line.computed[1] for line in known), default=math.nan),
+                min((low for low, _ in ends), default=math.nan),
+                max((high for _, high in ends), default=math.nan),
             ),
-            max(line.bridged(line.nearest(here)) for line in lines),
-            np.array([place for line in lines for place in line.places]),
-            np.array(steps),
-            weight * sum(line.begins_severe for line in lines),
-            tuple(line.places for line in lines),
+            lines[0].places if len(lines) == 1 else (),
         )
+
+    def worded(self, along: str) -> str:
+        """Outcome along ``"velocity"`` or ``"load"``, or on how many of the members wear turns."""
+        words, codes = outcomes(along), np.unique(self.outcome).tolist()
+        if len(codes) == 1:
+            begins_severe = bool(self.first[0] == -math.inf)
+            return in_words(words[codes[0]], self.computed, along, self.places, begins_severe)
+        kinds = [code for code in codes if code in (CROSSES, SEVERAL)] or codes
+        counts = [f"{words[kind]} on {np.sum(self.outcome == kind)}" for kind in kinds]
+        return f"{', '.join(counts)} of {len(self.outcome)}"

@@ -16,6 +16,7 @@ from pipeline.analysis import frames, laboratory
 from pipeline.analysis.boundary import turns_left_out
 from pipeline.analysis.dataset import (
     Kind,
+    count_missing,
     judged_dims,
     read_conditions,
     scene_sweep,
@@ -27,12 +28,7 @@ from pipeline.analysis.margin import Margin
 from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
 from pipeline.analysis.scenes import scenes, words
 from pipeline.analysis.tables import as_dict, notes_of, short, upright
-from pipeline.analysis.transition import (
-    CROSSES,
-    SEVERAL,
-    in_words,
-    outcomes,
-)
+from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.cli.given import dataset_in, operating_points_in, table_in, values_in
 from pipeline.cli.output import Result, counted, working
 from pipeline.quantities import shown_in
@@ -65,6 +61,8 @@ def margin(options: argparse.Namespace) -> Result:
     document |= _tell_basis([one.field for one in found], text)
     known = [one for one in found if one.margin]
     text += [] if is_one else _error_lines(known)
+    document["missing_points"] = missing = count_missing(ds)
+    text += frames.missing_lines(missing)
     text += _deciding_lines(known)
     document["not_counted"] = note = _note_on_rows(ds, found)
     is_molten = is_one and any(one.known().decisive_temperature > MELTS for one in known)
@@ -127,11 +125,8 @@ def _margin_lines(here: Margin) -> list[str]:
     ]
     for name in ("velocity", "load"):
         outcome = getattr(here, f"{name}_outcome")
-        turns, begins = getattr(here, f"{name}_turns"), getattr(here, f"{name}_begins_severe")
-        said = in_words(outcome, getattr(here, f"{name}_range"), name, turns, begins)
-        if said != outcome and (turns or outcome != outcomes(name)[SEVERAL]):
-            whose = f", half of the {several}" if turns and here.members > 1 else ""
-            lines.append(f"in {name}{whose}: {said}")
+        if outcome not in outcomes(name).values():
+            lines.append(f"in {name}: {outcome}")
     return lines
 
 
@@ -231,6 +226,5 @@ def document_of(crossings: xr.Dataset) -> dict[str, Any]:
     held = document | crossings.attrs
     names = ("friction", *frames.JUDGED)
     conditions = {name: held[name] for name in names if name in held}
-    missing = frames.missing_points(crossings)
     told = {"conditions": conditions, "model_error": held["model_error"]}
-    return document | told | {"missing_points": missing}
+    return document | told | {"missing_points": held["missing_points"]}

@@ -207,18 +207,14 @@ def _filled(
 
 
 def _range_notes(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
-    """Say at which loads transitions lie beyond, or between, points that are not done."""
-    boundaries = boundary_under(ds, conditions)
-    labels = []
-    for words, holds in (
-        ("beyond what was computed", boundaries["outcome_at_load"].isin(BEYOND)),
-        ("across points not done", boundaries["bridged_at_load"] > 0),
-    ):
-        loads = holds["load"].values[_any_surface(holds).values]
-        if loads.size:
-            span = " to ".join(f"{load:g}" for load in dict.fromkeys((loads[0], loads[-1])))
-            labels.append(f"{words}: at {loads.size} of {holds.sizes['load']} loads, {span} N")
-    return [Line2D([], [], ls="none", label=label) for label in labels]
+    """Say at which loads transitions lie beyond what was computed."""
+    is_beyond = _any_surface(boundary_under(ds, conditions)["outcome_at_load"].isin(BEYOND))
+    loads = is_beyond["load"].values[is_beyond.values]
+    if not loads.size:
+        return []
+    span = " to ".join(f"{load:g}" for load in dict.fromkeys((loads[0], loads[-1])))
+    label = f"beyond what was computed: at {loads.size} of {is_beyond.size} loads, {span} N"
+    return [Line2D([], [], ls="none", label=label)]
 
 
 def _band(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:

@@ -221,8 +221,8 @@ def temperature(
     if conditions.critical_temperature is not None:
         critical = shown_in(conditions.critical_temperature, "°C")
         axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
-        turns = point_field(row).turns("velocity", load_here, float(velocities[-1]))
-        for transition in turns.shared()[0]:
+        (line,) = point_field(row).lines("velocity", load_here, float(velocities[-1]))
+        for transition in line.places:
             label = f"transition, {transition:.3g} m/s"
             axes.axvline(transition, color=VERMILION, label=label)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")

@@ -50,8 +50,8 @@ function knownPlane(conditions) {
     return plane.map((rise, node) => {
       if (isWithin(node)) return rise;
       const row = Math.floor(node / across);
-      const isBridged = beside[row % beside.length].every((own) => turns[row - row % beside.length + own]);
-      return state[node] === NODE_BETWEEN && isBridged ? rise : NaN;
+      const isEnclosed = beside[row % beside.length].every((own) => turns[row - row % beside.length + own]);
+      return state[node] === NODE_BETWEEN && isEnclosed ? rise : NaN;
     });
   });
 }
@@ -62,12 +62,7 @@ function rangesAbove(x, y, limit) {
   const known = x.map((_, k) => k).filter((k) => !Number.isNaN(y[k]));
   const turns = known.slice(1).map((b, n) => [known[n], b]).filter(([a, b]) => y[a] > limit !== y[b] > limit)
     .map(([a, b]) => x[a] * (x[b] / x[a]) ** (Math.log(limit / y[a]) / Math.log(y[b] / y[a])));
-  return rangesBetween(turns, y[known[0]] > limit);
-}
-
-/** Ranges of severe wear. @param {number[]} turns @param {boolean} isHot below them @returns {Ends[]} */
-function rangesBetween(turns, isHot) {
-  const all = isHot ? [0, ...turns] : turns;
+  const all = y[known[0]] > limit ? [0, ...turns] : turns;
   return all.flatMap((begin, k) => (k % 2 ? [] : [[begin, all[k + 1] ?? Infinity]]));
 }
 
@@ -97,35 +92,30 @@ function transitions(axis, node, conditions) {
 /** Least and greatest place that a transition may have. @param {Transition} transition @returns {Ends} */
 function endsOf({ severe, outcome, computed: [from, to] }) {
   if (outcome === UNKNOWN) return [NaN, NaN];
-  const first = severe.map(([begin]) => begin).find((begin) => begin > 0); // turn to severe wear
-  if (outcome === CROSSES || outcome === SEVERAL) return [first ?? -Infinity, first ?? Infinity];
   if (outcome === MILD || outcome === ABOVE) return [outcome === MILD ? Infinity : to, Infinity];
-  return [-Infinity, outcome === SEVERE ? -Infinity : from];
+  const [first] = severe[0];
+  if (first) return [first, first];
+  return [-Infinity, outcome === SEVERE ? -Infinity : from]; // severe at the lowest place computed
 }
 
-/** Turns of half of the surfaces, and if it begins severe. @param {Transition[]} all @returns {[number[],
- * boolean]} */
-function halfTurns(all) {
-  const turns = all.flatMap(({ severe }) => severe.flatMap(([begin, end]) => [[begin, 2], [end, -2]]));
-  const begins = sum(turns.map(([place, step]) => (place === 0 ? step : 0))) - all.length;
-  let [more, side, tied] = [begins, Math.sign(begins), NaN]; // of severe surfaces than of mild ones
-  const places = turns.sort(([a], [b]) => a - b).flatMap(([place, step]) => {
-    if (place === 0 || place === Infinity) return [];
-    more += step;
-    const [before, from] = [side, Number.isNaN(tied) ? place : tied];
-    tied = more ? NaN : place;
-    if (more) side = Math.sign(more);
-    return before && side !== before ? [(from + place) / 2] : [];
-  });
-  return [places, (begins || side) >= 0];
+/** First turn to severe wear: -infinite where wear is severe before any, infinite where it never is.
+ * @param {Transition} transition */
+function firstTurn({ severe }) {
+  return severe.length ? severe[0][0] || -Infinity : Infinity;
 }
 
-/** Nearest of these turns, or one to severe wear; infinite or 0 without any. @param {Transition[]} all @param
- * {number} here @param {boolean} toSevere */
-function nearestTurn(all, here, toSevere = false) {
-  if (all.some(({ outcome }) => outcome === UNKNOWN)) return NaN;
-  const [half, isHot] = halfTurns(all);
-  const places = half.filter((_, k) => !toSevere || k % 2 === Number(isHot));
+/** The turn nearest by its ratio, or the nearest to severe wear; without one as `firstTurn`.
+ * @param {Transition} transition @param {number} here @param {boolean} toSevere */
+function nearestTurn(transition, here, toSevere) {
+  const first = firstTurn(transition);
+  const counted = transition.places.filter((_, k) => !toSevere || k % 2 === Number(first === -Infinity));
   const away = (/** @type {number} */ place) => Math.abs(Math.log(place / here));
-  return places.sort((a, b) => away(a) - away(b))[0] ?? (isHot ? 0 : Infinity);
+  return counted.sort((a, b) => away(a) - away(b))[0] ?? first;
+}
+
+/** Median over surfaces of one of their turns; infinite or 0 where half of the surfaces have none.
+ * @param {Transition[]} all @param {(transition: Transition) => number} pick */
+function medianTurn(all, pick) {
+  if (all.some(({ outcome }) => outcome === UNKNOWN)) return NaN;
+  return Math.max(quantileOf(all.map(pick), 0.5), 0) || 0; // NaN of infinite ones of either sign
 }

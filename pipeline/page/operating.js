@@ -53,12 +53,12 @@ function marginRows() {
   ];
 }
 
-/** Nearest transitions along an axis through a node in words, and their ratio to the present value. @param
+/** First transition along an axis through a node in words, and its ratio to the present value. @param
  * {AxisName} axis @param {number} node @param {number} now @param {string} unit */
 function wayText(axis, node, now, unit) {
   const all = transitions(axis, node, chosen.conditions);
   const words = outcomeText({ transitions: all }, unit);
-  const place = nearestTurn(all, now) || Infinity;
+  const place = medianTurn(all, firstTurn) || Infinity;
   if (!Number.isFinite(place)) return words;
   const ranges = all.some(({ outcome }) => outcome === SEVERAL) ? `; ${words}` : "";
   return `${shown(place)} ${unit}, ${shown(place / now, 3)} times${ranges}`;

@@ -49,10 +49,6 @@ function outcomeText({ transitions }, unit) {
   const along = unit === "N" ? "load" : "velocity";
   const words = content.outcomes[along];
   if (transitions.length === 1) return outcomeWords(transitions[0], along, unit);
-  const [places, isHot] = halfTurns(transitions);
-  if (places.length && transitions.some(({ outcome }) => outcome === SEVERAL)) {
-    return `half of the surfaces ${rangesText(rangesBetween(places, isHot), unit)}`;
-  }
   const counts = words.map((_, code) => transitions.filter(({ outcome }) => outcome === code).length);
   const texts = counts.map((count, code) =>
     code === CROSSES ? `${count} of ${transitions.length} cross` : `${count} ${words[code]}`);
@@ -85,7 +81,7 @@ function showTables() {
 /** @param {Summary[]} rows by load */
 function crossingText(rows) {
   if (!isJudged()) return "Give a critical temperature to see where wear turns severe.";
-  if (rows.some(({ transitions }) => transitions.some(({ outcome }) => outcome === SEVERAL))) {
+  if (rows.some(({ transitions: [one, ...others] }) => !others.length && one.outcome === SEVERAL)) {
     const ends = [...new Set([0, rows.length - 1])];
     const texts = ends.map((i) => `${shown(content.loads[i], 6)} N: ${outcomeText(rows[i], "m/s")}`);
     return `At ${texts.join("; at ")}.`;

@@ -212,22 +212,27 @@ def _question_of_rows(ds: xr.Dataset) -> Iterator[Part]:
 def _answer(boundaries: xr.Dataset) -> str:
     """Velocities at which wear turns severe at the lowest and the highest load."""
     is_band = "realization" in boundaries.dims
-    end = "_median" if is_band else ""
-    turns = boundaries[f"turns_at_load{end}"].dropna("load", how="all")
-    begins, loads = boundaries[f"begins_severe_at_load{end}"], turns["load"].values.tolist()
+    turns, begins = boundaries["turns_at_load"], boundaries["begins_severe_at_load"]
+    if is_band:
+        turns = boundaries["critical_velocity_quantile"].sel(quantile=[0.5])
+    turns = turns.dropna("load", how="all")
+    loads = turns["load"].values.tolist()
     if not loads:
         codes = sorted(set(boundaries["outcome_at_load"].values.ravel().tolist()))
         whose = " of half of the surfaces" if is_band else ""
         reasons = " or ".join(outcomes("velocity")[code] for code in codes)
         return f"no transition{whose} is known among the points computed: {reasons}"
-    text = "; ".join(
-        f"{severe_ranges(turns.sel(load=load).values, begins.sel(load=load).item(), 'velocity')} "
-        f"at {load:g} N"
-        for load in dict.fromkeys((loads[0], loads[-1]))
-    )
+
+    def describe(load: float) -> str:
+        begins_severe = not is_band and begins.sel(load=load).item()
+        words = severe_ranges(turns.sel(load=load).values, begins_severe, "velocity")
+        return f"{words} at {load:g} N"
+
+    text = "; ".join(map(describe, dict.fromkeys((loads[0], loads[-1]))))
     whose = f", on half of {boundaries.sizes['realization']} surfaces" if is_band else ""
-    others = begins.size - len(loads)
-    untold = f"; at {others} of {begins.size} loads no transition is known" if others else ""
+    count = boundaries.sizes["load"]
+    others = count - len(loads)
+    untold = f"; at {others} of {count} loads no transition is known" if others else ""
     return f"wear is {text}{whose}{untold}"
 
 
@@ -358,14 +363,11 @@ def _question_of_samples(field: Any, lines: xr.Dataset, basis: str) -> Iterator[
 
 def _answer_at(line: xr.Dataset, ends: tuple[float, float]) -> str:
     """Where the next run of samples is likelier severe than mild, at one load."""
-    turns = line["turns_at_load_median"].dropna("turn").values
-    begins, at = line["begins_severe_at_load_median"].item(), f"at {line['load'].item():g} N"
-    words = "severe throughout" if begins else "mild throughout"
-    if len(turns):
-        words = severe_ranges(turns, begins, "velocity")
-    if begins or len(turns) > 1:  # more than the first place of each probability
-        return f"{words} {at}"
+    at = f"at {line['load'].item():g} N"
+    low, middle, high = line["critical_velocity_quantile"].values.tolist()
+    if middle == 0:
+        return f"severe throughout {at}"
+    words = f"severe from {middle:.3g} m/s on" if middle < math.inf else "mild throughout"
     beyond = {0.0: f"below {ends[0]:.3g}", math.inf: f"beyond {ends[1]:.3g}"}
-    quantiles = line["critical_velocity_quantile"].values[[0, -1]].tolist()
-    low, high = (f"{beyond.get(v, f'{v:.3g}')} m/s" for v in quantiles)
+    low, high = (f"{beyond.get(v, f'{v:.3g}')} m/s" for v in (low, high))
     return f"{words} {at} (turns severe at {low} to {high} with 90 % probability)"

@@ -17,7 +17,14 @@ from pipeline.analysis.field import Here
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
 from pipeline.analysis.scenes import scenes
-from pipeline.analysis.transition import CROSSES, LEAST_SLOPE, MILD, SEVERAL, SEVERE, Turns
+from pipeline.analysis.transition import (
+    CROSSES,
+    LEAST_SLOPE,
+    MILD,
+    SEVERAL,
+    SEVERE,
+    Transitions,
+)
 from pipeline.cli.output import counted
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import remarks
@@ -168,7 +175,7 @@ class SampleField:
         """See `Field`: that of the preset."""
         return add_counted(error_of_point(0, 1.0, self.ensemble.velocity_error), self.conditions)
 
-    def turns(self, axis: str, load: float, velocity: float) -> Turns:
+    def transitions(self, axis: str, load: float, velocity: float) -> Transitions:
         """See `Field`."""
         ends = self.ends[axis]
         if axis == "velocity":
@@ -177,14 +184,12 @@ class SampleField:
             x = np.log(np.geomspace(*ends, STEPS))
             lines = self._chance_excess(np.exp(x), velocity)
         turns, places = line_turns(x, lines)
-        rows, columns = np.nonzero(turns)
         count = (turns != 0).sum(axis=1)
         is_severe = lines[:, 0] > 0
         outcome = np.where(count == 0, np.where(is_severe, SEVERE, MILD), CROSSES)
         outcome = np.where((count > 1) | ((count == 1) & is_severe), SEVERAL, outcome)
-        steps = turns[rows, columns] * self.weights[rows]
-        begins = float(self.weights @ is_severe)
-        return Turns(outcome, ends, 0, np.exp(places[rows, columns]), steps, begins)
+        first = np.exp(np.where(turns > 0, places, math.inf).min(axis=1))
+        return Transitions(outcome, np.where(is_severe, -math.inf, first), ends)
 
     def probability(
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0

@@ -194,7 +194,6 @@ def plane_of(row, preset, share):
         loads=np.array(row["loads"]),
         velocities=velocities,
         rises=rises,
-        is_missing=np.zeros(rises.shape, bool),
         # Present heat, which `fine` has as well, is judged by all the heat so far.
         flags=flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
         | np.array(slow) * int(WarningKind.SLOW_RISE),

@@ -34,7 +34,7 @@ def band(study: Study) -> Report:
     at_load = boundary(ds).sel(load=loads).transpose("load", ...)
     velocities = at_load["critical_velocity"].values
     quantiles = at_load["critical_velocity_quantile"].values
-    spreads = (at_load["critical_velocity_spread"] / at_load["critical_velocity_mean"]).values
+    spreads = velocities.std(axis=1, ddof=1) / velocities.mean(axis=1)
     at_ends = boundary(at(ds, friction=(least, most)))["critical_velocity_quantile"].sel(
         {"load": loads, "quantile": 0.5, "friction.coefficient": [most, least]}
     )

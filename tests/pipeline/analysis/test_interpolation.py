@@ -97,7 +97,7 @@ def test_rises_go_on_beyond_the_points_only_where_that_cannot_cross_the_limit():
 
 def test_wear_that_turns_often_is_severe_in_each_range_and_beyond_the_last():
     x = np.arange(1.0, 7.0)
-    line = Line(Curve(x, np.array([5.0, 2.0, 6.0, 2.0, 9.0, 12.0])), 4.0, (1.0, 6.0), x, x[:0])
+    line = Line(Curve(x, np.array([5.0, 2.0, 6.0, 2.0, 9.0, 12.0])), 4.0, (1.0, 6.0), x)
     first, second, third = line.severe()
     assert [first[1], *second, third[0]] == pytest.approx(line.places)
     assert first[0] <= 1.0

@@ -8,10 +8,9 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.margin import outcome_in_words, probabilities_alone
+from pipeline.analysis.margin import probabilities_alone
 from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.rise_error import BETWEEN, RiseError, error_of_point
-from pipeline.analysis.transition import CROSSES, MILD, Turns
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers import page_sweeps as sweeps
@@ -59,12 +58,6 @@ def test_a_point_alone_decides_nothing_where_its_error_is_unknown_and_else_withi
         assert known[0] < known[1] == likely < known[2] == pytest.approx(hotter)
 
 
-def test_the_members_that_cross_are_counted():
-    third, outcome = np.full(2, 1 / 3), np.array([CROSSES, CROSSES, MILD])
-    several = Turns(outcome, (1.0, 4.0), 0, np.array([2.0, 3.0]), third, 0.0)
-    assert outcome_in_words(several, "velocity") == "crosses on 2 of 3"
-
-
 def surfaces(*rises, **told):
     """A sweep of surfaces, each with its own rise."""
     several = [synthetic.sweep(rise=rise, **told) for rise in rises]
@@ -83,6 +76,29 @@ def test_a_median_over_surfaces_some_of_which_never_turn_is_none_and_not_between
     expected = critical if hot == 1 else np.nan
     assert found.critical_load == pytest.approx(expected, rel=1e-9, nan_ok=True)
     assert found.intervals["critical_load"] == pytest.approx((0.0, critical), rel=1e-9)
+
+
+def test_medians_over_surfaces_are_those_of_the_first_turn_of_each():
+    """Surface k is severe from 1.1/k to 2.4/k m/s, so that the nearest turn is often to mild."""
+    factors = np.array([1.0, 1.05, 0.97, 1.2])
+    several = surfaces(*[lambda F, V, q=1.0, k=k: falling(F, k * V, q) for k in factors])
+    for velocity in (1.0, 2.0, 3.0):
+        found = pipeline.margin(several, 400.0, velocity)
+        first = 1.1 / factors
+        assert found.critical_velocity == pytest.approx(np.median(first), rel=4e-3)
+        assert found.intervals["critical_velocity"] == pytest.approx(
+            (first.min(), first.max()), rel=4e-3
+        )
+        assert found.velocity_outcome == "severe at some velocity and mild at a higher one"
+
+
+def test_a_surface_that_is_severe_at_the_lowest_velocity_has_no_first_turn():
+    """Wear is severe from 1.1 to 2.4 m/s, and the sweep begins at 1.5 m/s."""
+    one = synthetic.sweep(rise=falling, velocities=[1.5, 2.0, 3.0, 4.0])
+    found = pipeline.margin(one, 400.0, 3.0)
+    assert np.isnan(found.critical_velocity)
+    assert found.velocity_outcome == "severe up to 2.41 m/s"
+    assert found.distance > 0
 
 
 def wavy(load, velocity, quantile=1.0):
@@ -237,13 +253,6 @@ def test_interpolation_errs_by_what_it_misses_a_left_out_point_by_over_the_gap()
     here = margin(synthetic.sweep(velocities=(1.0, 2.0, 4.0), rise=kinked), 400.0, 1.5)
     share = here.error.interpolation / (here.decisive_temperature - 298.15)
     assert share == pytest.approx(BETWEEN * 0.1 / np.log(4) * np.log(2), rel=1e-9)
-
-
-def test_points_not_done_count_beside_the_nearest_turn_alone():
-    """Wear turns at 1.1 and 2.4 m/s; beside that there is no point at 2.25 m/s."""
-    ds = synthetic.sweep(rise=falling, status={(400.0, 2.25): PENDING})
-    found = [margin(ds, 400.0, velocity).velocity_bridged for velocity in (1.0, 2.75)]
-    assert found == [0, 1]
 
 
 def test_what_is_continued_tells_its_error():

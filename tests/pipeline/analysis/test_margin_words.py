@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -14,7 +13,6 @@ from pipeline.analysis.margin import (
     _bounded,
     _decided_ends,
     error_band,
-    outcome_in_words,
     percent,
     probabilities_alone,
     told,
@@ -22,13 +20,20 @@ from pipeline.analysis.margin import (
 )
 from pipeline.analysis.margin_frame import (
     LONG,
-    _bridged,
     _passed_on,
     counts_in_words,
     row_labels,
 )
 from pipeline.analysis.rise_error import RiseError
-from pipeline.analysis.transition import ABOVE, CROSSES, MILD, SEVERAL, SEVERE, UNKNOWN, Turns
+from pipeline.analysis.transition import (
+    ABOVE,
+    CROSSES,
+    MILD,
+    SEVERAL,
+    SEVERE,
+    UNKNOWN,
+    Transitions,
+)
 from pipeline.scene.along import OperatingPoints, Place
 from tests.helpers import synthetic
 from tribo import InputError
@@ -171,63 +176,45 @@ def test_a_margin_has_its_place_ranges_and_counts(here):
     assert here.velocity_range == (0.5, 4.0)
     assert here.load_range == (200.0, 750.0)
     assert (here.members, here.counts_inputs, here.intervals) == (1, False, {})
-    assert (here.velocity_bridged, here.load_bridged) == (0, 0)
     assert (here.is_computed, here.is_continued) == (False, False)
     assert pipeline.margin(synthetic.sweep(), 400.0, 1.5).is_computed
     assert here.critical_temperature == pytest.approx(418.15)
     critical = synthetic.critical_velocity(400.0, synthetic.limit())
-    assert here.velocity_turns == pytest.approx((critical,), rel=1e-9)
-    (member,) = here.velocity_member_turns
-    assert member == pytest.approx((critical,), rel=1e-9)
-    assert not here.velocity_begins_severe
+    assert here.critical_velocity == pytest.approx(critical, rel=1e-9)
     assert here.lowest < here.probability < here.highest
 
 
-def turns_of(*members):
-    """Turns of members, each its outcome, its places, and if it is severe below the first."""
-    lines = [
-        SimpleNamespace(
-            outcome=outcome, places=places, begins_severe=begins, computed=(0.5, 4.0),
-            nearest=lambda here, places=places: places[0] if places else math.inf,
-            bridged=lambda place: 0,
-        )
-        for outcome, places, begins in members
-    ]  # fmt: skip
-    return Turns.of(lines, 1.0)
+def transitions_of(*codes, places=()):
+    """Transitions of members with these outcomes, from 0.5 to 4 m/s or N."""
+    ends = {MILD: math.inf, ABOVE: math.inf, SEVERE: -math.inf, UNKNOWN: math.nan}
+    first = np.array([ends.get(code, 2.0) for code in codes])
+    return Transitions(np.array(codes), first, (0.5, 4.0), places)
 
 
-def test_outcomes_are_one_or_that_of_half_or_how_many_cross():
-    places = {CROSSES: (2.0,), SEVERAL: (1.0, 1.5, 3.0)}
-
-    def said(*codes):
-        members = [(code, places.get(code, ()), code == SEVERE) for code in codes]
-        return outcome_in_words(turns_of(*members), "load")
-
-    assert said(MILD, MILD) == "mild throughout"
-    assert said(SEVERE) == "severe throughout"
-    assert said(ABOVE) == "mild at every load computed"
-    assert said(SEVERAL) == "severe at some load and mild at a higher one"
-    assert said(MILD, SEVERE) == "mild throughout on 1, severe throughout on 1 of 2"
-    assert said(CROSSES, SEVERAL, CROSSES, MILD) == "crosses on 2 of 4"  # half turns once
-    assert said(SEVERAL, CROSSES, SEVERAL) == "severe at some load and mild at a higher one"
-    to_mild = turns_of(*[(SEVERAL, (2.0,), True)] * 2, (SEVERE, (), True), (MILD, (), False))
-    assert outcome_in_words(to_mild, "load") == "severe at some load and mild at a higher one"
-
-
-SHARES = (0.05, 0.5, 0.95)
+@pytest.mark.parametrize(
+    ("codes", "said"),
+    [
+        ((MILD, MILD), "mild throughout"),
+        ((SEVERE,), "severe throughout"),
+        ((ABOVE,), "mild at every load computed (to 4 N)"),
+        ((SEVERAL, SEVERAL), "severe at some load and mild at a higher one"),
+        ((MILD, SEVERE), "mild throughout on 1, severe throughout on 1 of 2"),
+        ((CROSSES, CROSSES, MILD), "crosses on 2 of 3"),
+        (
+            (CROSSES, SEVERAL, CROSSES, MILD),
+            "crosses on 2, severe at some load and mild at a higher one on 1 of 4",
+        ),
+    ],
+)
+def test_outcomes_are_one_or_on_how_many_members_wear_turns(codes, said):
+    assert transitions_of(*codes).worded("load") == said
 
 
-def test_of_several_turns_the_nearest_by_its_ratio_is_that_of_each_share():
-    two = turns_of((SEVERAL, (1.0, 3.0), False), (SEVERAL, (1.2, 4.0), False))
-    # Half turns at 1.1 and 3.5, between which √(1.1 · 3.5) = 1.96 is as near to either.
-    for here, expected in ((1.8, (1.0, 1.1, 1.2)), (2.2, (4.0, 3.5, 3.0))):
-        assert [two.nearest(here, share) for share in SHARES] == pytest.approx(expected)
-    assert two.nearest(2.2, to_severe=True) == pytest.approx(1.1)
-    members = (SEVERE, (), True), (CROSSES, (2.0,), False), (MILD, (), False)
-    unlike = turns_of(*members)
-    assert [unlike.nearest(1.0, share) for share in SHARES] == [0.0, 2.0, math.inf]
-    unknown = turns_of(*members, (UNKNOWN, (), False))
-    assert [*map(math.isnan, (unknown.nearest(1.0, share) for share in SHARES))] == [True] * 3
+def test_the_outcome_of_one_member_that_turns_several_times_is_its_ranges():
+    found = transitions_of(SEVERAL, places=(2.0, 3.0, 3.5))
+    assert found.worded("velocity") == "severe from 2 to 3 m/s and from 3.5 m/s on"
+    begun = found._replace(first=np.array([-math.inf]))
+    assert begun.worded("velocity") == "severe up to 2 m/s and from 3 to 3.5 m/s"
 
 
 # Numerical errors
@@ -338,11 +325,9 @@ class Line(Shares):
         value = self.total(velocity)
         return RiseError(0.0, None if value is None else math.expm1(value), 0.0)
 
-    def turns(self, axis, load, here):
+    def transitions(self, axis, load, here):
         code = UNKNOWN if math.isnan(self.place) else CROSSES
-        return Turns(
-            np.array([code]), (0.5, 3.5), 0, np.array([self.place]), np.array([1.0]), begins=0.0
-        )
+        return Transitions(np.array([code]), np.array([self.place]), (0.5, 3.5))
 
 
 def test_ends_of_the_error_band_have_the_error_that_is_there():
@@ -359,24 +344,13 @@ def test_ends_of_the_error_band_have_the_error_that_is_there():
     assert error_band(far, 1.0, VELOCITIES, Normal()) == pytest.approx((1.1, 2.9), abs=2e-3)
 
 
-@pytest.mark.parametrize(("turns", "known"), [((0.6, 2.0), (0.9, 3.2)), ((1.2, 3.3), (0.9, 3.0))])
-def test_of_several_turns_the_band_is_about_the_one_next_to_the_middle_of_the_velocities(
-    turns, known
-):
-    """That is √(0.5 · 3.5) = 1.32 m/s by its ratio; about the other the error is unknown."""
-    several = Line(lambda v: 0.0 if known[0] < v < known[1] else None)
-    several.turns = lambda *_: turns_of((SEVERAL, turns, False))
-    found = error_band(several, 1.0, VELOCITIES, Normal())
-    assert found == pytest.approx((1.1, 2.9), abs=2e-3)
-
-
 def test_throughout_mild_or_severe_wear_has_no_end_whatever_is_unknown_farther_on():
     mild, severe = Line(lambda v: None if v > 3.0 else 0.0), Line(lambda v: None if v < 1 else 0.0)
     mild.begin, mild.end, mild.place = 4.0, 5.0, math.inf
-    mild.turns = lambda *_: turns_of((MILD, (), False))._replace(computed=(0.5, 2.5))
+    mild.transitions = lambda *_: transitions_of(MILD)._replace(computed=(0.5, 2.5))
     assert error_band(mild, 1.0, VELOCITIES, Normal())[0] == math.inf
     severe.begin, severe.end = 0.0, 0.4
-    severe.turns = lambda *_: turns_of((SEVERE, (), True))._replace(computed=(1.5, 3.5))
+    severe.transitions = lambda *_: transitions_of(SEVERE)._replace(computed=(1.5, 3.5))
     assert error_band(severe, 1.0, VELOCITIES, Normal())[1] == 0.0
 
 
@@ -384,7 +358,7 @@ def test_from_rest_on_the_error_is_asked_for_where_something_moves():
     asked = []
     resting = Line(lambda v: asked.append(v) or 0.0)
     resting.begin, resting.end, resting.ends = 0.0, 0.4, {"velocity": (0.0, 3.5)}
-    resting.turns = lambda *_: turns_of((SEVERE, (), True))
+    resting.transitions = lambda *_: transitions_of(SEVERE)
     assert error_band(resting, 1.0, VELOCITIES, Normal())[1] == 0.0
     assert set(asked) == {0.5}
 
@@ -427,23 +401,6 @@ def test_verdicts_of_a_table_are_counted_and_the_least_margin_is_named():
         "1 mild, 1 not known; the least margin is 8 K, at 500 N and 2.5 m/s"
     )
     assert row_labels(several) == ["sample", "load [N]", "velocity [m/s]"]
-
-
-@pytest.mark.parametrize(
-    ("velocity", "load", "said"),
-    [
-        (0, 0, []),
-        (2, 0, ["points not done next to the transition: 2 along the velocity"]),
-        (
-            2,
-            1,
-            ["points not done next to the transition: 2 along the velocity, 1 along the load"],
-        ),
-    ],
-)
-def test_points_not_done_beside_a_transition_are_noted(here, velocity, load, said):
-    found = changed(here, velocity_bridged=velocity, load_bridged=load)
-    assert [*_bridged(found)] == said
 
 
 def test_further_columns_are_passed_on_for_each_scene_and_told_from_results():
@@ -525,7 +482,6 @@ def test_over_two_surfaces_a_margin_has_medians_and_what_5_and_95_percent_stay_b
     for name, expected in ends.items():
         assert found.intervals[name] == pytest.approx(expected, rel=1e-9), name
     assert found.velocity_outcome == "crosses"
-    assert [*map(len, found.velocity_member_turns)] == [1, 1]
     table = pipeline.margin(
         xr.concat(several, labels, combine_attrs="override"), {"load": [400.0], "velocity": [1.4]}
     )

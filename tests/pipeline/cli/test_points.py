@@ -12,6 +12,7 @@ import pipeline
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.frames import frames_of
 from pipeline.cli import main
+from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tribo import InputError
 
@@ -49,6 +50,16 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
     assert (first["gear"], first["remark"]) == ("1", "cold start")
     assert beyond["verdict"] == "not known"
     assert "load is 9000 N; the sweep has" in beyond["note"]
+
+
+def test_a_margin_of_a_sweep_that_is_not_finished_says_how_many_points_are_missing(
+    monkeypatch, irg
+):
+    ds = synthetic.sweep(status={(450.0, 2.0): PENDING, (200.0, 1.0): FAILED})
+    monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
+    place = ("--load", "400 N", "--velocity", "2 m/s")
+    assert irg("margin", "out.zarr", *place, "--json")["missing_points"] == 2
+    assert "2 points are pending or failed and were left out" in irg("margin", "out.zarr", *place)
 
 
 def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, irg):

@@ -240,19 +240,14 @@ def samples_field(misfit=""):
     return SimpleNamespace(ensemble=ensemble, ends={"velocity": (0.5, 4.0)}, misfit=misfit)
 
 
-def samples_boundary(quantiles, turns, begins, loads=(200.0, 400.0, 750.0)):
-    columns = {
-        "critical_velocity_quantile": (("load", "share"), quantiles),
-        "turns_at_load_median": (("load", "turn"), turns),
-        "begins_severe_at_load_median": ("load", begins),
-    }
+def samples_boundary(quantiles, loads=(200.0, 400.0, 750.0)):
+    columns = {"critical_velocity_quantile": (("load", "share"), quantiles)}
     return xr.Dataset(columns, {"load": list(loads)})
 
 
 def test_samples_are_answered_at_the_lowest_and_the_highest_load_with_their_interval():
     quantiles = [[1.25, 2.0, 3.0], [0.6, 0.9, 1.3], [0.0, math.inf, math.inf]]
-    turns = [[2.0, math.nan], [0.9, math.nan], [math.nan, math.nan]]
-    lines = samples_boundary(quantiles, turns, [False, False, False])
+    lines = samples_boundary(quantiles)
     question, said = _question_of_samples(samples_field(), lines, ", before any test")
     assert question.endswith(
         ", with inputs that are not known exactly? 64 samples of them were simulated"
@@ -269,14 +264,13 @@ def test_samples_are_answered_at_the_lowest_and_the_highest_load_with_their_inte
     )
 
 
-def test_samples_whose_wear_turns_mild_again_are_answered_by_all_their_turns():
-    turns = [[0.8, 3.0, 3.5], [math.nan, math.nan, math.nan]]
-    lines = samples_boundary([[0.6, 0.8, 3.7], [0.0] * 3], turns, [True, True], (200.0, 750.0))
+def test_a_misfit_of_samples_is_said_before_the_answer():
+    lines = samples_boundary([[0.6, 0.8, 3.7], [0.0] * 3], (200.0, 750.0))
     _, contradicted, said = _question_of_samples(samples_field("it does not fit"), lines, "")
     assert contradicted == "it does not fit"
     assert said == (
-        "Answer: the next run is, likelier than not, severe up to 0.8 m/s and from 3 to 3.5 m/s at "
-        "200 N; severe throughout at 750 N"
+        "Answer: the next run is, likelier than not, severe from 0.8 m/s on at 200 N (turns severe "
+        "at 0.6 m/s to 3.7 m/s with 90 % probability); severe throughout at 750 N"
     )
 
 

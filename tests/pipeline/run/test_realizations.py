@@ -94,8 +94,6 @@ def test_the_band_is_that_of_the_surfaces():
     for load in (300.0, 600.0):
         band, expected = crossings.sel(load=load), velocities(load)
         np.testing.assert_allclose(band["critical_velocity"], expected, rtol=1e-12)
-        assert float(band["critical_velocity_mean"]) == pytest.approx(expected.mean())
-        assert float(band["critical_velocity_spread"]) == pytest.approx(expected.std(ddof=1))
         np.testing.assert_allclose(
             band["critical_velocity_quantile"], np.quantile(expected, [0.1, 0.5, 0.9])
         )
