@@ -227,17 +227,16 @@ class PointField:
     ) -> Array:
         """See `Field`."""
         limit, here = self.limit * math.exp(-shift), float(velocities[0])
-        is_untold = len(velocities) == 1 and self._is_untold(load, here)
-        lines = self.lines("velocity", load, here, is_untold)
+        lines = self.lines("velocity", load, here, self._is_untold(load, velocities))
         ranges = (replace(line, limit=limit).severe() for line in lines)
         shares = [severe_share(severe, velocities, scatter) for severe in ranges]
         return np.asarray(self.weights @ np.array(shares))
 
-    def _is_untold(self, load: float, velocity: float) -> bool:
-        """A row of the sweep has too few points to go on to a velocity, on any surface."""
+    def _is_untold(self, load: float, velocities: Array) -> bool:
+        """A row of the sweep has too few points to go on to velocities, on any surface."""
         rows = np.flatnonzero(self.planes[0].loads == load).tolist()
         own = [curves[row] for curves in self._curves for row in rows]
-        return any(len(curve.x) < 2 and velocity not in curve.x for curve in own)
+        return any(len(curve.x) < 2 and not np.isin(velocities, curve.x).all() for curve in own)
 
     def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
         """See `Field`."""

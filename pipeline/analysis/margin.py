@@ -308,7 +308,10 @@ def error_band(
         for start in (place, outermost):
             if (found := end_beside(side, start)) is not None:
                 return found
-        return math.nan if field.error(load, outermost).total is None else outermost
+        error = field.error(load, outermost)
+        lowest, _, highest = probabilities(field, load, np.array([outermost]), scatter, error)
+        kind = verdict_between(float(lowest[0]), float(highest[0]))
+        return outermost if kind == ("mild", "severe")[side] else math.nan
 
     return end(0), end(1)
 

@@ -240,6 +240,8 @@ def _interpolation(
         return None
     parts: list[float | None] = []
     loads = grid.loads[[row for row, _ in rows]]
+    if not loads[0] <= load <= loads[-1]:  # no rise is known beyond the loads
+        return None
     if len(loads) > 1:
         parts.append(_gap_error(grid, "load", loads))
     if gaps and all(0 < gap[0] < velocity < gap[-1] for gap in gaps):

@@ -137,6 +137,24 @@ def test_a_crossing_between_points_that_are_not_done_errs_by_its_gap():
     assert partial["mild_below"] < critical < partial["severe_above"]
 
 
+@pytest.mark.parametrize("kept", [0.3, 0.6])
+def test_the_band_of_a_sweep_that_is_half_done_holds_the_boundary_of_the_whole(kept):
+    chance = np.random.default_rng(4)
+    whole = synthetic.sweep(
+        [200.0, 400.0, 600.0, 750.0], [0.5, 1.0, 1.5, 2.0, 3.0, 4.0], rise=curved,
+        model_scatter=0.0, measured=(),
+    )  # fmt: skip
+    critical, told = boundary(whole)["critical_velocity"], 0
+    one_point = (whole["load"] != 600.0).values[:, None] | (whole["velocity"] == 4.0).values
+    for is_done in (one_point, *(chance.random((6, *whole["status"].shape)) < kept)):
+        found = boundary(whole.assign(status=whole["status"].where(is_done, PENDING)))
+        assert found.attrs["missing_points"] == (~is_done).sum()
+        assert not (found["mild_below"] > critical).any()
+        assert not (found["severe_above"] < critical).any()
+        told += int(np.isfinite(found["mild_below"]).sum())
+    assert told > 5  # of 28
+
+
 def test_a_load_without_points_is_unknown():
     crossings = boundary(synthetic.sweep(status={(200.0, V): PENDING for V in VELOCITIES}))
     assert np.isnan(crossings["critical_velocity"][0])
