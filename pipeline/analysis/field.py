@@ -281,17 +281,19 @@ class PointField:
             )
         done = x[np.isfinite(computed)]
         rise, is_within = (math.nan, False) if is_row else self._rise(number, load, velocity)
-        if is_within:
-            number_there = int(np.searchsorted(x, along))
-            if along not in x:
-                x = np.insert(x, number_there, along)
-                going_on = np.insert(going_on, number_there, rise)
-            going_on[number_there] = rise
-        continued = None
-        if has_curve and axis == "velocity":
-            continued = continued_friction(x, going_on, factor)
-            x, going_on = along_friction(x, going_on, factor)
-        return Line(Curve(x, going_on), limit, self.ends[axis], done, continued)
+        known: tuple[Array, Array] = x, going_on
+        through_place = _inserted(*known, along, rise) if math.isfinite(rise) else known
+        line = through_place if is_within else known
+        if not (has_curve and axis == "velocity"):
+            return Line(Curve(*line), limit, self.ends[axis], done)
+        continued = continued_friction(*through_place, factor)
+        return Line(Curve(*along_friction(*line, factor)), limit, self.ends[axis], done, continued)
+
+
+def _inserted(x: Array, y: Array, place: float, value: float) -> tuple[Array, Array]:
+    """Ascending abscissae and their ordinates, with a value at a place."""
+    others, number = x != place, int(np.searchsorted(x, place))
+    return np.insert(x[others], number, place), np.insert(y[others], number, value)
 
 
 def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array, Array]:
@@ -377,18 +379,15 @@ def _joined_places(rows: Iterable[PointField]) -> Iterator[PointField]:
 
 
 def quantile(values: Array, weights: Array, share: float) -> float:
-    """Value that a share of the weight stays below; NaN if any value is NaN.
-
-    Values may be infinite: nothing is interpolated beside these.
-    """
+    """Value that a share of weight stays below: infinite beside an infinite one, NaN if any is."""
     if np.isnan(values).any():
         return math.nan
     order = np.argsort(values)
     values, weights = values[order], weights[order]
     total, share = np.cumsum(weights), share * weights.sum()
     sides = [np.searchsorted(total.round(12), round(share, 12), side) for side in ("left", "right")]
-    below, above = values[np.minimum(sides, len(values) - 1)]
-    if math.isinf(below) or math.isinf(above):
-        return float(below if math.isinf(below) else above)
+    for value in values[np.minimum(sides, len(values) - 1)].tolist():
+        if math.isinf(value):
+            return float(value)
     known = np.isfinite(values)
     return float(np.interp(share, (total - 0.5 * weights)[known], values[known]))

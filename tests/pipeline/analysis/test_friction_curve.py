@@ -12,6 +12,7 @@ from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import compared, own_conditions
 from pipeline.analysis.transition import MILD, SEVERE
 from pipeline.figures.plot import plot
+from pipeline.store.schema import PENDING
 from pipeline.sweep.about import Measurement, judged_by
 from tests.helpers import javascript, synthetic
 from tests.helpers.sweeps import with_fields
@@ -86,6 +87,22 @@ def test_beyond_done_points_only_the_heat_goes_on_and_friction_stays_known(corre
         assert node["verdict"] == here.verdict
     outcomes = {*pipeline.boundary(part)["outcome_at_load"].values.tolist()}
     assert not {MILD, SEVERE} & outcomes  # throughout what nobody computed
+
+
+def test_a_verdict_of_a_sweep_that_is_half_done_has_the_side_of_its_temperature():
+    """Between two loads without a common velocity, too, where the heat of each goes on."""
+    whole = with_fields(swept(BACK), model_scatter=0.0, measured=())
+    chance, decided = np.random.default_rng(2), 0
+    for _ in range(8):
+        is_done = chance.random(whole["status"].shape) < 0.4
+        part = whole.assign(status=whole["status"].where(is_done, PENDING))
+        places = {"load": chance.uniform(210, 740, 10), "velocity": chance.uniform(0.6, 5.9, 10)}
+        found = pipeline.margin(part, places)
+        for side, verdict in ((1, "mild"), (-1, "severe")):
+            distances = found["distance [K]"][found["verdict"] == verdict]
+            assert (side * distances > 0).all()
+            decided += len(distances)
+    assert decided > 20  # of 80
 
 
 def test_a_test_is_compared_at_the_friction_that_it_measured():
