@@ -27,7 +27,6 @@ from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.plan import PointResult
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
-from pipeline.sweep.wear_rates import note_on_wear
 from tribo import measures
 
 
@@ -50,7 +49,6 @@ def point(options: argparse.Namespace) -> Result:
     alone = error_of_point(flags, result.state.time, promised, is_refined)
     relative = add_counted(alone, conditions)
     error = relative.times(scale)
-    left_out = note_on_turns(sweep, options.load, options.velocity), note_on_wear(sweep)
     judged, decided_by = None, None
     distance = None if critical is None else critical - decisive
     usual = sweep.about.model_scatter
@@ -80,7 +78,7 @@ def point(options: argparse.Namespace) -> Result:
         "model_error": model.worded,
         "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
         "molten": decisive > MELTS,
-        "not_counted": "; ".join(filter(None, left_out)) or None,
+        "not_counted": note_on_turns(sweep, options.load, options.velocity),
         "wall_time": result.wall_time,
         "decided_by": decided_by,
         **selected(sweep),

@@ -39,7 +39,6 @@ from pipeline.sweep.physics import note_on_ends
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.variants import PLACE
-from pipeline.sweep.wear_rates import note_on_wear
 from tribo import InputError
 
 
@@ -64,19 +63,9 @@ def margin(options: argparse.Namespace) -> Result:
     document["missing_points"] = missing = count_missing(ds)
     text += frames.missing_lines(missing)
     text += _deciding_lines(known)
-    document["not_counted"] = note = _note_on_rows(ds, found)
     is_molten = is_one and any(one.known().decisive_temperature > MELTS for one in known)
-    text += remarks("warning", note, MOLTEN * is_molten)
+    text += remarks("warning", MOLTEN * is_molten)
     return Result(document, text, pipeline.warned(ds), [table])
-
-
-def _note_on_rows(ds: xr.Dataset, found: Sequence[Judged]) -> str | None:
-    """Say that a row is judged at a bulk temperature at which the pin wears otherwise."""
-    if not scene_sweep(ds).about.wear_by_temperature:
-        return None
-    bulks = dict.fromkeys(one.own.get("bulk_temperature") for one in found)
-    rows = (ds if bulk is None else pipeline.at(ds, bulk_temperature=bulk) for bulk in bulks)
-    return next(filter(None, (note_on_wear(stored_sweep(row)) for row in rows)), None)
 
 
 def _deciding_lines(known: Iterable[Judged]) -> list[str]:
@@ -175,7 +164,7 @@ def boundary(options: argparse.Namespace) -> Result:
     text: list[str | pd.DataFrame] = [judged_by(map(read_conditions, scenes(ds)), drawn)]
     for part in frames.boundary_parts(crossings):
         text += ["", part] if isinstance(part, pd.DataFrame) else [part]
-    left_out = [note_on_wear(stored_sweep(ds)), note_on_ends(stored_sweep(ds))]
+    left_out = [note_on_ends(stored_sweep(ds))]
     if kind is Kind.SAMPLES:
         document |= _tell_basis(fields(ds), text)
     else:

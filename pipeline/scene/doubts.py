@@ -15,7 +15,6 @@ from pipeline.sweep.physics import columns_in_closed_form, note_on_ends, note_on
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
-from pipeline.sweep.wear_rates import note_on_wear
 from tribo import Corrections, Ramp, SelfAffineRoughness, Wear
 from tribo.simulation.pins import sizes_of
 from tribo.simulation.point_warnings import (
@@ -47,7 +46,6 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
     """Probable slips, and limits to know of before the simulation."""
     found = (
         *_unusual(sweep, facts),
-        ("wear.specific_wear_rate", note_on_wear(sweep)),
         *_wear_doubts(sweep, facts),
         *_test_doubts(sweep),
         ("", note_on_turns(sweep)),

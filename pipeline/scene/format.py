@@ -49,7 +49,6 @@ def one_or_two(kind: Quantity) -> Either:
     return Either(kind, List(kind, length=2))
 
 
-WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)")
 ANY_WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)", zero=True)
 LOAD = Quantity("a load", "200 N")
 DURATION = Quantity("a duration", "4 s", zero=True)
@@ -311,11 +310,6 @@ WEAR = Either(
             'How the pin wears. "swept": by the pressure averaged along y, as the roughness moves '
             'past; over positions of the disk if y is not periodic. "local": each element by its '
             "own pressure."),
-        "by_temperature": Optional(List(Table({
-            "temperature": Entry(TEMPERATURE, "Bulk temperature."),
-            "specific_wear_rate": Entry(WEAR_RATE, "Specific wear rate."),
-        })), "Wear rates known at several bulk temperatures. An answer at a `bulk` with another "
-             "rate says so.", default=()),
     }, form="Archard"),
     own_law(
         f"Wear law by sliding distance: {', '.join(map(quoted, tribo.LAWS))}, or module and name "

@@ -56,15 +56,6 @@ def wear_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Any:
         return laws.named(WEAR, table["law"], table["parameters"])
 
 
-def wear_rates(table: Mapping[str, Any] | None, faults: Faults) -> tuple[tuple[float, float], ...]:
-    """Bulk temperatures [K] and the specific wear rates there [m²/N]."""
-    known = (table or {}).get("by_temperature", ())
-    with faults.at("wear.by_temperature"):
-        if len({one["temperature"] for one in known}) < len(known):
-            raise tribo.InputError("a temperature appears twice; give each once")
-    return tuple((one["temperature"], one["specific_wear_rate"]) for one in known)
-
-
 def criterion_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Own | None:
     """A user's own criterion; None where it is one of ours."""
     name = (table or {}).get("criterion")

@@ -24,7 +24,6 @@ from pipeline.scene.parts import (
     realizations_of,
     roughness_of,
     wear_of,
-    wear_rates,
 )
 from pipeline.scene.reference import all_keys
 from pipeline.scene.runs import expand_tests, tested_holds
@@ -170,7 +169,6 @@ class _Reader:
                 friction_band=tables["friction"]["band"],
                 same_rig=tables["friction"]["same_rig"],
                 model_scatter=tables["model"] and tables["model"]["scatter"],
-                wear_by_temperature=wear_rates(tables["wear"], faults),
                 oil=oil,
                 preset=preset,
                 sources=taken,

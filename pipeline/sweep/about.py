@@ -89,8 +89,6 @@ class About:
     friction_band: tuple[float, float] | None = None  # lowest and highest friction measured
     model_scatter: float | None = None  # how runs scatter about the model; what is usual if None
     same_rig: bool = True  # the friction that tests measured is that of the scene's machine
-    # Bulk temperatures [K] and the specific wear rates there [m²/N]; enter no simulation.
-    wear_by_temperature: tuple[tuple[float, float], ...] = ()
     oil: Oil | None = None  # tells the regime of lubrication; enters no simulation
     preset: str | None = None  # that the fidelity equals
     selection: Selection | None = None  # reasons of a fidelity picked for its accuracy

@@ -204,8 +204,6 @@ ENTRIES = {
     "points": (entry("sweep.loads", {"from": "1 N", "to": "7 N", "count": 100_000},
                      **{"sweep.velocities": {"from": "1 m/s", "to": "7 m/s", "count": 100_000}}),
                "1e+10 points are too many"),
-    "temperatures": (entry("wear.by_temperature", [
-        {"temperature": "300 K", "specific_wear_rate": "1e-15 m^2/N"}] * 2), "appears twice"),
     "smooth seeds": (lambda: scene(("[disk.roughness]\n" + ROUGHNESS, ""),
                                    **{"sweep.realizations": 3}), "does not fit a smooth disk"),
     "measured seeds": (lambda: measured((480, 480), **{"sweep.realizations": 3}),

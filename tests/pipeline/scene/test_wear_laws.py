@@ -7,13 +7,8 @@ import pytest
 import pipeline
 import tribo
 from pipeline.scene import format as scene_format
-from pipeline.scene.doubts import doubts
-from pipeline.scene.facts import facts_of
 from pipeline.sweep.codec import sweep_text, text_sweep
 from pipeline.sweep.own_laws import own_laws
-from pipeline.sweep.remarks import Remark
-from pipeline.sweep.wear_rates import note_on_wear
-from tests.pipeline.conftest import commit_all
 
 RUNNING_IN = {
     "law": "running-in",
@@ -79,50 +74,6 @@ def test_a_further_law_is_an_entry_of_the_table_and_nothing_else(monkeypatch):
     assert scene_format._wear_form({"law": "steady"}) == 3
 
 
-BY_TEMPERATURE = {
-    "wear.by_temperature": [
-        {"temperature": "25 degC", "specific_wear_rate": "0.37e-6 mm^3/(N m)"},
-        {"temperature": "100 degC", "specific_wear_rate": "0.88e-6 mm^3/(N m)"},
-    ],
-    "wear.specific_wear_rate": "0.37e-6 mm^3/(N m)",
-}
-
-
-def test_a_wear_rate_of_another_bulk_temperature_is_told():
-    sweep = pipeline.load_scene("first_try", overrides=BY_TEMPERATURE)
-    assert sweep.scene.wear == tribo.Wear(0.37e-15)
-    assert note_on_wear(sweep) is None
-    warm = pipeline.load_scene(
-        "first_try", overrides=BY_TEMPERATURE | {"temperature.bulk": "62.5 degC"}
-    )
-    assert "is 5.71e-07 mm³/(N m)" in note_on_wear(warm)  # √(0.37 · 0.88)
-    warned = Remark("wear.specific_wear_rate", "warning", note_on_wear(warm))
-    assert warned in doubts(warm, facts_of(warm))
-    right = {"wear.specific_wear_rate": "0.57e-6 mm^3/(N m)", "temperature.bulk": "62.5 degC"}
-    assert note_on_wear(pipeline.load_scene("first_try", overrides=BY_TEMPERATURE | right)) is None
-
-
-@pytest.mark.parametrize(
-    ("unknown", "told"),
-    [
-        ({}, True),
-        (
-            {"wear.specific_wear_rate": {"from": "0.3e-6 mm^3/(N m)", "to": "1e-6 mm^3/(N m)"}},
-            False,
-        ),
-    ],
-)
-def test_a_wear_rate_of_one_bulk_temperature_is_told_where_the_bulk_is_unknown(unknown, told):
-    warm = {"temperature.bulk": {"from": "25 degC", "to": "62.5 degC"}}
-    draft = {"fidelity.preset": "draft", "sweep.samples": 16, "unknown": warm | unknown}
-    note = note_on_wear(pipeline.load_scene("first_try", overrides=BY_TEMPERATURE | draft))
-    assert bool(note) == told
-    if told:  # at 95 % of the range, 60.6 °C
-        assert note.startswith("temperature.bulk is unknown, and the wear rate at the bulk")
-        assert "60.625 °C" in note
-        assert "is 5.58e-07 mm³/(N m)" in note
-
-
 def test_a_misspelt_law_is_asked_for_by_the_laws_that_ship():
     with pytest.raises(pipeline.SceneFileError) as caught:
         pipeline.load_scene(
@@ -142,40 +93,3 @@ def test_a_misspelt_law_is_asked_for_by_the_laws_that_ship():
             pipeline.load_scene("first_try", overrides={path: near})
     with pytest.raises(pipeline.SceneFileError, match='did you mean "by_temperature"'):
         pipeline.load_scene("first_try", overrides={"friction.by_temprature": []})
-
-
-def test_an_answer_at_another_bulk_temperature_says_that_its_wear_is_of_the_first(tmp_path, irg):
-    store = tmp_path / "worn.zarr"
-    draft = {"fidelity.preset": "draft", "sweep.loads": ["400 N"]}
-    commit_all(store, pipeline.load_scene("first_try", overrides=BY_TEMPERATURE | draft))
-    said, warm = "the wear rate at the bulk temperature, 100 °C", "bulk_temperature=100 degC"
-    assert said not in irg("boundary", store)
-    assert said in irg("boundary", store, "--at", warm)
-    here = "--load", "400 N", "--velocity", "2 m/s"
-    assert said not in irg("margin", store, *here)
-    assert said in irg("margin", store, *here, "--at", warm)
-    assert irg("margin", store, *here, "--json")["not_counted"] is None
-    table = tmp_path / "points.csv"
-    table.write_text("load [N],velocity [m/s],bulk temperature [°C]\n400,2,25\n400,2,100\n")
-    assert f"warning: {said}" in irg("margin", store, "--points", table)
-
-
-def test_samples_at_a_bulk_temperature_of_another_wear_rate_say_so(tmp_path, irg):
-    store = tmp_path / "drawn.zarr"
-    unknown = {
-        "temperature.bulk": {"from": "25 degC", "to": "62.5 degC"},
-        "friction.coefficient": {"mean": 0.1, "sd": 0.005},
-    }
-    drawn = {"fidelity.preset": "draft", "sweep.loads": ["400 N", "600 N"], "sweep.samples": 16}
-    scene = pipeline.load_scene(
-        "first_try", overrides=BY_TEMPERATURE | drawn | {"unknown": unknown}
-    )
-    commit_all(store, scene)
-    said = "warning: temperature.bulk is unknown, and the wear rate at the bulk temperature, 60.6"
-    assert said in irg("boundary", store)
-    assert irg("boundary", store, "--json")["not_counted"].startswith("temperature.bulk is unknown")
-    cold = "--at", "bulk_temperature=25 degC"
-    assert "the wear rate" not in irg("boundary", store, *cold)
-    here = "margin", store, "--load", "400 N", "--velocity", "2 m/s"
-    assert said in irg(*here)
-    assert "the wear rate" not in irg(*here, *cold)

@@ -11,7 +11,6 @@ import pytest
 import tribo
 from pipeline.sweep import stages
 from pipeline.sweep.about import Measurement, judged_by, oils_of, own_tests, plane_rows, point_rows
-from pipeline.sweep.conditions import celsius_text
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.selection import Selection, Trial
@@ -20,10 +19,9 @@ from pipeline.sweep.stages import Progress, duration
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, surface_words
 from pipeline.sweep.unknown import Unit, Unknown, without
 from pipeline.sweep.variants import surfaces
-from pipeline.sweep.wear_rates import note_on_wear
 from tests.helpers import synthetic, tiny
 from tests.helpers.scenes import STEEL
-from tribo import PRESETS, Fidelity, Wear
+from tribo import PRESETS, Fidelity
 
 BENT = tribo.Corrections(friction=tribo.Friction(by_velocity=((1.0, 1.2), (4.0, 0.8))))
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
@@ -335,40 +333,6 @@ def test_a_large_random_surface_has_the_lay_of_lengths_that_differ_by_two(length
     assert (facts.lay, facts.slope, facts.ra) == (lay, None, 0.27e-6)
     assert facts.rq == pytest.approx(0.27e-6 * math.sqrt(math.pi / 2))
     assert (facts.mean_height, facts.rise) == (0.0, (0.0, 0.0))
-
-
-RATES = (298.15, 0.4e-15), (373.15, 0.8e-15)
-
-
-@pytest.mark.parametrize(
-    ("bulk", "rate", "known"),
-    [
-        (298.15, 0.4e-15, None),
-        (298.15, 0.42e-15, "0.4"),  # 0.95 of it is 0.399
-        (298.15, 0.4215e-15, "4e-07"),
-        (298.15, 0.3815e-15, None),
-        (298.15, 0.3805e-15, "4e-07"),
-        (335.65, 0.4e-15, "5.66e-07"),  # the root of 0.4 · 0.8, midway
-        (373.15, 0.4e-15, "8e-07"),
-        (280.0, 0.8e-15, "4e-07"),
-        (380.0, 0.4e-15, "8e-07"),
-    ],
-)
-def test_a_wear_rate_that_is_not_that_of_the_bulk_is_told(bulk, rate, known):
-    conditions = replace(tiny.sweep().conditions, bulk_temperature=bulk)
-    sweep = tiny.sweep(wear=Wear(rate), wear_by_temperature=RATES, conditions=conditions)
-    note = note_on_wear(sweep)
-    if known in (None, "0.4"):
-        assert note is None
-        return
-    beyond = "," if 298.15 <= bulk <= 373.15 else ", as at the nearest known,"
-    assert note == (
-        f"the wear rate at the bulk temperature, {celsius_text(bulk)}{beyond} is {known} mm³/(N m) "
-        f"by wear.by_temperature, and the contacts have {1e9 * rate:.3g}; run the scene again with "
-        f'--set "wear.specific_wear_rate={known} mm^3/(N m)"'
-    )
-    for quiet in ({"wear": None}, {"wear": Wear(0.0)}, {"wear_by_temperature": ()}):
-        assert note_on_wear(sweep.changed(**quiet)) is None
 
 
 def test_a_choice_says_what_was_asked_for_what_it_errs_and_what_was_tried():
