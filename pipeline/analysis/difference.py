@@ -30,7 +30,6 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE
 from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.shown import shown
-from pipeline.sweep.variants import PLACE, VARIANT
 from tribo import InputError
 
 _STATES = {DONE: "done", FAILED: "failed"}
@@ -185,8 +184,6 @@ def _states(ds: xr.Dataset, has_seeds: bool) -> pd.DataFrame:
     points = xr.Dataset({"status": ds["status"], "asked": asked(ds), "rise": rise})
     frame = points.to_dataframe().reset_index()
     in_front = [str(name) for name in ds["status"].dims if name not in PLANE]
-    if PLACE in ds.coords:
-        in_front[in_front.index(VARIANT)] = PLACE
     labels: Any = getattr(stored_sweep(ds).scene.roughness, "seed", None)
     if len(in_front) > 1:
         labels = frame[in_front].astype(str).agg(", ".join, axis=1)

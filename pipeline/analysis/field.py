@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
@@ -41,7 +41,7 @@ from pipeline.store.schema import COORDINATES, PLANE
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rise_limit
-from pipeline.sweep.variants import PLACE, VARIANT
+from pipeline.sweep.variants import VARIANT
 from tribo import InputError
 from tribo.types import Array, Mask
 
@@ -329,11 +329,9 @@ def fields(ds: xr.Dataset | PathLike) -> list[Field]:
     if kind is Kind.SAMPLES:
         made: list[Field] = extras.module("uncertain", "fields").fields(ds)
         return made
-    if kind is Kind.PLANE:
-        return [point_field(scene) for scene in scenes(ds)]
-    # At once, for a read of each row by itself takes ten times as long.
-    ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
-    return [*_joined_places(point_field(scene) for scene in scenes(ds))]
+    if kind is Kind.PLACES:  # at once, for a read of each row by itself takes ten times as long
+        ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
+    return [point_field(scene) for scene in scenes(ds)]
 
 
 def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointField:
@@ -360,22 +358,6 @@ def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> Poin
         shown=shown,
         place=place,
     )
-
-
-def _joined_places(rows: Iterable[PointField]) -> Iterator[PointField]:
-    """Rows, those that lie about one place as one; the first of these is the place itself."""
-    about = dict[Any, list[PointField]]()
-    for row in rows:
-        labels = [label for label in row.shown.items() if label[0] != VARIANT]
-        about.setdefault((*labels,) if PLACE in row.shown else id(row), []).append(row)
-    for first, *others in about.values():
-        if others:
-            both = zip(*(row.planes for row in (first, *others)), strict=True)
-            planes = tuple(RisePlane.joined(same) for same in both)
-            axes = {"load": planes[0].loads, "velocity": planes[0].velocities}
-            ends = {name: (float(x[0]), float(x[-1])) for name, x in axes.items()}
-            first = replace(first, planes=planes, ends=ends)
-        yield first
 
 
 def quantile(values: Array, weights: Array, share: float) -> float:

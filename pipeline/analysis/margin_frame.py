@@ -22,7 +22,7 @@ from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
-from pipeline.sweep.variants import PLACE, VARIANT
+from pipeline.sweep.variants import VARIANT
 from tribo import InputError
 
 Points = OperatingPoints | PathLike | Mapping[str, Sequence[Any]]
@@ -191,7 +191,7 @@ def _value(margin: Margin, name: str) -> Any:
 def _labels(found: Sequence[Judged]) -> list[str]:
     """Labels of rows with places of their own; their numbers where they have no others."""
     held = [name for one in found[:1] for name in one.field.shown]
-    return [name for name in held if name not in (PLACE, VARIANT)] or held
+    return [name for name in held if name != VARIANT] or held
 
 
 def _passed_on(points: OperatingPoints | None, results: pd.DataFrame) -> pd.DataFrame:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import astuple, dataclass, replace
 
 import numpy as np
@@ -125,20 +125,6 @@ class RisePlane:
     flags: Indices
     durations: Array
     is_refined: Mask  # on smaller elements than the preset's, since few of those touch
-
-    @classmethod
-    def joined(cls, planes: Sequence[RisePlane]) -> RisePlane:
-        """Planes of places on a cross as one."""
-        loads = np.unique(np.concatenate([plane.loads for plane in planes]))
-        velocities = np.unique(np.concatenate([plane.velocities for plane in planes]))
-        rises = np.full((len(loads), len(velocities)), np.nan)
-        rest = (np.zeros(rises.shape, kind) for kind in (int, float, bool))
-        whole = cls(loads, velocities, rises, *rest)
-        for plane in planes:
-            here = np.ix_(np.isin(loads, plane.loads), np.isin(velocities, plane.velocities))
-            for name in ("rises", "flags", "durations", "is_refined"):
-                getattr(whole, name)[here] = getattr(plane, name)
-        return whole
 
     def is_done(self, load: float, velocity: float) -> bool:
         """True if that very point is done."""

@@ -28,7 +28,7 @@ from pipeline.analysis.margin import Margin
 from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
 from pipeline.analysis.scenes import scenes, words
 from pipeline.analysis.tables import as_dict, notes_of, short, upright
-from pipeline.analysis.transition import CROSSES, outcomes
+from pipeline.analysis.transition import outcomes
 from pipeline.cli.given import dataset_in, operating_points_in, table_in, values_in
 from pipeline.cli.output import Result, counted, working
 from pipeline.quantities import shown_in
@@ -38,8 +38,6 @@ from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.physics import note_on_ends
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
-from pipeline.sweep.variants import PLACE
-from tribo import InputError
 
 
 def margin(options: argparse.Namespace) -> Result:
@@ -154,8 +152,6 @@ def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities and loads, and the band of their errors."""
     ds = dataset_in(options)
     kind = sweep_kind(ds)
-    if kind is Kind.PLACES:
-        return _row_boundaries(ds)
     with working("finding the boundary"):
         crossings = pipeline.boundary(ds)
     tests = None
@@ -179,28 +175,6 @@ def boundary(options: argparse.Namespace) -> Result:
     if tests is not None:
         document["tests"] = as_dict(tests)
     return Result(document, text, pipeline.warned(ds), frames.frames_of(crossings))
-
-
-_IN_KELVIN = "decisive temperature [°C]", "temperature error [K]", "distance [K]"
-
-
-def _row_boundaries(ds: xr.Dataset) -> Result:
-    """Boundary around rows, each at its own place: factors of velocity and load."""
-    if PLACE not in ds.coords:
-        raise InputError(
-            "each row has one load and velocity, so no boundary; irg margin gives its margin in K, "
-            "and with sweep.around = 5 beside sweep.along also the factors in velocity and load"
-        )
-    table = pipeline.margin(ds).drop(columns=[*_IN_KELVIN])
-    crosses = table[["velocity outcome", "load outcome"]] == outcomes("load")[CROSSES]
-    text = [
-        f"{int(crosses.any(axis=1).sum())} of {counted(len(table), 'row', 'rows')} cross the "
-        "boundary between half and twice their velocity or load",
-        "",
-        short(table, ["note"]),
-        *notes_of(table),
-    ]
-    return Result({"rows": as_dict(table)}, text, pipeline.warned(ds), [table])
 
 
 def document_of(crossings: xr.Dataset) -> dict[str, Any]:

@@ -10,15 +10,12 @@ import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, NullLocator
-from matplotlib.transforms import ScaledTranslation
 
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margin_frame import judged, margin_frame, row_labels
 from pipeline.figures import style
-from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, PURPLE, TINTS, VERMILION
+from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from pipeline.sweep.about import judged_by
-from pipeline.sweep.variants import PLACE
 
 _MOST_TICKS = 24  # labels of rows that are written below a figure
 _MANY = 60  # rows, from which marks are small and errors have no caps
@@ -27,43 +24,30 @@ _LOOKS: dict[str, tuple[str, dict[str, Any]]] = {
     "severe": ("severe wear", {"marker": "s", "mfc": VERMILION, "mec": VERMILION}),
     NOT_DECIDED: ("not decided", {"marker": "D", "mfc": GREY, "mec": BLACK}),
 }
-_ROOM = 1.1  # factor between two marks of what lies beyond the places computed
 _UNKNOWN: dict[str, Any] = {"marker": "x", "mec": BLACK}
-_FACTORS: dict[str, dict[str, Any]] = {
-    "velocity": {"color": PURPLE, "marker": ">", "ls": "none"},
-    "load": {"color": GREEN, "marker": "^", "ls": "none"},
-}
-_ASIDES = {"velocity": -5.0, "load": 5.0}  # [pt] of the mark of either factor from its row
 
 
 @style.house_style
 def draw_rows(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
-    """Draw the margin of each row [K], and its factors where places about it were simulated."""
+    """Draw the margin of each row [K]."""
     rows = [*judged(ds, None)]
     frame = margin_frame(ds, rows)
     columns = row_labels(frame)
     x, ticks, label = _axis(frame, columns)
-    has_factors = PLACE in ds.coords and ax is None
     figure, axes = style.canvas(ax)
-    panels = [axes]
-    if has_factors:
-        axes.remove()
-        panels = list(figure.subplots(2, 1, sharex=True, height_ratios=(3, 2)))
-        _draw_factors(panels[1], x, frame)
-    _draw_margins(panels[0], x, frame)
-    style.write_title(panels[0], style.title_of(ds))
-    panels[-1].set_xlabel(style.as_text(label))
+    _draw_margins(axes, x, frame)
+    style.write_title(axes, style.title_of(ds))
+    axes.set_xlabel(style.as_text(label))
     every = math.ceil(len(ticks) / _MOST_TICKS)
     shown: dict[str, Any] = {"ha": "right", "rotation": 35} if max(map(len, ticks)) > 5 else {}
-    panels[-1].set_xticks(range(0, len(ticks), every), ticks[::every], **shown)
+    axes.set_xticks(range(0, len(ticks), every), ticks[::every], **shown)
     conditions = {row.field.conditions for row in rows}
-    handles = [handle for one in panels for handle in one.get_legend_handles_labels()[0]]
     title = (
         judged_by(conditions)
         if len(conditions) == 1
         else "severe wear: by the conditions of each row"
     )
-    style.legend_below(figure, ax, handles=handles, title=title)
+    style.legend_below(figure, ax, title=title)
     return figure
 
 
@@ -109,25 +93,3 @@ def _draw_margins(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> N
     axes.axhspan(low, 0.0, color=TINTS["severe"], zorder=0)
     axes.set_ylim(low, high)
     axes.set_ylabel("margin to severe wear [K]")
-
-
-def _draw_factors(axes: Axes, x: np.ndarray[Any, Any], frame: pd.DataFrame) -> None:
-    """Factors of velocity and load at which each row turns severe, hollow if they lie beyond."""
-    factors = {name: frame[f"{name} factor"].to_numpy(float) for name in _FACTORS}
-    known = np.concatenate([*factors.values(), [0.5, 2.0]])
-    low, high = np.nanmin(known) / _ROOM**3, np.nanmax(known) * _ROOM**3
-    margins = frame["distance [K]"].to_numpy(float)
-    axes.axhline(1.0, color=BLACK, lw=style.THIN)
-    for steps, (name, look) in enumerate(_FACTORS.items(), 1):
-        aside = ScaledTranslation(_ASIDES[name] / 72, 0, axes.figure.dpi_scale_trans)
-        look = look | {"transform": axes.transData + aside}
-        axes.plot(x, factors[name], label=f"factor of {name}", gid=name, **look)
-        where = np.isnan(factors[name]) & np.isfinite(margins)
-        if where.any():
-            ends = np.where(margins[where] < 0, low * _ROOM**steps, high / _ROOM**steps)
-            look = look | {"mfc": "white", "gid": f"{name}, beyond"}
-            axes.plot(x[where], ends, label=f"{name}: beyond what was computed", **look)
-    axes.set(yscale="log", ylim=(low, high), ylabel="factor to severe wear")
-    axes.yaxis.set_major_locator(FixedLocator([0.5, 0.7, 1.0, 1.4, 2.0]))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter("{x:g} ×")

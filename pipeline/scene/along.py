@@ -10,8 +10,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from pipeline.scene.compounds import Entry, Optional, Table, flat
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
@@ -32,7 +30,6 @@ CONDITIONS = {name: PATHS[name] for name in _KINDS}
 _ROW = Table({**_PLACE.keys, **{name: Optional(kind) for name, kind in _KINDS.items()}})
 _BEFORE = tuple(f"{name}." for name in FORMAT.keys if name not in ("friction", "temperature"))
 """Beginnings of paths that a simulation needs."""
-_REACH = 2.0  # factor of load and velocity to which places about a row go
 
 
 class Place(NamedTuple):
@@ -124,10 +121,7 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
 
 def _pairs(document: Document, faults: Faults) -> list[dict[str, Any]]:
     """Rows of ``sweep.along``, places in SI and else as written; none if not asked or if faulty."""
-    entries, before = document.entries(), len(faults)
-    asked = entry_at(entries, "sweep.along")
-    if asked is None and entry_at(entries, "sweep.around") is not None:
-        faults.refuse("sweep.around", "sweep.along is not given, which it belongs to; leave it out")
+    asked, before = entry_at(document.entries(), "sweep.along"), len(faults)
     if isinstance(asked, str) and asked:
         rows = _file_rows(document.file_of("sweep.along").parent / asked, faults)
     elif isinstance(asked, list) and all(isinstance(row, dict) for row in asked):
@@ -167,12 +161,8 @@ def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Swee
             "sweep.along: its rows have their own loads and velocities, as samples have; leave out "
             "sweep.along or sweep.samples"
         )
-    around = reading.tables["sweep"]["around"]
-    steps = np.geomspace(1 / _REACH, _REACH, around) if around else ()
-    factors = [float(f"{f:.4g}") for f in steps if f != 1.0]
-    about = [(1.0, 1.0), *((1.0, f) for f in factors), *((f, 1.0) for f in factors)]
-    if (count := len(pairs) * len(about)) > MOST_SCENES:
-        raise InputError(f"sweep.along: {count} places are too many; give {MOST_SCENES} at most")
+    if len(pairs) > MOST_SCENES:
+        raise InputError(f"sweep.along: {len(pairs)} rows are too many; give {MOST_SCENES} at most")
     paths = [head for head in pairs[0] if "." in head]
     written = [{path: row[path] for path in paths} for row in pairs]
     scenes = [scene_with(values, sweep, reading.make, "sweep.along") for values in written]
@@ -185,17 +175,8 @@ def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Swee
     columns = [column_of(path, [row[path] for row in pairs], "row") for path in paths]
     labels = [head for head in pairs[0] if head not in (*paths, *_PLACE.keys)]
     columns += [_label(head, [row[head] for row in pairs]) for head in labels]
-    numbers = [number for number in range(len(pairs)) for _ in about]
-    loads, velocities = (
-        [row[name] * by[k] for row in pairs for by in about] for k, name in enumerate(_PLACE.keys)
-    )
-    table = placed_rows(
-        [parts[number] for number in numbers],
-        [column.taken(numbers) for column in columns],
-        loads,
-        velocities,
-        numbers if factors else None,
-    )
+    loads, velocities = ([row[name] for row in pairs] for name in _PLACE.keys)
+    table = placed_rows(parts, columns, loads, velocities)
     plane = {"loads": tuple(sorted({*loads})), "velocities": tuple(sorted({*velocities}))}
     return sweep.changed(variants=table * sweep.variants, **plane)
 

@@ -33,7 +33,7 @@ Extend = Callable[[Sweep, Reading], Sweep]
 """Gives a sweep the variants that its scene names."""
 _NAMES = {
     "over": ("sweep.over",),
-    "along": ("sweep.along", "sweep.around"),
+    "along": ("sweep.along",),
     "uncertain": ("unknown", "sweep.samples", "sweep.sample_seed"),
     "laboratory": ("measured", "tested"),
 }

@@ -408,9 +408,6 @@ SWEEP = Table({
         '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. A column is an entry, '
         "by its path or as `friction`, `bulk temperature` or `critical temperature`; other columns "
         "are labels. `irg margin STORE` gives the verdict on each row."),
-    "around": Optional(Whole(at_least=3, at_most=99),
-        "Number of velocities and loads around each row of `along`, from half to twice its own, so "
-        "that margins have factors."),
     "fields": Optional(Flag(),
         "True to store pressure, temperature rise and wear depth over the window.",
         default=False),

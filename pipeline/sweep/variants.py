@@ -13,8 +13,6 @@ from tribo import InputError
 
 VARIANT = "variant"
 """Dimension of rows that are no full product; it numbers them."""
-PLACE = "place_number"
-"""Label of rows that lie about one place, which is that of the first of them."""
 ROWS = {
     "realization": "seed of the random surface",
     VARIANT: "number of the row in the table of variants",
@@ -293,17 +291,14 @@ def placed_rows(
     columns: Sequence[Column],
     loads: Sequence[float],
     velocities: Sequence[float],
-    rows: Sequence[int] | None = None,
 ) -> Variants:
-    """Rows with a place each; numbers of those about one place, which is that of the first."""
+    """Rows with a place each."""
     numbers = _numbers(len(parts))
     places = [("load", loads, "N"), ("velocity", velocities, "m/s")]
     along = [
         *(replace(column, along=VARIANT) for column in columns),
         *(Column(k, tuple(held), u, VARIANT, meaning=f"{k} of the row") for k, held, u in places),
     ]
-    if rows is not None:
-        along.append(Column(PLACE, tuple(rows), "1", VARIANT, meaning="place that a row is about"))
     return Variants((numbers, *along), tuple(parts))
 
 

@@ -16,36 +16,23 @@ from tests.helpers.sweeps import with_fields
 from tests.helpers.tiny import sweep
 from tests.pipeline.conftest import commit_all
 
-RADII, ABOUT = (6e-3, 8e-3), [(1.0, 1.0), (1.0, 0.5), (1.0, 2.0), (0.5, 1.0), (2.0, 1.0)]
-COOL = ("--critical-temperature", "90 degC")
+RADII = 6e-3, 8e-3
 
 
-def table(about, loads=(300.0, 300.0)):
-    numbers = [number for number in range(2) for _ in about]
-    return placed_rows(
-        [(("pin.radius", RADII[number]),) for number in numbers],
-        [
-            Column("gear", tuple("ab"[number] for number in numbers), None),
-            Column("angle", tuple((20.0, 5.0)[number] for number in numbers), "deg"),
-        ],
-        [loads[number] * by for number in range(2) for by, _ in about],
-        [1.0 * by for _ in range(2) for _, by in about],
-        numbers if len(about) > 1 else None,
-    )
+def table(loads=(300.0, 300.0)):
+    labels = [Column("gear", ("a", "b"), None), Column("angle", (20.0, 5.0), "deg")]
+    return placed_rows([(("pin.radius", one),) for one in RADII], labels, loads, (1.0, 1.0))
 
 
 @pytest.fixture(scope="module")
 def stores(tmp_path_factory):
-    """Pairs with places about them; alone; and these with another load, without the last point."""
+    """Pairs; and pairs with another load, without the last point."""
     folder = tmp_path_factory.mktemp("pairs")
-    made = {"about": ABOUT, "alone": ABOUT[:1], "other": ABOUT[:1]}
     with np.errstate(all="raise", under="ignore"):
-        for name, about in made.items():
-            loads = (300.0, 600.0) if name == "other" else (300.0, 300.0)
-            pairs = sweep(variants=table(about, loads))
-            skip = [*points(pairs)][1:] if name == "other" else ()
-            commit_all(folder / f"{name}.zarr", pairs, skip)
-    return {name: folder / f"{name}.zarr" for name in made}
+        commit_all(folder / "alone.zarr", sweep(variants=table()))
+        other = sweep(variants=table((300.0, 600.0)))
+        commit_all(folder / "other.zarr", other, [*points(other)][1:])
+    return {name: folder / f"{name}.zarr" for name in ("alone", "other")}
 
 
 def margins_of(ds):
@@ -58,29 +45,15 @@ def draft(path):
     return with_fields(pipeline.open_sweep(path), preset="draft")
 
 
-def test_margins_are_those_of_points_and_factors_come_from_places_about(stores, irg):
-    margins = margins_of(pipeline.at(stores["about"], critical_temperature="90 degC"))
+def test_margins_are_those_of_points(stores, irg):
+    margins = margins_of(pipeline.at(stores["alone"], critical_temperature="90 degC"))
     assert [(one.load, one.velocity) for one in margins] == [(300.0, 1.0)] * 2
     for margin, radius in zip(margins, RADII, strict=True):
         pin = replace(sweep().scene.pin, radius=radius)
         verdict = run_point(sweep(pin=pin), 300.0, 1.0).verdict(sweep().conditions)
         assert margin.decisive_temperature == verdict.decisive_temperature
-        assert 0.5 < margin.velocity_factor < 2
-    said = irg("margin", stores["about"], *COOL)
+    said = irg("margin", stores["alone"], "--critical-temperature", "90 degC")
     assert said.startswith("2 operating points: ")
-    assert "velocity factor" in said
-
-
-def test_a_boundary_of_pairs_is_their_factors_or_says_what_has_them(stores, irg):
-    said = irg("boundary", stores["about"], *COOL)
-    assert said.startswith("2 of 2 rows cross the boundary between half and twice")
-    margins = margins_of(pipeline.at(stores["about"], critical_temperature="90 degC"))
-    for margin in margins:
-        assert f"{margin.velocity_factor:.4g} " in said
-        assert f"{margin.critical_load:.4g} " in said
-    refused = irg("boundary", stores["alone"], code=2)
-    assert "irg margin" in refused
-    assert "sweep.around = 5" in refused
 
 
 def test_the_figure_of_pairs_has_their_margins_by_row(stores):
@@ -102,17 +75,13 @@ def test_the_figure_of_pairs_has_their_margins_by_row(stores):
     assert axes.get_ylabel() == "margin to severe wear [K]"
 
 
-def test_the_figure_marks_what_is_not_decided_or_not_done_and_has_factors_of_places_about(stores):
-    ds = draft(stores["about"])
+def test_the_figure_marks_what_is_not_decided_or_not_done(stores):
+    ds = draft(stores["alone"])
     (margin, _) = margins_of(ds)
     near = margin.decisive_temperature + 0.5 * margin.temperature_error
     ds = pipeline.at(ds, critical_temperature=near)
-    margins, factors = pipeline.plot(ds, "diagram").axes
-    assert "not decided" in {line.get_gid() for line in margins.lines}
-    held = pipeline.margin(ds)["load factor"]
-    drawn = {line.get_gid(): line.get_ydata() for line in factors.lines}
-    np.testing.assert_array_equal(drawn["load"], held)
-    assert any(np.array_equal(line.get_ydata(), [1.0, 1.0]) for line in factors.lines)
+    (axes,) = pipeline.plot(ds, "diagram").axes
+    assert "not decided" in {line.get_gid() for line in axes.lines}
     (axes,) = pipeline.plot(stores["other"], "diagram").axes
     assert "not known: not computed" in {line.get_gid() for line in axes.lines}
 
@@ -137,6 +106,7 @@ def test_a_difference_of_pairs_is_of_their_margins_row_by_row(stores, irg):
 def test_what_needs_a_plane_is_refused_in_a_line(stores, tmp_path, irg):
     (tmp_path / "duty.csv").write_text("load [N],velocity [m/s]\n300,1\n")
     for command in (
+        ("boundary", stores["alone"]),
         ("margin", stores["alone"], "--points", tmp_path / "duty.csv"),
         ("explore", stores["alone"], "-o", tmp_path / "page.html"),
         ("plot", stores["alone"], "--kind", "ramp", "-o", tmp_path / "ramp.png"),

@@ -84,7 +84,6 @@ CHANGES = {
     "mean": (("failing_share = 0.1", 'criterion = "mean"'), (AXES, FEWER)),
     "warm": (('bulk = "25 degC"', 'bulk = { pin = "25 degC", disk = "40 degC" }'), (AXES, FEWER)),
     "rows": ((AXES, f"{FEWER}along = [{ROWS}]"),),
-    "about": ((AXES, f"{FEWER}along = [{ROWS}]\naround = 3"),),
     "samples": (
         (AXES, FEWER.replace("2 m/s", "1 m/s") + "samples = 16" + MEASURED + MILD + UNKNOWN),
     ),
@@ -196,7 +195,7 @@ def as_floats(values):
     return np.array(values, dtype=float)  # None is NaN
 
 
-@pytest.mark.parametrize("kind", ["plane", "broken", "surfaces", "over", "about", "samples"])
+@pytest.mark.parametrize("kind", ["plane", "broken", "surfaces", "over", "rows", "samples"])
 def test_status_and_verify_count_the_points_of_the_dataset(ask, stores, kind):
     ds = opened(stores(kind))
     counts = {flag: int((ds["status"] == flag).sum()) for flag in (0, 1, 2)}
@@ -568,16 +567,10 @@ def test_entries_are_judged_each_by_its_own_points(ask, stores):
         shown(expected - 273.15, 418.15 - expected, 1e3 * radius)
 
 
-@pytest.mark.parametrize("kind", ["rows", "about"])
-def test_rows_are_judged_each_at_its_own_place(ask, stores, kind):
-    ds = opened(stores(kind))
-    rises = decisive(ds) * ds["friction.coefficient"]
-    loads, velocities = ds["load"].values, ds["velocity"].values
-    is_place = [
-        place in ((300.0, 1.5), (500.0, 2.0)) for place in zip(loads, velocities, strict=True)
-    ]
-    own = rises.values[np.array(is_place)]
-    document, said, shown = ask("margin", kind)
+def test_rows_are_judged_each_at_its_own_place(ask, stores):
+    ds = opened(stores("rows"))
+    own = (decisive(ds) * ds["friction.coefficient"]).values
+    document, said, shown = ask("margin", "rows")
     found = document["margins"]
     assert (found["load"], found["velocity"]) == ([300.0, 500.0], [1.5, 2.0])
     assert found["pin.radius"] == [2e-3, 4e-3]
@@ -585,26 +578,6 @@ def test_rows_are_judged_each_at_its_own_place(ask, stores, kind):
     assert found["distance"] == pytest.approx((120.0 - own).tolist())
     assert said.startswith("2 operating points: ")
     shown(25.0 + own, 120.0 - own, 2.0, 4.0)
-    if kind == "about":
-        crosses, said, _ = ask("boundary", kind)
-        number = sum(value is not None for value in crosses["rows"]["velocity_factor"])
-        assert number == sum(
-            part.min() < 120.0 < part.max() for part in (rises.values[:5], rises.values[5:])
-        )
-        assert said.startswith(f"{number} of 2 rows cross")
-        # Between its rises at twice the velocity and at twice the load a row crosses in load alone.
-        fast, heavy = (
-            rises.values[(loads == 300.0 * by_load) & (velocities == 1.5 * by)].item()
-            for by_load, by in ((1, 2), (2, 1))
-        )
-        assert fast < heavy
-        between = f"{298.15 + (fast + heavy) / 2} K"
-        crosses, said, _ = ask("boundary", kind, "--critical-temperature", between)
-        assert [crosses["rows"][f"{name}_factor"][0] is None for name in ("velocity", "load")] == [
-            True,
-            False,
-        ]
-        assert said.startswith("2 of 2 rows cross")
 
 
 def test_a_warmer_disk_moves_the_boundary_by_less_than_if_both_were_warm(ask, stores):

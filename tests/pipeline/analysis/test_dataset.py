@@ -19,7 +19,6 @@ from pipeline.analysis.dataset import (
     taken_entries,
 )
 from pipeline.analysis.decisive import decisive_rise, temperatures
-from pipeline.analysis.field import fields
 from pipeline.analysis.margin_frame import margin
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.ramp import ramp
@@ -29,7 +28,7 @@ from pipeline.store.schema import MADE, STEPPED
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
-from pipeline.sweep.variants import placed_rows, rows
+from pipeline.sweep.variants import rows
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
 from tests.helpers.stores import commit, opened
@@ -246,15 +245,6 @@ def test_a_store_without_a_point_opens(tmp_path):
     commit(tmp_path / "tiny.zarr", tiny.sweep(), ())
     with open_sweep(tmp_path / "tiny.zarr") as ds:
         assert np.isnan(temperatures(ds)["max_temperature"]).all()
-
-
-def test_rows_about_one_place_are_one_field(tmp_path):
-    places = (250.0, 300.0, 200.0), (1.0, 1.2, 2.0)
-    about = placed_rows([()] * 3, [], *places, rows=[0, 0, 1])
-    commit_all(tmp_path / "rows.zarr", tiny.sweep(variants=about))
-    found = fields(open_sweep(tmp_path / "rows.zarr"))
-    assert [field.place for field in found] == [(250.0, 1.0), (200.0, 2.0)]
-    assert [len(field.planes[0].loads) for field in found] == [2, 1]
 
 
 def test_a_number_that_lost_its_last_digits_is_the_value_of_its_row(tmp_path):

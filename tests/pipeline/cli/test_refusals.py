@@ -4,25 +4,11 @@ from functools import partial
 
 import pytest
 
-from pipeline.store.create import writing
-from pipeline.sweep.variants import placed_rows
-from tests.helpers import tiny
 from tests.helpers.refusals import Refusals, command
 
 
 def irg(*arguments):
     return partial(command, *arguments)
-
-
-def of_rows(*arguments):
-    """A command on a store whose rows have places of their own."""
-
-    def build():
-        with writing("rows.zarr", tiny.sweep(variants=placed_rows([()], [], [250.0], [1.0]))):
-            pass
-        return command(*arguments)
-
-    return build
 
 
 def nested():
@@ -68,7 +54,6 @@ REFUSALS = {
     "accuracy set": (irg("run", "first_try", "--accuracy", "2%", "--set", "increments=9"),
                      "leave out --set increments"),
     "plot": (irg("plot", "tiny.zarr", "--kind", "ramp", "--log"), "--kind ramp takes no --log"),
-    "rows": (of_rows("boundary", "rows.zarr"), "each row has one load and velocity"),
     "vary": (irg("vary", "first_try"), "nothing to vary; give --over"),
     "new": (irg("new"), "no file is named; give one to write"),
     "help": (irg("help", "boundry"), 'no page or command is called "boundry" (did you mean'),

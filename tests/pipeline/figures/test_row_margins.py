@@ -1,4 +1,4 @@
-"""The diagram of rows: each margin, its error and its factors at the numbers of the frame."""
+"""The diagram of rows: each margin and its error at the numbers of the frame."""
 
 import math
 from dataclasses import replace
@@ -10,9 +10,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from pipeline.figures import row_margins
-from pipeline.figures.row_margins import _axis, _draw_factors, _draw_margins
+from pipeline.figures.row_margins import _axis, _draw_margins
 from pipeline.figures.style import TINTS
-from pipeline.sweep.variants import PLACE
 from tests.helpers import synthetic
 from tests.pipeline.figures.test_parts import labels, lines
 
@@ -26,8 +25,6 @@ FRAME = pd.DataFrame(
         "distance [K]": [20.0, -5.0, 0.5, NAN],
         "temperature error [K]": [3.0, 4.0, NAN, NAN],
         "verdict": ["mild", "severe", "not decided", None],
-        "velocity factor": [1.3, NAN, NAN, NAN],
-        "load factor": [NAN, 0.4, 1.1, NAN],
     }
 )
 X = np.arange(4)
@@ -102,59 +99,6 @@ def test_many_rows_have_small_marks_without_caps(count, size):
     assert bool(bars.lines[1]) == (count == 60)
 
 
-def test_factors_stand_at_their_rows_and_those_beyond_at_the_end_of_their_side():
-    axes = Figure().add_subplot()
-    _draw_factors(axes, X, FRAME)
-    marks = lines(axes)
-    assert marks["velocity"][0].tolist() == [0.0, 1.3]
-    assert marks["load"][1:3].tolist() == [[1.0, 0.4], [2.0, 1.1]]
-    assert np.isnan(marks["velocity"][1:, 1]).all()
-    # A row that is severe turns mild below all factors, and one that is mild severe above them.
-    low, high = 0.4 / 1.1**3, 2.0 * 1.1**3
-    assert axes.get_ylim() == pytest.approx((low, high))
-    np.testing.assert_allclose(
-        marks["velocity, beyond"], [[1.0, low * 1.1], [2.0, high / 1.1]], rtol=1e-12
-    )
-    np.testing.assert_allclose(marks["load, beyond"], [[0.0, high / 1.1**2]], rtol=1e-12)
-    names = [line.get_label() for line in axes.lines if line.get_gid()]
-    assert names == [
-        "factor of velocity",
-        "velocity: beyond what was computed",
-        "factor of load",
-        "load: beyond what was computed",
-    ]
-    assert axes.get_ylabel() == "factor to severe wear"
-    assert axes.get_yscale() == "log"
-    figure = axes.figure
-    figure.draw_without_rendering()
-    assert [text.get_text() for text in axes.get_yticklabels()] == [
-        "0.5 ×", "0.7 ×", "1 ×", "1.4 ×", "2 ×"
-    ]  # fmt: skip
-    # Marks of velocity stand to the left of their row, those of load as far to the right.
-    asides = [
-        line.get_transform().transform((1.0, 1.0)) - axes.transData.transform((1.0, 1.0))
-        for line in axes.lines
-        if line.get_gid() in ("velocity", "load")
-    ]
-    aside = 5 / 72 * figure.dpi
-    np.testing.assert_allclose(asides, [(-aside, 0.0), (aside, 0.0)], atol=1e-9)
-    assert [line.get_markerfacecolor() == "white" for line in axes.lines if line.get_gid()] == [
-        False, True, False, True
-    ]  # fmt: skip
-
-
-def test_factors_within_a_half_and_two_have_the_room_of_these():
-    axes = Figure().add_subplot()
-    near = FRAME.assign(**{"velocity factor": 1.2, "load factor": 0.9})
-    _draw_factors(axes, X, near)
-    assert axes.get_ylim() == pytest.approx((0.5 / 1.1**3, 2.0 * 1.1**3))
-    assert "velocity, beyond" not in lines(axes)
-    names = [line.get_label() for line in axes.lines if line.get_gid()]
-    assert names == ["factor of velocity", "factor of load"]
-    (even,) = (line for line in axes.lines if not line.get_gid())  # severe at the point itself
-    assert set(even.get_ydata()) == {1.0}
-
-
 def test_rows_are_named_by_their_own_label_or_numbered():
     x, ticks, label = _axis(FRAME, ["variant", "pin.radius [mm]", "load [N]"])
     assert (x.tolist(), ticks, label) == ([0, 1, 2, 3], ["a", "b", "c", "d"], "variant")
@@ -208,30 +152,6 @@ def test_of_many_rows_every_second_one_is_named_and_their_names_are_turned(
     named = axes.get_xticklabels()
     assert [text.get_text() for text in named] == [f"test {number}" for number in shown]
     assert all(text.get_rotation() > 0 and text.get_ha() == "right" for text in named)
-
-
-def test_where_places_about_each_row_were_simulated_its_factors_have_a_panel(monkeypatch):
-    monkeypatch.setattr(row_margins, "judged", lambda ds, points: JUDGED)
-    monkeypatch.setattr(row_margins, "margin_frame", lambda ds, rows: FRAME)
-    monkeypatch.setattr(row_margins, "row_labels", lambda frame: ["variant", "load [N]"])
-    ds = synthetic.sweep([200.0, 400.0], [1.0, 2.0])
-    placed = ds.assign_coords({PLACE: ("load", [0, 1])})
-    figure = row_margins.draw_rows(placed)
-    upper, lower = figure.axes
-    assert upper.get_ylabel() == "margin to severe wear [K]"
-    assert lower.get_ylabel() == "factor to severe wear"
-    assert (upper.get_title(), lower.get_title()) == ("White oil on ground steel", "")
-    assert (upper.get_xlabel(), lower.get_xlabel()) == ("", "variant")
-    assert upper.get_xlim() == lower.get_xlim()
-    figure.draw_without_rendering()
-    assert upper.bbox.height > lower.bbox.height
-    said = labels(figure.legends[0])
-    assert said[0] == "critical temperature"
-    assert {"mild wear", "factor of velocity", "factor of load"} < {*said}
-    own = Figure().add_subplot()
-    row_margins.draw_rows(placed, own)
-    assert own.figure.axes == [own]
-    assert row_margins.draw_rows(ds).axes[0].get_ylabel() == "margin to severe wear [K]"
 
 
 def test_legends_of_rows_name_what_is_marked():

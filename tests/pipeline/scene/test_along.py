@@ -41,13 +41,6 @@ def test_each_row_has_its_place_and_its_entries(tmp_path, along):
     assert (first.conditions.friction, second.conditions.friction) == (0.1, 0.12)
 
 
-def test_places_about_a_row_go_from_half_to_twice_its_load_and_velocity(tmp_path):
-    sweep = pipeline.load_scene(scene(tmp_path, 'along = "mesh.csv"\naround = 3'))
-    places = [(point.load, point.velocity) for point in points(sweep)]
-    assert places[:5] == [(300, 1), (300, 0.5), (300, 2), (150, 1), (600, 1)]
-    assert len(places) == 10
-
-
 def test_a_rotation_is_a_velocity_where_a_column_has_the_radius(tmp_path):
     rows = "load [N],speed [rpm],track diameter [mm]\n300,600,50\n"
     (point,) = points(pipeline.load_scene(scene(tmp_path, rows=rows)))

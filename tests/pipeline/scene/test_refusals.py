@@ -231,7 +231,6 @@ ENTRIES = {
     "over many": (over("pin.radius", [f"{2 + n / 1000} mm" for n in range(149)], **{
         "sweep.over.pin.length": [f"{3 + n / 1000} mm" for n in range(149)]}), "are too many"),
     # rows of a scene
-    "around": (entry("sweep.around", 5), "sweep.along is not given"),
     "rows": (entry("sweep.along", [{"load": "1 N", "velocity": "1 m/s"},
                                    {"load": "1 N", "velocity": "2 m/s", "gear": "a"}]),
              "sweep.along[1]: not all rows have gear"),
@@ -247,8 +246,7 @@ ENTRIES = {
         "unknown": {"friction.coefficient": {"mean": 0.1, "sd": 0.01}}, "sweep.samples": 8}),
                     "leave out sweep.along or sweep.samples"),
     "row count": (along("load [N],velocity [m/s]\n" + "".join(
-        f"{300 + n / 100},1\n" for n in range(5000)), **{"sweep.around": 9}),
-        "places are too many"),
+        f"{300 + n / 100},1\n" for n in range(10_001))), "10001 rows are too many"),
     # tables of points
     "points faulty": (points("load [N],velocity [m/s]\n-3,1\n"), "load: "),
     "points decimals": (points("load [N];velocity [m/s]\n1.200;1,5\n"), '"1.200" beside decimal'),
