@@ -384,11 +384,13 @@ MODEL = Table({
         f"0 for none. {LATER}", default=0.1),
 })
 
+_OF_PAPER = ("kernel", "contact_criterion", "wear_scheme", "heat_kernel")
+"""Choices that the results of the paper compare, in Python; a scene has those of its preset."""
 FIDELITY = Table({
     "preset": Optional(OneOf(tuple(tribo.PRESETS)),
         'Preset, from "draft", the fastest, to "reference", the most accurate.',
         default=USUAL_PRESET),
-    **fields_of(tribo.Fidelity),
+    **{name: entry for name, entry in fields_of(tribo.Fidelity).items() if name not in _OF_PAPER},
 })
 
 SWEEP = Table({

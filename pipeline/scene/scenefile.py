@@ -58,7 +58,7 @@ def load_scene(
         file that names them.
     preset : str, optional
         Preset of the numerical choices, in place of the scene's whole table ``[fidelity]``: draft,
-        standard, fine, reference or as-published. Single entries of that table are left out, too.
+        standard, fine or reference. Single entries of that table are left out, too.
     overrides : mapping, optional
         Fields of `tribo.Fidelity`, applied last; or entries of the scene by their key path, such
         as ``wear.pattern`` or ``title``, in place of the file's; ``without`` leaves out entries

@@ -9,8 +9,8 @@ from typing import Any
 from pipeline.sweep.shown import shown
 from tribo import PRESETS, Fidelity
 
-KEPT_FIELDS = ("heat_model", "heat_kernel")
-"""Fields of a scene's own fidelity that it keeps: what it asks to see, and how heat acts."""
+KEPT_FIELDS = ("heat_model",)
+"""Fields of a scene's own fidelity that it keeps: how heat acts."""
 
 PRESET_BOUNDS = {"draft": 0.08, "standard": 0.03, "fine": 0.01, "reference": 0.01}
 """Relative error of the boundary velocity that a preset is to keep to, see CHOOSING.md.

@@ -144,11 +144,10 @@ def _reading(sweep: Sweep, scene: Scene, state: State) -> Reading:
 
 
 def dividing_pixels(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
-    """A fidelity whose elements divide the scene's pixels, with the scene's kernel of heat."""
+    """A fidelity whose elements divide the scene's pixels."""
     nx, ny = sweep.scene.pixels.shape
     fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
-    kernel = sweep.scene.fidelity.heat_kernel
-    return replace(fidelity, pixels_per_element=next(fits), heat_kernel=kernel)
+    return replace(fidelity, pixels_per_element=next(fits))
 
 
 def some_places(sweep: Sweep, number: int) -> tuple[Target, ...]:

@@ -159,25 +159,5 @@ PRESETS: dict[str, Fidelity] = {
         wear_scheme="sdirk2",
         heat_tolerance=1e-8,
     ),
-    "as-published": Fidelity(
-        pixels_per_element=2,
-        increments=100,
-        kernel="nearest-image",
-        contact_tolerance=1e-3,
-        contact_criterion="pressure-change",
-        wear_scheme="explicit",
-        heat_model="elapsed",
-        heat_kernel="nearest-image",
-        heat_tolerance=1e-12,
-    ),
 }
-"""Fidelity by name: from fast to exact, and as in the paper of Bosman & de Rooij.
-
-What the first four cost and how far they err is measured by ``irg trade``. The explicit wear of
-``as-published`` is unstable at its increments on the paper's own grid, which shows as a
-checkerboard of the pressure; it is here to be looked at, and every point of it says so. Its
-contacts are solved to a change of pressure of 1e-3 where the paper has 1e-14: that moves rises by
-less than 0.002 % (at 200 and 600 N of ``workflows/first_try.toml``), and takes a quarter of the
-iterations. Its heat partition is solved by iteration to 1e-12, where the paper eliminates: the
-rises agree to twelve digits, in a hundredth of the time.
-"""
+"""Fidelity by name, from fast to exact. ``irg trade`` measures cost and error of each."""

@@ -153,7 +153,7 @@ def test_conditions_of_several_frictions_are_a_tuple_and_own_laws_go_with_code_a
 def test_an_accuracy_picks_all_numerical_choices_but_how_heat_acts():
     scene = options(
         scene="first_try", preset=None, own_laws=False, accuracy=0.05,
-        set=[("heat_kernel", "endless"), ("increments", 7), ("pin.radius", "2 mm")],
+        set=[("heat_model", "elapsed"), ("increments", 7), ("pin.radius", "2 mm")],
     )  # fmt: skip
     with pytest.raises(InputError, match=r"itself; leave out --set increments$"):
         given.scene_in(scene)

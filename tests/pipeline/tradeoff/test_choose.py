@@ -86,10 +86,7 @@ def test_every_surface_has_its_turn():
 def test_the_heat_of_all_the_past_is_taken_where_the_present_one_errs_too_far():
     slow = UNWORN.changed(velocities=tuple(velocity / 100 for velocity in MANY))
     warm = replace(slow.conditions, critical_temperature=slow.conditions.bulk_temperature + 12)
-    endless = replace(
-        slow.scene.fidelity, heat_kernel="endless"
-    )  # a pin that never cools to its ends
-    slow = slow.changed(conditions=warm, fidelity=endless)
+    slow = slow.changed(conditions=warm)
     loose, strict = (choose_fidelity(slow, accuracy) for accuracy in (0.3, 0.02))
     assert (loose.fidelity.heat_model, strict.fidelity.heat_model) == ("elapsed", "history")
     assert "with all heat so far" in strict.name

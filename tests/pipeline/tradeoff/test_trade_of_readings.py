@@ -137,7 +137,7 @@ def test_errors_are_against_the_reference_and_the_largest_of_the_points(rig):
     assert (exact.speedup, exact.saving, exact.velocity_error) == (1.0, 1.0, 0.0)
     assert own.fidelity == scene.scene.fidelity
     assert table.not_converged == ("standard: the contact did not converge",)
-    assert rig.tried[0] == replace(PRESETS["reference"], heat_kernel="pin")
+    assert rig.tried[0] == PRESETS["reference"]
 
 
 def test_four_loads_and_all_usual_presets_are_taken_where_nothing_is_told(rig):

@@ -20,6 +20,7 @@ from pipeline.scene.shipped import WORKFLOWS
 from workflows import paper
 from workflows.paper.__main__ import main
 from workflows.paper.publication import TABLE_4, TABLE_6
+from workflows.paper.study import Study
 from workflows.paper.synthetic_record import synthetic_record
 
 mpl.use("agg")
@@ -333,6 +334,16 @@ def test_the_shipped_gallery_shows_all_results():
 def test_wrong_use_is_named(name, options, said):
     with pytest.raises(tribo.TriboError, match=re.escape(said)):
         paper.reproduce(name, **options)
+
+
+def test_the_paper_s_own_choices_are_a_preset_of_its_results_alone():
+    sweep = Study(preset="as-published").scene("table4")
+    fidelity = sweep.scene.fidelity
+    assert fidelity.kernel == fidelity.heat_kernel == "nearest-image"
+    assert (fidelity.wear_scheme, fidelity.contact_criterion) == ("explicit", "pressure-change")
+    assert sweep.about.preset == "as-published"
+    with pytest.raises(tribo.TriboError, match='give "draft", "standard", "fine" or "reference"'):
+        load_scene("table4", preset="as-published")
 
 
 def test_the_command_lists_recomputes_and_names_mistakes(small, monkeypatch, capsys):
