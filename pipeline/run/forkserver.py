@@ -13,6 +13,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import forkserver, resource_tracker
+from pathlib import Path
 
 from pipeline.interrupts import SIGNALS
 
@@ -37,6 +38,9 @@ def start() -> None:
     """Start the process, unless it runs."""
     if not hasattr(signal, "pthread_sigmask"):  # not a POSIX system, as the store will say
         return
+    main = vars(sys.modules["__main__"])
+    if not Path(main.get("__file__", "")).is_file():
+        main.pop("__file__", None)  # "<stdin>" of python -, which workers would try to import
     # It imports from the same folders as this process, and not from the one where a user works.
     path = os.pathsep.join(folder or os.curdir for folder in sys.path)
     multiprocessing.set_forkserver_preload(_MODULES)
