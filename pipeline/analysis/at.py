@@ -18,8 +18,8 @@ import xarray as xr
 from scipy.special import ndtr
 
 from pipeline.analysis.dataset import (
-    ALLOWED,
     GIVEN_MEASURED,
+    RULES,
     Kind,
     dataset_of,
     entry_dims,
@@ -37,11 +37,12 @@ from pipeline.scene.reference import acts_later, all_keys, find_entry, needed_be
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.sweep.conditions import FIELDS, PATHS, UNITS, Bulk, changes_of
+from pipeline.sweep.conditions import FIELDS, PATHS, UNITS, Bulk
 from pipeline.sweep.judged import open_inputs
+from pipeline.sweep.laws import name_of
 from pipeline.sweep.samples import REACH
 from pipeline.sweep.unknown import Unknown
-from tribo import InputError
+from tribo import InputError, Rule
 from tribo.types import Array
 
 COLDEST_OIL, HOTTEST_OIL = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
@@ -57,9 +58,8 @@ def at(
     bulk_temperature: Bulk | Sequence[float | str] | None = None,
     critical_temperature: float | str | Sequence[float | str] | None = None,
     share: float | str | Sequence[float | str] | None = None,
-    criterion: str | None = None,
+    criterion: str | Rule | None = None,
     # Any, so that a type checker lets entries through that have texts by their paths.
-    own_laws: Any = False,
     given_measured: Any = False,
     scatter: Any = None,
     **entries: Any,
@@ -84,11 +84,9 @@ def at(
     share : float or str, optional
         Share of the contact above the critical temperature beyond which wear is severe, such as 0.1
         or ``"10%"``; 0 for the maximum temperature. The latter is Blok's criterion.
-    criterion : str, optional
+    criterion : str or tribo.Rule, optional
         Temperature that decides: ``"share"``, which that share exceeds, ``"highest"`` or
-        ``"mean"``; or your own, such as ``"laws:hottest"``. See `tribo.CRITERIA`.
-    own_laws : bool
-        Allow your own criterion to run, which is code of a file in the working folder.
+        ``"mean"``; in Python also a rule of your own. See `tribo.CRITERIA`.
     given_measured : bool
         Weigh the inputs of samples by the transitions and tests of their scene.
     scatter : float, optional
@@ -139,7 +137,7 @@ def at(
         raise InputError(_needs_run(ds, others[0], wanted[others[0]]))
     wanted = {path: _si_value(path, value) for path, value in wanted.items()}
     several = {path: values for path, values in wanted.items() if isinstance(values, list)}
-    ds = _changed(ds, {k: v for k, v in wanted.items() if k not in several}, own_laws)
+    ds = _changed(ds, {k: v for k, v in wanted.items() if k not in several})
     for path, values in reversed(several.items()):
         if path not in _UNITS:
             raise InputError(f"{path} takes one value at a time here; give one")
@@ -211,22 +209,21 @@ def oil_temperature(name: str, value: float | str) -> float:
     return kelvin
 
 
-def _changed(ds: xr.Dataset, values: Mapping[str, Any], own_laws: bool) -> xr.Dataset:
+def _changed(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     """The dataset that says itself at which values it is judged."""
     if not values:
         return ds
     sweep = whole_sweep(ds)
     inputs = open_inputs(sweep)
-    conditions = {_NAMES[path]: value for path, value in values.items() if path in _NAMES}
-    law = changes_of(**conditions, own_laws=own_laws).get("own_criterion")
-    attributes = dict(ds.attrs)
-    if law:
-        attributes["own_law"] = secrets.token_hex(8)  # which no store can name
-        ALLOWED[attributes["own_law"]] = law
+    attributes, values = dict(ds.attrs), dict(values)
+    if isinstance(rule := values.get(PATHS["criterion"]), Rule):
+        attributes["rule"] = secrets.token_hex(8)  # which no store can name
+        RULES[attributes["rule"]] = rule
+        values[PATHS["criterion"]] = name_of(rule)
     inner = {
         path: _drawn_value(inputs[path], values[path]) for path in values.keys() - _NAMES.keys()
     }
-    both = judged_values(ds) | dict(values) | inner
+    both = judged_values(ds) | values | inner
     if PATHS["share"] in values and PATHS["criterion"] not in values:
         both.pop(PATHS["criterion"], None)  # a share alone makes "share" the criterion
     attributes["at"] = json.dumps(both)

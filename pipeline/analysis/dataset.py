@@ -14,7 +14,6 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis import accessor as accessor  # ds.irg
-from pipeline.scene.faults import quoted
 from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
@@ -22,8 +21,8 @@ from pipeline.store.schema import AT_END, COORDINATES, DONE, INPUTS, MADE, PLANE
 from pipeline.sweep.codec import text_sweep
 from pipeline.sweep.conditions import PATHS, Conditions, changes_of
 from pipeline.sweep.judged import fix_inputs, replace_conditions
+from pipeline.sweep.laws import name_of
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.own_laws import Own, OwnLawError, Reference
 from pipeline.sweep.severity import (
     RISES,
     columns_needed,
@@ -32,7 +31,7 @@ from pipeline.sweep.severity import (
     rises_above_colder,
 )
 from pipeline.sweep.variants import VARIANT, Column, Label, Variant, written_of
-from tribo import InputError
+from tribo import InputError, Rule
 from tribo.types import Array
 
 
@@ -49,8 +48,8 @@ class _Source:
         return split_arrays(self.ds[INPUTS].values, self.ds[INPUTS].attrs)
 
 
-ALLOWED: dict[str, Own] = {}
-"""Criteria of the user that `pipeline.at` was allowed to run, by the attribute ``own_law``."""
+RULES: dict[str, Rule] = {}
+"""Criteria of the user that `pipeline.at` was given, by the attribute ``rule``."""
 
 
 def scene_sweep(ds: xr.Dataset) -> Sweep:
@@ -74,8 +73,8 @@ def stored_sweep(ds: xr.Dataset) -> Sweep:
         for path in PATHS.values()
         if path in ds.coords and not ds[path].ndim and path not in columns
     }
-    at, law = json.dumps(judged_values(ds) | values), _judgement(ds)[1]
-    return _taken_at(_text(ds), _Source(ds), at, law, taken_at(ds))
+    at, rule = json.dumps(judged_values(ds) | values), _judgement(ds)[1]
+    return _taken_at(_text(ds), _Source(ds), at, rule, taken_at(ds))
 
 
 GIVEN_MEASURED = "given_measured"
@@ -91,26 +90,20 @@ def judged_values(ds: xr.Dataset) -> dict[str, Any]:
 
 
 def _judgement(ds: xr.Dataset) -> tuple[str, str]:
-    """Values that a dataset is judged at, as JSON, and the token of a law that is allowed."""
-    return str(ds.attrs.get("at", "{}")), str(ds.attrs.get("own_law", ""))
+    """Values that a dataset is judged at, as JSON, and the key of a rule in `RULES`."""
+    return str(ds.attrs.get("at", "{}")), str(ds.attrs.get("rule", ""))
 
 
 def read_conditions(ds: xr.Dataset, with_criterion: bool = True) -> Conditions:
     """The conditions that one scene is judged by, if the sweep has what they need.
 
-    Without the criterion, that of a store may be code that is not allowed to run.
+    Without the criterion, that of a store may be a rule that is not here.
     """
     sweep = stored_sweep(ds)
     conditions = sweep.conditions
     if not with_criterion:
         conditions = replace(conditions, criterion="share")
-    elif isinstance(reference := conditions.own_criterion, Reference):
-        raise OwnLawError(
-            f"the store was judged by the criterion {quoted(reference.reference)} (SHA-256 "
-            f"{reference.digest}), which is code, and nothing that a store names is run; give "
-            f"--criterion={quoted(reference.reference)} --own-laws in the folder of its file, or "
-            "another, such as --criterion=share"
-        )
+    _ = conditions.decisive  # refuses a rule that is not here
     require_bulks(ds, conditions)
     if conditions.friction and not sweep.scene.friction_heat:
         raise InputError(
@@ -151,22 +144,19 @@ def _sweep(text: str, source: _Source) -> Sweep:
 
 
 @functools.lru_cache(maxsize=64)
-def _judged_at(text: str, source: _Source, at: str, own_law: str) -> Sweep:
+def _judged_at(text: str, source: _Source, at: str, rule: str) -> Sweep:
     """A sweep at values by the paths of entries [SI], as JSON."""
     sweep, values = _sweep(text, source), json.loads(at)
     given = {name: values[path] for name, path in PATHS.items() if path in values}
-    law = ALLOWED.get(own_law)
-    if law and law.reference == given.get("criterion"):
-        changes = changes_of(**given | {"criterion": None})
-        changes |= {"criterion": law.reference, "own_criterion": law}
-    else:
-        changes = changes_of(**given)
+    if rule in RULES and name_of(RULES[rule]) == given.get("criterion"):
+        given["criterion"] = RULES[rule]
+    changes = changes_of(**given)
     return fix_inputs(replace_conditions(sweep, changes), values) if values else sweep
 
 
 @functools.lru_cache(maxsize=64)
-def _taken_at(text: str, source: _Source, at: str, own_law: str, name: Variant) -> Sweep:
-    whole = _judged_at(text, source, at, own_law)
+def _taken_at(text: str, source: _Source, at: str, rule: str, name: Variant) -> Sweep:
+    whole = _judged_at(text, source, at, rule)
     if not name:
         return whole
     words = ", ".join(f"{path} {value}" for path, value in written_of(whole.variants, name).items())

@@ -28,7 +28,7 @@ from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import CROSSES, MILD, SEVERE, outcomes
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE
-from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.laws import LawError
 from pipeline.sweep.shown import shown
 from tribo import InputError
 
@@ -108,7 +108,7 @@ def _boundary(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
         first, second = (_critical_velocities(ds) for ds in (a, b))
-    except OwnLawError:
+    except LawError:
         raise
     except InputError:  # no critical temperature
         return frame_of(heads, ())

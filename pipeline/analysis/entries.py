@@ -14,8 +14,8 @@ from pipeline.quantities import UNITS, display
 from pipeline.scene.reference import all_keys, quantity_in
 from pipeline.scene.units import typeset
 from pipeline.sweep.conditions import FIELDS
+from pipeline.sweep.laws import is_given, law_record
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.own_laws import Own, Reference, own_laws, refer
 from tribo import Scene
 
 _PATHS = {
@@ -25,6 +25,7 @@ _PATHS = {
     "roughness": "disk.roughness",
     "disk": "disk.material",
     **{f"conditions.{name}": path for name, path in FIELDS.items()},
+    "conditions.rule": "temperature.criterion",
     "conditions.disk_temperature": "temperature.bulk.disk",
     "conditions.corrections.friction": "friction",
     "conditions.corrections.stem": "pin.stem",
@@ -39,7 +40,7 @@ _PATHS = {
 """Paths in the scene file of fields that a sweep calls otherwise, the more special ones first."""
 _NOT_SHOWN = (
     "friction_heat", "unequal_bulks", "loading.stops", "conditions.corrections.course",
-    "conditions.corrections.motion", "conditions.corrections.rate", "conditions.own_criterion",
+    "conditions.corrections.motion", "conditions.corrections.rate", "conditions.rule.law",
     "conditions.corrections.friction.coefficient",
 )  # fmt: skip
 """Paths of values that follow from other entries."""
@@ -61,21 +62,18 @@ def _values(sweep: Sweep) -> Iterator[tuple[str, Any]]:
     """Values by the paths of fields, in the order of a scene file."""
     about, table, plane = sweep.about, sweep.variants, sweep.plane
     sweep = sweep.variant(next(iter(table.given)))
-    own = own_laws(sweep.scene)
     for one in fields(Scene):
-        part: Any = own.get(one.name) or getattr(sweep.scene, one.name)
+        part: Any = getattr(sweep.scene, one.name)
         if one.name == "pixels":
             repeated = [axis for axis, repeats in zip("xy", part.periodic, strict=True) if repeats]
             yield "pixels.shape", part.shape
             yield "pixels.spacing", part.spacing
             yield "pixels.periodic", f"along {' and '.join(repeated)}" if repeated else "no"
             continue
-        if one.name == "pin":
+        if one.name == "pin" and not is_given(part):
             yield "pin.shape", type(part).__name__
         yield from (pair for pair in _flat(part, one.name) if pair[0] not in table.drawn_fields)
     yield from _flat(sweep.conditions, "conditions")
-    if criterion := sweep.conditions.own_criterion:
-        yield "conditions.criterion_hash", criterion.digest
     yield from _flat(about.friction_band, "friction.band")
     yield from _flat(about.model_scatter, "model.scatter")
     yield from _flat(about.oil, "oil")
@@ -92,11 +90,12 @@ def _values(sweep: Sweep) -> Iterator[tuple[str, Any]]:
 
 def _flat(value: Any, path: str) -> Iterator[tuple[str, Any]]:
     """Values of a part by their paths, without those that are missing; arrays by their hash."""
-    if isinstance(value, Own | Reference):
-        law = refer(value)
-        yield f"{path}.law", law.reference
-        yield from ((f"{path}.parameters.{name}", one) for name, one in law.parameters)
-        yield f"{path}.hash", law.digest
+    if is_given(value):
+        law = law_record(value)
+        yield f"{path}.law", law.name
+        for name, one in law.parameters:
+            yield from _flat(one, f"{path}.parameters.{name}")
+        yield f"{path}.source_sha256", law.source_sha256
     elif is_dataclass(value):
         for one in fields(value):
             if one.init:

@@ -30,8 +30,8 @@ from pipeline.analysis.scenes import map_scenes, scenes, value_text
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.laws import LawError
 from pipeline.sweep.model import Point
-from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
 from pipeline.sweep.shown import shown
@@ -147,7 +147,7 @@ def _boundary_neighbours(ds: xr.Dataset) -> xr.DataArray | None:
     try:
         if any(read_conditions(scene).critical_temperature is None for scene in scenes(ds)):
             return None
-    except OwnLawError:
+    except LawError:
         return None
 
     def mark_scene(scene: xr.Dataset) -> xr.DataArray:

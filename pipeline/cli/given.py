@@ -10,14 +10,11 @@ from typing import Any
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.dataset import scene_sweep
 from pipeline.cli.output import tell
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.reference import unit_example
-from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.remarks import remarks
 from pipeline.sweep.selection import KEPT_FIELDS
 from pipeline.sweep.stages import Progress
 from pipeline.tradeoff.choose import choose_accuracy, measure_error
@@ -85,15 +82,9 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
     if isinstance(frictions, list):
         conditions["friction"] = tuple(frictions) if len(frictions) > 1 else frictions[0]
     criterion = conditions.get("criterion", "share")
-    if "share" in conditions and criterion != "share" and ":" not in criterion:
+    if "share" in conditions and criterion != "share":
         raise InputError(f"criterion {criterion} has no share; leave out --share")
-    return conditions | criterion_in(options)
-
-
-def criterion_in(options: argparse.Namespace) -> dict[str, Any]:
-    """The criterion that the user gave, and permission to run it if that is code."""
-    given = values_in(options, "criterion")
-    return given | ({"own_laws": options.own_laws} if ":" in given.get("criterion", "") else {})
+    return conditions
 
 
 def operating_points_in(options: argparse.Namespace) -> OperatingPoints:
@@ -120,9 +111,7 @@ def scene_in(
 ) -> Sweep:
     """The scene with the fidelity and conditions asked for, accurate at points if given."""
     settings = settings_in(options)
-    sweep: Sweep = pipeline.load_scene(
-        options.scene, options.preset, settings, own_laws=options.own_laws
-    )
+    sweep: Sweep = pipeline.load_scene(options.scene, options.preset, settings)
     if conditions := conditions_in(options):
         changed = sweep.conditions.changed(**conditions)
         sweep = sweep.changed(
@@ -167,21 +156,6 @@ def dataset_in(
 ) -> xr.Dataset:
     """The store, or another one, judged as the user asked for, without some entries of --at."""
     ds = pipeline.open_sweep(store or options.store)
-    _tell_of_another_law(options, ds)
     entries = {path: at for path, at in judged_entries(options).items() if path not in without}
     weighing = values_in(options, "given_measured", "scatter")
     return pipeline.at(ds, **conditions_in(options), **weighing, **entries)
-
-
-def _tell_of_another_law(options: argparse.Namespace, ds: xr.Dataset) -> None:
-    """Note that the criterion which the user gave is not the text that the store was judged by."""
-    given, stored = criterion_in(options), scene_sweep(ds).conditions.own_criterion
-    if not (stored and given.get("own_laws")) or given["criterion"] != stored.reference:
-        return
-    digest = changes_of(**given)["own_criterion"].digest
-    if digest != stored.digest:
-        words = (
-            f"{given['criterion']} here (SHA-256 {digest[:8]}) is not the text that the store was "
-            f"judged by ({stored.digest[:8]})"
-        )
-        tell(*remarks("note", words))

@@ -83,8 +83,7 @@ SET = Option(
     help="change a numerical choice, such as increments=50, or an entry of the scene, such as "
     "wear.pattern=local or without=motion; may be repeated for other keys",
 )  # fmt: skip
-OWN_LAWS = flag("--own-laws", "{load_scene.own_laws}; read it first")
-OF_SCENE = (SCENE, PRESET, SET, OWN_LAWS)
+OF_SCENE = (SCENE, PRESET, SET)
 ACCURACY = Option(
     "--accuracy", metavar="BOUND", type=values.share,
     help="{choose_fidelity.accuracy}",
@@ -180,7 +179,7 @@ BULK = Option(
 )  # fmt: skip
 CRITERION = Option(
     "--criterion", metavar="NAME", type=values.criterion,
-    help="{at.criterion}, with --own-laws",
+    help="{at.criterion}",
 )  # fmt: skip
 _THRESHOLD = (
     quantity(
@@ -208,7 +207,7 @@ SCATTER = Option(
 )  # fmt: skip
 GIVEN_MEASURED = flag("--given-measured", "{at.given_measured}")
 WEIGHED = (GIVEN_MEASURED, SCATTER)
-JUDGED = (AT, CONDITIONS, OWN_LAWS)
+JUDGED = (AT, CONDITIONS)
 
 OF_PLOT = (
     Option(

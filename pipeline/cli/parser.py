@@ -51,7 +51,7 @@ COMMANDS = (
         "boundary", "verdicts:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
-        (o.STORE, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS),
+        (o.STORE, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS),
     ),
     Command(
         "margin", "verdicts:margin",
@@ -59,14 +59,13 @@ COMMANDS = (
         f"results/scene.zarr {_AT}",
         (
             o.STORE, *o.PLACE, *o.POINTS, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS,
-            o.OWN_LAWS,
         ),
     ),
     Command(
         "diff", "stores:diff",
         "differences between two stores: of scenes, boundaries and points",
         "results/scene.zarr results/other.zarr",
-        (o.STORE, o.OTHER_STORE, o.AT, o.TABLE, o.CRITERION, o.OWN_LAWS),
+        (o.STORE, o.OTHER_STORE, o.AT, o.TABLE, o.CRITERION),
     ),
     Command(
         "vary", "studies:vary",
@@ -87,7 +86,7 @@ COMMANDS = (
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
             o.STORE, *o.OF_PLOT, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS,
-            *o.PLACE, o.REALIZATION, o.OWN_LAWS,
+            *o.PLACE, o.REALIZATION,
         ),
     ),
     Command(

@@ -33,7 +33,6 @@ def vary(options: argparse.Namespace) -> Result:
             over,
             options.preset,
             given.settings_in(options),
-            own_laws=options.own_laws,
             out=options.kept,
             workers=options.workers,
             progress=progress,

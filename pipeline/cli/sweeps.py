@@ -27,7 +27,6 @@ from pipeline.store.schema import require_free_names
 from pipeline.sweep.about import library_tables
 from pipeline.sweep.accuracy import MEASURES, error_in_words, has_unknown_error
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.own_laws import own_laws, refer
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.remarks import Remark, remarks
 from pipeline.sweep.stages import duration
@@ -57,8 +56,7 @@ def run(options: argparse.Namespace) -> Result:
             retry_failed=options.retry_failed,
             boundary_only=options.boundary_only,
         )
-    own = sweep.conditions.own_criterion
-    judged = pipeline.at(out, criterion=own.reference if own else None, own_laws=bool(own))
+    judged = pipeline.at(out)
     if sweep_kind(judged) is Kind.SAMPLES:
         extras.module("uncertain", "fields").keep_fits(judged)
     stored = scene_sweep(judged)
@@ -164,9 +162,7 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
         greatest = display(facts.greatest_load, "kN", 3)
         carried = f"carries at most {greatest} on the pin, with all of it at the hardness"
     yield "window", f"{display_sides(facts.window)}, {carried}"
-    laws = own_laws(sweep.scene)
-    surface = facts.surface.words if facts.surface else "smooth"
-    yield "surface", surface.replace("measured", "own law") if "roughness" in laws else surface
+    yield "surface", facts.surface.words if facts.surface else "smooth"
     motion = f"{_text(facts.duration, 's')} and {_text(facts.sliding_distance, 'm')} until the end"
     if facts.pin_velocity and facts.disk_velocity and facts.pin_turns:
         motion += (
@@ -184,11 +180,6 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
         if sweep.scene.friction_heat
         else "none, since there is no friction",
     )
-    if sweep.conditions.own_criterion:
-        laws["criterion"] = refer(sweep.conditions.own_criterion)
-    for entry, law in laws.items():
-        named = "".join(f", {name} = {value}" for name, value in law.parameters)
-        yield "own law", f"{entry}: {law.reference}{named}, hash {law.digest[:8]}"
     if sweep.conditions.corrections:
         yield "corrections", sweep.conditions.corrections.worded
 

@@ -12,7 +12,7 @@ COMMANDS = (
         "results/scene.zarr --points duty.csv -o report.html",
         (
             o.STORE, o.output("REPORT.html", "file to write; default: beside the store"),
-            *o.POINTS, o.AT, *o.WEIGHED, o.CONDITIONS_AT_FRICTIONS, o.OWN_LAWS,
+            *o.POINTS, o.AT, *o.WEIGHED, o.CONDITIONS_AT_FRICTIONS,
         ),
     ),
 )  # fmt: skip

@@ -44,8 +44,8 @@ from pipeline.store.versions import package_versions
 from pipeline.sweep.about import judged_by, plane_rows
 from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.codec import content_hash
+from pipeline.sweep.laws import LawError
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.surface import surface_words
 from tribo import InputError
 
@@ -163,7 +163,7 @@ def _or_reason(section: Iterable[Part]) -> list[Part]:
     parts: list[Part] = []
     try:
         parts.extend(section)
-    except OwnLawError:
+    except LawError:
         raise  # for a report without its answers is none
     except InputError as error:
         parts.append(f"Not in this report: {error}")

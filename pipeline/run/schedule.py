@@ -32,6 +32,7 @@ from pipeline.run.work import (
     compute_points,
     other_packages,
     packages_of,
+    parcel_of,
     require_same_code,
 )
 from pipeline.store.write import Writer
@@ -89,7 +90,7 @@ def compute(
     """
     news, label = threading.Event(), uuid.uuid4().hex[:8]  # a scheduler may know other runs
     asked = sweep.changed(chosen=None, stations=writer.store.sweep.record.stations)
-    parcel = pickle.dumps((asked, "pressure" in writer.store.arrays))
+    parcel = parcel_of(asked, "pressure" in writer.store.arrays)
     with Reports(connection, news, label, parcel) as reports:
         run = _Run(connection, label, writer, reports, tally, waiting)
         silence = _Silence(connection)

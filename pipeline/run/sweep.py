@@ -65,7 +65,6 @@ def run_sweep(
     boundary_only: float | None = None,
     patience: float = PATIENCE,
     dashboard: bool = False,
-    own_laws: bool = False,
 ) -> Outcome:
     """Compute every point of a sweep that its store does not have yet, or its boundary alone.
 
@@ -98,8 +97,6 @@ def run_sweep(
         workers that wait in a queue.
     dashboard : bool, optional
         True to tell the link of Dask's dashboard, which everybody on this machine can read.
-    own_laws : bool
-        Allow code that the scene names to run, see `pipeline.load_scene`; a resume needs it again.
 
     Raises
     ------
@@ -123,7 +120,7 @@ def run_sweep(
         require_count("workers", workers)
     require_positive(patience=patience)
     _require_cluster(client, dashboard)
-    sweep = sweep_of(sweep, own_laws)
+    sweep = sweep_of(sweep)
     require_free_names(sweep)  # before a folder is made
     further = None if boundary_only is None else boundary_search(sweep, boundary_only)
     began = time.monotonic()

@@ -15,6 +15,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.frames import frames_of
 from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
 from pipeline.run.sweep import run_sweep
+from pipeline.scene.laws import law_entries
 from pipeline.scene.over import notes_on_first_values, scale_friction
 from pipeline.scene.scenefile import load_scene, scene_entry
 from pipeline.store.place import PathLike
@@ -105,7 +106,7 @@ def vary(
     preset: str | None = None,
     overrides: Mapping[str, Any] | None = None,
     tolerance: float = 0.01,
-    own_laws: bool = False,
+    laws: Mapping[str, Any] | None = None,
     out: PathLike | None = None,
     workers: int | None = None,
     client: Client | None = None,
@@ -127,7 +128,7 @@ def vary(
         Values by the key path of the entry that takes them, one entry at a time. Each as a scene
         file has it, or such as ``"+20%"`` of the scene's own. A coefficient of friction scales the
         friction by velocity, too.
-    preset, overrides, own_laws : optional
+    preset, overrides, laws : optional
         See `pipeline.load_scene`.
     tolerance : float
         Relative error of the critical velocity, in addition to that of the scene's fidelity.
@@ -150,17 +151,17 @@ def vary(
     >>> over = {"pin.radius": ["1 mm", "+20%"], "temperature.bulk": ["40 degC"]}
     >>> variations = pipeline.vary("first_try", over)  # doctest: +SKIP
     """
-    overrides = overrides or {}
-    sweep = load_scene(scene, preset, overrides, own_laws)
+    overrides, laws = overrides or {}, laws or {}
+    sweep = load_scene(scene, preset, overrides, laws)
     if progress:
         for note in notes_on_first_values(sweep.variants):
             progress(Progress(note))
     others = {
         (key, str(value)): scale_friction(
-            load_scene(scene, preset, {**overrides, key: value}, own_laws), sweep, [key]
+            load_scene(scene, preset, {**overrides, key: value}, laws), sweep, [key]
         )
         for key, values in over.items()
-        for value in _absolute(scene, key, values, overrides)
+        for value in _absolute(scene, key, values, {**law_entries(laws), **overrides})
     }
     variations = [("", ""), *others]
     scenes = [sweep, *others.values()]
@@ -170,9 +171,7 @@ def vary(
         store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {(*varied.contact_of(point), point.load) for point in done}
-        own = varied.conditions.own_criterion
-        # Allowed with the scene; a store itself never runs its criterion.
-        ds = at(path, criterion=own.reference if own else None, own_laws=bool(own))
+        ds = at(path, criterion=laws.get("criterion"))
         found, carried = boundary(ds).transpose(_ROW, ...), warned(ds)
         velocities = found["critical_velocity"].values.tolist()
         words = np.reshape(frames_of(found)[0]["outcome"], found["outcome_at_load"].shape).tolist()

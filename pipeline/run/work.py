@@ -16,21 +16,24 @@ import hashlib
 import os
 import pickle
 import platform
+import sys
 import threading
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+import cloudpickle
 import numpy as np
 import scipy
 from distributed import Worker
 
 import tribo
 from pipeline.store.checksum import packed
+from pipeline.sweep.laws import code_of, given_laws
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, run_points
 from pipeline.sweep.stored import Simulated
-from tribo import InputError, TriboError
+from tribo import TriboError
 from tribo.simulation import Trunks
 
 SAFE = "finished points are safe, run the sweep again to go on"
@@ -130,6 +133,25 @@ _parcels: dict[str, bytes] = {}  # pickled sweeps, and whether fields are stored
 _RUNS = 4  # whose parcels a worker keeps
 
 
+def parcel_of(sweep: Sweep, with_fields: bool) -> bytes:
+    """What workers need of a run, with the user's laws by value: their modules are not there."""
+    laws = filter(None, [*given_laws(sweep.scene), sweep.conditions.rule])
+    names = {code_of(law).__module__ for law in laws}
+    added = [
+        sys.modules[name]
+        for name in names - cloudpickle.list_registry_pickle_by_value()
+        if name in sys.modules
+    ]
+    for module in added:
+        cloudpickle.register_pickle_by_value(module)
+    try:
+        content: bytes = cloudpickle.dumps((sweep, with_fields))
+    finally:
+        for module in added:
+            cloudpickle.unregister_pickle_by_value(module)
+    return content
+
+
 class WorkerReport(NamedTuple):
     """What a worker tells: its versions, the task that it computes, and pickled records by task."""
 
@@ -189,6 +211,6 @@ def _unpacked(run: str) -> tuple[Sweep, bool, Simulated]:
         raise UnsentError(f"a worker does not have the scene; {SAFE}")
     try:
         sweep, with_fields = pickle.loads(_parcels[run])
-    except InputError as error:  # a law may have another text here
-        raise ExecutionError(f"a worker cannot take the scene: {error}; {SAFE}") from error
+    except Exception as error:  # a law may import what is not here
+        raise ExecutionError(f"a worker cannot read the scene: {error}; {SAFE}") from error
     return sweep, with_fields, Simulated(sweep)

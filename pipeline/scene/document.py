@@ -68,10 +68,8 @@ class Document(NamedTuple):
 
     def replaced(self, path: str, value: Any) -> Document:
         """The document with an entry replaced everywhere, or removed if the value is None."""
-        layers = (
-            FileEntries(layer.file, _replaced(layer.entries, path, value)) for layer in self.layers
-        )
-        return Document(tuple(layers))
+        pairs = ((file, replace_entry(entries, path, value)) for file, entries in self.layers)
+        return Document(tuple(FileEntries(*pair) for pair in pairs))
 
     def file_of(self, key: str) -> Path:
         """The file in which an entry stands or, if it stands in none, the table it belongs to."""
@@ -138,14 +136,14 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
     return Document((FileEntries(document.file, top), *document.layers))
 
 
-def _replaced(tables: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
+def replace_entry(tables: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
     """Tables with an entry that they have replaced, or removed if the value is None."""
     first, _, rest = path.partition(".")
     if first not in tables:
         return tables
     if rest:
         inner = tables[first]
-        value = _replaced(inner, rest, value) if isinstance(inner, dict) else inner
+        value = replace_entry(inner, rest, value) if isinstance(inner, dict) else inner
     others = {key: entry for key, entry in tables.items() if key != first}
     return others if value is None else others | {first: value}
 

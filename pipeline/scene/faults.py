@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 from pipeline.scene.shipped import name_of
 from pipeline.scene.units import UnitError
-from pipeline.sweep.own_laws import OwnLawError
 from pipeline.sweep.remarks import Remark
 from tribo import InputError, TriboError
 
@@ -58,8 +57,6 @@ class Faults(list[Fault]):
         """Add an error as a fault of the entry at a key path."""
         try:
             yield
-        except OwnLawError:
-            raise  # alone, since nothing else of such a scene is worth a look
         except (InputError, UnitError) as error:
             self.refuse(key, " ".join(str(error).split()))
 

@@ -19,7 +19,7 @@ from pipeline.scene.compounds import (
     Tables,
     fields_of,
 )
-from pipeline.scene.faults import did_you_mean, quoted
+from pipeline.scene.faults import did_you_mean
 from pipeline.scene.kinds import (
     Flag,
     Number,
@@ -209,15 +209,6 @@ MEASURED_SURFACE = Table({
 }, form="measured surface")
 
 
-def own_law(meaning: str, form: str = "") -> Table:
-    """Entries of a law that is code, with its meaning."""
-    return Table({
-        "law": Entry(Text(), f"{meaning} Your own law is code and runs only with `--own-laws`."),
-        "parameters": Optional(ByPath(Scalar(), "names of parameters"),
-            "Parameters of the law, in SI units.", default={}),
-    }, form=form)
-
-
 DISK = Table({
     "material": Entry(Text(), "Name of the material, in this file or in the library."),
     **_kept_heat("disk", "under the pin", "340 mm"),
@@ -226,10 +217,9 @@ DISK = Table({
         "thermal_conductivity": Entry(Quantity("a conductivity", "2 W/(m K)"),
             "Thermal conductivity of the film."),
     }), f"Oxide or tribofilm on the disk, a thermal resistance. {LATER}"),
-    "surface": Optional(own_law('Module and name of the surface, such as "laws:dimples".'),
-        "Your own surface, if `roughness` does not describe it; see [`OWN_LAWS.md`](OWN_LAWS.md)."),
     "roughness": Optional(Either(RANDOM_SURFACE, MEASURED_SURFACE),
-        "Surface of the disk, random or measured; smooth without the table."),
+        "Surface of the disk, random or measured; smooth without the table. In Python also [your "
+        "own](OWN_LAWS.md)."),
 })
 
 WINDOW = Table({
@@ -296,11 +286,10 @@ def _law_form(name: str) -> Table:
 def _wear_form(table: Any) -> int:
     """Place of the form that a table of wear has."""
     law, laws = (table.get("law") if isinstance(table, dict) else None), [*tribo.LAWS]
-    if law in laws:
-        return 2 + laws.index(law)
-    is_name = isinstance(law, str) and ":" not in law  # else it is code, as module:name
-    near = [one for one in laws if is_name and did_you_mean(str(law), [one])]
-    return 2 + laws.index(near[0]) if near else int(law is not None)
+    if law is None:
+        return 0
+    near = [one for one in laws if one == law or did_you_mean(str(law), [one])]
+    return 1 + laws.index(near[0] if near else laws[0])
 
 
 WEAR = Either(
@@ -311,10 +300,6 @@ WEAR = Either(
             'past; over positions of the disk if y is not periodic. "local": each element by its '
             "own pressure."),
     }, form="Archard"),
-    own_law(
-        f"Wear law by sliding distance: {', '.join(map(quoted, tribo.LAWS))}, or module and name "
-        'of your own, such as "laws:Fading".', form="own law",
-    ),
     *map(_law_form, tribo.LAWS),
     when=_wear_form,
 )
@@ -372,10 +357,9 @@ TEMPERATURES = Table({
         "Wear is severe if a larger share of the contact area is above the critical temperature; "
         "0 if the highest temperature decides.", default=0.1),
     "criterion": Optional(
-        Either(OneOf(tuple(tribo.CRITERIA)), Text(), when=lambda word: ":" in str(word)),
+        OneOf(tuple(tribo.CRITERIA)),
         "Deciding temperature: the one exceeded on the failing share of the contact, the highest, "
-        "or the mean; or [your own criterion](OWN_LAWS.md), such as "
-        '"laws:hottest_tenth", which runs only with `--own-laws`.', default="share"),
+        "or the mean; in Python also [your own criterion](OWN_LAWS.md).", default="share"),
 })
 
 MODEL = Table({
@@ -486,7 +470,7 @@ FORMAT = Table({
         "Motion of both bodies: give `slide_roll_ratio` or `entrainment_velocity`. Without the "
         "table the pin is at rest."),
     "wear": Optional(WEAR,
-        "Wear of the pin: Archard's law, a rate by sliding distance, or [your own "
+        "Wear of the pin: Archard's law, or a rate by sliding distance; in Python also [your own "
         "law](OWN_LAWS.md). Without the table there is no wear."),
     "oil": Optional(OIL,
         "The lubricant, used only to say which transitions lie in boundary lubrication. "

@@ -87,7 +87,7 @@ class OneOf(Kind):
 
     def __str__(self) -> str:
         *others, last = map(quoted, self.options)
-        return f"{', '.join(others)} or {last}"
+        return f"{', '.join(others)} or {last}" if others else last
 
     def _read(self, value: Any, place: str, faults: Faults) -> str:
         require(value, str, "is not text")

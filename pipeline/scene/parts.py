@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, cast
+from typing import Any
 
 import tribo
 from pipeline import extras
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.load_record import read_load
-from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Own
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
@@ -43,24 +42,15 @@ def loading_of(
     return None
 
 
-def wear_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Any:
-    """Archard's wear, a law that ships, or a user's own."""
+def wear_of(table: Mapping[str, Any] | None, faults: Faults) -> Any:
+    """Archard's wear, or a law that ships."""
     if table is None or faults.touch("wear"):
         return None
     if "law" not in table:
         return tribo.Wear(table["specific_wear_rate"], table["pattern"])
     with faults.at("wear.law"):
-        if table["law"] in tribo.LAWS:
-            law: Any = tribo.LAWS[table["law"]]
-            return law(**{name: value for name, value in table.items() if name != "law"})
-        return laws.named(WEAR, table["law"], table["parameters"])
-
-
-def criterion_of(table: Mapping[str, Any] | None, laws: Laws, faults: Faults) -> Own | None:
-    """A user's own criterion; None where it is one of ours."""
-    name = (table or {}).get("criterion")
-    with faults.at("temperature.criterion"):
-        return laws.named(CRITERION, name) if name and ":" in name else None
+        law: Any = tribo.LAWS[table["law"]]
+        return law(**{name: value for name, value in table.items() if name != "law"})
 
 
 def oil_of(table: Mapping[str, Any] | None, faults: Faults) -> tribo.Oil | None:
@@ -158,12 +148,11 @@ def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
     rough = entry_at(tables, "disk.roughness")
     if rough is None or "file" in rough:
         if not faults.touch("disk.roughness"):
-            surface = "smooth" if rough is None else "measured"
             asked = wanted if isinstance(wanted, int) else list(wanted)
             faults.refuse(
                 "sweep.realizations",
-                f"{quoted(asked)} does not fit a {surface} disk; leave it out, or give a "
-                "[disk.roughness] that is made from a seed",
+                f"{quoted(asked)} needs a [disk.roughness] that is made from a seed; give one, or "
+                "leave this out",
             )
         return ()
     if isinstance(wanted, int):
@@ -174,18 +163,9 @@ def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
     return seeds
 
 
-def roughness_of(
-    tables: dict[str, Any], document: Document, laws: Laws, faults: Faults
-) -> Roughness | None:
+def roughness_of(tables: dict[str, Any], document: Document, faults: Faults) -> Roughness | None:
     """The disk's roughness; None if there is none, or a faulty one."""
-    table, law = entry_at(tables, "disk.roughness"), entry_at(tables, "disk.surface")
-    if law:
-        if table is not None:
-            faults.refuse("disk.surface", "there is a [disk.roughness], too; leave out one of them")
-        if faults.touch("disk.surface"):
-            return None
-        with faults.at("disk.surface.law"):
-            return cast(tribo.Surface, laws.named(SURFACE, law["law"], law["parameters"]))
+    table = entry_at(tables, "disk.roughness")
     if table is None or faults.touch("disk.roughness"):
         return None
     if "file" in table:

@@ -14,10 +14,10 @@ from pipeline.scene.extensions import Reading, begin
 from pipeline.scene.facts import track_faults
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, replace_value
 from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
+from pipeline.scene.laws import named_code, replace_by_laws, take_laws
 from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import (
     corrections_of,
-    criterion_of,
     loading_of,
     motion_of,
     oil_of,
@@ -32,9 +32,9 @@ from pipeline.scene.units import in_si
 from pipeline.sweep import plan
 from pipeline.sweep.about import About, Measurement
 from pipeline.sweep.conditions import Conditions, bulk_entries
+from pipeline.sweep.laws import name_of
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Plane, Record, Sweep
-from pipeline.sweep.own_laws import Laws, Own
 from pipeline.sweep.stages import Report, silent
 from pipeline.sweep.variants import surfaces
 from tribo.simulation.pins import sizes_of
@@ -47,7 +47,7 @@ def load_scene(
     path: str | PathLike[str],
     preset: str | None = None,
     overrides: Mapping[str, Any] | None = None,
-    own_laws: bool = False,
+    laws: Mapping[str, Any] | None = None,
 ) -> Sweep:
     """Read a scene file, and the scenes that it extends.
 
@@ -63,15 +63,16 @@ def load_scene(
         Fields of `tribo.Fidelity`, applied last; or entries of the scene by their key path, such
         as ``wear.pattern`` or ``title``, in place of the file's; ``without`` leaves out entries
         of the file, before the others are set.
-    own_laws : bool
-        Allow the wear law, surface and criterion that are named as ``"module:name"`` to run. They
-        are code of a file in the scene's folder or of an installed package.
+    laws : mapping, optional
+        Objects of your own in place of the scene's: a `tribo.WearLaw` as ``"wear"``, a
+        `tribo.Surface` as ``"surface"``, a `tribo.Rule` as ``"criterion"``, a `tribo.Pin` as
+        ``"pin"``. Entries such as ``wear.parameters.NAME`` are fields of the first two and the
+        last.
 
     Raises
     ------
     SceneFileError
-        If there is any fault in the file or the arguments; it carries all of them. Or if the scene
-        names code, and that is not allowed to run.
+        If there is any fault in the file or the arguments; it carries all of them.
 
     Examples
     --------
@@ -80,15 +81,20 @@ def load_scene(
     >>> scene.about.preset, scene.plane.loads
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
-    path = scene_path(path)
-    faults = Faults()
+    path, faults, laws = scene_path(path), Faults(), laws or {}
     replaced = _path_overrides(overrides or {}, preset, faults)
-    document = override_entries(read_document(path, faults), replaced, faults)
+    try:
+        document = replace_by_laws(read_document(path, faults), laws)
+    except tribo.InputError as error:
+        raise SceneFileError(path, [str(error)]) from error
+    document = override_entries(document, replaced, faults)
+    if named := [*named_code(document.entries())]:
+        raise SceneFileError(path, named)  # alone, for a law stands in place of more entries
     document, extensions = begin(document, faults)
     entries = document.entries()
     if isinstance(entries.get("oil"), str):
         entries["oil"] = {"like": entries["oil"]}
-    reader = _Reader(document, Laws(path.parent, own_laws))
+    reader = _Reader(document, laws)
 
     def variant(values: Mapping[str, Any]) -> Sweep:
         """The sweep with other values of some entries; raises its first fault."""
@@ -128,19 +134,20 @@ class _Reader:
     """Reads entries into a sweep, and files that they name once for all entries."""
 
     document: Document
-    laws: Laws
+    laws: Mapping[str, Any]
     parts: dict[str, Any] = field(default_factory=dict)
 
     def sweep(self, entries: dict[str, Any], faults: Faults) -> tuple[Sweep | None, dict[str, Any]]:
         """The sweep, without samples and `over`, and the tables of the format."""
+        laws, entries = take_laws(self.laws, entries, faults)
         entries, taken = resolve_library(entries, faults)
         tables: dict[str, Any] = FORMAT.read(entries, "", faults)
         expand_tests(tables, faults)
         fidelity, preset = _fidelity(tables["fidelity"] or {}, faults)
         realizations = realizations_of(tables, faults)
-        roughness = self._once(
-            [entry_at(tables, path) for path in ("disk.roughness", "disk.surface", "window")],
-            lambda: roughness_of(tables, self.document, self.laws, faults),
+        roughness = laws.get("surface") or self._once(
+            [entry_at(tables, path) for path in ("disk.roughness", "window")],
+            lambda: roughness_of(tables, self.document, faults),
         )
         stops = tested_holds(tables)
         loading = self._once(
@@ -149,16 +156,22 @@ class _Reader:
         )
         check_tables(tables, fidelity, roughness, faults)
         oil = oil_of(tables["oil"], faults)
-        wear = wear_of(tables["wear"], self.laws, faults)
-        own_criterion = criterion_of(tables["temperature"], self.laws, faults)
+        wear = laws.get("wear") or wear_of(tables["wear"], faults)
         if faults or loading is None:
             return None, tables
-        made = _scene_of(tables, loading=loading, roughness=roughness, wear=wear, fidelity=fidelity)
+        made = _scene_of(
+            tables,
+            laws.get("pin"),
+            loading=loading,
+            roughness=roughness,
+            wear=wear,
+            fidelity=fidelity,
+        )
         asked, name = tables["sweep"], self.document.file.stem
         sweep = Sweep(
             scene=made,
             plane=Plane(*(tuple(sorted(set(asked[name]))) for name in ("loads", "velocities"))),
-            conditions=_conditions_of(tables, made, own_criterion),
+            conditions=_conditions_of(tables, made, laws.get("criterion")),
             variants=surfaces(realizations),
             record=Record(asked["fields"], asked["steps"]),
             about=About(
@@ -190,9 +203,9 @@ SceneLike = Sweep | str | PathLike[str]
 """A scene that was read, or its path or the name of a shipped one."""
 
 
-def sweep_of(scene: SceneLike, own_laws: bool = False) -> Sweep:
+def sweep_of(scene: SceneLike) -> Sweep:
     """Return a scene that was read, or read one from its path; raise as `load_scene` does."""
-    return scene if isinstance(scene, Sweep) else load_scene(scene, own_laws=own_laws)
+    return scene if isinstance(scene, Sweep) else load_scene(scene)
 
 
 def scene_entry(
@@ -258,8 +271,8 @@ def _fidelity(table: Mapping[str, Any], faults: Faults) -> tuple[tribo.Fidelity,
     return fidelity, name if fidelity == tribo.PRESETS[name] else None
 
 
-def _scene_of(tables: dict[str, Any], **parts: Any) -> tribo.Scene:
-    """The scene of sound tables, with parts that were made of them."""
+def _scene_of(tables: dict[str, Any], own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:
+    """The scene of sound tables, with parts that were made of them, or a pin of the user's own."""
     materials = {
         name: tribo.Material(**{key: value for key, value in table.items() if key != "like"})
         for name, table in tables["materials"].items()
@@ -269,7 +282,7 @@ def _scene_of(tables: dict[str, Any], **parts: Any) -> tribo.Scene:
     kind: Any = tribo.PINS[pin["shape"]]
     sizes = {name: pin[name] for name in sizes_of(pin["shape"])}
     return tribo.Scene(
-        pin=kind(**sizes, material=materials[pin["material"]]),
+        pin=own_pin or kind(**sizes, material=materials[pin["material"]]),
         disk=materials[tables["disk"]["material"]],
         pixels=tribo.Grid(
             window["pixels"],
@@ -284,16 +297,16 @@ def _scene_of(tables: dict[str, Any], **parts: Any) -> tribo.Scene:
 
 
 def _conditions_of(
-    tables: dict[str, Any], scene: tribo.Scene, own_criterion: Own | None
+    tables: dict[str, Any], scene: tribo.Scene, rule: tribo.Rule | None
 ) -> Conditions:
-    """The conditions of sound tables and their scene."""
+    """The conditions of sound tables and their scene, or with a rule of the user's own."""
     temperature = tables["temperature"]
     return Conditions(
         friction=tables["friction"]["coefficient"],
         critical_temperature=temperature["critical"],
         failing_share=temperature["failing_share"],
-        criterion=temperature["criterion"],
-        own_criterion=own_criterion,
+        criterion=name_of(rule) if rule else temperature["criterion"],
+        rule=rule,
         corrections=corrections_of(tables, scene.pin, scene.disk),
         **bulk_entries(temperature["bulk"]),
     )
@@ -306,7 +319,6 @@ def run_point(
     realization: int | None = None,
     sample: int | None = None,
     progress: Report | None = None,
-    own_laws: bool = False,
 ) -> plan.PointResult:
     """Simulate one point.
 
@@ -325,8 +337,6 @@ def run_point(
         Number of the sample whose inputs stand in place of the sweep's own.
     progress : callable, optional
         Called with a `Progress` after each of the point's steps.
-    own_laws : bool
-        See `pipeline.load_scene`.
 
     Raises
     ------
@@ -345,4 +355,4 @@ def run_point(
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
     named = {"realization": realization, "variant": sample}
     variant = tuple((name, value) for name, value in named.items() if value is not None)
-    return plan.run_point(sweep_of(sweep, own_laws), *place, variant, progress or silent)
+    return plan.run_point(sweep_of(sweep), *place, variant, progress or silent)

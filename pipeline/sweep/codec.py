@@ -1,7 +1,7 @@
 """A sweep as plain data, such as JSON holds, and back: by the fields that its classes have.
 
 A dataclass is a table that names its ``type``, a tuple a list. Arrays lie beside the plain data,
-which have their digests. A law of the user's own becomes a `Reference`: name and hash, but no code.
+which have their digests. A law of the user's own becomes a `Law`: name and hash, but no code.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+from pipeline.sweep.laws import Law, is_given, is_own, law_record
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.own_laws import Own, Reference, refer
 from tribo import LAWS, PINS, InputError, Surface, WearLaw
 from tribo.errors import shortened
 from tribo.simulation.pins import Pin
@@ -28,8 +28,7 @@ from tribo.types import Array
 Arrays = dict[str, Array]
 """Arrays of a sweep by their digests."""
 _OF_PROTOCOL: dict[Any, dict[str, Any]] = {Pin: PINS, WearLaw: LAWS, Surface: {}}
-_CODE: dict[Any, tuple[Any, ...]] = {Pin: (), WearLaw: (Reference,), Surface: (Reference,)}
-"""Classes that ship of each protocol, and what stands for a user's own."""
+"""Classes that ship of each protocol."""
 _SEVERAL: dict[Any, Any] = {tuple: tuple, list: list, Collection: tuple}
 _GREATEST = {float: sys.float_info.max, int: 2**63 - 1}
 
@@ -62,8 +61,8 @@ def encode(value: Any, arrays: Arrays) -> Any:
     if type(value) is tuple:
         return [encode(one, arrays) for one in value]
     name = type(value).__name__
-    if isinstance(value, Own) or (not _kind(name) and {"over", "heights"} & {*dir(value)}):
-        value, name = refer(value), Reference.__name__
+    if is_given(value):
+        value, name = law_record(value), Law.__name__
     if _kind(name) is not type(value):
         raise InputError(f"{value!r} is a {name}, which a store cannot keep")
     kind: Any = type(value)
@@ -140,7 +139,7 @@ def _kinds() -> dict[str, Any]:
         waiting += get_args(kind)
         # The first of a name counts: a dataclass with slots leaves the class that it was behind.
         name = getattr(kind, "__name__", "")
-        if kind is Own or name in found or not (hints := _parameters(kind)):
+        if is_own(kind) or name in found or not (hints := _parameters(kind)):
             continue
         found[name] = kind
         waiting += [*hints.values(), *kind.__subclasses__()]
@@ -166,7 +165,7 @@ def fits(value: Any, hint: Any) -> bool:
     if hint is Any:
         return True
     if hint in _OF_PROTOCOL:
-        return isinstance(value, (*_OF_PROTOCOL[hint].values(), *_CODE[hint]))
+        return isinstance(value, (*_OF_PROTOCOL[hint].values(), Law))
     if origin in (Union, UnionType):
         return any(fits(value, one) for one in inner)
     if origin is Literal:
@@ -231,23 +230,25 @@ def _unlike(stored: Any, wanted: Any, path: str) -> Iterator[str]:
     if len(both) == 2 and both[0].get("type") == both[1].get("type"):
         for name in {**stored, **wanted}:
             yield from _unlike(stored.get(name), wanted.get(name), f"{path}.{name}")
-    elif _is_table(stored) and _is_table(wanted):
-        tables = [{one["path"]: one for one in data} for data in (stored, wanted)]
-        if [*tables[0]] == [*tables[1]]:
-            yield from _unlike(tables[0], tables[1], path)
+    elif (old := _by_name(stored)) is not None and (new := _by_name(wanted)) is not None:
+        if [*old] == [*new]:
+            yield from _unlike(old, new, path)
         else:
-            have, gives = (", ".join(table) for table in tables)
-            yield f"{path}: {have} in the store, {gives} in the scene"
+            yield f"{path}: {', '.join(old)} in the store, {', '.join(new)} in the scene"
     elif stored != wanted:
         yield f"{path}: {_short(stored)} in the store, {_short(wanted)} in the scene"
 
 
-def _is_table(data: Any) -> bool:
-    """True for a list of inputs, which have paths."""
-    return isinstance(data, list) and all(isinstance(x, dict) and "path" in x for x in data)
+def _by_name(data: Any) -> dict[str, Any] | None:
+    """Inputs by their paths, or parameters by their names; None for other data."""
+    if not isinstance(data, list):
+        return None
+    pairs: list[Any] = [(x.get("path"), x) if isinstance(x, dict) else x for x in data]
+    is_pair = (isinstance(x, tuple | list) and len(x) == 2 and type(x[0]) is str for x in pairs)
+    return dict(pairs) if all(is_pair) else None
 
 
 def _short(value: Any) -> str:
     if isinstance(value, dict) and "type" in value:
-        return f"a {value['type']}"
+        return str(value["name"]) if value["type"] == Law.__name__ else f"a {value['type']}"
     return shortened(repr(value))

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
-from pathlib import Path
 from typing import Any
 
 from pipeline.quantities import display, units_in_si
-from pipeline.sweep.own_laws import CRITERION, Laws, Own, OwnLawError, Reference
-from tribo import Criterion, Friction, InputError, MeasuredLoad, Ramp
+from pipeline.sweep.laws import Law, LawError, name_of
+from tribo import Criterion, Friction, InputError, MeasuredLoad, Ramp, Rule
 from tribo.simulation.verdict import Judging
 from tribo.types import Array
 
@@ -44,15 +43,15 @@ class Conditions(Judging):
         0 (Blok's criterion, the maximum temperature) to below 1.
     criterion : str
         Kind of criterion, one of `tribo.CRITERIA`; the failing share belongs to "share" alone.
-        Or the name of your own, such as ``"laws:hottest"``.
-    own_criterion : Own, Reference or None
-        Your own criterion by value; or a reference of a store, which runs no code.
+        Or the name of a rule.
+    rule : Rule, Law or None
+        A criterion of your own; from a store what that keeps of it.
 
     Raises
     ------
     InputError
         If one lies outside its range, or friction varies between bodies of unequal bulk
-        temperatures; or if the criterion is your own, and not given by value.
+        temperatures; or if the criterion is no kind, and its rule is not given.
 
     Examples
     --------
@@ -66,16 +65,11 @@ class Conditions(Judging):
 
     failing_share: float = 0.1
     criterion: str = "share"
-    own_criterion: Own | Reference | None = None
+    rule: Rule | Law | None = None
 
     def __post_init__(self) -> None:
-        if self.own_criterion and self.own_criterion.reference != self.criterion:
-            object.__setattr__(self, "own_criterion", None)
-        if ":" in self.criterion and self.own_criterion is None:
-            raise OwnLawError(
-                f'criterion is "{self.criterion}", which is code, and nothing runs by its name '
-                "alone; give --criterion and --own-laws (in Python criterion and own_laws=True)"
-            )
+        if self.rule and name_of(self.rule) != self.criterion:
+            object.__setattr__(self, "rule", None)
         for name in UNITS:
             value = getattr(self, name)
             if isinstance(value, Iterable):
@@ -95,29 +89,28 @@ class Conditions(Judging):
                 f"critical_temperature is {celsius_text(critical)}; it must lie above the bulk "
                 f"temperature, {celsius_text(warmest)}"
             )
-        if not isinstance(self.own_criterion, Reference):
+        if not isinstance(self.rule, Law):
             _ = self.decisive
         self.require_proportional()
 
     @property
     def decisive(self) -> Criterion:
         """Criterion of severe wear."""
-        rule = self.own_criterion.made if self.own_criterion else None
-        return Criterion(self.criterion, self.failing_share, rule)
-
-    @property
-    def criterion_hash(self) -> str | None:
-        """SHA-256 of the text of the user's criterion."""
-        return self.own_criterion.digest if self.own_criterion else None
+        if isinstance(self.rule, Law):
+            raise LawError(
+                f"the store is judged by the criterion {self.criterion}, a Python object, of which "
+                "it keeps the name alone; give another one, such as --criterion=share, or in "
+                "Python pipeline.at(ds, criterion=rule)"
+            )
+        return Criterion(self.criterion, self.failing_share, self.rule)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all values as plain data, with the name and hash of the user's criterion."""
+        """Return all values as plain data, with the name of a rule."""
         plain = {entry.name: getattr(self, entry.name) for entry in fields(self)}
-        del plain["own_criterion"]
+        del plain["rule"]
         rare = {
             "disk_temperature": self.disk_temperature,
             "corrections": self.corrections and self.corrections.as_dict(),
-            "criterion_hash": self.criterion_hash,
         }
         return {k: v for k, v in (plain | rare).items() if v is not None or k not in rare}
 
@@ -181,8 +174,7 @@ def changes_of(
     bulk_temperature: float | Mapping[str, float | None] | None = None,
     critical_temperature: float | None = None,
     share: float | None = None,
-    criterion: str | None = None,
-    own_laws: bool = False,
+    criterion: str | Rule | None = None,
 ) -> dict[str, Any]:
     """Entries of `Conditions` that are given; a share alone makes "share" the criterion."""
     entries: dict[str, Any] = {
@@ -192,8 +184,8 @@ def changes_of(
         "criterion": "share" if criterion is None and share is not None else criterion,
     }
     changes = {name: value for name, value in entries.items() if value is not None}
-    if criterion is not None and ":" in criterion:
-        changes["own_criterion"] = Laws(Path(), own_laws).named(CRITERION, criterion)
+    if isinstance(criterion, Rule):
+        changes |= {"criterion": name_of(criterion), "rule": criterion}
     return changes | ({} if bulk_temperature is None else bulk_entries(bulk_temperature))
 
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from pipeline.quantities import display, shown_in
+from pipeline.sweep.laws import Law
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.own_laws import Reference
 from tribo import Grid, MeasuredRoughness, SelfAffineRoughness
 from tribo.simulation import Lubrication
 from tribo.types import Array
@@ -74,8 +74,8 @@ def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
 
 def surface_words(sweep: Sweep) -> str | None:
     """The disk's surface in words, with what was done to a scan; None if it is smooth."""
-    if isinstance(law := sweep.scene.roughness, Reference):
-        return f"own law {law.reference} (SHA-256 {law.digest[:8]}…)"
+    if isinstance(law := sweep.scene.roughness, Law):
+        return str(law)
     facts = surface_facts(sweep)
     noted = (note for note in sweep.about.notes if note.place.startswith("disk.roughness"))
     done = [note.worded for note in noted]
@@ -132,10 +132,11 @@ def _lay(heights: Array, spacing: tuple[float, float]) -> float | None:
 def find_lubrication(sweep: Sweep) -> Lubrication | None:
     """Lubrication that a scene says; None if it gives no oil, or not enough, or no roughness.
 
-    A surface that is code is not known from a store, which never runs it.
+    A surface or a pin of the user's own is not known from a store.
     """
     scene, oil = sweep.scene, sweep.about.oil
-    if oil is None or oil.pressure_coefficients is None or isinstance(scene.roughness, Reference):
+    is_known = not any(isinstance(part, Law) for part in (scene.roughness, scene.pin))
+    if oil is None or oil.pressure_coefficients is None or not is_known:
         return None
     surface = surface_facts(sweep)
     if surface is None or surface.rq == 0:

@@ -132,7 +132,6 @@ def choose_fidelity(
     accuracy: float | str | None,
     points: Sequence[Point] | None = None,
     progress: Report | None = None,
-    own_laws: bool = False,
 ) -> Selection:
     """Find the cheapest numerical choice whose measured error is within a bound.
 
@@ -154,8 +153,6 @@ def choose_fidelity(
         from the lowest to the highest.
     progress : callable, optional
         Called with a `Progress`, whose words say what is tried next.
-    own_laws : bool
-        See `pipeline.load_scene`.
 
     Raises
     ------
@@ -168,7 +165,7 @@ def choose_fidelity(
     >>> selection = pipeline.choose_fidelity("first_try", accuracy="5%")  # doctest: +SKIP
     >>> print(selection)  # doctest: +SKIP
     """
-    sweep = sweep_of(sweep, own_laws)
+    sweep = sweep_of(sweep)
     accuracy = None if accuracy is None else share_of(accuracy)
     if accuracy is not None and not 0 < accuracy < 1:
         raise InputError(f"accuracy is {accuracy!r}; it must be between 0 and 1, such as 0.02")

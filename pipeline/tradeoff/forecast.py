@@ -62,7 +62,6 @@ def estimate(
     sweep: SceneLike,
     workers: int | None = None,
     boundary_only: bool = False,
-    own_laws: bool = False,
 ) -> Estimate:
     """Estimate the cost of a whole sweep, from a few of its steps done here and now.
 
@@ -74,8 +73,6 @@ def estimate(
         Number of processes; one for each core if not given.
     boundary_only : bool
         True if velocities are chosen on the way, not computed all.
-    own_laws : bool
-        See `pipeline.load_scene`.
 
     Raises
     ------
@@ -93,7 +90,7 @@ def estimate(
     """
     if workers is not None:
         require_count("workers", workers)
-    sweep, cores = sweep_of(sweep, own_laws), os.cpu_count() or 1
+    sweep, cores = sweep_of(sweep), os.cpu_count() or 1
     workers = workers or cores
     if boundary_only:
         sweep.require_search()

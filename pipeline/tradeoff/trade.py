@@ -142,7 +142,6 @@ def trade(
     presets: Sequence[str] = _USUAL,
     loads: Sequence[float | str] | None = None,
     progress: Report | None = None,
-    own_laws: bool = False,
 ) -> Trade:
     """Measure speed against accuracy on a scene.
 
@@ -158,8 +157,6 @@ def trade(
         not given.
     progress : callable, optional
         Called before each choice with a `Progress`, whose words name it.
-    own_laws : bool
-        See `pipeline.load_scene`.
 
     Raises
     ------
@@ -173,7 +170,7 @@ def trade(
     >>> import pipeline
     >>> print(pipeline.trade("first_try", presets=["draft"]))  # doctest: +SKIP
     """
-    sweep = sweep_of(sweep, own_laws)
+    sweep = sweep_of(sweep)
     for name in presets:
         if name not in PRESETS:
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")

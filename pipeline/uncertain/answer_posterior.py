@@ -12,7 +12,7 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
-from pipeline.cli.given import criterion_in, judged_entries, values_in
+from pipeline.cli.given import judged_entries, values_in
 from pipeline.cli.output import Result, working
 from pipeline.quantities import display
 from pipeline.sweep.remarks import remarks
@@ -29,7 +29,7 @@ def posterior(options: argparse.Namespace, store: Path) -> Result:
     with working("reading samples"):
         ds = pipeline.open_sweep(store)
         at = judged_entries(options)
-        ensemble = pipeline.Ensemble.of(pipeline.at(ds, **criterion_in(options), **at))
+        ensemble = pipeline.Ensemble.of(pipeline.at(ds, **values_in(options, "criterion"), **at))
     with working("weighing the inputs by the tests"):
         weighed = pipeline.posterior(
             ensemble, discrepancy=options.discrepancy, **values_in(options, "scatter")

@@ -10,7 +10,6 @@ _INFER = (
     o.PRESET,
     o.SET,
     o.CRITERION,
-    o.OWN_LAWS,
     *o.KEPT,
     o.SCATTER,
     o.flag(

@@ -74,7 +74,6 @@ class CriticalTemperatures:
 
 def critical_temperatures(
     sweep: SceneLike,
-    own_laws: bool = False,
     out: PathLike | None = None,
     workers: int | None = None,
     client: Client | None = None,
@@ -91,8 +90,6 @@ def critical_temperatures(
         Scene, or its path or name, with measured transitions, simulated on each of its
         realizations if it has any; of several oils those of the first count. A transition without
         a friction, a bulk temperature or a hold of its own has the sweep's.
-    own_laws : bool
-        See `pipeline.load_scene`.
     out : path, optional
         Store of the points, which is resumed if it is there, and kept; none is kept if not given.
     workers, client, progress : optional
@@ -112,7 +109,7 @@ def critical_temperatures(
     >>> f"{inferred.mean - 273.15:.0f} °C"
     '149 °C'
     """
-    sweep = sweep_of(sweep, own_laws)
+    sweep = sweep_of(sweep)
     sweep = sweep.changed(measured=own_tests(sweep.about.measured))
     if not sweep.about.measured:
         raise InputError(

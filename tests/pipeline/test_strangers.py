@@ -1,8 +1,5 @@
 """Scenes and stores of strangers: nothing that they name is imported, run or called."""
 
-import hashlib
-import json
-import re
 import shutil
 import sys
 from dataclasses import replace
@@ -10,12 +7,9 @@ from dataclasses import replace
 import pytest
 
 import pipeline
-import tribo
-from pipeline.cli import main
 from pipeline.store.place import place_of
 from pipeline.store.root import read_root, root_document
-from pipeline.sweep.own_laws import CRITERION, SURFACE, WEAR, Laws, Reference
-from pipeline.tradeoff.choose import choose_accuracy
+from pipeline.sweep.laws import Law
 from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
@@ -38,14 +32,6 @@ class Flat:
 
 rule = tribo.Rule("mean_rise", lambda rises, *_: rises, "mean", "the mean above")
 """
-OUTSIDE = [
-    "os:system", "os:_exit", "posix:_exit", "builtins:exec", "subprocess:Popen", "runpy:run_path",
-    "importlib.util:find_spec", "os.path:join", "pipeline.cli:main", "tribo:RunningIn",
-    "{folder}/payload:Law", "../strangers/payload:Law", "deep/payload:Law", "deep.payload:Law",
-    "..payload:Law", "sweep.zarr/payload:Law", "linked:Law", "payload.py:Law", "deep:Law", ":Law",
-    "payload:", "payload:Law.heights", "payload:__class__", "payload:Law:Law",
-]  # fmt: skip
-"""Names of what is no law of the folder, also where own laws are allowed."""
 NAMING = {
     "wear": 'without = ["wear"]\nwear = { law = "payload:Law" }\n',
     "surface": 'without = ["disk.roughness"]\ndisk.surface = { law = "payload:Flat" }\n',
@@ -109,8 +95,8 @@ def forged(done, folder, store, criterion):
     """Copy a store into a folder, and let it say that it was judged by some criterion."""
     target = shutil.copytree(done / store, folder / store)
     root = read_root(place_of(target))
-    own = Reference(criterion, CRITERION, (), "0" * 64) if ":" in criterion else None
-    judged = replace(root.sweep.conditions, criterion=criterion, own_criterion=own)
+    own = Law(criterion, (), "0" * 64) if ":" in criterion else None
+    judged = replace(root.sweep.conditions, criterion=criterion, rule=own)
     write(target, root._replace(sweep=root.sweep.changed(conditions=judged)))
     shutil.copy(folder / "payload.py", target)
     return store
@@ -132,42 +118,19 @@ COMMANDS = [
     [(command, "wear") for command in COMMANDS]
     + [(COMMANDS[0], scene) for scene in ("surface", "criterion", "extends")],
 )
-def test_a_scene_runs_nothing_without_the_word(strangers, ran, irg, command, scene):
+def test_a_scene_that_names_code_is_refused_and_runs_nothing(strangers, ran, irg, command, scene):
     said = irg(command[0], f"{scene}.toml", *command[1:], code=2)
-    digest = hashlib.sha256((strangers / "payload.py").read_bytes()).hexdigest()
     (line,) = [line for line in said.splitlines() if line.startswith("irg:")]
-    assert f"payload.py (SHA-256 {digest})" in line
-    assert "add --own-laws" in line
+    assert "is code, which a scene file cannot name" in line
     assert not ran()
     assert not (strangers / "out.zarr").exists()
 
 
-def test_a_setting_runs_nothing_without_the_word(strangers, ran, irg):
+def test_a_setting_that_names_code_runs_nothing(strangers, ran, irg):
     for setting in ("wear={law='payload:Law'}", "temperature.criterion=payload:rule"):
         irg("check", "small.toml", "--set", setting, code=2)
         irg("vary", "small.toml", "--over", setting, code=2)
     irg("point", "small.toml", *AT, "--criterion", "payload:rule", code=2)
-    assert not ran()
-
-
-@pytest.mark.parametrize("scene", [*NAMING, "extends"])
-def test_no_function_runs_what_a_scene_names_without_the_word(strangers, ran, scene):
-    path = strangers / f"{scene}.toml"
-    for function in (
-        pipeline.load_scene,
-        pipeline.estimate,
-        pipeline.trade,
-        pipeline.critical_temperatures,
-        lambda path: pipeline.vary(path, {"friction.coefficient": [0.09]}),
-        lambda path: pipeline.run_point(path, "400 N", "2 m/s"),
-        lambda path: pipeline.run_sweep(path, "out.zarr"),
-        lambda path: pipeline.run_sweep(path, "out.zarr", boundary_only=0.01),
-        lambda path: pipeline.choose_fidelity(path, "5%"),
-        lambda path: choose_accuracy(path, "5%"),
-    ):
-        with pytest.raises(pipeline.SceneFileError, match="own_laws=True"):
-            function(path)
-    pipeline.scene_entry(path, "wear.law")
     assert not ran()
 
 
@@ -186,24 +149,6 @@ def test_settings_of_matplotlib_in_a_folder_of_strangers_are_not_read(strangers)
     assert done.stdout.endswith("False\n")
 
 
-@pytest.mark.parametrize("name", OUTSIDE)
-def test_the_word_allows_the_files_of_the_folder_alone(strangers, ran, name):
-    for are_allowed in (False, True):
-        with pytest.raises(tribo.InputError):
-            Laws(strangers, are_allowed).named(WEAR, name.format(folder=strangers))
-    # Names of what a module has besides its laws are looked up in it, and taken to be none.
-    assert ran() == (name == "payload:__class__")
-
-
-@pytest.mark.parametrize(
-    ("kind", "name"),
-    [(WEAR, "Flat"), (WEAR, "rule"), (WEAR, "pathlib"), (SURFACE, "Law"), (CRITERION, "Law")],
-)
-def test_an_object_of_another_kind_is_not_called(strangers, kind, name):
-    with pytest.raises(tribo.InputError, match=r"has no method|is not a tribo\.Rule"):
-        Laws(strangers, True).named(kind, f"payload:{name}")
-
-
 STORED = ["payload:rule", "{folder}/payload:rule", "small.zarr/payload:rule", "os:_exit"]
 READING = [
     ["boundary"],
@@ -213,7 +158,6 @@ READING = [
     ["report", "-o", "out.html"],
     ["explore", "-o", "out.html"],
     ["diff", "small.zarr"],
-    ["boundary", "--own-laws"],
 ]
 
 
@@ -229,7 +173,7 @@ def test_a_store_runs_nothing_and_writes_no_empty_answer(
     (strangers / "duty.csv").write_text("load [N],velocity [m/s]\n400,2\n")
     store = forged(done, strangers, name, stored.format(folder=strangers))
     said = irg(command[0], store, *command[1:], code=2)
-    assert "nothing that a store names is run" in said
+    assert "a Python object, of which it keeps the name alone" in said
     assert not ran()
     assert not [*strangers.glob("out*")]
 
@@ -284,73 +228,3 @@ def test_a_store_s_links_lead_nobody_to_write_elsewhere(strangers, done, irg):
     (store / "message/zarr.json").write_text("{}")
     assert "is a link to another folder" in irg("run", done / "small.toml", "-o", store, code=2)
     assert (strangers / "message/zarr.json").read_text() == "{}"
-
-
-@pytest.mark.parametrize("command", [["boundary"], ["report", "-o", "out.html"]], ids=" ".join)
-def test_the_user_s_own_word_judges_a_store(strangers, done, ran, irg, command):
-    store = forged(done, strangers, "small.zarr", "os:_exit")
-    words = [command[0], store, *command[1:], "-q", "--criterion", "payload:rule"]
-    assert "add --own-laws" in irg(*words, code=2)
-    assert not ran()
-    irg(*words, "--own-laws")
-    assert ran()
-    if "-o" in command:
-        (out,) = strangers.glob("out*")
-        assert str(strangers).encode() not in out.read_bytes()
-
-
-def test_a_page_judges_by_the_criterion_of_the_user(strangers, done):
-    store = forged(done, strangers, "small.zarr", "share")
-    own = pipeline.boundary(pipeline.at(store, criterion="payload:rule", own_laws=True))
-    mean = pipeline.boundary(pipeline.at(store, criterion="mean"))
-    assert own["critical_velocity"].equals(mean["critical_velocity"])
-    pages = [
-        pipeline.explore(
-            pipeline.at(store, criterion=criterion, own_laws=True), f"{name}.html"
-        ).path.read_text()
-        for name, criterion in (("own", "payload:rule"), ("mean", "mean"), ("high", "highest"))
-    ]
-    own, mean, highest = (re.findall(r'"plane":"(.+?)"', page) for page in pages)
-    assert own
-    assert own == mean != highest
-
-
-RATES = ("initial_rate", "final_rate", "distance")
-
-
-def test_a_package_that_registers_a_law_is_compared_before_it_runs(strangers, tmp_path, ran):
-    package, about = tmp_path / "site" / "lab", tmp_path / "site" / "lab-1.dist-info"
-    package.mkdir(parents=True)
-    about.mkdir()
-    (package / "__init__.py").write_text("")
-    (package / "fading.py").write_text(PAYLOAD.format(marker=str(tmp_path / "ran")))
-    (about / "METADATA").write_text("Name: lab\nVersion: 1\n")
-    (about / "entry_points.txt").write_text("[irg_transition.laws]\nlaw = lab.fading:Law\n")
-    sys.path.insert(0, str(tmp_path / "site"))
-    try:
-        with pytest.raises(tribo.InputError, match="SHA-256"):
-            Laws(strangers, False).named(WEAR, "lab.fading:Law")
-        with pytest.raises(tribo.InputError, match="no installed package registers it"):
-            Laws(strangers, True).named(SURFACE, "lab.fading:Flat")
-        assert not ran()
-        assert "lab" not in sys.modules
-        law = Laws(strangers, True).named(WEAR, "lab.fading:Law", dict.fromkeys(RATES, 1e-15))
-        assert ran()
-        with pytest.raises(tribo.InputError, match="install the same version everywhere"):
-            replace(law, source=b"", digest=hashlib.sha256(b"").hexdigest())
-    finally:
-        sys.path.remove(str(tmp_path / "site"))
-
-
-def test_a_resume_needs_the_word_again(strangers, capsys):
-    rates = dict.fromkeys(RATES, 1e-15)
-    words = ["run", "wear.toml", "--preset", "draft", "-q", "--workers", "1", "-o", "out.zarr"]
-    words.append("--set")
-    words.append(f"wear.parameters={{{', '.join(f'{k} = {v}' for k, v in rates.items())}}}")
-    assert main([*words, "--own-laws"]) == 0
-    before = (strangers / "out.zarr/zarr.json").read_bytes()
-    assert main(words) == 2
-    assert "add --own-laws" in capsys.readouterr().err
-    assert (strangers / "out.zarr/zarr.json").read_bytes() == before
-    assert main([*words, "--own-laws", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["computed"] == 0

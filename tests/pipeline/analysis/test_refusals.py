@@ -11,7 +11,7 @@ from pipeline.analysis.dataset import read_conditions, select_surface
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.store.create import writing
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.own_laws import CRITERION, Reference
+from pipeline.sweep.laws import Law
 from pipeline.sweep.unknown import Unknown
 from pipeline.sweep.variants import placed_rows, rows
 from tests.helpers import synthetic, tiny
@@ -74,9 +74,11 @@ def nothing():
 
 
 def coded():
-    """A plane that was judged by code."""
-    law = Reference("laws:median", CRITERION, (), "0")
-    values = synthetic.CONDITIONS | {"criterion": "laws:median", "own_criterion": law}
+    """A plane that was judged by a rule of Python."""
+    values = synthetic.CONDITIONS | {
+        "criterion": "laws:median",
+        "rule": Law("laws:median", (), "0"),
+    }
     return read_conditions(with_fields(plane(), conditions=Conditions(**values)))
 
 
@@ -99,7 +101,7 @@ REFUSALS = {
     # other conditions
     "entry": (at(**{"pin.radius": "3 mm"}), "; run the scene with pin.radius = 3 mm into"),
     "misspelt": (at(**{"pin.radus": "3 mm"}), 'pin.radus is no entry of a scene (did you mean'),
-    "part": (at(**{"wear.parameters.distance": 3.0}), "with wear.parameters.distance = 3.0 into"),
+    "part": (at(**{"pin.capacity.diameter": "3 mm"}), "with pin.capacity.diameter = 3 mm into"),
     "twice": (at(friction=0.1, **{"friction.coefficient": 0.2}), "coefficient is given twice"),
     "friction": (at(friction="a lot"), "friction is 'a lot'; give a number"),
     "negative": (at(friction=-0.1), "friction is -0.1; it must be at least 0"),
@@ -122,7 +124,7 @@ REFUSALS = {
     "beyond": (drawn(**{"wear.specific_wear_rate": 1.0}), "beyond the samples; give one from"),
     "label": (lambda: pipeline.at(pins(), pin="c"), "pin is c, which the sweep does not have"),
     "at": (lambda: pipeline.boundary(plane().assign_attrs(at="hotter")), "at is 'hotter'"),
-    "code": (coded, "the store was judged by the criterion \"laws:median\""),
+    "code": (coded, "the store is judged by the criterion laws:median"),
     "no end": (lambda: pipeline.boundary(plane().isel(step=[0])), "has not step 0, the end"),
     "no heat": (unmoved, "the sweep was computed without friction"),
     "surface": (lambda: select_surface(plane(), 3), "realization is 3, which the sweep does not"),

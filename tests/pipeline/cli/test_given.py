@@ -13,7 +13,7 @@ from tribo import InputError
 
 
 def options(**named):
-    usual = {"scene": "s.toml", "preset": None, "set": [], "own_laws": False, "accuracy": None}
+    usual = {"scene": "s.toml", "preset": None, "set": [], "accuracy": None}
     return argparse.Namespace(**usual | named)
 
 
@@ -79,8 +79,6 @@ def test_an_error_is_measured_where_it_is_asked_for(
     [
         ({"share": 0.2}, {"share": 0.2}),
         ({"share": 0.2, "criterion": "share"}, {"share": 0.2, "criterion": "share"}),
-        ({"share": 0.2, "criterion": "a:b"},
-         {"share": 0.2, "criterion": "a:b", "own_laws": False}),
         ({"criterion": "mean"}, {"criterion": "mean"}),
         ({"share": 0.2, "criterion": "mean"}, None),
     ],
@@ -108,7 +106,6 @@ def test_another_store_may_be_judged_without_an_entry(monkeypatch):
     asked = options(store="a", at=[("pin.radius", "3 mm")], friction=[0.2], scatter=0.1)
     monkeypatch.setattr(pipeline, "open_sweep", stores.__getitem__)
     monkeypatch.setattr(pipeline, "at", lambda ds, **values: (ds, values))
-    monkeypatch.setattr(given, "_tell_of_another_law", lambda options, ds: None)
     conditions = {"friction": 0.2, "scatter": 0.1}
     assert given.dataset_in(asked) == (stores["a"], conditions | {"pin.radius": "3 mm"})
     assert given.dataset_in(asked, "b", {"pin.radius"}) == (stores["b"], conditions)

@@ -139,20 +139,19 @@ def test_an_operating_point_is_one_place_or_a_table(asked, words):
     assert given.table_in(options(load=400.0, velocity=2.0)) is None
 
 
-def test_conditions_of_several_frictions_are_a_tuple_and_own_laws_go_with_code_alone():
+def test_conditions_of_several_frictions_are_a_tuple():
     def read(**named):
-        return given.conditions_in(options(**named, own_laws=True))
+        return given.conditions_in(options(**named))
 
     assert read(friction=[0.1]) == {"friction": 0.1}
     assert read(friction=[0.1, 0.2]) == {"friction": (0.1, 0.2)}
     assert read(friction=0.0) == {"friction": 0.0}
     assert read(criterion="mean") == {"criterion": "mean"}
-    assert read(criterion="laws:own") == {"criterion": "laws:own", "own_laws": True}
 
 
 def test_an_accuracy_picks_all_numerical_choices_but_how_heat_acts():
     scene = options(
-        scene="first_try", preset=None, own_laws=False, accuracy=0.05,
+        scene="first_try", preset=None, accuracy=0.05,
         set=[("heat_model", "elapsed"), ("increments", 7), ("pin.radius", "2 mm")],
     )  # fmt: skip
     with pytest.raises(InputError, match=r"itself; leave out --set increments$"):
@@ -160,7 +159,7 @@ def test_an_accuracy_picks_all_numerical_choices_but_how_heat_acts():
     scene.preset = "draft"
     with pytest.raises(InputError, match=r"leave out --preset, --set increments$"):
         given.scene_in(scene)
-    plain = options(scene="first_try", preset="draft", own_laws=False, set=[], friction=[0.2])
+    plain = options(scene="first_try", preset="draft", set=[], friction=[0.2])
     read = given.scene_in(plain)
     assert (read.about.preset, read.conditions.friction) == ("draft", 0.2)
     assert read.scene.friction_heat is True
@@ -469,32 +468,3 @@ def test_the_state_of_a_store_counts_what_is_done_and_failed(monkeypatch, counts
     assert stores._store_status(Path("a.zarr")) == {
         "kind": "store", "state": words, "preset": "fine", "title": "T"
     }  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("criterion", "digest", "is_told"),
-    [
-        ("laws.py:hot", "b" * 64, True),
-        ("laws.py:hot", "a" * 64, False),  # the same text
-        ("laws.py:cold", "b" * 64, False),  # another criterion, which is no surprise
-        ("share", "b" * 64, False),
-    ],
-)
-def test_a_criterion_of_another_text_than_the_store_s_is_noted(
-    monkeypatch, criterion, digest, is_told
-):
-    stored = SimpleNamespace(reference="laws.py:hot", digest="a" * 64)
-    own = {"criterion": criterion} | ({} if criterion == "share" else {"own_laws": True})
-    conditions = SimpleNamespace(own_criterion=stored)
-    monkeypatch.setattr(given, "criterion_in", lambda options: own)
-    monkeypatch.setattr(given, "scene_sweep", lambda ds: SimpleNamespace(conditions=conditions))
-    monkeypatch.setattr(
-        given, "changes_of", lambda **_: {"own_criterion": SimpleNamespace(digest=digest)}
-    )
-    said = []
-    monkeypatch.setattr(given, "tell", said.append)
-    given._tell_of_another_law(argparse.Namespace(), None)
-    assert said == [
-        "note: laws.py:hot here (SHA-256 bbbbbbbb) is not the text that the store was judged by "
-        "(aaaaaaaa)"
-    ] * is_told  # fmt: skip

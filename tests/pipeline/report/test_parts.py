@@ -30,7 +30,7 @@ from pipeline.report.report import (
 )
 from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import FromLibrary
-from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.laws import LawError
 from pipeline.sweep.variants import Column, Variants
 from tests.helpers import synthetic
 from tribo import InputError
@@ -221,8 +221,8 @@ def test_why_a_section_has_no_more_is_its_last_part():
 
     assert _or_reason(section(InputError("why"))) == ["first", "Not in this report: why"]
     assert _or_reason(["one", "two"]) == ["one", "two"]
-    with pytest.raises(OwnLawError):
-        _or_reason(section(OwnLawError("code")))
+    with pytest.raises(LawError):
+        _or_reason(section(LawError("code")))
 
 
 def test_a_report_has_no_sections_that_nothing_was_asked_for(tmp_path):

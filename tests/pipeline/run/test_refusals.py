@@ -3,6 +3,7 @@
 import multiprocessing
 import pickle
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,7 +15,6 @@ from pipeline.run import cluster
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.cluster import client_of
 from pipeline.run.work import compute_points, records_here, require_same_code, versions
-from pipeline.sweep.own_laws import WEAR, Own
 from tests.helpers import tiny
 from tests.helpers.refusals import Refusals
 
@@ -38,11 +38,11 @@ def in_worker():
         return pipeline.run_sweep(SWEEP, "a.zarr")
 
 
-class Changed:
-    """A law that is another one where it is unpickled."""
+class Lost:
+    """A law that imports what a worker does not have."""
 
     def __reduce__(self):
-        return Own, ("laws:Law", WEAR, (), b"", "0", None, True)
+        return import_module, ("parsnip",)
 
 
 class Closed(Client):
@@ -57,8 +57,8 @@ class Closed(Client):
         return "closed"
 
 
-def other_law():
-    records_here((), "their run", pickle.dumps(Changed()), SimpleNamespace(data={}))
+def lost_law():
+    records_here((), "their run", pickle.dumps(Lost()), SimpleNamespace(data={}))
     return compute_points("task", "their run", ())
 
 
@@ -84,7 +84,7 @@ REFUSALS = {
     "code": (lambda: require_same_code(versions() | {"code": "0"}, "tcp://a:1"),
              "worker tcp://a:1 runs code 0 of"),
     "worker": (in_worker, "a worker process cannot run a sweep"),
-    "law": (other_law, "a worker cannot take the scene: the wear law \"laws:Law\" has the SHA"),
+    "law": (lost_law, "a worker cannot read the scene: No module named 'parsnip'"),
     "unsent": (lambda: compute_points("task", "nobody's run", ()), "does not have the scene"),
 }  # fmt: skip
 

@@ -1,11 +1,13 @@
 """All refusals of scenes, and of the files that they name: what causes each, and what it says."""
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import tribo
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.facts import require_bearable_load
 from pipeline.scene.load_record import read_load
@@ -79,9 +81,20 @@ def measured(shape, **others):
     return scene((ROUGHNESS, MEASURED_SURFACE), **others)
 
 
-def code():
-    Path("mine.py").write_text("")
-    return scene((WEAR, '[wear]\nlaw = "mine:Own"\n'))
+def own(law="", kind="wear", **overrides):
+    law = law or tribo.RunningIn(6e-15, 1e-15, 1.5)
+    return lambda: load_scene("first_try", overrides=overrides, laws={kind: law})
+
+
+@dataclass
+class Unlike:
+    """A law that compares with others by what it holds, and has no hash."""
+
+    rates: dict
+    pattern = "swept"
+
+    def over(self, begin, end):
+        return self.rates[begin]
 
 
 def chained():
@@ -205,13 +218,19 @@ ENTRIES = {
                      **{"sweep.velocities": {"from": "1 m/s", "to": "7 m/s", "count": 100_000}}),
                "1e+10 points are too many"),
     "smooth seeds": (lambda: scene(("[disk.roughness]\n" + ROUGHNESS, ""),
-                                   **{"sweep.realizations": 3}), "does not fit a smooth disk"),
+                                   **{"sweep.realizations": 3}), "3 needs a [disk.roughness]"),
     "measured seeds": (lambda: measured((480, 480), **{"sweep.realizations": 3}),
-                       "3 does not fit a measured disk"),
-    "surfaces": (entry("disk.surface", {"law": "mine:Own"}), "there is a [disk.roughness], too"),
+                       "3 needs a [disk.roughness]"),
     "scan": (lambda: measured((48, 20)), "the surface has 20 × 48 heights along x and y"),
-    "own law": (lambda: scene((WEAR, '[wear]\nlaw = "mine:Own"\n')), 'wear.law: "mine:Own"'),
-    "code": (code, "code runs only if you say so"),
+    "code": (lambda: scene((WEAR, '[wear]\nlaw = "mine:Own"\n')), "which a scene file cannot name"),
+    # laws in Python
+    "no such law": (own(kind="waer"), "'waer' is unknown; give wear, surface,"),
+    "no rule": (own(kind="criterion"), "is not a tribo.Rule; give one"),
+    "law lacks": (own(kind="surface"), "has no heights; see tribo.Surface"),
+    "class": (own(tribo.RunningIn), "is not an object of a dataclass"),
+    "unlike": (own(Unlike({})), "write @dataclass(frozen=True), and with an array"),
+    "in place": (own(**{"wear.pattern": "local"}), "wear: laws.wear stands in its place"),
+    "number": (own(**{"wear.parameters.pattern": 3}), "pattern: 3 does not fit; give one"),
     "track": (entry("disk.diameter", "0.5 mm", **{"disk.width": "9 mm"}), "disk.diameter: "),
     "height unit": (lambda: measured((480, 480), **{"disk.roughness.height_unit": "parsnip"}),
                     '"parsnip" is not '),

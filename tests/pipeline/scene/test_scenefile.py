@@ -128,7 +128,9 @@ def test_realizations_are_so_many_seeds_or_a_list_of_them(read, faults, tmp_path
     assert sweep.scene.roughness.seed == 2  # what takes one surface takes the first
     np.save(tmp_path / "surface.npy", np.zeros((480, 480)))
     (fault,) = faults(("fields =", "realizations = 3\nfields ="), (ROUGHNESS, MEASURED_SURFACE))
-    assert fault.startswith("sweep.realizations: 3 does not fit a measured disk")
+    assert fault.startswith(
+        "sweep.realizations: 3 needs a [disk.roughness] that is made from a seed"
+    )
 
 
 def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(read):

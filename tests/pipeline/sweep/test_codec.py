@@ -24,7 +24,7 @@ from pipeline.sweep.codec import (
     sweep_text,
     text_sweep,
 )
-from pipeline.sweep.own_laws import OwnLawError
+from pipeline.sweep.laws import LawError
 from pipeline.sweep.variants import rows, surfaces
 from tests.helpers import synthetic, tiny
 from tests.helpers.samples import dataset, ensemble
@@ -168,7 +168,7 @@ def places(data, path=()):
 FORGED = st.sampled_from(
     [
         *(None, True, -1, 10**400, 1e300, "text", [], {}, [1.0, 2.0]),
-        *({"type": name} for name in ("Own", "Sweep", "os", 3)),
+        *({"type": name} for name in ("Law", "Rule", "Sweep", "os", 3)),
         {"type": "float", "value": "1"},
         {"type": "Cylinder", "radius": 1.0, "length": "x", "material": None},
     ]
@@ -207,10 +207,10 @@ class Fading:
 def test_a_law_comes_back_as_its_name_and_hash_and_never_runs():
     law = Fading(distance=2.0)
     again = back(tiny.sweep(wear=law)).scene
-    assert again.wear.reference.endswith(":Fading")
+    assert again.wear.name.endswith(":Fading")
     assert again.wears_by_law
     assert again.contact_pattern == "swept"
     assert content_hash(again) == content_hash(tiny.sweep(wear=law).scene)
     assert content_hash(again) != content_hash(tiny.sweep(wear=replace(law, distance=3.0)).scene)
-    with pytest.raises(OwnLawError, match="nothing that a store names is run"):
+    with pytest.raises(LawError, match="of which a store keeps the name alone"):
         again.wear.over(0.0, 1.0)

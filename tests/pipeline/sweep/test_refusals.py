@@ -1,8 +1,7 @@
 """All refusals of sweeps, their conditions, variants and own laws: causes, and what each says."""
 
 import math
-from functools import partial
-from pathlib import Path
+from dataclasses import make_dataclass
 
 import numpy as np
 import pytest
@@ -10,8 +9,8 @@ import pytest
 import tribo
 from pipeline.sweep.codec import encode, sweep_text, text_sweep
 from pipeline.sweep.conditions import Conditions, bulk_entries
+from pipeline.sweep.laws import Law, law_record
 from pipeline.sweep.model import Plane
-from pipeline.sweep.own_laws import CRITERION, WEAR, Laws, Own, Reference, refer
 from pipeline.sweep.severity import require_bulks
 from pipeline.sweep.unknown import Unit, Unknown
 from pipeline.sweep.variants import placed_rows, rows, surfaces
@@ -21,36 +20,10 @@ from tests.helpers.refusals import Refusals
 OIL = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
 CURVE = tribo.Corrections(friction=tribo.Friction(by_velocity=((1.0, 1.0), (2.0, 1.1))))
-LAWS = """
-import tribo
-
-class Law:
-    pattern = "swept"
-    def __init__(self, distance):
-        self.distance = distance / 2
-    def over(self, begin, end):
-        return tribo.Wear(1e-15)
-
-ready = Law(1.0)
-"""
 
 
 def conditions(**changes):
     return lambda: Conditions(**OIL | changes)
-
-
-def law(reference, text=LAWS, kind=WEAR, allowed=True, **parameters):
-    def build():
-        Path("laws.py").write_text(text)
-        return Laws(Path(), allowed).named(kind, reference, parameters)
-
-    return build
-
-
-def large():
-    with Path("laws.py").open("wb") as file:
-        file.truncate(10**9)
-    return Laws(Path(), True).named(WEAR, "laws:Law")
 
 
 def unknown(kind, *parameters):
@@ -65,7 +38,8 @@ def scanned(change):
 
 
 def unsourced():
-    return refer(type("Unsourced", (), {"over": None, "pattern": "swept"})())
+    law = make_dataclass("Unsourced", ["rate"], namespace={"__module__": "nowhere"})
+    return law_record(law(1.0))
 
 
 def misnamed():
@@ -76,10 +50,11 @@ def misnamed():
 
 def hidden():
     with pytest.raises(AttributeError) as caught:
-        _ = law("laws:ready")()._hidden
+        _ = STORED._hidden
     return caught.value
 
 
+STORED = Law("laws:Law", (("distance", 1.0),), "0")
 PLACED = tiny.sweep(variants=placed_rows([()], [], [100.0], [1.0]))
 SMOOTH = tiny.sweep(roughness=None)
 REFUSALS = {
@@ -93,7 +68,7 @@ REFUSALS = {
     "share": (conditions(failing_share=1.0), "share is 1.0"),
     "share nan": (conditions(failing_share=math.nan), "failing_share is nan"),
     "curve": (conditions(corrections=CURVE, disk_temperature=350.0), "friction.by_velocity: "),
-    "criterion": (conditions(criterion="laws:median"), 'criterion is "laws:median", which is code'),
+    "criterion": (conditions(criterion="laws:median"), "allowed are share, highest, mean"),
     "no critical": (lambda: conditions(critical_temperature=None)().known_critical_temperature(),
                     "temperature.critical is missing"),
     "bodies": (lambda: bulk_entries({"pin": 300.0}), "bulk_temperature names pin; give one"),
@@ -127,31 +102,19 @@ REFUSALS = {
     "fields": (lambda: text_sweep('{"type": "Material"}', {}), "is unknown or missing"),
     "value": (lambda: text_sweep('{"type": "Wear", "specific_wear_rate": "x", "pattern": "local"}',
                                  {}), "Wear.specific_wear_rate is 'x', which it cannot be"),
-    "own": (lambda: text_sweep('{"type": "Own", "reference": "os:system"}', {}), "type 'Own' is"),
+    "own": (lambda: text_sweep('{"type": "Rule", "rise": "os:system"}', {}), "type 'Rule' is"),
     "number": (lambda: text_sweep("3", {}), "text of a int"),
     "no array": (lambda: scanned(0.0), "is missing"),
     "array": (lambda: scanned(1e-12), "is another one"),
     # laws of a user's own
-    "no name": (law("laws"), '"laws" is not the name of an object; give "module:name"'),
-    "not allowed": (law("laws:Law", allowed=False), "code runs only if you say so"),
-    "no file": (law("none:Law"), "there is no file none.py in"),
-    "dots": (law("a.b:Law"), 'there is no file for "a.b" in'),
-    "large": (large, "laws.py is larger than"),
-    "missing": (law("laws:Missing"), "the module has no Missing"),
-    "faulty": (law("laws:Law", "x = 1\n1 / 0\n"), "laws.py, line 2: ZeroDivisionError"),
-    "no text": (law("laws:Law", "x = (\n"), "laws.py, line 1: SyntaxError"),
-    "parameter": (law("laws:Law", distance="x"), "cannot be made with distance = 'x': TypeError"),
-    "parameters": (law("laws:Law"), "cannot be made with no parameters: TypeError"),
-    "no class": (law("laws:ready", distance=1.0), "is no class, and takes no parameters"),
-    "no rule": (law("laws:Law", kind=CRITERION), "is not a tribo.Rule"),
-    "method": (law("laws:tribo"), "has no method over(begin, end)"),
-    "forged": (partial(Own, "laws:Law", WEAR, (), b"", "", None, False), "is not allowed to run"),
-    "hash": (partial(Own, "laws:Law", WEAR, (), b"", "0", None, True), "was read with 0"),
-    "absent": (partial(Own, "laws:Law", WEAR, (), b"", "0", "rig", True), "is missing here"),
-    "stored": (lambda: Reference("laws:Law", WEAR, (), "0").over(0.0, 1.0),
-               "nothing that a store names is run"),
+    "stored": (lambda: STORED.over(0.0, 1.0), "laws:Law is a Python object"),
+    "stored heights": (lambda: STORED.heights(None), "laws:Law is a Python object"),
+    "stored pin": (lambda: STORED.profile, "laws:Law is a Python object"),
+    "builtin": (lambda: law_record(tribo.Rule("mean_rise", max, "", "")), "max> is no function"),
+    "stored rule": (lambda: conditions(criterion="laws:Law", rule=STORED)().decisive,
+                    "the store is judged by the criterion laws:Law, a Python object"),
     "hidden": (hidden, "_hidden"),
-    "no source": (unsourced, "Unsourced cannot be read"),
+    "no source": (unsourced, "nowhere:Unsourced has neither a file nor a source"),
 }  # fmt: skip
 
 

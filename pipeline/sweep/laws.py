@@ -1,0 +1,161 @@
+"""Laws of a user's own: Python objects in a scene, and what a store keeps of them.
+
+::
+
+    InputError
+    └── LawError   a law is asked of a store, which has its name alone
+"""
+
+from __future__ import annotations
+
+import hashlib
+import linecache
+import sys
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from tribo import LAWS, PINS, InputError, Rule, Scene
+from tribo.surface import UnknownHeights
+
+_ROOTS: Final = ("tribo", "pipeline")
+"""Packages whose laws ship."""
+_METHODS: Final = ("over", "heights", "profile")
+"""Methods of a wear law, a surface and a pin."""
+_ASKED: Final = ("pattern", "radius", "length", "material", "words")
+"""Attributes of a wear law and of a pin that answers look at."""
+_KEPT: Final = "_source_sha256"
+
+
+class LawError(InputError, AttributeError):
+    """A law that a store names, whose object is not here."""
+
+
+@dataclass(frozen=True)
+class Law(UnknownHeights):
+    """What a store keeps of a law, surface, criterion or pin that was given in Python.
+
+    Attributes
+    ----------
+    name : str
+        Module and name of its class; of a criterion, those of its function.
+    parameters : tuple
+        Names and values of its fields and of what answers look at, arrays by their digests.
+    source_sha256 : str
+        SHA-256 of the file of its module; of its source where there is no file.
+    """
+
+    name: str
+    parameters: tuple[tuple[str, Any], ...]
+    source_sha256: str
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name not in (known := dict(self.parameters)):
+            raise self._lost()
+        return known[name]
+
+    def over(self, begin: float, end: float) -> Any:
+        """Raise a `LawError`, as a wear law whose object is not here."""
+        raise self._lost()
+
+    def heights(self, pixels: Any) -> Any:
+        """Raise a `LawError`, as a surface whose object is not here."""
+        raise self._lost()
+
+    def _lost(self) -> LawError:
+        return LawError(
+            f"{self.name} is a Python object, of which a store keeps the name alone; give it anew: "
+            "pipeline.load_scene(…, laws=…)"
+        )
+
+    def __str__(self) -> str:
+        return f"{self.name}({', '.join(f'{name}={value}' for name, value in self.parameters)})"
+
+
+def is_own(kind: Any) -> bool:
+    """True for a class of laws that does not ship, and for that of rules."""
+    root = getattr(kind, "__module__", "").partition(".")[0]
+    if root in _ROOTS or kind in (*LAWS.values(), *PINS.values()):
+        return kind is Rule
+    return any(hasattr(kind, name) for name in _METHODS)
+
+
+def is_given(part: Any) -> bool:
+    """True for a law of the user's own, or what a store keeps of it."""
+    return isinstance(part, Law) or is_own(type(part))
+
+
+def law_record(law: Any) -> Law:
+    """What a store keeps of a law.
+
+    Raises
+    ------
+    InputError
+        If neither the file nor the source of its code can be read.
+    """
+    if isinstance(law, Law):
+        return law
+    names = [one.name for one in fields(law) if one.name != "rise"]
+    names += [name for name in _ASKED if name not in names and hasattr(law, name)]
+    parameters = tuple((name, _kept(getattr(law, name))) for name in names)
+    return Law(name_of(law), parameters, _source_sha256(code_of(law)))
+
+
+def name_of(law: Any) -> str:
+    """Module and name of the class of a law, or of the function of a criterion."""
+    if isinstance(law, Law):
+        return law.name
+    code = code_of(law)
+    return f"{code.__module__}:{code.__qualname__}"
+
+
+def code_of(law: Any) -> Any:
+    """Class of a law; of a criterion its function, or the class of what is called as one."""
+    called = law.rise if isinstance(law, Rule) else type(law)
+    return called if hasattr(called, "__qualname__") else type(called)
+
+
+def given_laws(scene: Scene) -> list[Any]:
+    """Laws of a scene that do not ship."""
+    return [part for part in (scene.wear, scene.roughness, scene.pin) if is_given(part)]
+
+
+def _kept(value: Any) -> Any:
+    """A parameter as a store keeps it."""
+    if not isinstance(value, np.ndarray):
+        return value
+    digest = hashlib.sha256(value.tobytes()).hexdigest()[:16]
+    return f"{' × '.join(map(str, value.shape))} numbers, SHA-256 {digest}…"
+
+
+def _source_sha256(code: Any) -> str:
+    """SHA-256 of the file of a class or function; of its source where there is no file.
+
+    It is kept at the class, with which it goes to workers. A file that is edited later does not
+    change it, as it does not change the class.
+    """
+    try:
+        if _KEPT not in vars(code):
+            setattr(code, _KEPT, hashlib.sha256(_source(code)).hexdigest())
+        return str(vars(code)[_KEPT])
+    except (TypeError, AttributeError) as error:
+        raise InputError(f"{code!r} is no function or class of Python; give one") from error
+
+
+def _source(code: Any) -> bytes:
+    """Content of the file of a class or function; else its source."""
+    file = getattr(sys.modules.get(code.__module__), "__file__", None)
+    if file and Path(file).is_file():
+        return Path(file).read_bytes()
+    for part in (code, *vars(code).values()):  # a notebook knows the cell of methods alone
+        name = getattr(getattr(part, "__code__", None), "co_filename", "")
+        if not Path(name).is_file() and (lines := linecache.getlines(name)):
+            return "".join(lines).encode()
+    raise InputError(
+        f"{code.__module__}:{code.__qualname__} has neither a file nor a source, by whose hash a "
+        "store knows it; save it in a file, and import it"
+    )
