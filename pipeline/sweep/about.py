@@ -114,7 +114,7 @@ def scene_rows(scene: Scene) -> Iterator[Line]:
     elif isinstance(wear, Wear):
         yield "wear", f"{display(wear.specific_wear_rate, 'mm³/(N m)', 3)}, {wear.pattern}"
     else:
-        yield "wear", f"{wear!r}, {wear.pattern}"
+        yield "wear", f"{wear}, {wear.pattern}"
 
 
 def plane_rows(loads: Sequence[float], velocities: Sequence[float]) -> Line:
