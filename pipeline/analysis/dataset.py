@@ -21,7 +21,7 @@ from pipeline.store.schema import AT_END, COORDINATES, DONE, INPUTS, MADE, PLANE
 from pipeline.sweep.codec import text_sweep
 from pipeline.sweep.conditions import PATHS, Conditions, changes_of
 from pipeline.sweep.judged import fix_inputs, replace_conditions
-from pipeline.sweep.laws import name_of
+from pipeline.sweep.laws import Law, name_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.severity import (
     RISES,
@@ -111,6 +111,14 @@ def read_conditions(ds: xr.Dataset, with_criterion: bool = True) -> Conditions:
             "so without any heat: run it again with friction, into another store"
         )
     return conditions
+
+
+def temperature_conditions(ds: xr.Dataset) -> Conditions:
+    """The conditions of one scene; those of no verdict where its criterion is a rule not here."""
+    if not isinstance(stored_sweep(ds).conditions.rule, Law):
+        return read_conditions(ds)
+    conditions = read_conditions(ds, with_criterion=False)
+    return replace(conditions, criterion="highest", critical_temperature=None)
 
 
 def taken_at(ds: xr.Dataset) -> Variant:

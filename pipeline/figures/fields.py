@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.analysis.dataset import corrected_field, drawn_row, one_row, read_conditions
+from pipeline.analysis.dataset import corrected_field, drawn_row, one_row, temperature_conditions
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.figures import style
 from pipeline.quantities import UNITS, shown_in
@@ -123,7 +123,7 @@ def fields(
             "into another store"
         )
     ds = one_row(ds, realization)
-    conditions = read_conditions(ds)
+    conditions = temperature_conditions(ds)
     point = chosen_points(ds, load, velocity, conditions)[0]
     return _contact(ds, point, conditions, stacked)
 

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.analysis.dataset import one_row, read_conditions, sweep_at_bulks
+from pipeline.analysis.dataset import one_row, sweep_at_bulks, temperature_conditions
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.field import along_friction, point_field
 from pipeline.figures import style
@@ -50,7 +50,7 @@ def ramp(
     Steps on the grid of the history and on the point's own are not joined.
     """
     ds = one_row(ds, realization)
-    conditions = read_conditions(ds)
+    conditions = temperature_conditions(ds)
     points = chosen_points(ds, load, velocity, conditions, nearest=True)
     ds = sweep_at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
 
@@ -199,7 +199,7 @@ def temperature(
 ) -> Figure:
     """Draw how the temperatures of the contact grow with the velocity at one load."""
     ds = one_row(ds, realization)
-    conditions = read_conditions(ds)
+    conditions = temperature_conditions(ds)
     row = ds.isel(load=indices_of(ds, "load", load) or [-1])
     velocities, load_here = row["velocity"].values, float(row["load"][0])
     figure, axes = style.canvas(ax)

@@ -66,8 +66,8 @@ def load_scene(
     laws : mapping, optional
         Objects of your own in place of the scene's: a `tribo.WearLaw` as ``"wear"``, a
         `tribo.Surface` as ``"surface"``, a `tribo.Rule` as ``"criterion"``, a `tribo.Pin` as
-        ``"pin"``. Entries such as ``wear.parameters.NAME`` are fields of the first two and the
-        last.
+        ``"pin"``. Entries such as ``wear.parameters.NAME`` replace fields of a wear law; see
+        ``workflows/OWN_LAWS.md``.
 
     Raises
     ------

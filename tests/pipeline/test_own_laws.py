@@ -206,6 +206,8 @@ def test_a_store_judged_by_a_criterion_refuses_verdicts_by_its_name(folder, laws
         said = irg(command[0], "small.zarr", *command[1:], code=2)
         assert "judged by the criterion laws:_median, a Python object" in said
     assert not (folder / "no.png").exists()
+    for kind in ("temperature", "ramp"):
+        irg("plot", "small.zarr", "--kind", kind, "-o", f"{kind}.png")
     assert np.isfinite(pipeline.temperatures(ds)["max_temperature"].isel(step=-1)).all()
     assert "critical velocity" in irg("boundary", "small.zarr", "--criterion", "mean")
     given = pipeline.boundary(pipeline.at(ds, criterion=laws.median))
@@ -269,6 +271,14 @@ sweep = pipeline.load_scene("small.toml", laws={"wear": Fading(2.0)},
 outcome = pipeline.run_sweep(sweep, "own.zarr", workers=1)
 print("computed", outcome.computed, "done", outcome.done)
 '''  # fmt: skip
+
+
+def test_a_law_of_a_script_runs_on_workers(folder):
+    (folder / "run.py").write_text(
+        f"{CELL}\nif __name__ == '__main__':\n{textwrap.indent(RUN, '    ')}"
+    )
+    done = python("run.py", cwd=folder)
+    assert "computed 1 done 1" in done.stdout, done.stderr
 
 
 def test_a_law_of_a_notebook_runs_on_workers_and_is_known_again(folder):

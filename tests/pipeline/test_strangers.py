@@ -139,6 +139,7 @@ def test_looking_at_a_folder_of_strangers_runs_nothing(strangers, done, ran, irg
     assert "extends.toml" in irg("status", ".")
     assert irg("status", "small.zarr", "--json")["done"] == 9
     assert irg("verify", "small.zarr", "--json")["damaged"] == []
+    assert irg("plot", "small.zarr", "-o", "out.png", "--kind", "fields", *AT)
     assert not ran()
 
 
@@ -154,7 +155,6 @@ READING = [
     ["boundary"],
     ["margin", "--points", "duty.csv"],
     ["plot", "-o", "out.png"],
-    ["plot", "-o", "out.png", "--kind", "fields", *AT],
     ["report", "-o", "out.html"],
     ["explore", "-o", "out.html"],
     ["diff", "small.zarr"],
