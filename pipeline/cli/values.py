@@ -120,8 +120,8 @@ def criterion(text: str) -> str:
     """Read the name of a criterion."""
     from tribo import CRITERIA  # with its solvers, which help does not need
 
-    if text not in CRITERIA and ":" not in text:
-        raise Refused(f'"{text}": give one of {", ".join(CRITERIA)}, or "module:name" of your own')
+    if text not in CRITERIA:
+        raise Refused(f'"{text}": give one of {", ".join(CRITERIA)}')
     return text
 
 

@@ -1,4 +1,4 @@
-"""All refusals of sweeps, their conditions, variants and own laws: causes, and what each says."""
+"""All refusals of sweeps, their conditions, variants and laws: causes, and what each says."""
 
 import math
 from dataclasses import make_dataclass

@@ -1,4 +1,4 @@
-"""Own laws: the shipped example against its closed form, and laws that break their contract."""
+"""Wear laws: the shipped example against its closed form, and laws that break their contract."""
 
 import math
 from dataclasses import dataclass, replace
