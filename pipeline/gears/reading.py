@@ -38,19 +38,11 @@ class _Speed(Quantity):
         return super()._read(value, place, faults)
 
 
-class _Torque(Quantity):
-    """A torque, whose unit is usually written Nm."""
-
-    def _read(self, value: Any, place: str, faults: Faults) -> float:
-        written = re.sub(r"(?<=N)m$", " m", value.strip()) if isinstance(value, str) else value
-        return super()._read(written, place, faults)
-
-
 def _angle(example: str, zero: bool = False) -> Quantity:
     return Quantity("an angle", example, zero=zero, ends=("0.1 deg", "60 deg"))
 
 
-TORQUE = _Torque("a torque", "100 N m", ends=("1e-6 N m", "1e9 N m"))
+TORQUE = Quantity("a torque", "100 N m", ends=("1e-6 N m", "1e9 N m"))
 SPEED = _Speed("a speed", "1500 rpm", ends=("1e-3 rpm", "1e6 rpm"))
 
 # fmt: off

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal, get_args, get_origin
 
 from pipeline.quantities import DIMENSIONS
 from pipeline.scene.faults import Faults, did_you_mean, quoted
-from pipeline.scene.units import UnitError, exact_si, share_of, si_unit, to_si
+from pipeline.scene.units import UnitError, exact_si, middle_of_range, share_of, si_unit, to_si
 from tribo import InputError
 from tribo.loading.ramp import MOST_STEPS
 
@@ -191,6 +191,9 @@ class Quantity(Kind):
         text = value.text if isinstance(value, Rounded) else value
         if not isinstance(text, str):
             raise UnfitError(f"{quoted(value)} has no unit")
+        if middle := middle_of_range(text):
+            faults.note(place, f"{quoted(text)} is a range; {middle}, its middle, is taken")
+            text = middle
         exact = exact_si(text, like=self.example)
         in_si = value.value if isinstance(value, Rounded) else float(exact)
         if exact == 0 and self.zero:

