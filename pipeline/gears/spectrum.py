@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 from pipeline.gears.contact import mesh
@@ -14,10 +15,11 @@ from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.reading import SPEED, TORQUE
 from pipeline.gears.rules import warm_duty
 from pipeline.quantities import display
+from pipeline.scene.along import lines_of
 from pipeline.scene.compounds import Entry, Optional, Table
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import BULK
-from pipeline.scene.headings import read_table
+from pipeline.scene.sheet import Sheet, read_sheet
 from pipeline.scene.kinds import Number, Quantity
 
 
@@ -39,6 +41,8 @@ _ROW = Table(
         "load_factor": Optional(Number(above=0)),
     }
 )
+_UNITS = {"torque": "N m", "speed": "rpm", "hours": "s", "bulk_temperature": "K",
+          "load_factor": ""}  # fmt: skip
 _DUTY = "torque", "speed", "bulk_temperature", "load_factor"
 SEVERE, MILD, NOT_DECIDED = "severe", "mild", "not decided"
 
@@ -68,6 +72,7 @@ class Spectrum:
     rows: tuple[SpectrumRow, ...]
     critical: Critical
     unused: tuple[str, ...] = ()  #: Columns that no answer depends on.
+    counted: str = ""  #: Rows used and left out, with the reasons, if any is left out.
 
     @property
     def binding(self) -> SpectrumRow:
@@ -104,6 +109,8 @@ class Spectrum:
     def remarks(self) -> Iterator[str]:
         """The verdict on the whole, and columns that no answer depends on, in lines."""
         count = len(self.rows)
+        if self.counted:
+            yield self.counted
         yield (
             f"verdict on {count} {'row' if count == 1 else 'rows'}: {self.verdict}; hours are "
             "counted, and wear over them is not"
@@ -124,15 +131,18 @@ class Spectrum:
 
 def read_spectrum(
     source: str | PathLike[str] | Mapping[str, Sequence[Any]], pair: Pair, sheet: str | None = None
-) -> tuple[list[tuple[float | None, Duty]], tuple[str, ...]]:
-    """Read a table of duties, each with its hours, and the headings that are not used.
+) -> tuple[list[tuple[float | None, Duty]], Sheet]:
+    """Read a table of duties, each with its hours, and what became of its rows and columns.
 
     Columns are ``torque``, ``speed`` and, if they are there, ``hours``, ``bulk temperature`` and
     ``load factor``, in place of those of the pair; see `warm_duty`.
     """
-    read, rows = read_table(source, _ROW, _DUTY[:2], "torque [N m],speed [rpm],hours", sheet)
+    given = Path(source) if isinstance(source, str | PathLike) else lines_of(source)
+    read = read_sheet(given, _UNITS, _DUTY[:2], _DUTY[:2], sheet)
+    _, rows = read.entries(_ROW)
+    read.refuse_faults("torque [N m],speed [rpm],hours")
     duties = [(row["hours"], warm_duty(pair, *(row[name] for name in _DUTY))) for row in rows]
-    return duties, tuple(read.headings[place].label for place in read.others)
+    return duties, read
 
 
 def judge_spectrum(
@@ -162,7 +172,7 @@ def judge_spectrum(
     InputError
         If the table has faults; the message names all.
     """
-    duties, unused = read_spectrum(points, pair, sheet)
+    duties, table = read_spectrum(points, pair, sheet)
     found = simulate([mesh(pair, duty=duty) for _, duty in duties], **choices)
     rows = (
         SpectrumRow(
@@ -170,4 +180,4 @@ def judge_spectrum(
         )
         for number, ((hours, _), one) in enumerate(zip(duties, found, strict=True), 1)
     )
-    return Spectrum((*rows,), critical, unused)
+    return Spectrum((*rows,), critical, tuple(table.unused), table.counted)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,14 @@ import pandas as pd
 import pipeline
 from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import WRONG_USE, Result, counted, working
-from pipeline.laboratory.logs import Log, Trace, read_log, read_trace
+from pipeline.laboratory.exports import Export
+from pipeline.laboratory.logs import Log, has_outcomes, read_log
+from pipeline.laboratory.reading import OF_TRACE, Read, is_trace, read_table, read_trace
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
-from pipeline.scene.format import TEST, TRANSITION
-from pipeline.scene.headings import numbered
+from pipeline.scene.format import STAGES, TEST
 from pipeline.scene.runs import run_faults
+from pipeline.scene.sheet import Sheet
 from pipeline.sweep.remarks import remarks
 from tribo import InputError
 
@@ -29,77 +32,100 @@ def surface(options: argparse.Namespace) -> Result:
         scan = pipeline.surface_statistics(
             options.scan, options.height_unit, options.pixel_size, options.transpose
         )
-    text = list(scan.lines())
-    if scan.is_self_affine:
-        text += ["", "random surfaces like it, in a scene:", "", scan.toml.rstrip()]
-    else:
-        text.append("no random surface is like it: use the scan itself, as disk.roughness.file")
-    return Result(scan.as_dict(), text)
+    return Result(scan.as_dict(), [*scan.lines()])
 
 
 def tests(options: argparse.Namespace) -> Result:
     """Print what is understood of a log or a trace, and the lines of a scene for it."""
     path = Path(options.log)
-    columns = dict(options.column)
-    if strange := sorted(columns.keys() - TEST.keys.keys()):
-        allowed = ", ".join(TEST.keys)
-        raise InputError(f'--column: no test has "{strange[0]}"; give one of {allowed}')
     taken = {
-        "where": dict(options.where), "given": dict(options.given), "sheet": options.sheet,
-        "decimal": options.decimal,
+        "where": dict(options.where), "skip": dict(options.skip), "given": dict(options.given),
+        "form": options.form, "sheet": options.sheet, "decimal": options.decimal,
     }  # fmt: skip
-    entries = {"columns": columns, "words": dict(options.word), **taken}
-    if (trace := read_trace(path, entries)) is not None:
-        return _trace_result(path, trace)
-    row_of, log = TEST, read_log(path, entries)
-    places = log.sheet.places.keys()
-    is_told = "outcome" in places or any("columns may be outcome" in one for one in log.faults)
-    if not is_told and {"load", "velocity"} <= places:
-        row_of, log = TRANSITION, read_log(path, entries, TRANSITION)
-        if log.is_only_wear:
-            log.faults.append(
-                "no column says whether wear was mild or severe, and none that these are "
-                'transitions; name the outcome by --column "outcome=HEADING", or call the load '
-                '"load of transition [N]" if each row is one'
-            )
-            log.tests.clear()
-    found, faults = log.tests, log.faults
-    if row_of is TEST and not faults:  # else rows are left out, and places are not those of tests
+    named = {"columns": dict(options.column), **taken}
+    words = dict(options.word)
+    read = read_table(path, named, OF_TRACE)
+    if is_trace(read.sheet) and not has_outcomes(read.sheet, words):
+        return _trace_result(path, read, options)
+    if options.output:
+        raise InputError(f"{path} is no record of friction over time, which -o draws; leave it out")
+    return _log_result(path, read_log(path, named | {"words": words}), taken)
+
+
+def _log_result(path: Path, log: Log, taken: Mapping[str, Any]) -> Result:
+    """What a log says."""
+    found, faults = log.tests, log.sheet.faults
+    if not faults:  # else rows are left out, and places are not those of tests
         faults += [
             f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}"
             for place, problem in run_faults(log.in_si)
-        ]
-    toml = list(_toml(log, taken, row_of is TEST)) if found else []
+        ] if log.row_of is TEST else []
+    toml = [*_log_toml(log, path, taken)] if found else []
+    doubts = [*_doubts(log.in_si)] if log.row_of is not STAGES else []
     document = {
-        "file": str(path), "form": log.sheet.form,
-        "columns": {name: log.sheet.heading(name).text for name in log.sheet.places},
-        "unused": log.unused, "words": log.words, "tests": found, "faults": faults,
-        "toml": "\n".join(toml), "doubts": [*_doubts(log)],
+        "file": str(path), **_about(log.sheet, log.export), "words": log.words, "tests": found,
+        "faults": faults, "toml": "\n".join(toml), "doubts": doubts,
     }  # fmt: skip
-    text = [f"{path}: {', '.join(log.sheet.form)}", "", *_understood(log), ""]
+    text: list[str | pd.DataFrame] = [*_head(path, log.sheet, log.export)]
+    text += [*_understood(log.sheet, log.words), *_lacking(log), ""]
     if found:
-        text.append(f"{_count_tests(found)}; to paste into a scene beside the log:")
-        if row_of is TRANSITION:
-            text.append(
-                "(read as transitions, since no column has outcomes; if they are tests, name the "
-                'column with --column "outcome=HEADING")'
-            )
-        text += ["", *toml, ""]
-        text += remarks("warning", *_doubts(log))
-    if log.twice:
-        text.append(f"{numbered(log.twice)} the same as rows before, and not counted")
-    if log.left_out:
-        rows = counted(len(log.left_out), "row", "rows")
-        text.append(f"{rows} without load and velocity left out")
+        text += [f"{_count_tests(found)}; to paste into a scene beside the log:", "", *toml, ""]
+        text += remarks("warning", *doubts)
     if faults:
         text += [f"{counted(len(faults), 'fault', 'faults')}:", *(f"  {one}" for one in faults)]
     return Result(document, text, code=WRONG_USE if faults else 0)
 
 
+def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result:
+    """What a trace of friction says."""
+    trace = read_trace(read)
+    tests = trace.tests()
+    toml = [*_trace_toml(tests, read.asked, trace.scuff)]
+    scuff = trace.scuff
+    document = {
+        "file": str(path), **_about(read.sheet, read.export),
+        "transition_time": None if scuff is None else float(trace.time[scuff.row]),
+        "stages": [stage._asdict() | {"rows": [stage.rows.start, stage.rows.stop]} for stage in trace.stages],
+        "candidates": [one._asdict() for one in trace.candidates],
+        "tests": tests, "toml": "\n".join(toml),
+    }  # fmt: skip
+    text: list[str | pd.DataFrame] = [*_head(path, read.sheet, read.export)]
+    text += [f"a trace of friction, {len(trace.time)} rows", *trace.lines(), "", *toml]
+    draw = None
+    if options.output:
+        from pipeline.laboratory.picture import draw_trace  # with Matplotlib, which takes its time
+
+        draw = partial(draw_trace, trace, path.name)
+    return Result(document, text, draw=draw)
+
+
+def _head(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
+    """How a file is written, its rows that are left out, and the scene that fits its rig."""
+    form = [f"form of {export.title}"] if export.title else []
+    yield f"{path}: {', '.join([*form, *sheet.form])}"
+    if sheet.counted:
+        yield sheet.counted
+    if export.scene:
+        yield f"a scene of such a rig: irg new rig.toml --from {export.scene}"
+    yield ""
+
+
+def _about(sheet: Sheet, export: Export) -> dict[str, Any]:
+    """Plain data on how a file is understood."""
+    return {
+        "form": [export.title, *sheet.form] if export.title else sheet.form,
+        "columns": {name: sheet.headings[k].text for name, k in sheet.places.items()},
+        "unused": sheet.unused, "left_out": sheet.left_out, "scene": export.scene or None,
+    }  # fmt: skip
+
+
 def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
     """Number of tests, of their runs and oils, and of each outcome."""
-    outcomes = Counter(test.get("outcome", "of a transition") for test in found)
-    counts = ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
+    kinds = Counter(
+        test.get("outcome") or ("by steps" if {*test} & {"mild_up_to", "severe_at"} else "of a transition")
+        for test in found
+    )
+    counts = ", ".join(f"{count} {name}" for name, count in sorted(kinds.items()))
     number = counted(len(found), "test", "tests")
     if any("run" in test for test in found):
         runs = {test.get("run", k) for k, test in enumerate(found, -len(found))}
@@ -109,41 +135,49 @@ def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
     return f"{number}: {counts}"
 
 
-def _doubts(log: Log) -> Iterable[str]:
+def _doubts(in_si: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     """Conditions of tests that are probably in another unit."""
-    for row in log.in_si:
+    for row in in_si:
         for doubt in doubts_of_row(row):
             yield f"the test of {row['load']:g} N at {row['velocity']:g} m/s: {doubt}"
 
 
-def _trace_result(path: Path, trace: Trace) -> Result:
-    """What a trace of friction says."""
-    toml = list(trace.toml())
-    at = None if trace.row is None else float(trace.time[trace.row])
-    document = {"file": str(path), "transition_time": at, "toml": "\n".join(toml)}
-    head = f"{path}: a trace of friction, {len(trace.time)} rows"
-    return Result(document, [head, *trace.lines(), "", *toml])
-
-
-def _understood(log: Log) -> Iterable[str | pd.DataFrame]:
-    """A row for each column, and a line for the entries that have none."""
-    names = {place: name for name, place in log.sheet.places.items()}
+def _understood(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFrame]:
+    """A row for each column."""
+    names = {place: name for name, place in sheet.places.items()}
     rows = []
-    for place, heading in enumerate(log.sheet.headings):
-        first = next((row.cells[place] for row in log.sheet.rows if row.cells[place]), "")
-        name = names.get(place) or ("for the form" if place in log.sheet.made_of else None)
+    for place, heading in enumerate(sheet.headings):
+        first = next((row.cells[place] for row in sheet.rows if row.cells[place]), "")
+        name = names.get(place) or ("for another" if place in sheet.sources else None)
         unit = heading.unit if name else ""
-        if name == "outcome":
-            first = f"{first}, {log.words[first]}" if first in log.words else first
+        first = f"{first}, {words[first]}" if name == "outcome" and first in words else first
         rows.append((heading.text, name or "not used", f"{first} {unit}".strip()))
     yield frame_of(("column", "read as", "first cell"), rows)
-    if without := [name for name in TEST.keys if name not in log.sheet.places]:
-        needed = [f"{name} (needed)" if name in TEST.needed else name for name in without]
+
+
+def _lacking(log: Log) -> Iterator[str]:
+    """Entries of a test that have no column."""
+    lacks = [name for name in log.row_of.keys if name not in log.sheet.places]
+    if lacks:
+        needed = [f"{name} (needed)" if name in log.row_of.needed else name for name in lacks]
         yield f"without a column: {', '.join(needed)}"
 
 
-def _toml(log: Log, taken: Mapping[str, Any], is_tests: bool) -> Iterable[str]:
+def _log_toml(log: Log, path: Path, taken: Mapping[str, Any]) -> Iterator[str]:
     """Lines of a scene that name the log, and say what is not said by its own words."""
-    yield "[[tested]]" if is_tests else "[[measured]]"
-    said = {"file": log.path.name, "columns": log.renamed, "words": log.words, **taken}
+    yield f"[[{log.key}]]"
+    said = {"file": path.name, "columns": log.chosen, "words": log.words, **taken}
     yield from (f"{name} = {as_toml(value)}" for name, value in said.items() if value)
+
+
+def _trace_toml(
+    tests: Iterable[Mapping[str, Any]], asked: Mapping[str, str], scuff: object
+) -> Iterator[str]:
+    """Tables of a scene for the tests of a trace."""
+    for test in tests:
+        is_transition = scuff and not {*test} & {"outcome", "mild_up_to", "severe_at"}
+        yield "[[measured]]" if is_transition else "[[tested]]"
+        for name, value in test.items():
+            why = asked.get(name, f'not in the file; give --given "{name}={value}"')
+            more = f"  # {why}" if str(value).startswith("...") else ""
+            yield f"{name} = {as_toml(value)}{more}"

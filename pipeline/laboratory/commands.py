@@ -37,16 +37,26 @@ _TESTS = (
         help="what a word of the log means, like Fresser=severe; may be repeated",
     ),
     Option(
+        "--form", metavar="NAME",
+        help="export of a machine, where it was not recognised: compend, ehd, fzg, lvm, mtm, rtec, "
+        "srv, t11, trb3, twin_disc or umt",
+    ),
+    Option(
+        "--skip", metavar="HEADING=VALUE", type=values.pair, action="append", default=[],
+        help='rows to leave out, like "outcome=aborted"; may be repeated',
+    ),
+    Option(
         "--where", metavar="HEADING=VALUE", type=values.pair, action="append", default=[],
         help='rows to take, like "oil=FVA 3"; may be repeated',
     ),
     Option(
         "--given", metavar="QUANTITY=VALUE", type=values.pair, action="append", default=[],
         help='what the log does not say and is the same in each row, like "velocity=2 m/s" or '
-        '"stroke=1 mm"; may be repeated',
+        '"track_radius=20 mm"; may be repeated',
     ),
     o.SHEET,
     Option("--decimal", choices=(".", ","), help="decimal mark, where it was not recognised"),
+    o.output("FILE.png", "figure of a trace: its stages, and the rises of friction"),
 )  # fmt: skip
 
 COMMANDS = (

@@ -7,17 +7,13 @@ from typing import Any
 
 from pipeline.laboratory.format import LOG
 from pipeline.laboratory.logs import read_log
-from pipeline.scene.compounds import Table
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import TEST, TRANSITION
-from pipeline.scene.headings import numbered
-from tribo import InputError
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, None]:
     """The document with the rows of log files in the place of the tests that name them."""
-    for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
+    for key in ("measured", "tested"):
         listed, folder = document.entries().get(key), document.file_of(key).parent
         if not isinstance(listed, list) or not listed:
             continue
@@ -25,7 +21,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, None]:
         count = sum(isinstance(entry, dict) and "file" in entry for entry in listed)
         for number, entry in enumerate(listed):
             if isinstance(entry, dict) and isinstance(entry.get("file"), str):
-                found = _read_tests(entry, f"{key}[{number}]", folder, row_of, faults)
+                found = _read_tests(entry, key, number, folder, faults)
                 rows += found if count == 1 else [_name_log(one, entry) for one in found]
             else:
                 rows.append(entry)
@@ -40,31 +36,21 @@ def _name_log(test: dict[str, Any], entry: dict[str, Any]) -> dict[str, Any]:
 
 
 def _read_tests(
-    entry: dict[str, Any], place: str, folder: Path, row_of: Table, faults: Faults
+    entry: dict[str, Any], key: str, number: int, folder: Path, faults: Faults
 ) -> list[dict[str, Any]]:
     """Tests of a file as tables of a scene; faults are named by row and column."""
-    before = len(faults)
-    entries = LOG.read(entry, place, faults)
+    before, place = len(faults), f"{key}[{number}]"
+    options = LOG.read(entry, place, faults)
     if len(faults) > before:
         return []
     place, path = f"{place}.file", folder / entry["file"]
-    try:
-        log = read_log(path, entries, row_of)
-    except InputError as error:
-        faults.refuse(place, str(error))
-        return []
-    for problem in log.faults:
-        faults.refuse(place, f"{path.name}, {problem}")
-    if log.is_unclear:
-        faults.refuse(place, f"what is understood of it is printed by: irg tests {path}")
-    if log.unused:
-        faults.note(place, f"columns not used: {', '.join(log.unused)}")
-    if log.guessed:
-        faults.note(place, f"read {', '.join(log.guessed)}")
-    for rows, said in (
-        (log.twice, "the same as rows before, and not counted"),
-        (log.left_out, "without load and velocity left out"),
-    ):
-        if rows:
-            faults.note(place, f"{numbered(rows)} {said}")
-    return log.tests
+    with faults.at(place):
+        log = read_log(path, options, key)
+        for problem in log.sheet.faults:
+            faults.refuse(place, f"{path.name}, {problem}")
+        if log.sheet.faults and not log.tests:
+            faults.refuse(place, f"what is understood of it is printed by: irg tests {path}")
+        for note in log.notes:
+            faults.note(place, note)
+        return log.tests
+    return []

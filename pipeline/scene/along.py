@@ -15,8 +15,9 @@ from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.format import BULK, CRITICAL, FORMAT, FRICTION, LOAD, SPEED
-from pipeline.scene.headings import BESIDE, UNITS, Sheet, as_entry, read_sheet, read_table
+from pipeline.scene.names import BESIDE, UNITS, Heading
 from pipeline.scene.over import column_of, scene_with
+from pipeline.scene.sheet import Lines, Row, Sheet, as_entry, read_sheet
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep, differing_inputs
@@ -28,6 +29,7 @@ _KINDS = {"friction": FRICTION, "bulk_temperature": BULK, "critical_temperature"
 CONDITIONS = {name: PATHS[name] for name in _KINDS}
 """Conditions that each row may set, and their entries in a scene."""
 _ROW = Table({**_PLACE.keys, **{name: Optional(kind) for name, kind in _KINDS.items()}})
+_UNITS = {name: UNITS[name] for name in _ROW.keys}
 _BEFORE = tuple(f"{name}." for name in FORMAT.keys if name not in ("friction", "temperature"))
 """Beginnings of paths that a simulation needs."""
 
@@ -57,6 +59,7 @@ class OperatingPoints:
     others: Mapping[str, Sequence[Any]]
     conditions: tuple[Mapping[str, float], ...] = ()
     unused: tuple[str, ...] = ()  # headings of columns that no answer depends on
+    counted: str = ""  # rows used and left out, with the reasons, if any is left out
     sheet: str = ""  # words on the sheet, where the workbook has others
 
     @property
@@ -81,32 +84,67 @@ class OperatingPoints:
     ) -> OperatingPoints:
         """Read a file as CSV or Excel, or columns by heading, such as a data frame.
 
-        Of a workbook it is the first sheet unless one is named.
+        Of a workbook it is the first sheet with such columns unless one is named.
         Units stand in the heading or in each cell; bare numbers of a mapping are in SI.
+        Rows at rest, or without a load or a velocity, are left out and counted.
         `InputError` is raised for all faults at once, by row and column.
         """
-        sheet, rows = read_table(
-            source, _ROW, _PLACE.keys, "load [N],velocity [m/s]", sheet_name, _column_faults
-        )
+        is_file = isinstance(source, str | os.PathLike)
+        given = Path(source) if is_file else lines_of(source)
+        sheet = read_sheet(given, _UNITS, _PLACE.keys, _PLACE.keys, sheet_name)
+        _, rows = sheet.entries(_ROW)
+        sheet.faults[:0] = _column_faults(sheet)
+        sheet.refuse_faults("load [N],velocity [m/s]")
+        used = [sheet.places[name] for name in _PLACE.keys]
         others = {
-            sheet.headings[place].label: [row.cells[place] for row in sheet.rows]
-            for place in range(len(sheet.headings))
-            if place not in [sheet.places[name] for name in _PLACE.keys]
+            heading.text: [row.cells[k] for row in sheet.rows]
+            for k, heading in enumerate(sheet.headings)
+            if heading.text and k not in used
         }
-        given = tuple(
+        if not is_file:  # as they were given, and not as text
+            listed = {str(head): np.atleast_1d(source[head]).tolist() for head in source}
+            others = {
+                head: [listed[head][row.number - 1] for row in sheet.rows]
+                for head in others
+                if head in listed
+            }
+        conditions = tuple(
             {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in rows
         )
-        unused = tuple(sheet.headings[place].label for place in sheet.others)
         places = tuple(Place(row["load"], row["velocity"]) for row in rows)
-        return cls(places, others, given, unused, sheet.sheet_notes)
+        unused = tuple(sheet.unused)
+        return cls(places, others, conditions, unused, sheet.counted, sheet.other_sheets)
+
+
+def lines_of(columns: Any) -> Lines:
+    """Columns of a mapping or a data frame as lines of a file, with bare numbers in SI."""
+    if not hasattr(columns, "keys"):
+        raise InputError(
+            f"points are of type {type(columns).__name__}; give a .csv or .xlsx file, or columns "
+            'by heading such as {"load": ["500 N"], "velocity": ["2 m/s"]}'
+        )
+    listed = {str(head): np.atleast_1d(columns[head]).tolist() for head in columns}
+    if len({*map(len, listed.values())}) > 1:
+        counts = ", ".join(f"{head} {len(cells)}" for head, cells in listed.items())
+        raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
+    heads = []
+    for head, cells in listed.items():
+        heading = Heading.of(head)
+        is_bare = not (heading.unit or any(isinstance(cell, str) for cell in cells))
+        unit = UNITS.get(heading.name) if is_bare else ""
+        heads.append(f"{head} [{unit}]" if unit else head)
+    rows = enumerate(zip(*listed.values(), strict=True), 1)
+    texts = (Row(number, ["" if x is None else str(x) for x in row]) for number, row in rows)
+    return Lines([Row(0, heads), *texts], [])
 
 
 def _column_faults(sheet: Sheet) -> Iterator[str]:
     """Columns that stand there twice, and those that a simulation would need."""
-    heads = [heading.text for heading in sheet.headings]
+    heads = [heading.text for heading in sheet.headings if heading.text]
     for head in dict.fromkeys(head for head in heads if heads.count(head) > 1):
         yield f'column "{head}" appears twice; give each heading once'
-    for heading in map(sheet.headings.__getitem__, sheet.others):
+    unused = sheet.unused
+    for heading in (heading for heading in sheet.headings if heading.text in unused):
         if heading.name == "hold" or heading.title.startswith(_BEFORE):
             yield (
                 f'column "{heading.text}" cannot act after the simulation; leave it out, or give '
@@ -194,23 +232,22 @@ def _label(head: str, cells: Sequence[Any]) -> Column:
 def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
     """Rows of a file as tables of a scene; faults are named by row and column."""
     try:
-        sheet = read_sheet(path, _ROW.keys, _PLACE.keys)
+        sheet = read_sheet(path, _UNITS, _PLACE.keys, _PLACE.keys)
     except InputError as error:
         faults.refuse("sweep.along", str(error))
         return []
-    for fault in (*sheet.faults, *sheet.of_rows):
-        faults.refuse("sweep.along", f"{path}: {fault}")
     names = {place: name for name, place in sheet.places.items()}
     tables = [dict[str, Any]() for _ in sheet.rows]
     for place, heading in enumerate(sheet.headings):
-        for row, table in zip(sheet.rows, tables, strict=True):
-            cell = row.cells[place]
-            if wrong := sheet.doubt(cell) if cell else "is empty":
-                where = f"row {row.number}, column {quoted(heading.text)}"
-                faults.refuse("sweep.along", f"{path}: {where} {wrong}")
-            table[names.get(place, heading.title)] = as_entry(cell, heading.unit)
-    if sheet.sheet_notes:
-        faults.note("sweep.along", f"{path.name}, {sheet.sheet_notes}")
+        for (number, cells), table in zip(sheet.rows, tables, strict=True):
+            if heading.text and place not in sheet.sources:
+                if not cells[place]:
+                    sheet.faults.append(f"row {number}, column {quoted(heading.text)} is empty")
+                table[names.get(place, heading.title)] = as_entry(cells[place], heading.unit)
+    for fault in sheet.faults:
+        faults.refuse("sweep.along", f"{path}: {fault}")
+    for note in filter(None, (sheet.other_sheets, sheet.counted)):
+        faults.note("sweep.along", f"{path.name}, {note}")
     if not tables and not sheet.faults:
         faults.refuse("sweep.along", f"{path} has no rows; give a load and a velocity in each")
     return tables

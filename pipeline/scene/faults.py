@@ -15,6 +15,7 @@ from pipeline.scene.units import UnitError
 from pipeline.sweep.remarks import Remark
 from tribo import InputError, TriboError
 
+_SHOWN_ROWS = 6  # that a message names
 _SHOWN = 100  # faults, at most, where there are thousands
 
 
@@ -109,6 +110,27 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
     if (more := len(faults) - _SHOWN) > 0:
         lines.append(f"and {more} more")
     return "\n  ".join(lines)
+
+
+def listed_faults(faults: Iterable[Fault]) -> list[str]:
+    """Faults of rows, those of one kind in one line."""
+    alike = dict[tuple[str, str], list[Fault]]()
+    for one in faults:
+        kind = re.sub(r'"(\\.|[^"\\])*"|[\d.]+', "", one.problem)
+        alike.setdefault((one.key, kind), []).append(one)
+    return [
+        f"{numbered([one.row for one in some])}, {some[0].key}: {some[0].problem}"
+        for some in alike.values()
+    ]
+
+
+def numbered(numbers: Sequence[int]) -> str:
+    """Rows in words, such as "rows 2, 3 and 5"."""
+    if len(numbers) == 1:
+        return f"row {numbers[0]}"
+    shown = [str(number) for number in numbers[:_SHOWN_ROWS]]
+    more = f"{len(numbers) - _SHOWN_ROWS} more" if len(numbers) > _SHOWN_ROWS else shown.pop()
+    return f"rows {', '.join(shown)} and {more}"
 
 
 def quoted(value: object) -> str:

@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 import tribo
 from pipeline import extras
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
-from pipeline.scene.load_record import read_load
+from pipeline.scene.names import UNITS
+from pipeline.scene.sheet import read_sheet
+from tribo.loading.record import fault as record_fault
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
 DISC = "diameter", "width", "bore", "rim_loss", "face_loss", "shaft_loss"
 """Entries of a body that is a disc."""
+_RECORD = "time", "load"
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
@@ -32,7 +38,7 @@ def loading_of(
         if "file" not in table:
             return tribo.Ramp(**table, stops=tuple(s for s in stops if s < table["hold"]))
         folder = document.file_of("loading.file").parent
-        record = read_load(folder / table["file"], table["reference_load"])
+        record = _read_record(folder / table["file"], table["reference_load"], faults)
         if not table["fit"]:
             return record
         rate, onset = record.linear_fit()
@@ -40,6 +46,20 @@ def loading_of(
         faults.note("loading.file", f"fitted by {line}")
         return record.ramp()
     return None
+
+
+def _read_record(path: Path, reference_load: float | None, faults: Faults) -> tribo.MeasuredLoad:
+    """The load over time of a file with columns of both."""
+    sheet = read_sheet(path, {name: UNITS[name] for name in _RECORD}, _RECORD)
+    times, loads = (
+        sheet.numbers(name) if name in sheet.places else np.zeros(0) for name in _RECORD
+    )
+    if not sheet.faults and (reason := record_fault(times, loads)):
+        sheet.faults.append(f"row {sheet.rows[reason[0]].number}: {reason[1]}")
+    sheet.refuse_faults("time [s],load [N]")
+    if sheet.counted:
+        faults.note("loading.file", sheet.counted)
+    return tribo.MeasuredLoad(times, loads, reference_load)
 
 
 def wear_of(table: Mapping[str, Any] | None, faults: Faults) -> Any:

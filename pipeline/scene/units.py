@@ -58,6 +58,14 @@ _DEGREES = {"C": "degC", "F": "degF"}
 """Units meant by those of charge and of capacitance, where a temperature is due."""
 
 
+_CLOCK = re.compile(r"(?:.*[\sT])?(\d{1,2}):(\d\d)(?::(\d\d(?:[.,]\d+)?))?\s*([AP]M)?", re.I)
+_OF_TABLES = {
+    "C": "degC", "F": "degF", "kg": "kgf", "kp": "kgf", "g": "gf", "lb": "lbf", "lbs": "lbf",
+    **dict.fromkeys(TURNS, "rpm"), "sec": "s",
+}  # fmt: skip
+"""Units meant in tables: none is of charges or capacitances, and a mass there is a weight."""
+
+
 class UnitError(TriboError, ValueError):
     """Text that is not a quantity of the dimension that is needed."""
 
@@ -142,6 +150,40 @@ def si_unit(text: str) -> str:
     powers = [(_registry().get_symbol(name), int(power)) for name, power in parts]
     powers.sort(key=lambda power: power[1] < 0)
     return " ".join(f"{name}{power if power != 1 else ''}" for name, power in powers) or "1"
+
+
+def unit_of_table(unit: str) -> str:
+    """Unit of a column as it is meant, without parentheses around it; empty of a number."""
+    unit = re.sub(r"^\((.*)\)$", r"\1", unit.strip())
+    return "" if unit in ("-", "–", "1") else _OF_TABLES.get(unit, unit)
+
+
+@functools.cache
+def is_unit(unit: str, like: str | None = None) -> bool:
+    """True of a unit of any dimension, or of that of another one; a number may be in percent."""
+    try:
+        if like is not None:
+            return unit == "%" if like == "" else to_si(f"1 {unit}", f"1 {like}") is not None
+        # A lone µ, once a micron, is a coefficient of friction.
+        return unit == "%" or (unit not in "µμ" and not unit.isdigit() and bool(si_unit(f"1 {unit}")))
+    except UnitError:
+        return False
+
+
+def clock_time(text: str) -> float:
+    """Time of day of a clock, perhaps behind a date [s].
+
+    Examples
+    --------
+    >>> clock_time("04.05.2026 10:00:00,5"), clock_time("1:30 PM")
+    (36000.5, 48600.0)
+    """
+    if (match := _CLOCK.fullmatch(text)) is None:
+        raise UnitError(f"{_quoted(text)} is no time of a clock")
+    hours, minutes, seconds = (float((x or "0").replace(",", ".")) for x in match.groups()[:3])
+    if match[4]:
+        hours = hours % 12 + 12 * (match[4].upper() == "PM")
+    return 3600 * hours + 60 * minutes + seconds
 
 
 @functools.cache

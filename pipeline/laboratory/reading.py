@@ -1,0 +1,221 @@
+"""Tables of laboratories: a sheet with the quantities of tests or of a trace."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pipeline.laboratory.exports import Export, find_export, has_cell
+from pipeline.laboratory.tables import INGREDIENTS, WordNames, derive, units_of
+from pipeline.laboratory.trace import LEAST_ROWS, Trace, at_rest
+from pipeline.scene.faults import did_you_mean, fault_lines, quoted
+from pipeline.scene.format import STAGES, TEST
+from pipeline.scene.names import Heading
+from pipeline.scene.sheet import Lines, Row, Sheet, read_lines, sheet_of
+from pipeline.scene.units import UnitError, to_si
+from tribo import InputError
+from tribo.types import Array
+
+OF_TESTS = *dict.fromkeys([*TEST.keys, *STAGES.keys]), "transition_load"
+"""Quantities of a log."""
+_NEEDED = "time", "friction", "load", "velocity"
+OF_TRACE = *_NEEDED, "friction_force", "friction_torque", "bulk_temperature", "outcome"
+"""Quantities of a trace, and those of a log by which it is told from one."""
+_ENDS = "mild_up_to", "severe_at"
+_BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\d\S*.*)|(\d[\d.]*)\s*\+")
+_OF_SINE = 2 / np.pi  # mean of a sine, of its highest value
+
+
+class Read(NamedTuple):
+    """A table, the export that it is, and what quantities lack that follow from others."""
+
+    sheet: Sheet
+    export: Export
+    asked: Mapping[str, str]
+
+
+def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = OF_TESTS) -> Read:
+    """Read a table for quantities with the entries of a log.
+
+    These are columns, given, skip, where, form, sheet and decimal; see `LOG`.
+    """
+    tables = read_lines(path, options.get("sheet"))
+    named = [Lines([Row(0, [path.stem.replace("_", " ")]), *one.rows], one.form) for one in tables]
+    export = find_export(named, options.get("form"))
+    known = {*OF_TESTS, *OF_TRACE, *INGREDIENTS}
+    for option in ("columns", "given"):
+        for name in (one for one in options.get(option) or () if one not in known):
+            near, listed = did_you_mean(name, known), ", ".join(sorted(known))
+            raise InputError(f"{option}.{name}: no such quantity{near}; give one of {listed}")
+    names = WordNames(units_of([*wanted]), options.get("columns") or {}, export.columns)
+    sheet = sheet_of(str(path), tables, names, options.get("decimal"))
+    for name, head in names.chosen.items():
+        _choose_unit(sheet, name, Heading.of(head).unit)
+        if name in sheet.units and name not in sheet.places:
+            heads = ", ".join(quoted(one.text) for one in sheet.headings)
+            sheet.faults.append(f"columns.{name}: no column {quoted(head)}; give one of {heads}")
+    for name, unit in export.units.items():
+        _choose_unit(sheet, name, unit)
+    _take_rows(sheet, options.get("where") or {}, is_kept=True)
+    _take_rows(sheet, options.get("skip") or {}, is_kept=False)
+    _add_given(sheet, options.get("given") or {})
+    if export.sine and "velocity" in sheet.places:
+        heads = [*sheet.above, *(one.text for one in sheet.headings)]
+        _take_mean_of_sine(sheet, has_cell(heads, export.sine))
+    _mend_ends(sheet, export.step)
+    return Read(sheet, export, derive(sheet))
+
+
+def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
+    """Give a column the unit that its heading lacks."""
+    if name in sheet.places and unit and not sheet.heading(name).unit:
+        sheet.headings[sheet.places[name]] = sheet.heading(name)._replace(unit=unit)
+
+
+def _take_rows(sheet: Sheet, asked: Mapping[str, Any], is_kept: bool) -> None:
+    """Keep, or leave out, the rows with a value in a column, by its heading or its quantity."""
+    heads = [heading.text for heading in sheet.headings]
+    for head, value in asked.items():
+        if head not in heads and head not in sheet.places:
+            option, listed = "where" if is_kept else "skip", ", ".join(filter(None, heads))
+            sheet.faults.append(f'{option}: there is no column "{head}"; give one of {listed}')
+            continue
+        place = heads.index(head) if head in heads else sheet.places[head]
+        found = {row.number: row.cells[place] for row in sheet.rows}
+        wanted = {number for number, cell in found.items() if cell == str(value)}
+        if not wanted:
+            listed = ", ".join(sorted({*filter(None, found.values())})[:20])
+            sheet.faults.append(f'no row has "{value}" as {head}; give one of {listed}')
+        left = found.keys() - wanted if is_kept else wanted
+        reason = f"{'is not of' if is_kept else 'has'} {head} {value}"
+        sheet.leave_out(dict.fromkeys(left, reason))
+
+
+def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
+    """Add columns of quantities that the file does not say, the same in each row."""
+    for name, value in given.items():
+        if name not in sheet.units:  # of a trace, or of a log
+            continue
+        like = sheet.units[name]
+        try:
+            if like is not None and (like or not re.fullmatch(r"[\d.eE+-]+", str(value))):
+                to_si(str(value), f"1 {like}")
+        except UnitError as error:
+            sheet.faults.append(f'given.{name}: {error}; give one such as "1 {like}"')
+            continue
+        sheet.add(name, "", [str(value)] * len(sheet.rows))
+
+
+def _mend_ends(sheet: Sheet, step: str) -> None:
+    """Make plain what tests by steps reached, as "> 12"; an end that lacks is a step away."""
+    beyond = {name: _read_beyond(sheet, name) for name in ("failed_stage", *_ENDS)}
+    for number, cells in sheet.rows:
+        if number in beyond["failed_stage"]:
+            place = sheet.places["failed_stage"]
+            cells[place] = str(int(cells[place]) + 1)
+    ends = [name for name in _ENDS if name in sheet.places]
+    if not ends or not (step or any(beyond[name] for name in _ENDS)):
+        return
+    unknown = np.full(len(sheet.rows), np.nan)
+    mild, severe = (sheet.numbers(x) if x in ends else unknown.copy() for x in _ENDS)
+    is_open = np.zeros(len(sheet.rows), bool)
+    for k, (number, _) in enumerate(sheet.rows):
+        is_open[k] = number in beyond["mild_up_to"] or number in beyond["severe_at"]
+    mild = np.where(is_open & np.isfinite(severe), severe, mild)
+    severe = np.where(is_open, np.nan, severe)
+    if step:
+        apart = to_si(step, f"1 {sheet.units['load']}")
+        mild, severe = (
+            np.where(np.isfinite(mild), mild, severe - apart),
+            np.where(np.isfinite(severe) | is_open, severe, mild + apart),
+        )
+    for name, values in zip(_ENDS, (mild, severe), strict=True):
+        sheet.sources |= {sheet.places[name]} if name in ends else set()
+        sheet.add(name, sheet.units[name] or "", [f"{x:.12g}" if x > 0 else "" for x in values])
+
+
+def _read_beyond(sheet: Sheet, name: str) -> set[int]:
+    """Rows that say that a value was passed; their cells become that value, words become empty."""
+    rows, place = set[int](), sheet.places.get(name)
+    for number, cells in sheet.rows if place is not None else ():
+        if match := _BEYOND.fullmatch(cells[place]):
+            rows.add(number)
+            cells[place] = match[1] or match[2]
+        elif not re.search(r"\d", cells[place]):  # that nothing failed may be said in words
+            cells[place] = ""
+    return rows
+
+
+def _take_mean_of_sine(sheet: Sheet, is_sine: bool) -> None:
+    """Put the mean velocity of a sine in the place of its highest."""
+    if is_sine:
+        place, speeds = sheet.places["velocity"], sheet.numbers("velocity")
+        sheet.add("velocity", "m/s", [f"{_OF_SINE * speed:.12g}" for speed in speeds])
+        sheet.sources.add(place)
+        sheet.form.append("velocity is 2/π of the highest of a sine")
+
+
+def is_trace(sheet: Sheet) -> bool:
+    """True of a record of friction over time."""
+    has_friction = {"friction", "friction_force", "friction_torque"} & sheet.places.keys()
+    return "time" in sheet.places and bool(has_friction) and len(sheet.rows) >= LEAST_ROWS
+
+
+def read_trace(read: Read) -> Trace:
+    """The trace of a sheet; an `InputError` names what is wrong in it."""
+    sheet, export, asked = read
+    if "friction" not in sheet.places:
+        sheet.faults.append(asked["friction"])
+    sheet.require(["time", "friction"])
+    columns = {
+        name: sheet.numbers(name)
+        for name in (*_NEEDED, "bulk_temperature")
+        if name in sheet.places
+    }
+    if sheet.faults:
+        raise InputError(fault_lines(sheet.name, sheet.faults))
+    if export.restarts:
+        columns["time"] = _continued(columns["time"])
+    for name in ("friction", "velocity"):  # whose signs turn with the stroke
+        if name in columns:
+            columns[name] = np.abs(columns[name])
+    if "load" in columns and np.nanmedian(columns["load"]) < 0:
+        columns["load"] = -columns["load"]
+        sheet.form.append("loads below 0 are normal forces downwards")
+    needed = [values for name, values in columns.items() if name != "bulk_temperature"]
+    _drop(sheet, columns, "has a gap", ~np.isfinite(needed).all(axis=0))
+    fallen = np.flatnonzero(np.diff(columns["time"]) < 0)
+    if fallen.size:
+        before, now = columns["time"][fallen[0] : fallen[0] + 2]
+        raise InputError(
+            f"{sheet.name}, row {sheet.rows[fallen[0] + 1].number}: time falls from {before:.4g} "
+            f"to {now:.4g} s, and a trace is one run; give each run in a file of its own, or by "
+            "--where, in the order of time"
+        )
+    rest = [at_rest(columns[name]) for name in ("load", "velocity") if name in columns]
+    _drop(sheet, columns, "is at rest", np.any([np.zeros(len(sheet.rows), bool), *rest], axis=0))
+    if len(sheet.rows) < LEAST_ROWS:
+        raise InputError(
+            f"{sheet.name}: {len(sheet.rows)} rows in motion; a trace needs {LEAST_ROWS}"
+        )
+    return Trace(**columns)
+
+
+def _drop(sheet: Sheet, columns: dict[str, Array], reason: str, rows: Array) -> None:
+    """Leave out rows of a sheet, and of the values of its columns."""
+    numbers = [row.number for row, is_out in zip(sheet.rows, rows, strict=True) if is_out]
+    sheet.leave_out(dict.fromkeys(numbers, reason))
+    columns |= {name: values[~rows] for name, values in columns.items()}
+
+
+def _continued(time: Array) -> Array:
+    """Time that goes on where it begins anew."""
+    steps = np.diff(time)
+    usual = float(np.nanmedian(steps[steps > 0]))
+    jumps = np.where(steps < 0, usual - steps, 0.0)
+    result: Array = time + np.concatenate([[0.0], np.cumsum(jumps)])
+    return result

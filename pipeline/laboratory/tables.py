@@ -1,0 +1,171 @@
+"""What laboratories call the quantities of tables, and what follows from others."""
+
+from __future__ import annotations
+
+import functools
+import re
+import tomllib
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from importlib import resources
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pipeline.scene.faults import quoted
+from pipeline.scene.library import library
+from pipeline.scene.names import BESIDE, UNITS, Heading, Names
+from pipeline.scene.sheet import Sheet
+from tribo.types import Array
+
+_FZG = library()["machines"]["FZG"]
+_STAGES = np.array(_FZG["stages"])
+_STEEPEST = 2.0  # slide-roll ratio, of a surface at rest
+
+
+class Rule(NamedTuple):
+    """A quantity that follows from others, in SI."""
+
+    name: str
+    inputs: tuple[str, ...]
+    make: Any
+
+
+def _stage_force(stage: Array) -> Array:
+    """Normal force between the teeth in a load stage of FZG's test [N]; 0 before the first."""
+    known = np.where((stage >= 0) & (stage <= len(_STAGES)), stage, np.nan)
+    torques = np.array([0.0, *_STAGES, np.nan])
+    return torques[np.nan_to_num(known, nan=len(_STAGES) + 1.0).astype(int)] / _FZG["base_radius"]
+
+
+RULES = (
+    Rule("velocity", ("rotation", "track_radius"), lambda n, r: np.abs(n) * r),
+    Rule("velocity", ("rotation", "track_diameter"), lambda n, d: np.abs(n) * d / 2),
+    Rule("velocity", ("frequency", "stroke"), lambda f, s: 2 * f * s),
+    Rule("velocity", ("slide_roll_ratio", "rolling_velocity"), lambda s, u: np.abs(s * u)),
+    Rule("velocity", ("velocity_1", "velocity_2"), lambda u, v: np.abs(u - v)),
+    Rule("velocity", ("rotation_1", "rotation_2", "disc_diameter"),
+         lambda m, n, d: np.abs(m - n) * d / 2),
+    Rule("load", ("pinion_torque",), lambda torque: torque / _FZG["base_radius"]),
+    Rule("load", ("load_stage",), _stage_force),
+    Rule("severe_at", ("failed_stage",), _stage_force),
+    Rule("mild_up_to", ("failed_stage",), lambda stage: _stage_force(stage - 1)),
+    Rule("friction", ("friction_force", "load"), lambda f, load: np.abs(f / load)),
+    Rule("friction", ("friction_torque", "load", "track_radius"), lambda m, load, r: m / load / r),
+)  # fmt: skip
+"""The first of a quantity whose inputs are there makes it."""
+INGREDIENTS = {name for rule in RULES for name in rule.inputs} - {*UNITS}
+
+
+class Words(NamedTuple):
+    """Unit of a quantity, None of text, and words of titles that name it, or another one."""
+
+    unit: str | None
+    named: re.Pattern[str]
+    other: re.Pattern[str]
+
+
+@functools.cache
+def vocabulary() -> Mapping[str, Any]:
+    """Tables of words of quantities, and texts with other words, by their names."""
+    text = resources.files("pipeline.laboratory").joinpath("words.toml").read_text("utf-8")
+    return tomllib.loads(text)
+
+
+@functools.cache
+def words_of(name: str) -> Words | None:
+    """Words of a quantity; None where there are none."""
+    table = vocabulary().get(name)
+    if not isinstance(table, dict):
+        return None
+    return Words(
+        table.get("unit"), re.compile(table["is"]), re.compile(table.get("not", "$^"))
+    )
+
+
+def units_of(names: Collection[str]) -> dict[str, str | None]:
+    """SI units of quantities, None of text."""
+    known = {name: words_of(name) for name in names}
+    return {name: one.unit if one else UNITS.get(name) for name, one in known.items()}
+
+
+@dataclass(frozen=True)
+class WordNames(Names):
+    """Quantities by the words of laboratories, or as a user or the data of an export chose them."""
+
+    chosen: Mapping[str, str] = field(default_factory=dict)  # headings, perhaps with a unit
+    exported: Mapping[str, str] = field(default_factory=dict)  # patterns of headings
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "units", {**units_of(INGREDIENTS), **self.units})
+
+    def sureness(self, name: str, heading: Heading) -> float:
+        """How surely a heading names a quantity; 0 if it does not."""
+        if name in self.chosen:
+            head = self.chosen[name]
+            return float(bool(heading.text) and heading.text in (head, Heading.of(head).title))
+        if not heading.title or not self.fits(name, heading):
+            return 0.0
+        pattern = self.exported.get(name)
+        if pattern is not None and re.fullmatch(pattern, heading.text, re.IGNORECASE):
+            return 4.0
+        if pattern == "":
+            return 0.0
+        exact = heading.name
+        if exact in self.units and self.fits(exact, heading):
+            return 3.0 * (exact == name)
+        title = re.sub(r"[\W_]+", " ", heading.title.lower()).strip()
+        known = words_of(name)
+        if known is None or heading.title.startswith(BESIDE):
+            return 0.0
+        if not known.named.search(title) or known.other.search(title):
+            return 0.0
+        if known.unit and not heading.unit and len(title) < 3:
+            return 0.0  # a lone letter, as t or v, may be anything
+        return (2 if heading.unit else 1) - 0.5 * bool(re.search(vocabulary()["wished"], title))
+
+
+def derive(sheet: Sheet, needed: Collection[str] = ()) -> dict[str, str]:
+    """Add columns of quantities that follow from others; say what others lack, and how to say it.
+
+    What a needed quantity lacks is a fault.
+    """
+    asked = dict[str, str]()
+    for name in [one for one in dict.fromkeys(rule.name for rule in RULES) if one in sheet.units]:
+        rules = [rule for rule in RULES if rule.name == name and name not in sheet.places]
+        ready = [rule for rule in rules if {*rule.inputs} <= sheet.places.keys()]
+        begun = [rule for rule in rules if {*rule.inputs} & (sheet.places.keys() - {"load"})]
+        if ready:
+            _add_derived(sheet, ready[0])
+        elif begun:
+            inputs = begun[0].inputs
+            lacks = [one for one in inputs if one not in sheet.places]
+            has = quoted(sheet.heading(next(x for x in inputs if x in sheet.places)).text)
+            options = " ".join(f'--given "{one}=... {sheet.units[one]}"' for one in lacks)
+            asked[name] = (
+                f"{name} follows from {has} and {' and '.join(lacks)}, which is not there; give "
+                f"{options}, or a column of it"
+            )
+    sheet.faults += [words for name, words in asked.items() if name in needed]
+    return asked
+
+
+def _add_derived(sheet: Sheet, rule: Rule) -> None:
+    """Add the column that a rule makes, unless its inputs are faulty."""
+    before = len(sheet.faults)
+    inputs = {one: sheet.numbers(one) for one in rule.inputs}
+    ratio = inputs.get("slide_roll_ratio")
+    if ratio is not None and np.nanmax(np.abs(ratio), initial=0.0) > _STEEPEST:
+        text = sheet.heading("slide_roll_ratio").text
+        sheet.faults.append(
+            f"column {quoted(text)} is above 2, which no ratio is; if it is in percent, name it "
+            f'--column "slide_roll_ratio={text} [%]"'
+        )
+    if len(sheet.faults) > before:
+        return
+    with np.errstate(divide="ignore", invalid="ignore"):
+        values = rule.make(*inputs.values())
+    sheet.sources |= {sheet.places[one] for one in rule.inputs}
+    texts = [f"{value:.12g}" if np.isfinite(value) else "" for value in values]
+    sheet.add(rule.name, sheet.units[rule.name] or "", texts)
+    sheet.form.append(f"{rule.name} from {' and '.join(rule.inputs)}")

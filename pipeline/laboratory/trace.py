@@ -1,0 +1,316 @@
+"""A record of friction over time: its stages, by what was commanded, and where scuffing begins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import median_filter, uniform_filter1d
+
+from pipeline.quantities import UNITS, display
+from pipeline.scene.names import UNITS as SI_UNITS
+from tribo.types import Array
+
+LEAST_ROWS = 20
+_APART = 0.03  # share of the highest command by which two stages differ
+_SHORT = 0.25  # share of a stage, below which a ramp or another level beside it is none
+_LEAST_OF_STAGE = 3  # rows
+_REST = 0.02  # share of the highest load or speed below which there is rest
+_NEAR = 0.05  # share of a level within which it is held
+_START = 0.1  # share of the first stage in which friction is not yet that of the stage
+_LEAST_RISE = 0.3  # share of friction before; less is running-in, or a film that changes
+_SURE_RISE = 1.0  # the same, beyond which a rise need not be sudden
+_SUDDEN = 0.05  # share of a stage within which half of a sudden rise comes
+_STANDARD_DEVIATIONS = 4.0  # of friction about its course, below which a rise is scatter
+_OF_SINE = 2 * math.sqrt(2) / math.pi  # mean of a sine, both ways above 0, of its rms
+_LIKE_SINE = 0.02  # share within which it is one, of which few samples have too low a mean
+_COMMANDS = "load", "velocity"
+
+
+class Stage(NamedTuple):
+    """Rows of a stage, and the load [N] and the velocity [m/s] that are held; those of a ramp."""
+
+    rows: slice
+    load: float | None
+    velocity: float | None
+    is_ramp: bool = False
+
+
+class Candidate(NamedTuple):
+    """A rise of friction: its row, its stage from 1 on, both levels, and why it is no scuff."""
+
+    row: int
+    stage: int
+    low: float
+    high: float
+    why_not: str = ""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Friction over time, without rest."""
+
+    time: Array  # [s]
+    friction: Array
+    load: Array | None = None  # [N], where it was recorded
+    velocity: Array | None = None  # [m/s], both ways above 0
+    bulk_temperature: Array | None = None  # [K]
+
+    @cached_property
+    def stages(self) -> list[Stage]:
+        """Stages by what was commanded: a level that is held, or a single ramp."""
+        columns = [x for name in _COMMANDS if (x := getattr(self, name)) is not None]
+        ends = [slice(0, len(self.time))]
+        ramps = [False]
+        if columns:
+            commands = np.stack([_command(x) / max(x.max(), 1e-300) for x in columns], axis=1)
+            ends, ramps = _cut(commands, self.time)
+        return [
+            Stage(rows, *(_level(getattr(self, name), rows) for name in _COMMANDS), is_ramp)
+            for rows, is_ramp in zip(ends, ramps, strict=True)
+        ]
+
+    @cached_property
+    def candidates(self) -> list[Candidate]:
+        """Lasting or passing rises of friction; the first that has no reason against is the scuff."""
+        found, end, last = list[Candidate](), math.inf, None
+        for number, stage in enumerate(self.stages, 1):
+            friction = self._course(stage.rows)
+            is_first = last is None
+            is_slower = (
+                last is not None
+                and (stage.velocity or 0) < (1 - _APART) * (last.velocity or 0)
+            )  # fmt: skip
+            before = math.inf if is_first or is_slower else end
+            skipped = max(2, math.ceil(_START * len(friction))) if before == math.inf else 0
+            rises = _rises(friction, before, skipped, end if is_slower else math.inf)
+            for row, low, high, why in rises:
+                reason = f"{why} with a lower speed" if why == "begins" and is_slower else why
+                reason = f"{why} the first stage" if why == "begins" and is_first else reason
+                found.append(Candidate(stage.rows.start + row, number, low, high, reason))
+                if not reason:
+                    return found
+            end, last = float(np.median(friction[-max(3, len(friction) // 4) :])), stage
+        return found
+
+    @property
+    def scuff(self) -> Candidate | None:
+        """Rise of friction that is scuffing."""
+        return next((one for one in self.candidates if not one.why_not), None)
+
+    def _course(self, rows: slice) -> Array:
+        """Friction of a stage without its short-lived peaks and dips."""
+        friction = self.friction[rows]
+        size = max(3, len(friction) // 20)
+        course: Array = median_filter(friction, size=size + 1 - size % 2, mode="reflect")
+        return course
+
+    def lines(self) -> Iterator[str]:
+        """Say the stages, where friction rises, and what is no scuff."""
+        held = [stage for stage in self.stages if not stage.is_ramp]
+        yield f"{len(held)} stages" if len(held) != 1 else "one stage"
+        if self.scuff is None:
+            middle = float(np.median(self.friction))
+            duration = self.time[-1] - self.time[0]
+            yield f"no transition: friction stays about {middle:.3g} for {duration:.4g} s"
+        for one in self.candidates:
+            load = "" if self.load is None else f", {self.load[one.row]:.4g} N"
+            what = f"no scuffing, since it {one.why_not}" if one.why_not else "scuffing"
+            yield (
+                f"friction rises from {one.low:.3g} to {one.high:.3g} at {self.time[one.row]:.4g} s"
+                f"{load}, in stage {one.stage}: {what}"
+            )
+        if self.scuff:
+            yield "confirm it in the trace (-o trace.png) and on the surface"
+
+    def tests(self) -> list[dict[str, str | float]]:
+        """The test as tables of a scene: a run by stages, its stages, one test, or a transition."""
+        severe = self.scuff
+        number = severe.stage if severe else len(self.stages)
+        stages = self.stages[:number]
+        longest = max(self._duration(stage) for stage in stages)
+        mild = stages[: number - 1] if severe else stages
+        mild = [one for one in mild if self._duration(one) >= _SHORT * longest] or mild[-1:]
+        last = stages[-1] if severe else mild[-1]
+        common = self._common(last.rows, severe)
+        if last.is_ramp:
+            row = severe.row if severe else last.rows.stop - 1
+            place = {name: getattr(self, name) for name in _COMMANDS}
+            values = {name: None if x is None else float(x[row]) for name, x in place.items()}
+            return [_place(values) | common | ({} if severe else {"outcome": "mild"})]
+        outcomes = [(one, "mild") for one in mild] + ([(last, "severe")] if severe else [])
+        if len(outcomes) == 1:
+            return [_place(last._asdict()) | common | {"outcome": outcomes[0][1]}]
+        varied = [name for name in _COMMANDS if _is_varied([getattr(one, name) for one, _ in outcomes])]
+        if len(varied) == 1:
+            (name,) = varied
+            ends = [getattr(one, name) for one, _ in outcomes]
+            top = ends[-1] if severe else math.inf
+            held = [value for value in ends[: len(mild)] if value < top]
+            run = {"mild_up_to": _text(name, max(held))} if held else {}
+            run |= {"severe_at": _text(name, top)} if severe else {}
+            return [run | _place(last._asdict(), without=name) | common]
+        return [
+            _place(one._asdict()) | common | {"outcome": outcome, "run": 1}
+            for one, outcome in outcomes
+        ]
+
+    def _duration(self, stage: Stage) -> float:
+        times = self.time[stage.rows]
+        return float(times[-1] - times[0])
+
+    def _common(self, rows: slice, severe: Candidate | None) -> dict[str, str | float]:
+        """Friction of a stage before a scuff, and the temperature of the run up to it."""
+        end = severe.row if severe else rows.stop
+        begin = rows.start if end > rows.start + _LEAST_OF_STAGE else 0
+        values: dict[str, str | float] = {
+            "friction": float(f"{np.median(self.friction[begin:end]):.3g}")
+        }
+        if self.bulk_temperature is not None:
+            warm = float(np.nanmedian(self.bulk_temperature[: max(end, 1)]))
+            values["bulk_temperature"] = display(warm, "°C", 4).replace("°", "deg")
+        return values
+
+
+def _text(name: str, value: float) -> str:
+    return f"{value:.4g} {UNITS[name]}"
+
+
+def _place(values: dict[str, float | None], without: str = "") -> dict[str, str | float]:
+    """Load and velocity of a test; those that were not recorded stand open."""
+    return {
+        name: f"... {SI_UNITS[name]}" if (value := values[name]) is None else _text(name, value)
+        for name in _COMMANDS
+        if name != without
+    }
+
+
+def _is_varied(levels: Sequence[float | None]) -> bool:
+    """True if a command differs between stages."""
+    known = [level for level in levels if level is not None]
+    return bool(known) and max(known) - min(known) > _APART * max(known)
+
+
+def _level(column: Array | None, rows: slice) -> float | None:
+    """What was held for most of a stage, or the mean where nothing was, as of reciprocation."""
+    if column is None:
+        return None
+    values = column[rows]
+    middle = float(np.median(values))
+    if np.mean(np.abs(values - middle) <= _NEAR * middle) > 0.5:
+        return middle
+    mean, of_sine = float(values.mean()), _OF_SINE * float(np.sqrt(np.mean(values**2)))
+    return of_sine if abs(mean / of_sine - 1) < _LIKE_SINE else mean
+
+
+def at_rest(column: Array) -> Array:
+    """Rows in which a load or a speed is nothing beside its highest, shape (rows,)."""
+    command = _command(column)
+    result: Array = command <= _REST * command.max()
+    return result
+
+
+def _command(column: Array) -> Array:
+    """What was commanded: the mean over many strokes where a signal swings, else the median."""
+    crossings = np.count_nonzero(np.diff(column > column.mean()))
+    is_held = np.mean(np.abs(column - np.median(column)) <= 2 * _NEAR * np.median(column)) > 0.5
+    if is_held or crossings < max(20, len(column) / 40):
+        still: Array = median_filter(column, size=5, mode="nearest")
+        return still
+    mean: Array = uniform_filter1d(column, max(5, 20 * len(column) // crossings), mode="reflect")
+    return mean
+
+
+def _cut(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
+    """Rows of the stages of commands, shape (rows, commands), and whether each is a ramp."""
+    ends, level, count, away = [0], commands[0].copy(), 1, 0
+    for row, now in enumerate(commands):
+        if np.abs(now - level).max() > _APART:
+            away += 1
+            if away == 2:  # one row alone may be noise
+                ends.append(row - 1)
+                level, count, away = now.copy(), 1, 0
+        else:
+            away, count = 0, count + 1
+            level += (now - level) / count
+    pieces = [slice(a, b) for a, b in zip(ends, [*ends[1:], len(commands)], strict=True)]
+    levels = [np.median(commands[piece], axis=0) for piece in pieces]
+    merged = [(pieces[0], levels[0], _is_ramp(commands, pieces, levels, 0))]
+    for k, piece in enumerate(pieces[1:], 1):
+        is_ramp = _is_ramp(commands, pieces, levels, k)
+        before, *_ = merged[-1]
+        if is_ramp and merged[-1][2]:
+            merged[-1] = slice(before.start, piece.stop), levels[k], True
+            continue
+        merged.append((piece, levels[k], is_ramp))
+        if len(merged) > 2:  # an excursion from a level, and back
+            (first, own, _), (middle, *_), (last, now, _) = merged[-3:]
+            length = max(_span(time, first), _span(time, last))
+            is_back = np.abs(own - now).max() <= _APART and not is_ramp
+            if is_back and _span(time, middle) <= _SHORT * length:
+                merged[-3:] = [(slice(first.start, last.stop), own, False)]
+    kept = []
+    for k, (piece, _, is_ramp) in enumerate(merged):
+        beside = [_span(time, other) for other, _, ramp in merged[max(0, k - 1) : k + 2] if not ramp]
+        if not is_ramp or not beside or _span(time, piece) > _SHORT * max(beside):
+            kept.append((piece, is_ramp))
+    return [piece for piece, _ in kept], [is_ramp for _, is_ramp in kept]
+
+
+def _span(time: Array, rows: slice) -> float:
+    return float(time[rows.stop - 1] - time[rows.start])
+
+
+def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], k: int) -> bool:
+    """True of rows whose command drifts by more than a third of the way to that beside them."""
+    rows = commands[pieces[k]]
+    quarter = max(1, len(rows) // 4)
+    drift = np.abs(np.median(rows[-quarter:], axis=0) - np.median(rows[:quarter], axis=0)).max()
+    ways = [np.abs(levels[k] - levels[j]).max() for j in (k - 1, k + 1) if 0 <= j < len(levels)]
+    return bool(ways) and bool(drift > min(ways) / 3 or len(rows) < _LEAST_OF_STAGE)
+
+
+def _rises(
+    friction: Array, before: float, skipped: int, slower: float
+) -> Iterator[tuple[int, float, float, str]]:
+    """Rises of friction in a stage: row, level before, level after, and what speaks against it.
+
+    The level before is the lowest so far, from the end of the stage before on.
+    """
+    noise = 1.4826 * float(np.median(np.abs(np.diff(friction)))) if len(friction) > 1 else 0.0
+    own = friction[skipped:]
+    lowest = np.minimum.accumulate(np.concatenate([[before], own]))[:-1]
+    lowest[0] = before if math.isfinite(before) else own[0]
+    least = np.minimum.accumulate(own[::-1])[::-1]
+    limit = lowest * (1 + _LEAST_RISE) + _STANDARD_DEVIATIONS * noise
+    start = min(float(friction[: skipped + 1].min()), slower)
+    if skipped and own[0] > start * (1 + _LEAST_RISE) + _STANDARD_DEVIATIONS * noise:
+        yield 0, start, float(own[0]), "begins"
+    above, row = own > limit, 0
+    while row < len(own):
+        if not above[row]:
+            row += 1
+            continue
+        low = float(lowest[row])
+        lasting = np.flatnonzero(least[row:] > limit[row])
+        high = float(np.median(own[row:]))
+        if lasting.size and lasting[0] == 0:
+            is_sudden = _is_sudden(np.concatenate([[low], own]), row + 1, (high - low) / 2)
+            is_sure = is_sudden or least[row] > low * (1 + _SURE_RISE)
+            yield skipped + row, low, high, "" if is_sure else "comes slowly"
+            return
+        fallen = row + int(np.argmax(own[row:] <= limit[row]))
+        yield skipped + row, low, float(own[row:fallen].max()), "falls back"
+        row = fallen + 1
+
+
+def _is_sudden(friction: Array, row: int, half: float) -> bool:
+    """True if half of a rise comes within a short share of the stage."""
+    reach = max(2, math.ceil(_SUDDEN * len(friction)))
+    near = friction[max(0, row - reach) : row + 2 * reach]
+    steps = near[min(reach, len(near) - 1) :] - near[: max(1, len(near) - reach)]
+    return bool(steps.max() >= half)

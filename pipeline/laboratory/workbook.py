@@ -1,0 +1,85 @@
+"""Rows of workbooks."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+from typing import Any
+
+from pipeline.quantities import display
+from pipeline.scene.sheet import Lines, Row
+from pipeline.sweep.limits import MOST_BYTES_OF_BOOK, MOST_CELLS_OF_SHEET
+from tribo import InputError
+
+
+def unpacked_size(path: Path) -> int:
+    """Bytes that an archive unpacks to, as it says itself."""
+    with zipfile.ZipFile(path) as archive:
+        return sum(entry.file_size for entry in archive.infolist())
+
+
+def read_book(path: Path, wanted: str | None = None) -> list[Lines]:
+    """Rows of each sheet of a workbook, or of one; a formula without a value stands as it is."""
+    if path.suffix.lower() not in (".xlsx", ".xlsm"):
+        what = f'has no sheet "{wanted}"' if wanted else "is no text"
+        raise InputError(f"{path} {what}; save the table as .xlsx or CSV")
+    values, formulas = _open_book(path)
+    names = [sheet.title for sheet in values.worksheets]
+    if wanted is not None and wanted not in names:
+        raise InputError(f'{path} has no sheet "{wanted}"; give one of {", ".join(names)}')
+    return [
+        _read_sheet(path, name, names, values[name], formulas[name])
+        for name in ([wanted] if wanted else names)
+    ]
+
+
+def _open_book(path: Path) -> tuple[Any, Any]:
+    """The workbook with values, and with formulas."""
+    try:
+        import openpyxl  # here, since few tables are workbooks
+
+        if (size := unpacked_size(path)) > MOST_BYTES_OF_BOOK:
+            raise InputError(
+                f"{path}: unpacks to {display(size, 'MB', 4)}; at most "
+                f"{display(MOST_BYTES_OF_BOOK, 'MB')} are read of a workbook; keep the sheet and "
+                "rows that are needed, or save it as CSV"
+            )
+        return (
+            openpyxl.load_workbook(path, read_only=True, data_only=True),
+            openpyxl.load_workbook(path, read_only=True),
+        )
+    except ImportError as error:
+        raise InputError(
+            f"{path}: openpyxl reads .xlsx, and is not installed; get it with "
+            '"pip install openpyxl", or save the sheet as CSV'
+        ) from error
+    except (OSError, InputError):
+        raise
+    except Exception as error:  # from the archive, its XML, or openpyxl
+        raise InputError(f"{path} is no sound .xlsx file: {error}; save it again") from error
+
+
+def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: Any) -> Lines:
+    """Rows of a sheet, and a word on the others."""
+    rows, count = list[Row](), 0
+    for sheet in (values, formulas):
+        sheet.reset_dimensions()  # what the file says of them need not be so
+    both = zip(*(sheet.iter_rows(values_only=True) for sheet in (values, formulas)), strict=True)
+    for number, (cells, typed) in enumerate(both, 1):
+        count += len(cells)
+        if count > MOST_CELLS_OF_SHEET:
+            raise InputError(
+                f'{path}: sheet "{name}" has more than {MOST_CELLS_OF_SHEET} cells up to its last '
+                "one, empty ones included; delete what lies far from the table"
+            )
+        texts = [*map(_cell_text, cells, typed)]
+        rows += [Row(number, texts)] if any(texts) else []
+    others = ", ".join(other for other in names if other != name)
+    return Lines(rows, [f'sheet "{name}"' + (f" (not read: {others})" if others else "")])
+
+
+def _cell_text(value: Any, typed: Any) -> str:
+    """Text of a cell: its value, or a formula that has none."""
+    if value is None:
+        return f"{typed} without a stored value" if typed is not None else ""
+    return str(value).removesuffix(" 00:00:00").strip()

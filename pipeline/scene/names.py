@@ -1,0 +1,92 @@
+"""Headings of tables, and the quantities that they name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from pipeline.quantities import units_in_si
+from pipeline.scene.faults import quoted
+from pipeline.scene.units import is_unit, unit_of_table
+from pipeline.sweep.conditions import PATHS
+
+UNITS = units_in_si(
+    "load", "velocity", "friction", "bulk_temperature", "hold", "time", "friction_force",
+    "critical_temperature",
+)  # fmt: skip
+"""SI units of quantities, empty of a number."""
+_EXACT = {
+    "normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature",
+    **{path: name for name, path in PATHS.items() if name in UNITS},
+}  # fmt: skip
+BESIDE = "friction.", "temperature."
+"""Beginnings of paths of a scene, which say exactly what a column is."""
+_WITH_UNIT = (
+    r"(.*?)\s*\[([^\[\]]*)\]", r"(.*?)\s*\(([^()]*(?:\([^()]*\)[^()]*)?)\)", r"(.*?)\s+in\s+(\S.*)",
+    r"(.*?)\s+/\s*(\S.*)", r"(.*?),?\s+(\S+)", r"(.*?)_(k?N|m?s|min|m/s|mm/s|degC|K|rpm)",
+    r"([^/]*?)/(\S.*)", r"(.*?)\s*,\s*(\S.*)",
+)  # fmt: skip
+"""Ways to write a unit behind a title. They count only if what stands there is one."""
+
+
+class Heading(NamedTuple):
+    """A heading as it stands in the file, its title without the unit, and the unit."""
+
+    text: str
+    title: str
+    unit: str
+
+    @classmethod
+    def of(cls, text: str) -> Heading:
+        """Split a heading into title and unit.
+
+        Examples
+        --------
+        >>> Heading.of("Normal load (kN)")[1:], Heading.of("F_N / N")[1:], Heading.of("COF")[1:]
+        (('Normal load', 'kN'), ('F_N', 'N'), ('COF', ''))
+        """
+        text = text.strip().strip('"')
+        for way in _WITH_UNIT:
+            if (match := re.fullmatch(way, text)) and match[1]:
+                unit = unit_of_table(match[2])
+                if way is _WITH_UNIT[0] or (is_unit(unit) if unit else text[-1] == ")"):
+                    return cls(text, match[1].strip(" /"), unit)
+        return cls(text, text, "")
+
+    @property
+    def name(self) -> str:
+        """Entry of a scene that it names exactly, if it is one."""
+        name = self.title.lower().replace(" ", "_")
+        return _EXACT.get(name, name)
+
+
+@dataclass(frozen=True)
+class Names:
+    """SI units of the quantities that are sought, None of text, and how headings name them."""
+
+    units: Mapping[str, str | None]
+
+    def sureness(self, name: str, heading: Heading) -> float:
+        """How surely a heading names a quantity; 0 if it does not."""
+        return 3.0 if self.fits(name, heading) and heading.name == name else 0.0
+
+    def fits(self, name: str, heading: Heading) -> bool:
+        """True if the unit of a heading does not contradict a quantity; text has none."""
+        unit, like = heading.unit, self.units[name]
+        return not unit or (not is_unit(unit) if like is None else is_unit(unit, like))
+
+    def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], list[str]]:
+        """Column that names each quantity most surely, and faults where several are as sure."""
+        places, faults = dict[str, int](), list[str]()
+        for name in self.units:
+            sure = [self.sureness(name, heading) for heading in headings]
+            found = [k for k, rank in enumerate(sure) if rank == max(sure) > 0]
+            if found:
+                places[name] = found[0]
+            if len(found) > 1:
+                several = ", ".join(quoted(headings[k].text) for k in found)
+                way = f'--column "{name}={headings[found[0]].text}"'
+                faults.append(f"{len(found)} columns may be {name}: {several}; choose by {way}")
+        return places, faults

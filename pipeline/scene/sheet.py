@@ -1,0 +1,359 @@
+"""One reader of tables: rows below headings, of text, of a workbook, or of columns in Python.
+
+Every row and cell is used, left out with the reason, or refused. A column is found by the plain
+name of a quantity, such as ``load [N]``. The extra of laboratories hands in further names, reads
+workbooks, and derives quantities from others, as its module ``tables``.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pipeline import extras
+from pipeline.scene.compounds import Table
+from pipeline.scene.faults import (
+    Fault,
+    Faults,
+    did_you_mean,
+    fault_lines,
+    listed_faults,
+    numbered,
+    quoted,
+)
+from pipeline.scene.kinds import OneOf
+from pipeline.scene.names import Heading, Names
+from pipeline.scene.units import clock_time, is_unit, to_si, unit_of_table
+from tribo import InputError
+from tribo.errors import reason_of, require_file
+from tribo.types import Array
+
+BETWEEN = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", "  ": "wide blanks",
+           " ": "blanks"}  # fmt: skip
+"""Separators of cells; the first wins where others do as well."""
+_GROUP = "'’\xa0\u202f"  # marks of thousands that are no mark of decimals
+NUMBER = re.compile(rf"[<>]?[+-]?(?:\d[\d.,{_GROUP}]*|[.,]\d+)(?:[eE][+-]?\d+)?(?:\s\D*)?")
+"""A number with any marks, and perhaps a unit."""
+_ZERO = re.compile(r"[+-]?0*[.,]?0*(?:[eE][+-]?\d+)?(?:\s.*)?")
+EMPTY = ("", "-", "–", "--", "---", "nan", "n/a", "na", "null", "none", "nat", "<na>")
+"""What stands in cells without a value, in small letters."""
+_MOST_ABOVE = 200  # rows among which that of the headings is sought
+_SAMPLE = 150  # lines at each end from which the separator is found
+_PLURAL = {"has": "have", "is": "are", "stands": "stand"}
+_DAY = 86400.0  # [s]
+
+
+class Row(NamedTuple):
+    """Cells of a row, and its number in the file."""
+
+    number: int
+    cells: list[str]
+
+
+class Lines(NamedTuple):
+    """Filled rows of a text or of a sheet, and words on how they are written."""
+
+    rows: list[Row]
+    form: list[str]
+
+
+@dataclass(slots=True)
+class Sheet:
+    """Rows of a table, the columns of its quantities, and what became of all other rows."""
+
+    name: str  # of the file, in messages
+    units: Mapping[str, str | None]  # SI units of quantities, None of text
+    headings: list[Heading]
+    places: dict[str, int]  # column of each quantity that was found
+    faults: list[str]
+    form: list[str]  # words on separators, decimals and the sheet
+    above: list[str]  # cells above the headings
+    rows: list[Row] = field(default_factory=list)  # that are used, with decimal points
+    left_out: dict[int, str] = field(default_factory=dict)  # reasons by the numbers of rows
+    sources: set[int] = field(default_factory=set)  # columns that others were made of
+
+    @property
+    def unused(self) -> list[str]:
+        """Headings of the columns that are not used."""
+        used = {*self.places.values(), *self.sources}
+        return [one.text for k, one in enumerate(self.headings) if one.text and k not in used]
+
+    @property
+    def counted(self) -> str:
+        """Numbers of rows used and left out, with the reasons; empty if all are used."""
+        said = []
+        for reason in dict.fromkeys(self.left_out.values()):
+            numbers = sorted(row for row, why in self.left_out.items() if why == reason)
+            verb, _, rest = reason.partition(" ")
+            said.append(f"{numbered(numbers)} {_PLURAL[verb] if numbers[1:] else verb} {rest}")
+        used, left = len(self.rows), len(self.left_out)
+        return f"{used + left} rows: {used} used, {left} left out: {'; '.join(said)}" * bool(left)
+
+    @property
+    def other_sheets(self) -> str:
+        """Words on the sheet that was read, and on the others; empty if there are none."""
+        return next((words for words in self.form if "(not read: " in words), "")
+
+    def heading(self, name: str) -> Heading:
+        """Heading of a quantity."""
+        return self.headings[self.places[name]]
+
+    def add(self, name: str, unit: str, cells: Iterable[str]) -> None:
+        """Append the column of a quantity that is given, or derived from others."""
+        self.places[name] = len(self.headings)
+        self.headings.append(Heading(name, name, unit))
+        for row, cell in zip(self.rows, cells, strict=True):
+            row.cells.append(cell)
+
+    def leave_out(self, reasons: Mapping[int, str]) -> None:
+        """Leave rows out, by their numbers."""
+        self.left_out |= reasons
+        self.rows = [row for row in self.rows if row.number not in reasons]
+
+    def require(self, needed: Collection[str], moving: Collection[str] = ()) -> None:
+        """Refuse a needed quantity without a column; leave out rows without it, or at rest."""
+        missing = {name: self.units[name] for name in needed if name not in self.places}
+        if missing and not self.faults:
+            asked = (f"{name} [{unit}]" if unit else name for name, unit in missing.items())
+            near = "".join(did_you_mean(heading.name, missing) for heading in self.headings)
+            heads = ", ".join(quoted(heading.text) for heading in self.headings) or "an empty file"
+            self.faults.append(f"no column {', '.join(asked)} in {heads}{near}")
+        columns = {name: self.places[name] for name in needed if name in self.places}
+        reasons = dict[int, str]()
+        for number, cells in self.rows:
+            if empty := [name for name, k in columns.items() if cells[k].lower() in EMPTY]:
+                reasons[number] = f"has no {' and no '.join(empty)}"
+            elif columns and not any(re.search(r"[\d#=]", cells[k]) for k in columns.values()):
+                reasons[number] = "has no number"
+            elif any(_ZERO.fullmatch(cells[k]) for name, k in columns.items() if name in moving):
+                reasons[number] = "is at rest"
+        self.leave_out(reasons)
+
+    def numbers(self, name: str) -> Array:
+        """Values of a quantity in SI, shape (rows,), NaN in empty cells; notes faulty cells."""
+        place, unit, like = self.places[name], self.heading(name).unit, self.units[name] or ""
+        share = 0.01 if unit == "%" else 1.0
+        zero, one = (to_si(f"{k} {unit}", f"1 {like}") if like and unit else k * share for k in (0, 1))
+        values, faults = np.full(len(self.rows), np.nan), list[Fault]()
+        is_clock = name == "time" and any(":" in row.cells[place] for row in self.rows[:1])
+        for k, (number, cells) in enumerate(self.rows):
+            cell = cells[place]
+            try:
+                if is_clock:
+                    values[k] = clock_time(cell)
+                elif (unit or not like) and re.fullmatch(r"[-+.\deE]+", cell):
+                    values[k] = zero + (one - zero) * float(cell)
+                elif cell.lower() not in EMPTY:
+                    values[k] = to_si(cell, f"1 {like}")
+            except ValueError as error:  # a UnitError is one
+                faults.append(Fault(name, self._hinted(name, str(error)), row=number))
+        self.faults += listed_faults(faults)
+        days = np.cumsum(np.diff(values, prepend=values[:1]) < -_DAY / 2)  # midnights
+        return values + _DAY * days - values[:1] if is_clock else values
+
+    def entries(
+        self, row_of: Table, words: Mapping[str, str] | None = None, may_lack: Collection[str] = ()
+    ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+        """Sound rows as tables of a scene, with outcomes for words, and the same in SI.
+
+        An empty cell of a column is a fault, but of one that may lack cells.
+        """
+        tables, read, faults = [], [], list[Fault]()
+        for number, cells in self.rows:
+            table, wrong = dict[str, Any](), Faults()
+            for name in (name for name in row_of.keys if name in self.places):
+                cell = cells[self.places[name]]
+                if isinstance(row_of.keys[name].kind, OneOf):
+                    table[name] = (words or {}).get(cell, cell)
+                elif cell.lower() not in EMPTY:
+                    table[name] = as_entry(cell, self.heading(name).unit)
+                elif name not in may_lack:
+                    wrong.refuse(name, "is empty; fill it, or leave out the row or the column")
+            if "number" in row_of.keys:
+                table.setdefault("number", f"row {number}")
+            values = row_of.read(table, "", wrong)
+            if not wrong:
+                tables.append(table)
+                read.append(values)
+            told = (one for one in wrong if one.key in self.places)  # a missing column is said once
+            faults += [Fault(k, self._hinted(k, why), row=number) for k, why, *_ in told]
+        self.faults += listed_faults(faults)
+        return tables, read
+
+    def _hinted(self, name: str, problem: str) -> str:
+        """A problem of a cell, with how to say the unit of its column."""
+        head = f"{self.heading(name).text} [{self.units.get(name) or '...'}]"
+        hint = f'; write the unit in the heading, or --column "{name}={head}"'
+        return problem + hint * ("has no unit" in problem)
+
+    def refuse_faults(self, first_line: str) -> None:
+        """Raise an `InputError` with all faults, or for an empty table."""
+        if not (self.rows or self.faults):
+            self.faults.append(f'there are no rows; begin with a line "{first_line}"')
+        if self.faults:
+            raise InputError(fault_lines(self.name, self.faults))
+
+
+@cache
+def laboratory() -> Any:
+    """Module that the extra hands in; None where it is not there."""
+    return next(extras.modules("tables"), None)
+
+
+def as_entry(cell: str, unit: str = "") -> str | float:
+    """A cell as a scene file has it: a number, or text with a unit."""
+    for number in (int, float) if not unit else ():
+        with suppress(ValueError):
+            return number(cell)
+    return f"{cell} {unit}".strip()
+
+
+def decoded(content: bytes) -> tuple[str, list[str]]:
+    """Text of a file in UTF-8, UTF-16 or Latin-1, and a word on the last."""
+    is_wide = content[:2] in (b"\xff\xfe", b"\xfe\xff") or content[1:200:2].count(0) > 50
+    with suppress(UnicodeDecodeError):
+        return content.decode("utf-16" if is_wide else "utf-8-sig").replace("\0", ""), []
+    return content.decode("cp1252", errors="replace").replace("\0", ""), ["Latin-1"]
+
+
+def split_lines(lines: Iterable[str], separator: str) -> Iterator[Row]:
+    """Number and cells of each line, which stand between separators outside of quotes."""
+    if separator == "  ":
+        yield from (Row(k, re.split(r"\s{2,}|\t", x.strip())) for k, x in enumerate(lines, 1))
+        return
+    stripped = map(str.strip, lines) if separator == " " else lines
+    reader = csv.reader(stripped, delimiter=separator, skipinitialspace=True)
+    yield from (Row(reader.line_num, [*map(str.strip, cells)]) for cells in reader)
+
+
+def find_separator(lines: Sequence[str]) -> str:
+    """The separator that makes most numbers, in rows of one length."""
+    filled = [line for line in lines if line.strip()]
+    sample = filled[:_SAMPLE] + filled[_SAMPLE:][-_SAMPLE:]
+
+    def fitness(separator: str) -> float:
+        rows = [row.cells for row in split_lines(sample, separator) if len(row.cells) > 1]
+        widths = [*map(len, rows)]
+        usual = max(widths, key=widths.count, default=0)
+        cells = [cell for row in rows if len(row) == usual for cell in row if cell]
+        numbers = sum(bool(NUMBER.fullmatch(cell)) for cell in cells)
+        return numbers**2 / max(len(cells), 1) + widths.count(usual) / 1e3
+
+    return max(BETWEEN, key=fitness)
+
+
+def read_lines(path: Path, sheet: str | None = None) -> list[Lines]:
+    """Rows of a text, or of each sheet of a workbook unless one is named."""
+    require_file(path)
+    try:
+        content = path.read_bytes()
+        if content.startswith((b"PK", b"\xd0\xcf\x11\xe0", b"%PDF")) or sheet:
+            tables: list[Lines] = extras.module("laboratory", "workbook").read_book(path, sheet)
+            return tables
+        text, form = decoded(content)
+        mark = find_separator(lines := text.splitlines())
+        rows = [row for row in split_lines(lines, mark) if any(row.cells)]
+    except (OSError, csv.Error) as error:
+        reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
+        raise InputError(f"{path} cannot be read: {reason}") from error
+    return [Lines(rows, [f"{BETWEEN[mark]} between cells", *form])]
+
+
+def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
+    """Headings of a row, with units that stand below them, and the number of rows of both."""
+    first, *others = rows[k].cells
+    heads = [Heading.of(cell) for cell in (first.lstrip("# "), *others)]
+    for taken, row in enumerate(rows[k + 1 : k + 3], 2):
+        units = [unit_of_table(cell.strip("[]")) for cell in row.cells[: len(heads)]]
+        if any(units) and all(map(is_unit, filter(None, units))):
+            for place, unit in enumerate(units):
+                text, title, own = heads[place]
+                if unit and not own:
+                    heads[place] = Heading(f"{text} [{unit}]", title, unit)
+            return heads, taken
+        if any(map(NUMBER.fullmatch, row.cells)):
+            break
+    return heads, 1
+
+
+def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | None = None) -> Sheet:
+    """The sheet below the row of headings that names most of the quantities that are sought."""
+    tops = [
+        (len(names.columns(headings_at(table.rows, k)[0])[0]), -place, -k)
+        for place, table in enumerate(tables)
+        for k, row in enumerate(table.rows[:_MOST_ABOVE])
+        if 2 * sum(bool(NUMBER.fullmatch(cell)) for cell in row.cells) <= len(row.cells)
+    ]
+    _, place, start = max(tops, default=(0, 0, 0))
+    rows, form = tables[-place]
+    headings, taken = headings_at(rows or [Row(0, [""])], -start)
+    body = rows[taken - start :]
+    while headings and not headings[-1].text:
+        del headings[-1]
+    if body and all(len(row.cells) == len(headings) + 1 and row.cells[-1] for row in body):
+        headings.insert(0, Heading("", "", ""))  # of an index
+    above = [cell for row in rows[:-start] for cell in row.cells]
+    sheet = Sheet(name, names.units, headings, *names.columns(headings), [*form], above)
+    is_inside, width = True, len(headings)
+    for number, cells in body:
+        filled = [cell for cell in cells if cell]
+        is_same, is_words = cells == rows[-start].cells, not any(map(NUMBER.fullmatch, filled))
+        if is_same or (is_words and len(filled) > 1):
+            is_inside = is_same or len(names.columns(headings_at([Row(0, cells)], 0)[0])[0]) < 2
+        if cells[0].startswith("#") and len(filled) == 1:
+            sheet.left_out[number] = "is commented out"
+        elif is_same or not is_inside:
+            sheet.left_out[number] = "has the headings again" if is_same else "stands below others"
+        elif any(cells[width:]):
+            sheet.faults.append(f"row {number}: {len(cells)} cells below {width} headings")
+        else:
+            sheet.rows.append(Row(number, [*cells, *[""] * width][:width]))
+    _make_plain(sheet, decimal)
+    return sheet
+
+
+def _make_plain(sheet: Sheet, decimal: str | None) -> None:
+    """Write numbers with a decimal point; beside one that may be another both stand."""
+    numeric = [k for name, k in sheet.places.items() if sheet.units[name] is not None]
+    cells = {row.cells[k].partition(" ")[0] for row in sheet.rows for k in numeric}
+    commas = [cell for cell in cells if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]
+    # Between commas they are quoted; those before three digits alone may be thousands.
+    is_sure = "commas between cells" not in sheet.form
+    is_comma = any(is_sure or not re.search(r"[1-9],\d{3}$", cell) for cell in commas)
+    mark, other = (",", ".") if decimal == "," or (is_comma and not decimal) else (".", ",")
+    sheet.form.append(f"decimal {'commas' if mark == ',' else 'points'}")
+    groups = re.compile(rf"[+-]?[1-9]\d{{0,2}}(?:[{other}{_GROUP}]\d{{3}})+(?![\d{other}])")
+    for row in sheet.rows:
+        for k, cell in enumerate(row.cells):
+            if match := groups.match(cell):
+                plain, rest = re.sub(f"[{other}{_GROUP}]", "", match[0]), cell[match.end() :]
+                is_plain = decimal or other not in match[0] or rest[:1] == mark
+                both = f"{plain} or {cell.replace(',', '.')}"
+                cell = plain + rest if is_plain else f"{cell}, {both} by the decimal mark"
+            is_comma = mark == "," and re.match(r"[+-]?\d*,\d*(?![\d,.])", cell)
+            row.cells[k] = cell.replace(",", ".", 1) if is_comma else cell
+
+
+def read_sheet(
+    source: Path | Lines, units: Mapping[str, str | None], needed: Collection[str],
+    moving: Collection[str] = (), sheet: str | None = None,
+) -> Sheet:  # fmt: skip
+    """Read a file, or lines of another origin, for quantities by their SI units.
+
+    Rows that lack a needed quantity, or in which a moving one is 0, are left out and counted.
+    """
+    names = laboratory().WordNames(units) if laboratory() else Names(units)
+    tables = read_lines(source, sheet) if isinstance(source, Path) else [source]
+    found = sheet_of("points" if isinstance(source, Lines) else str(source), tables, names)
+    if laboratory():
+        laboratory().derive(found, needed)
+    found.require(needed, moving)
+    return found
