@@ -15,12 +15,12 @@ from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.reading import SPEED, TORQUE
 from pipeline.gears.rules import warm_duty
 from pipeline.quantities import display
-from pipeline.scene.along import lines_of
+from pipeline.scene.along import columns_of, lines_of
 from pipeline.scene.compounds import Entry, Optional, Table
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import BULK
-from pipeline.scene.sheet import Sheet, read_sheet
 from pipeline.scene.kinds import Number, Quantity
+from pipeline.scene.sheet import Sheet, read_sheet
 
 
 class _Hours(Quantity):
@@ -137,7 +137,7 @@ def read_spectrum(
     Columns are ``torque``, ``speed`` and, if they are there, ``hours``, ``bulk temperature`` and
     ``load factor``, in place of those of the pair; see `warm_duty`.
     """
-    given = Path(source) if isinstance(source, str | PathLike) else lines_of(source)
+    given = Path(source) if isinstance(source, str | PathLike) else lines_of(columns_of(source))
     read = read_sheet(given, _UNITS, _DUTY[:2], _DUTY[:2], sheet)
     _, rows = read.entries(_ROW)
     read.refuse_faults("torque [N m],speed [rpm],hours")

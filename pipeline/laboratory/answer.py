@@ -56,10 +56,14 @@ def _log_result(path: Path, log: Log, taken: Mapping[str, Any]) -> Result:
     """What a log says."""
     found, faults = log.tests, log.sheet.faults
     if not faults:  # else rows are left out, and places are not those of tests
-        faults += [
-            f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}"
-            for place, problem in run_faults(log.in_si)
-        ] if log.row_of is TEST else []
+        faults += (
+            [
+                f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}"
+                for place, problem in run_faults(log.in_si)
+            ]
+            if log.row_of is TEST
+            else []
+        )
     toml = [*_log_toml(log, path, taken)] if found else []
     doubts = [*_doubts(log.in_si)] if log.row_of is not STAGES else []
     document = {
@@ -85,7 +89,9 @@ def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result
     document = {
         "file": str(path), **_about(read.sheet, read.export),
         "transition_time": None if scuff is None else float(trace.time[scuff.row]),
-        "stages": [stage._asdict() | {"rows": [stage.rows.start, stage.rows.stop]} for stage in trace.stages],
+        "stages": [
+            one._asdict() | {"rows": [one.rows.start, one.rows.stop]} for one in trace.stages
+        ],
         "candidates": [one._asdict() for one in trace.candidates],
         "tests": tests, "toml": "\n".join(toml),
     }  # fmt: skip
@@ -122,7 +128,8 @@ def _about(sheet: Sheet, export: Export) -> dict[str, Any]:
 def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
     """Number of tests, of their runs and oils, and of each outcome."""
     kinds = Counter(
-        test.get("outcome") or ("by steps" if {*test} & {"mild_up_to", "severe_at"} else "of a transition")
+        test.get("outcome")
+        or ("by steps" if {*test} & {"mild_up_to", "severe_at"} else "of a transition")
         for test in found
     )
     counts = ", ".join(f"{count} {name}" for name, count in sorted(kinds.items()))

@@ -23,7 +23,7 @@ _MOST_ROWS = 60  # in which signs are sought
 
 @dataclass(frozen=True)
 class Export:
-    """What a machine writes: how it is recognised, its columns, and how its quantities are meant."""
+    """What a machine writes: signs by which it is known, its columns, and what they mean."""
 
     title: str = ""
     signs: tuple[str, ...] = ()  # patterns of cells
@@ -52,7 +52,9 @@ def find_export(tables: Sequence[Lines], named: str | None) -> Export:
             raise InputError(f'no form "{named}"{near}; give one of {", ".join(exports())}')
         return exports()[named]
     cells = {cell for table in tables for row in table.rows[:_MOST_ROWS] for cell in row.cells}
-    counts = {name: sum(has_cell(cells, sign) for sign in one.signs) for name, one in exports().items()}
+    counts = {
+        name: sum(has_cell(cells, sign) for sign in one.signs) for name, one in exports().items()
+    }
     name = max(counts, key=lambda one: counts[one])
     return exports()[name] if counts[name] >= _LEAST_SIGNS else Export()
 

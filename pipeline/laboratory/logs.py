@@ -13,6 +13,7 @@ from pipeline.laboratory.exports import Export
 from pipeline.laboratory.reading import Read, read_table
 from pipeline.laboratory.tables import vocabulary
 from pipeline.scene.compounds import Table
+from pipeline.scene.faults import numbered
 from pipeline.scene.format import STAGES, TEST, TRANSITION
 from pipeline.scene.sheet import Sheet
 from pipeline.sweep.about import OUTCOMES
@@ -84,17 +85,21 @@ class Log:
         """What was recognised though not named exactly, what is not used, and the rows counted."""
         meant = [*((text, name) for name, text in self.renamed.items()), *self.words.items()]
         read = ", ".join(f'"{said}" as {name}' for said, name in meant)
-        lacks = [
-            f"{name} is empty in {len(rows)} of {len(self.sheet.rows)} rows, where the scene's counts"
-            for name in ("friction",)
-            if name in self.sheet.places
-            and (rows := [r for r in self.sheet.rows if not r.cells[self.sheet.places[name]]])
+        place = self.sheet.places.get("friction")
+        empty = [
+            one.number for one in self.sheet.rows if place is not None and not one.cells[place]
         ]
         unused = ", ".join(self.sheet.unused)
         return [
-            *filter(None, [self.sheet.counted, f"read {read}" if read else ""]), *lacks,
-            *([f"columns not used: {unused}"] if unused else []),
-        ]  # fmt: skip
+            words
+            for words, is_told in (
+                (self.sheet.counted, self.sheet.counted),
+                (f"read {read}", read),
+                (f"{numbered(empty)}: no friction, so the scene's counts" if empty else "", empty),
+                (f"columns not used: {unused}", unused),
+            )
+            if is_told
+        ]
 
 
 def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> Log:
@@ -202,8 +207,8 @@ def _double_transitions(log: Log) -> list[str]:
     runs = [row.cells[place] for row in log.sheet.rows]
     twice = {run: runs.count(run) for run in runs if run and runs.count(run) > 1}
     return [
-        f'{log.sheet.headings[place].text} "{run}" has {count} transitions, and a specimen has one; '
-        "name the outcomes of its rows, or leave rows out by --skip"
+        f'{log.sheet.headings[place].text} "{run}" has {count} transitions, and a specimen has '
+        "one; name the outcomes of its rows, or leave rows out by --skip"
         for run, count in twice.items()
     ]
 

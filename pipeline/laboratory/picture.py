@@ -49,7 +49,7 @@ def draw_trace(trace: Trace, title: str) -> Figure:
         friction.plot([at, at], [one.low, one.high], color=colour, marker="o", markersize=4)
         words = "scuffing" if is_scuff else one.why_not
         friction.annotate(
-            words, (at, one.high), textcoords="offset points", xytext=(-6, 4), ha="right",
-            color=colour,
+            words, (at, one.high), textcoords="offset points", xytext=(-6, -4), ha="right",
+            va="top", color=colour,
         )  # fmt: skip
     return figure

@@ -49,15 +49,15 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
     known = {*OF_TESTS, *OF_TRACE, *INGREDIENTS}
     for option in ("columns", "given"):
         for name in (one for one in options.get(option) or () if one not in known):
-            near, listed = did_you_mean(name, known), ", ".join(sorted(known))
-            raise InputError(f"{option}.{name}: no such quantity{near}; give one of {listed}")
+            near, every = did_you_mean(name, known), ", ".join(sorted(known))
+            raise InputError(f"{option}.{name}: no such quantity{near}; give one of {every}")
     names = WordNames(units_of([*wanted]), options.get("columns") or {}, export.columns)
     sheet = sheet_of(str(path), tables, names, options.get("decimal"))
     for name, head in names.chosen.items():
         _choose_unit(sheet, name, Heading.of(head).unit)
         if name in sheet.units and name not in sheet.places:
-            heads = ", ".join(quoted(one.text) for one in sheet.headings)
-            sheet.faults.append(f"columns.{name}: no column {quoted(head)}; give one of {heads}")
+            every = ", ".join(quoted(one.text) for one in sheet.headings)
+            sheet.faults.append(f"columns.{name}: no column {quoted(head)}; give one of {every}")
     for name, unit in export.units.items():
         _choose_unit(sheet, name, unit)
     _take_rows(sheet, options.get("where") or {}, is_kept=True)
@@ -140,8 +140,8 @@ def _mend_ends(sheet: Sheet, step: str) -> None:
 
 def _read_beyond(sheet: Sheet, name: str) -> set[int]:
     """Rows that say that a value was passed; their cells become that value, words become empty."""
-    rows, place = set[int](), sheet.places.get(name)
-    for number, cells in sheet.rows if place is not None else ():
+    rows, place = set[int](), sheet.places.get(name, 0)
+    for number, cells in sheet.rows if name in sheet.places else ():
         if match := _BEYOND.fullmatch(cells[place]):
             rows.add(number)
             cells[place] = match[1] or match[2]
@@ -172,9 +172,7 @@ def read_trace(read: Read) -> Trace:
         sheet.faults.append(asked["friction"])
     sheet.require(["time", "friction"])
     columns = {
-        name: sheet.numbers(name)
-        for name in (*_NEEDED, "bulk_temperature")
-        if name in sheet.places
+        name: sheet.numbers(name) for name in (*_NEEDED, "bulk_temperature") if name in sheet.places
     }
     if sheet.faults:
         raise InputError(fault_lines(sheet.name, sheet.faults))
@@ -205,7 +203,7 @@ def read_trace(read: Read) -> Trace:
     return Trace(**columns)
 
 
-def _drop(sheet: Sheet, columns: dict[str, Array], reason: str, rows: Array) -> None:
+def _drop(sheet: Sheet, columns: dict[str, Array], reason: str, rows: Any) -> None:
     """Leave out rows of a sheet, and of the values of its columns."""
     numbers = [row.number for row, is_out in zip(sheet.rows, rows, strict=True) if is_out]
     sheet.leave_out(dict.fromkeys(numbers, reason))

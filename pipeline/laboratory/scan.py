@@ -1,4 +1,4 @@
-"""Statistics of a measured surface, and the random roughness that is like it."""
+"""Roughness of a measured surface by ISO 25178, and the random roughness that is like it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,186 +14,195 @@ from pipeline.laboratory.surfaces import (
     Flip,
     MeasuredSurface,
     axis_note,
-    filled,
-    levelled,
+    form_words,
     oriented,
     read_surface,
     tilt_doubts,
-    tilts,
 )
 from pipeline.quantities import display, display_sides, shown_in
 from pipeline.scene.units import in_si
 from pipeline.sweep.shown import shown
-from tribo import InputError
+from tribo import Grid, InputError
 from tribo.surface import (
-    AutocorrelationLengths,
+    ArealRoughness,
     SelfAffineFit,
-    autocorrelation_lengths,
-    average_roughness,
+    areal_roughness,
     fit_self_affine,
-    rms_height,
+    remove_form,
+    self_affine,
 )
 from tribo.types import Array
 
 _ASKEW = 0.5  # skewness beyond which a random surface is a poor likeness
 _UNLIKE = 5  # factor between spectra, beyond which a fit stands for no scan
-_SHORT = 10.0  # correlation lengths along a side, below which few of them are seen
-_LAY = 0.5  # Str of ISO 25178, below which a surface has a lay
 _FLATTEST, _ROUGHEST = 1e-10, 1e-4  # Rq [m], beyond which the unit of heights is doubted
 _FINEST, _COARSEST = 1e-9, 1e-3  # sides of a pixel [m], beyond which their unit is doubted
 _HIGHEST = 1.0  # height [m], above which the unit is wrong
-_ROUNDING = 1e-9  # share of the heights below which what is left above their plane is rounding
-_DEGREES = 10.0  # angle of a lay to an axis beyond which the fit along the axes is another surface
+_LIKENESSES = 8  # random surfaces that are made beside a scan
+_NEAR = 0.15  # share of their mean within which the scan is like them
+_SCATTERS = 2.0  # standard deviations of single surfaces within which it is, too
+_COMPARED = {"Rq": "rq", "Sal": "sal", "Str": "aspect"}
+
+
+class Likeness(NamedTuple):
+    """One quantity of the scan beside those of random surfaces of its fit, in its own window."""
+
+    scan: float
+    mean: float
+    scatter: float  # standard deviation from surface to surface, a share of the mean
+
+    @property
+    def is_like(self) -> bool:
+        """True within 15 % of the mean, or within twice the scatter."""
+        reach = max(_NEAR, _SCATTERS * self.scatter) * self.mean
+        return abs(self.scan - self.mean) <= reach
 
 
 @shown
 @dataclass(frozen=True, slots=True)
 class SurfaceStatistics:
-    """Roughness of a scan, above its least-squares plane."""
+    """Roughness of a scan above its form, of measured heights alone."""
 
     file: str  #: File of the scan.
     shape: tuple[int, int]  #: Numbers of heights along x and y.
     pixel_size: tuple[float, float]  #: Sides of a pixel along x and y [m].
-    missing: int  #: Heights that the instrument has not, filled smoothly from around them.
-    ra: float  #: Average roughness [m].
-    rq: float  #: Root mean square roughness [m].
-    skewness: float  #: Of the heights; 0 on a random surface.
-    kurtosis: float  #: Of the heights; 3 on a random surface.
-    tilt: tuple[float, float]  #: Of the plane along x and y that was taken off [°].
-    fit: SelfAffineFit  #: Correlation lengths, Hurst exponent and lay, with standard errors.
-    lengths: AutocorrelationLengths  #: Where the autocorrelation has fallen to 1/e.
+    missing: int  #: Heights that the instrument has not, which are left out.
+    roughness: ArealRoughness  #: Ra, Rq, Sal, Str, lay and form.
+    fit: SelfAffineFit | None = None  #: Random roughness whose spectrum is nearest.
+    fault_of_fit: str = ""  #: Why no random roughness can stand for the scan; empty if one can.
+    likeness: tuple[
+        tuple[str, Likeness], ...
+    ] = ()  #: The scan beside random surfaces, by quantity.
     axis: str = ""  #: Direction of sliding in the file.
-    notes: tuple[str, ...] = ()  #: What the file says, and the arguments say otherwise.
+    notes: tuple[str, ...] = ()  #: What the file says, and the arguments say otherwise; and holes.
 
     @property
-    def has_lay(self) -> bool:
-        """True if the correlation lengths differ by more than three standard errors.
+    def ra(self) -> float:
+        """Average roughness [m]."""
+        return self.roughness.ra
 
-        Where the fit failed, the autocorrelation tells.
-        """
-        if not self.is_self_affine:
-            return self.lengths.shortest < _LAY * self.lengths.longest
-        (x, y), (error_x, error_y) = self.fit.correlation_length, self.fit.length_error
-        return bool(abs(np.log(x / y)) > 3 * np.hypot(error_x / x, error_y / y))
+    @property
+    def rq(self) -> float:
+        """Root mean square roughness [m]."""
+        return self.roughness.rq
+
+    @property
+    def is_like(self) -> bool:
+        """True where a random roughness can stand for the scan."""
+        return not self.fault_of_fit
 
     @property
     def toml(self) -> str:
-        """Table ``[disk.roughness]`` of a scene, whose surfaces have these statistics."""
-        x, y = (f'"{display(length, "um", 3)}"' for length in self.fit.correlation_length)
-        mean = f'"{display(float(np.sqrt(np.prod(self.fit.correlation_length))), "um", 3)}"'
+        """Table ``[disk.roughness]`` of a scene for random surfaces; empty if none is like it."""
+        if self.fit is None or not self.is_like:
+            return ""
+        lengths = [f'"{display(x, "um", 3)}"' for x in lengths_of(self.fit, self.roughness)]
+        length = lengths[0] if lengths[0] == lengths[1] else f"[{', '.join(lengths)}]"
         return (
             "[disk.roughness]\n"
             f'ra = "{display(self.ra, "um", 4)}"\n'
             f"hurst_exponent = {self.fit.hurst_exponent:.3g}\n"
-            f"correlation_length = {f'[{x}, {y}]' if self.has_lay else mean}\n"
+            f"correlation_length = {length}\n"
         )
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Reasons why a random surface may differ from the scan."""
+        """Reasons why the numbers, or a random surface, may differ from the scan."""
         return tuple(self._warnings())
 
     def _warnings(self) -> Iterator[str]:
+        rough, sal = self.roughness, self.roughness.sal
         yield from self.notes
         if not _FLATTEST <= self.rq <= _ROUGHEST:
             rq = display(self.rq, "µm", 3)
             yield f"Rq is {rq}: check the unit of the heights (--height-unit)"
         if not _FINEST <= min(self.pixel_size) <= max(self.pixel_size) <= _COARSEST:
             yield "check the size of the pixels (--pixel-size)"
-        if self.lengths.shortest < min(self.pixel_size):
+        if sal < min(self.pixel_size):
             yield "neighbouring heights hardly depend on each other: noise, or too coarse pixels"
-        yield from tilt_doubts(self.tilt)
+        yield from tilt_doubts(rough.slopes)
         if self.missing:
-            share = 100 * self.missing / np.prod(self.shape)
-            yield f"{self.missing} heights ({share:.2g} %) are missing and were filled"
-        if abs(self.skewness) > _ASKEW:
+            share = 100 * self.missing / math.prod(self.shape)
+            yield f"{self.missing} heights ({share:.2g} %) are missing and left out"
+        if abs(rough.skewness) > _ASKEW:
             yield (
-                f"skewness {self.skewness:.2g}: a random surface has 0; simulate the scan itself: "
+                f"skewness {rough.skewness:.2g}: a random surface has 0; simulate the scan itself: "
                 f'disk.roughness.file = "{self.file}"'
             )
-        askew = abs((self.fit.lay + 45) % 90 - 45)
-        is_askew = self.is_self_affine and askew > max(_DEGREES, 3 * self.fit.lay_error)
-        if self.has_lay and is_askew:
+        widest = max((one.scatter for _, one in self.likeness), default=0.0)
+        if widest > _NEAR:
+            sides = np.multiply(self.shape, self.pixel_size)
+            many = widest / _NEAR * min(sides) / sal
             yield (
-                f"the lay runs at {self.fit.lay:.0f}° from x, and [disk.roughness] has lays along "
-                "x or y alone: turn the scan, or simulate the scan itself"
+                f"single surfaces of this size differ by {100 * widest:.0f} %: measure at least "
+                f"{many:.2g} correlation lengths (of {display(sal, 'µm', 3)}) along each side"
             )
-        along = self.lengths.along_x, self.lengths.along_y
-        for axis, count, side, length in zip("xy", self.shape, self.pixel_size, along, strict=True):
-            if count * side < _SHORT * length:
-                many = f"{count * side / length:.2g}" if math.isfinite(length) else "under 2"
-                yield f"the scan is {many} 1/e lengths long along {axis}: measure a larger area"
-        if 2 < self.fit.misfit <= _UNLIKE:
-            yield (
-                f"the fitted spectrum is off by a factor {self.fit.misfit:.2g} at some wavelengths:"
-                " the scan is not self-affine, or its instrument filters it"
-            )
-
-    @property
-    def fault_of_fit(self) -> str:
-        """Why no random roughness can stand for the scan; empty if one can."""
-        if self.fit.misfit > _UNLIKE:
-            return f"not self-affine: the best fit is off by a factor {self.fit.misfit:.2g}"
-        lengths = zip(self.fit.correlation_length, self.fit.length_error, strict=True)
-        if any(error > length for length, error in lengths):
-            return (
-                "too few heights, or too coarse pixels: the fit's lengths err by more than they are"
-            )
-        return ""
-
-    @property
-    def is_self_affine(self) -> bool:
-        """True where a random roughness can stand for the scan."""
-        return not self.fault_of_fit
 
     def as_dict(self) -> dict[str, Any]:
         """Return the statistics by name, with the table as text."""
-        fitted = self.is_self_affine
+        rough = self.roughness
         return asdict(self) | {
-            "fit": asdict(self.fit) if fitted else None,
-            "lengths": asdict(self.lengths) | {"texture_aspect": self.lengths.texture_aspect},
-            "toml": self.toml if fitted else None,
+            "roughness": asdict(rough) | {"sal": rough.sal, "str": rough.aspect, "lay": rough.lay},
+            "likeness": {
+                name: one._asdict() | {"is_like": one.is_like} for name, one in self.likeness
+            },
+            "toml": self.toml or None,
             "warnings": list(self.warnings),
-        }
+        }  # fmt: skip
 
     def lines(self) -> Iterator[str]:
-        """Describe the scan, a line for each quantity."""
-        lengths = (n * side for n, side in zip(self.shape, self.pixel_size, strict=True))
+        """Describe the scan, a line for each quantity, and the table of random surfaces like it."""
+        sides = (n * side for n, side in zip(self.shape, self.pixel_size, strict=True))
         yield (
-            f"{self.file}: {self.shape[0]} × {self.shape[1]} heights, {display_sides(lengths)}, "
+            f"{self.file}: {self.shape[0]} × {self.shape[1]} heights, {display_sides(sides)}, "
             f"pixels {display_sides(self.pixel_size)}"
         )
         yield f"  {self.axis}"
         yield from (f"  {name:20}{value}" for name, value in self._quantities())
         yield from (f"  {'warning':20}{warning}" for warning in self.warnings)
+        yield ""
+        if self.is_like:
+            yield from ["random surfaces like it, in a scene:", "", *self.toml.splitlines()]
+        else:
+            yield (
+                f"no random surface is like it ({self.fault_of_fit}): use the scan itself, as "
+                "disk.roughness.file"
+            )
 
     def _quantities(self) -> Iterator[tuple[str, str]]:
-        """Quantities of the scan, in words; those of the fit if it did not fail."""
-        fit, lengths = self.fit, self.lengths
-        percent = f"  ± {100 * fit.rms_error:.2g} % from surface to surface of this size"
-        yield "Ra", f"{display(self.ra, 'µm', 4)}{percent * self.is_self_affine}"
+        """Quantities of the scan, in words."""
+        rough, lengths, curved = (
+            self.roughness,
+            self.roughness.lengths,
+            form_words(self.roughness.radii),
+        )
+        yield "Ra", display(self.ra, "µm", 4)
         yield "Rq", display(self.rq, "µm", 4)
-        yield "skewness, kurtosis", f"{self.skewness:.2g}, {self.kurtosis:.2g}"
-        yield "tilt", "{:.2g}° along x, {:.2g}° along y, taken off".format(*self.tilt)
-        lay = f"{lengths.direction:.0f}° from x"
-        if self.is_self_affine:
-            lay = f"{fit.lay:.0f}° from x ± {fit.lay_error:.1g}°"
-        yield "lay", lay if self.has_lay else "none"
+        yield "skewness, kurtosis", f"{rough.skewness:.2g}, {rough.kurtosis:.2g}"
+        tilt = np.degrees(np.arctan(rough.slopes))
+        yield "tilt", "{:.2g}° along x, {:.2g}° along y, taken off".format(*tilt)
+        if curved:
+            yield "curvature", f"R {curved}, taken off; a pin's radius belongs into pin.radius"
+        yield "lay", "none" if rough.lay is None else f"{rough.lay:.0f}° from x"
         x, y = (_worded(length) for length in (lengths.along_x, lengths.along_y))
         yield "1/e lengths", f"{x} along x, {y} along y, of the autocorrelation"
-        aspect, sal = lengths.texture_aspect, _worded(lengths.shortest)
-        ratio = "not known" if math.isnan(aspect) else f"{aspect:.2g}"
-        yield "Sal, Str", f"{sal}, {ratio} (ISO 25178, at 1/e for its usual 0.2)"
-        if not self.is_self_affine:
-            yield "spectrum", f"{self.fault_of_fit}; so it gives no length and no Hurst exponent"
-            return
-        x, y = (
-            f"{shown_in(length, 'µm'):.3g} ± {display(error, 'µm', 1)}"
-            for length, error in zip(fit.correlation_length, fit.length_error, strict=True)
-        )
-        yield "correlation length", f"{x} along x, {y} along y, of the fitted spectrum"
-        yield "Hurst exponent", f"{fit.hurst_exponent:.3g} ± {fit.hurst_error:.1g}"
-        yield "spectrum", f"within a factor {fit.misfit:.2g} of that of the fit"
+        yield "Sal, Str", f"{_worded(rough.sal)}, {rough.aspect:.2g} (ISO 25178, at 1/e for 0.2)"
+        for name, one in self.likeness:
+            shown_ = _worded if name != "Str" else "{:.2g}".format
+            yield (
+                f"{name} of random ones",
+                f"{shown_(one.mean)} ± {100 * one.scatter:.2g} % from surface to surface, here "
+                f"{shown_(one.scan)}{'' if one.is_like else ': unlike'}",
+            )
+        if self.fit is not None:
+            x, y = (f"{shown_in(length, 'µm'):.3g}" for length in self.fit.correlation_length)
+            yield (
+                "fitted spectrum",
+                (
+                    f"correlation length {x} µm along x, {y} µm along y, Hurst exponent "
+                    f"{self.fit.hurst_exponent:.3g} ± {self.fit.hurst_error:.1g}"
+                ),
+            )
 
     def __str__(self) -> str:
         return "\n".join(self.lines())
@@ -206,12 +215,12 @@ def surface_statistics(
     transpose: bool = False,
     flip: Flip = "no",
 ) -> SurfaceStatistics:
-    """Find the roughness of a scan, and the random roughness that is like it.
+    """Find the roughness of a scan by ISO 25178, and the random roughness that is like it.
 
     Parameters
     ----------
     path : str or Path
-        Plain array (.npy, .csv), or the file of an instrument, with the extra ``surfaces``.
+        Plain array (.npy), text, or the file of an instrument, with the extra ``surfaces``.
     height_unit : float or str, optional
         Unit of the heights, such as ``"um"``, where the file gives none or a wrong one. A
         name, or a length in m.
@@ -226,8 +235,13 @@ def surface_statistics(
     Raises
     ------
     InputError
-        If the file cannot be read, or lacks a unit or the size of its pixels; or if it has fewer
-        than 16 heights along a side.
+        If the file cannot be read, is a profile, or lacks a unit or the size of its pixels.
+
+    Notes
+    -----
+    The plane is taken off, and a curvature that stands out. Holes are left out. Eight random
+    surfaces are made with the fitted spectrum in the window of the scan. They are like it if its
+    Rq, Sal and Str lie within 15 % of their means, or within twice their scatter.
 
     Examples
     --------
@@ -263,36 +277,61 @@ def _described(
     path: str | Path, surface: MeasuredSurface, sides: tuple[float, float], axis: str
 ) -> SurfaceStatistics:
     """Statistics of a surface whose pixels are known."""
-    highest = np.abs(surface.heights[np.isfinite(surface.heights)]).max(initial=0.0)
+    heights = surface.heights
+    highest = np.abs(heights[np.isfinite(heights)]).max(initial=0.0)
     if highest > _HIGHEST:
         raise InputError(f"heights of {highest:.3g} m; give the unit that they are in, height_unit")
-    holes = int(np.count_nonzero(~np.isfinite(surface.heights)))
-    heights = filled(surface.heights)
-    if min(heights.shape) < 2:
-        raise InputError("a profile; give a map of heights")
-    level = levelled(heights)
-    if rms_height(level) <= _ROUNDING * highest:
-        raise InputError("the heights are a plane, without any roughness; give another file")
+    rough = areal_roughness(heights, sides)
+    fit, likeness, fault = _compare(heights, sides, rough)
     return SurfaceStatistics(
         file=str(path),
-        shape=(level.shape[0], level.shape[1]),
+        shape=(heights.shape[0], heights.shape[1]),
         pixel_size=sides,
-        missing=holes,
-        ra=average_roughness(level),
-        rq=rms_height(level),
-        skewness=_moment(level, 3),
-        kurtosis=_moment(level, 4),
-        tilt=tilts(heights, level, sides),
-        fit=fit_self_affine(level, sides),
-        lengths=autocorrelation_lengths(level, sides),
+        missing=int(np.count_nonzero(~np.isfinite(heights))),
+        roughness=rough,
+        fit=fit,
+        fault_of_fit=fault,
+        likeness=likeness,
         axis=axis,
         notes=surface.notes,
     )
 
 
+def _compare(
+    heights: Array, sides: tuple[float, float], rough: ArealRoughness
+) -> tuple[SelfAffineFit | None, tuple[tuple[str, Likeness], ...], str]:
+    """The fit of a spectrum, the scan beside random surfaces of it, and why they are unlike."""
+    level, *_ = remove_form(heights, sides)
+    holes = ~np.isfinite(level)
+    try:
+        fit = fit_self_affine(np.where(holes, 0.0, level), sides)
+    except InputError as error:
+        return None, (), str(error)
+    if fit.misfit > _UNLIKE:
+        return fit, (), f"its spectrum is off the best fit by a factor {fit.misfit:.2g}"
+    found = dict[str, list[float]]()
+    for seed in range(_LIKENESSES):
+        grid, lengths = Grid(level.shape, sides), lengths_of(fit, rough)
+        other = self_affine(grid, rough.ra, fit.hurst_exponent, lengths, seed=seed)
+        described = areal_roughness(np.where(holes, np.nan, other), sides)
+        for name, quantity in _COMPARED.items():
+            found.setdefault(name, []).append(getattr(described, quantity))
+    likeness = []
+    for name, values in found.items():
+        mean = float(np.mean(values))
+        scatter = float(np.std(values, ddof=1)) / mean if 0 < mean < math.inf else 0.0
+        likeness.append((name, Likeness(getattr(rough, _COMPARED[name]), mean, scatter)))
+    unlike = [name for name, one in likeness if not one.is_like]
+    fault = f"its {' and '.join(unlike)} {'differ' if unlike[1:] else 'differs'}" if unlike else ""
+    return fit, tuple(likeness), fault
+
+
+def lengths_of(fit: SelfAffineFit, rough: ArealRoughness) -> tuple[float, float]:
+    """Correlation lengths of random surfaces: of both axes if there is a lay, else their mean."""
+    x, y = fit.correlation_length
+    mean = math.sqrt(x * y)
+    return (x, y) if rough.lay is not None else (mean, mean)
+
+
 def _worded(length: float) -> str:
     return display(length, "µm", 3) if math.isfinite(length) else "over half the scan"
-
-
-def _moment(level: Array, order: int) -> float:
-    return float(np.mean((level / rms_height(level)) ** order))

@@ -1,31 +1,31 @@
-"""Measured surfaces: reading their files, turning them, taking off planes and filling holes."""
+"""Measured surfaces: reading their files, turning them, taking off their form, filling holes."""
 
 from __future__ import annotations
 
-import importlib.util
-import warnings
+import tokenize
 import zipfile
 from collections.abc import Mapping
-from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from pipeline.laboratory.plain_scan import read_heights
-from pipeline.laboratory.spreadsheet import unpacked_size
+from pipeline.laboratory.instruments import Raw, read_instrument
 from pipeline.laboratory.text_scan import TEXT, read_text
+from pipeline.laboratory.workbook import unpacked_size
 from pipeline.quantities import display, display_sides
 from pipeline.scene.faults import Faults
 from tribo import InputError
 from tribo.errors import reason_of, require_file
+from tribo.surface import average_roughness, remove_form, rms_height
 from tribo.types import Array
 
-_MOST_BYTES = 2**30  # that an archive may unpack to
+_MOST_BYTES = 2**30  # that a file or an archive may unpack to
+_MOST_HEIGHTS = 10**8
 _SAME = 0.01  # share of a length within which two say the same
 _STEEPEST = 20.0  # tilt [°] that leaves no pixel of an instrument its height
-_IMAGES = (".tif", ".tiff", ".png", ".jpg", ".jpeg", ".bmp", ".gif")
+_LONE = 30.0  # root mean square heights from all others, from which on a value is no height
 
 
 def axis_note(transpose: bool) -> str:
@@ -43,127 +43,109 @@ class MeasuredSurface:
 
     heights: Array
     pixel_size: tuple[float, float] | None = None
-    notes: tuple[str, ...] = ()  # on what the file says and a user says otherwise
+    notes: tuple[str, ...] = ()  # on what the file says and a user says otherwise, and on holes
+    steps: tuple[float, float] | None = None  # sides of a pixel in an unknown unit
 
     def replace_pixels(self, sides: tuple[float, float]) -> MeasuredSurface:
-        """The surface with other sides of a pixel than the file says [m]."""
-        own, notes = self.pixel_size, self.notes
-        if own and not np.allclose(own, sides, rtol=_SAME, atol=0):
-            notes += (f"the given pixels count, not those of the file, {display_sides(own)}",)
-        return MeasuredSurface(self.heights, sides, notes)
+        """The surface with other sides of a pixel than the file says [m]; their ratio stays."""
+        own, notes = self.pixel_size or self.steps, self.notes
+        if own and abs(own[0] / own[1] * sides[1] / sides[0] - 1) > _SAME:
+            raise InputError(
+                f"pixels of {display_sides(sides)} are given, and those of the file are as "
+                f"{own[0]:.4g} to {own[1]:.4g}; give that ratio, or leave them out"
+            )
+        if self.pixel_size and not np.allclose(self.pixel_size, sides, rtol=_SAME, atol=0):
+            notes += (f"the given pixels count, not the file's, {display_sides(self.pixel_size)}",)
+        return replace(self, pixel_size=sides, notes=notes)
 
 
 def read_surface(path: str | Path, height_unit: float | None = None) -> MeasuredSurface:
-    """A measured surface from a plain array, text, or a file of SurfaceTopography's formats.
+    """A measured surface from a plain array, text, or the file of an instrument.
 
     In each x goes from column to column of the file, and a line of it is one of equal y.
-    The length of one unit of the heights [m] goes before what the file says. Raise an `InputError`
-    if it is missing, the file is no surface, or the extra for its format is not installed.
+    The length of one unit of the heights [m] goes before what the file says. Lone values that are
+    no heights are holes. Raise an `InputError` if the unit is missing, the file is a profile or no
+    surface, or the extra for its format is not installed.
     """
     path = Path(path)
-    if path.suffix.lower() in TEXT:
-        return _read_text_file(path, height_unit)
-    if path.suffix.lower() != ".npy":
-        return _read_instrument(path, height_unit)
-    if height_unit is None:
-        raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
-    return MeasuredSurface(read_heights(path, height_unit))
-
-
-def _read_text_file(path: Path, height_unit: float | None) -> MeasuredSurface:
-    """A surface of text, whose comments may say the unit and the size of its pixels."""
     require_file(path)
+    suffix, steps = path.suffix.lower(), None
     try:
-        heights, pixel_size, said = read_text(path)
-    except InputError:
-        knows_more = importlib.util.find_spec("SurfaceTopography") is not None
-        if path.suffix.lower() not in (".csv", ".xyz") and knows_more:
-            with suppress(InputError):  # an instrument's own text
-                return _read_instrument(path, height_unit)
-        raise
+        size = unpacked_size(path) if zipfile.is_zipfile(path) else path.stat().st_size
+        if size > _MOST_BYTES:
+            raise InputError(
+                f"{path}: {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB are read. "
+                "Crop or average the surface first"
+            )
+        if suffix in TEXT:
+            text = read_text(path)
+            raw, steps = Raw(text.heights, text.pixel, text.unit), text.steps
+        elif suffix == ".npy":
+            raw = Raw(_read_array(path), None, None)
+        else:
+            raw = read_instrument(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
-    if (unit := height_unit or said) is None:
-        raise InputError(f"{path}: the text says no unit of its heights; give height_unit")
-    heights = heights * unit
-    if (infinite := np.argwhere(np.isinf(heights))).size:
-        column, row = infinite[0].tolist()
-        raise InputError(
-            f"{path}: the height at row {row}, column {column} (counted from 0) is infinite; write "
-            "holes as NaN"
-        )
-    return MeasuredSurface(heights, pixel_size, _unit_note(said, height_unit))
+    if (unit := height_unit or raw.unit) is None:
+        raise InputError(f"{path}: the file says no unit of its heights; give height_unit")
+    notes = list[str]()
+    if raw.unit and not np.isclose(raw.unit, unit, rtol=_SAME, atol=0):
+        notes.append(f"the given height unit counts, {unit:g} m, not the file's, {raw.unit:g} m")
+    heights = raw.heights.astype(np.float64) * unit
+    infinite = np.count_nonzero(np.isinf(heights))
+    heights[np.isinf(heights)] = np.nan
+    notes += [f"{infinite} infinite heights are holes"] if infinite else []
+    notes += _lone_values(heights, unit)
+    if min(heights.shape) < 2:
+        _refuse_profile(path, heights[np.isfinite(heights)])
+    return MeasuredSurface(np.ascontiguousarray(heights), raw.pixel, tuple(notes), steps)
 
 
-def _unit_note(own: float | None, given: float | None) -> tuple[str, ...]:
-    """A note where a unit [m] is given that is not the file's own."""
-    if own is None or given is None or np.isclose(own, given, rtol=_SAME, atol=0):
-        return ()
-    return (f"the given height unit counts, {given:g} m, not that of the file, {own:g} m",)
-
-
-def _read_instrument(path: Path, height_unit: float | None) -> MeasuredSurface:
-    """A surface of one of SurfaceTopography's formats."""
-    _require_small_file(path)
-    if path.suffix.lower() in _IMAGES:
-        raise InputError(
-            f"{path}: an image, whose grey values are no heights of a known unit; export the "
-            "heights from the instrument's software as .x3p, .sur, text or .npy"
-        )
+def _read_array(path: Path) -> Array:
+    """Heights of a two-dimensional array as NumPy writes it."""
     try:
-        formats: Any = importlib.import_module("SurfaceTopography.IO")
-    except ImportError as error:
+        with path.open("rb") as file:
+            if file.read(len(np.lib.format.MAGIC_PREFIX)) != np.lib.format.MAGIC_PREFIX:
+                raise ValueError("the file does not begin as NumPy writes arrays")
+        array = np.load(path, allow_pickle=False)
+    except (ValueError, EOFError, tokenize.TokenError, MemoryError) as error:
+        raise InputError(f"{path}: not a plain array of numbers: {error}") from error
+    if array.ndim != 2 or array.size == 0 or array.dtype.kind not in "fiu":
         raise InputError(
-            f"{path}: not a plain array, which ends in .npy or .csv; if an instrument wrote it, "
-            "SurfaceTopography may know its format: get that with "
-            '"pip install SurfaceTopography", or save the heights as .npy'
-        ) from error
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # it warns of its own house-keeping
-            topography = formats.open_topography(str(path)).topography()
-            return _converted(path, topography, height_unit)
-    except InputError:
-        raise
-    except Exception as error:  # readers of damaged files raise errors of any kind
-        reason = str(error).strip().splitlines()[:1] or [type(error).__name__]
-        if type(error).__name__ == "CannotDetectFileFormat":
-            reason = ["its format is not known; save the heights as .npy or .csv"]
-        elif "physical_sizes" in reason[0]:  # an option of the library, which a scene does not have
-            said = "it is cut off, or does not say how large its pixels are"
-            reason = [f"{said}; save the heights as .npy or .csv"]
-        raise InputError(f"{path}: cannot be read as a surface: {reason[0]}") from error
-
-
-def _require_small_file(path: Path) -> None:
-    """Raise for a file without an end, and for an archive that unpacks to more than a surface."""
-    require_file(path)
-    size = unpacked_size(path) if zipfile.is_zipfile(path) else 0
-    if size > _MOST_BYTES:
-        raise InputError(
-            f"{path}: unpacks to {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB are "
-            "read. Crop or average the surface first"
+            f"{path}: an array of shape {array.shape} and type {array.dtype}; needed are "
+            "two-dimensional real numbers, a row for each y"
         )
+    if array.size > _MOST_HEIGHTS:
+        raise InputError(f"{path}: {array.size} heights; at most {_MOST_HEIGHTS} are read")
+    heights: Array = array.T.astype(np.float64)
+    return heights
 
 
-def _converted(path: Path, topography: Any, height_unit: float | None) -> MeasuredSurface:
-    """Copy what a topography of the library holds, in metres."""
-    if topography.dim != 2 or not topography.is_uniform:
-        raise InputError(
-            f"{path}: a profile, or unevenly spaced; give a map of heights on a regular grid"
-        )
-    pixel_size, own, heights = None, None, topography.heights() * (height_unit or 1.0)
-    if topography.unit is not None:
-        in_metres = topography.to_unit("m")
-        pixel_size = float(in_metres.pixel_size[0]), float(in_metres.pixel_size[1])
-        own = pixel_size[0] / float(topography.pixel_size[0])
-        heights = in_metres.heights() if height_unit is None else heights
-    elif height_unit is None:
-        raise InputError(
-            f"{path}: the file does not give the unit of its heights; give height_unit"
-        )
-    copied = np.ma.filled(np.ma.masked_invalid(np.ma.array(heights, dtype=np.float64)), np.nan)
-    return MeasuredSurface(np.ascontiguousarray(copied), pixel_size, _unit_note(own, height_unit))
+def _lone_values(heights: Array, unit: float) -> list[str]:
+    """Make holes of lone values far from all others, such as −9999, and say which."""
+    notes = list[str]()
+    values = heights[np.isfinite(heights)]
+    while values.size > 2:
+        far = values[np.argmax(np.abs(values - np.median(values)))]
+        others = values[values != far]
+        if not others.size or np.abs(others - far).min() <= _LONE * others.std():
+            break
+        count = values.size - others.size
+        notes.append(f"{count} heights of {far / unit:.6g} are taken for holes")
+        heights[heights == far] = np.nan
+        values = others
+    return notes
+
+
+def _refuse_profile(path: Path, heights: Array) -> None:
+    """Raise for a profile, with its roughness above a straight line."""
+    place = np.arange(len(heights))
+    level = heights - np.polyval(np.polyfit(place, heights, 1), place)
+    ra, rq = (display(one(level), "µm", 3) for one in (average_roughness, rms_height))
+    raise InputError(
+        f"{path}: a profile of {len(heights)} heights, Ra {ra}, Rq {rq}; a surface needs a map of "
+        "heights"
+    )
 
 
 Flip = Literal["no", "x", "y", "heights"]
@@ -180,30 +162,20 @@ def oriented(
         heights = -heights
     elif flip != "no":
         heights = np.flip(heights, "xy".index(flip))
-    return MeasuredSurface(np.ascontiguousarray(heights), sides, surface.notes)
+    steps = surface.steps and (surface.steps[::-1] if transpose else surface.steps)
+    return MeasuredSurface(np.ascontiguousarray(heights), sides, surface.notes, steps)
 
 
-def levelled(heights: Array) -> Array:
-    """Heights above their least-squares plane [m]; NaN stays NaN."""
-    measured = np.isfinite(heights)
-    i, j = np.indices(heights.shape) / max(heights.shape)
-    terms = np.stack([np.ones(heights.shape), i, j], axis=-1)
-    plane, *_ = np.linalg.lstsq(terms[measured], heights[measured], rcond=None)
-    level: Array = heights - terms @ plane
-    return level
+def form_words(radii: tuple[float, float]) -> str:
+    """Radii of curvature along x and y, where there is any."""
+    known = zip("xy", radii, strict=True)
+    said = (f"{display(r, 'mm', 3)} along {axis}" for axis, r in known if np.isfinite(r))
+    return " and ".join(said)
 
 
-def tilts(heights: Array, level: Array, sides: tuple[float, float]) -> tuple[float, float]:
-    """Angles by which a plane that was taken off rises along x and y [°]."""
-    corner = (heights - level)[:2, :2]
-    rises = np.diff(corner, axis=0)[0, 0] / sides[0], np.diff(corner, axis=1)[0, 0] / sides[1]
-    x, y = np.degrees(np.arctan(rises)).tolist()
-    return x, y
-
-
-def tilt_doubts(angles: tuple[float, float]) -> tuple[str, ...]:
-    """A doubt where a scan is steeper than any that an instrument can measure [°]."""
-    if (steepest := max(map(abs, angles))) <= _STEEPEST:
+def tilt_doubts(slopes: tuple[float, float]) -> tuple[str, ...]:
+    """A doubt where a scan is steeper than any that an instrument can measure."""
+    if (steepest := max(np.degrees(np.arctan(np.abs(slopes))))) <= _STEEPEST:
         return ()
     return (
         f"the scan is tilted by {steepest:.3g}°: check the unit of the heights and the size of the "
@@ -244,6 +216,8 @@ def window_heights(
 ) -> Array | None:
     """Heights of a measured surface as the window needs them; None if that is impossible."""
     surface = oriented(read_surface(file, table["height_unit"]), table["transpose"], table["flip"])
+    if table["pixel_size"]:
+        surface = surface.replace_pixels(table["pixel_size"])
     pixels, sides = window.get("pixels"), window.get("pixel_size")
     if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):
         size = " × ".join(display(side, "µm") for side in surface.pixel_size)
@@ -256,10 +230,11 @@ def window_heights(
         return None
     said = surface.notes
     if table["level"]:
-        level = levelled(heights)
-        if sides and min(heights.shape) > 1:
-            said += tilt_doubts(tilts(heights, level, sides))
-        heights = level
+        heights, slopes, radii = remove_form(heights, sides or (1.0, 1.0))
+        if sides:
+            said += tilt_doubts(slopes)
+            curved = form_words(radii)
+            said += (f"curvature taken off: R {curved}",) if curved else ()
     if table["repeat"] != "no" and pixels and np.less(heights.shape, pixels).any():
         is_mirrored = table["repeat"] == "mirror"  # stays continuous; tiles step, but keep a lay
         faults.note(

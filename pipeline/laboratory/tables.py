@@ -35,7 +35,9 @@ def _stage_force(stage: Array) -> Array:
     """Normal force between the teeth in a load stage of FZG's test [N]; 0 before the first."""
     known = np.where((stage >= 0) & (stage <= len(_STAGES)), stage, np.nan)
     torques = np.array([0.0, *_STAGES, np.nan])
-    return torques[np.nan_to_num(known, nan=len(_STAGES) + 1.0).astype(int)] / _FZG["base_radius"]
+    places = np.nan_to_num(known, nan=len(_STAGES) + 1.0).astype(int)
+    forces: Array = torques[places] / _FZG["base_radius"]
+    return forces
 
 
 RULES = (
@@ -78,9 +80,7 @@ def words_of(name: str) -> Words | None:
     table = vocabulary().get(name)
     if not isinstance(table, dict):
         return None
-    return Words(
-        table.get("unit"), re.compile(table["is"]), re.compile(table.get("not", "$^"))
-    )
+    return Words(table.get("unit"), re.compile(table["is"]), re.compile(table.get("not", "$^")))
 
 
 def units_of(names: Collection[str]) -> dict[str, str | None]:

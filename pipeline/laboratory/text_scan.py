@@ -1,4 +1,4 @@
-"""Heights in text, as Gwyddion, MountainsMap, Keyence, NumPy and spreadsheets write them.
+"""Heights in text, as Gwyddion, MountainsMap, Keyence, Zygo, NumPy and spreadsheets write them.
 
 A matrix, or rows of x, y and z, with any usual separator, decimal mark and sign of a hole.
 """
@@ -8,70 +8,89 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.laboratory.spreadsheet import decoded
+from pipeline.scene.sheet import decoded, find_separator, split_lines
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array
 
 TEXT = (".csv", ".txt", ".xyz", ".asc", ".dat", ".tsv")
-_HOLES = {"", "nan", "bad", "***", "---", "-", "null", "none", "missing"}
+_HOLES = {"", "nan", "bad", "***", "---", "-", "--", "null", "none", "missing", "n/a", "nodata"}
+_NO_DATA = re.compile(r"\bno[ _]?data\b", re.IGNORECASE)
 _COMMENT = ("#", "%", "//", ";#", "*")
+_BOTH = (
+    r"pixel[ _-]?(?:size|spacing|width|pitch)?s?|xy[ -](?:calibration|kalibrierung)"
+    r"|lateral resolution|resolution|pitch|spacing|pixelgröße"
+)
+_EACH = r"(?:spacing|step|pixel size|schrittweite|pas|d)[ _-]?{0}|{0}[ -](?:spacing|step|pixel)"
 _SIZES = {
-    name: re.compile(rf"\W*(?:{words})\s*[:=;\s]\s*(\S.*)", re.IGNORECASE)
+    name: re.compile(rf"\W*(?:{words})\s*(?:\[([^\]]*)\]\s*)?[:=;,\s]\s*(\S.*)", re.IGNORECASE)
     for name, words in {
-        "width": r"width|breite|taille[ _]x|x[ -](?:axis[ -])?(?:size|length)",
-        "height": r"height|höhe|taille[ _]y|y[ -](?:axis[ -])?(?:size|length)",
-        "x step": r"(?:spacing|step|pixel size|schrittweite|pas|d)[ _-]?x|x[ -](?:spacing|step)",
-        "y step": r"(?:spacing|step|pixel size|schrittweite|pas|d)[ _-]?y|y[ -](?:spacing|step)",
-        "xy step": r"xy[- ](?:calibration|kalibrierung)",
+        "width": r"width|breite|taille[ _]x|x[ -](?:axis[ -])?(?:size|length|range)",
+        "height": r"height|höhe|taille[ _]y|y[ -](?:axis[ -])?(?:size|length|range)",
+        "x step": _EACH.format("x"),
+        "y step": _EACH.format("y"),
+        "xy step": _BOTH,
         "unit": r"(?:value )?units?|z[ -](?:axis[ -])?units?|unité[ _]z|einheit(?:[ _]z)?|"
         r"(?:heights?|z) in",
     }.items()
 }
 """Words for sizes, and for the unit of heights, at the beginning of a line or of a part of it."""
-_NO_DATA = re.compile(r"no[ _]?data(?:[ _]value)?[\s:=]+(-?\d+\.?\d*(?:e[+-]?\d+)?)", re.IGNORECASE)
+_SENTINEL = re.compile(r"no[ _]?data(?:[ _]value)?[\s:=]+(-?\d+\.?\d*(?:e[+-]?\d+)?)", re.I)
 _HEAD = re.compile(r"\b([xyz])\b\s*[\[(/]\s*([^\])/\s;,\t]+)", re.IGNORECASE)
 _AFTER_COMMA = re.compile(r",0\d")  # decimals, for no whole number begins with 0
-_LEAST_PLACES = 9  # rows of three numbers from which on they are x, y and z
+_LEAST_PLACES = 9  # rows of two or three numbers from which on they are places and heights
 _MOST_BYTES = 2**30
+_SAMPLE = 30  # lines by which the separator is found
 _TOLERANCE = 1e-3  # share of a step within which places are on a grid
 
 
-Size = tuple[float, float] | None
+class TextScan(NamedTuple):
+    """Heights by x and y in their unit, NaN in holes, and what the text says of sizes."""
+
+    heights: Array  # shape (nx, ny); a profile has ny = 1
+    pixel: tuple[float, float] | None = None  # sides [m]
+    steps: tuple[float, float] | None = None  # the same in an unknown unit
+    unit: float | None = None  # of heights [m]
 
 
-def read_text(path: Path) -> tuple[Array, Size, float | None]:
-    """Heights by x and y in their unit, NaN in holes; sides of a pixel [m] and unit [m], if said.
+def read_text(path: Path) -> TextScan:
+    """Read a matrix, which has a line for each y, or rows of x, y and z, or of a profile.
 
-    A matrix has a line for each y, in which x goes from column to column.
-    Raise an `InputError` if there is no matrix of numbers, nor rows of x, y and z on a grid.
+    Raise an `InputError` if there is no matrix of numbers, nor places on a grid, or two tables.
     """
     if path.stat().st_size > _MOST_BYTES:
         raise InputError(f"{path}: more than 1 GiB; crop or average the surface first")
     text, _ = decoded(path.read_bytes())
-    lines = [_unquoted(line) for line in text.splitlines() if line.strip()]
-    head, table, above = _table(path, lines)
-    if hole := _NO_DATA.search("\n".join(head)):
+    try:
+        head, table, above, blocks = _table([_NO_DATA.sub("nan", x) for x in text.splitlines()])
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    if hole := _SENTINEL.search("\n".join(head)):
         table[table == float(hole[1])] = np.nan
     sizes, units = _said(head)
-    if table.shape[1] == 3 and (table.shape[0] >= _LEAST_PLACES or path.suffix.lower() == ".xyz"):
-        return _placed_heights(path, table, units)
     unit = sizes.get("unit", units.get("z"))
+    is_long = table.shape[0] >= _LEAST_PLACES or path.suffix.lower() == ".xyz"
+    if table.shape[1] == 3 and is_long:
+        return _placed_heights(path, table, units, unit)
+    if blocks > 1:
+        raise InputError(f"{path}: {blocks} tables, between blank lines; give a file for each")
+    if table.shape[1] == 1 or (table.shape[1] == 2 and math.isfinite(_step(table[:, 0]))):
+        return TextScan(np.ascontiguousarray(table[:, -1:]), unit=unit)
     is_sized = {"width", "height"} <= sizes.keys()
     table, steps = (table, None) if is_sized else _stripped_axes(table, above)
     heights = np.ascontiguousarray(table.T)
-    length = units.get("x", units.get("y"))
-    pixel = None
+    length, pixel = units.get("x", units.get("y")), None
     if is_sized:
         pixel = sizes["width"] / heights.shape[0], sizes["height"] / heights.shape[1]
     elif steps and length:
         pixel = steps[0] * length, steps[1] * length
     elif {"x step", "y step"} <= sizes.keys():
         pixel = sizes["x step"], sizes["y step"]
-    return heights, pixel, unit
+    return TextScan(heights, pixel, steps, unit)
 
 
 def _step(line: Array) -> float:
@@ -96,76 +115,59 @@ def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, floa
     return table, None
 
 
-def _table(path: Path, lines: list[str]) -> tuple[list[str], Array, Array]:
-    """Comments and words above; numbers of the rows, NaN in holes; places in the line above."""
-    head = [line for line in lines if _is_comment(line)]
-    body = [line for line in lines if not _is_comment(line)]
-    separator = _separator(body[-min(len(body) // 2 + 1, 50) :])
-    first = next((k for k, line in enumerate(body) if _is_row(line, separator)), len(body))
-    if first == len(body):
-        raise InputError(f"{path}: no line of numbers; give heights as text, a row in a line")
-    width = len(_row(body[first], separator))
-    while first and None not in (row := _row(body[first - 1], separator)) and len(row) == width:
+def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
+    """Words around the table; its numbers, NaN in holes; places above it; blocks of its lines."""
+    filled = [line for line in lines if line.strip()]
+    mark = find_separator(filled[len(filled) // 2 :][:_SAMPLE])
+    rows = {row.number: [*map(_number, row.cells)] for row in split_lines(lines, mark)}
+    sound = {k: row for k, row in rows.items() if None not in row and any(x == x for x in row)}
+    if not sound:
+        raise InputError("no line of numbers; give heights as text, a row in a line")
+    widths = [len(row) for row in sound.values()]
+    usual = max(widths, key=widths.count)
+    first = next(k for k, row in sound.items() if len(row) == usual)
+    while rows.get(first - 1) and len(rows[first - 1]) == usual and None not in rows[first - 1]:
         first -= 1  # a row of holes alone
-    above = _row(body[first - 1], separator) if first else []
-    places = np.array(above[1:], float)
-    is_size = first and any(size.fullmatch(body[first - 1].strip()) for size in _SIZES.values())
-    if not (is_size or math.isfinite(_step(places))) and len(above) > above.count(None):
-        first -= len(above) == len(_cells(body[first], separator))  # it is a row with a word
-    rows = [_row(line, separator) for line in body[first:]]
-    usual = max(map(len, rows))
-    for line, row in zip(body[first:], rows, strict=True):
+    above = rows.get(first - 1, [])
+    places = np.array(above[1:] if len(above) == usual else [], float)
+    if not math.isfinite(_step(places)) and len(above) == usual > above.count(None) + 1:
+        first -= 1  # it is a row with a word
+    if mark == "," and any(_AFTER_COMMA.search(line) for line in lines[first - 1 :]):
+        raise InputError(
+            "commas stand between cells and before decimals; put semicolons between cells, or "
+            "write decimals with points"
+        )
+    words, table, ends = lines[: first - 1], list[list[float]](), list[int]()
+    for number, line in enumerate(lines[first - 1 :], first):
+        row = rows.get(number, [])
+        if not line.strip() or (row and row.count(None) == len(row)) or _is_comment(line, row):
+            words.append(line)
+            ends.append(len(table))
+            continue
         if None in row:
-            word = _cells(line, separator)[row.index(None)].strip()
+            word = next(split_lines([line], mark)).cells[row.index(None)]
             raise InputError(
-                f'{path}: "{word}" is not a number; write holes as NaN, and decimals all with the '
-                "same mark"
+                f'"{word}" is not a number; write holes as NaN, and decimals all with the same mark'
             )
         # Holes may stand at the end of a row, behind which there is a separator each.
-        has_all = separator is not None and line.count(separator) >= usual - 1
-        if len(row) < usual and not has_all:
+        has_all = not mark.isspace() and line.count(mark) >= usual - 1
+        if len(row) != usual and not (len(row) < usual and has_all):
             raise InputError(
-                f'{path}: {len(row)} numbers in the row "{line.strip()[:40]}", but {usual} in '
-                "others; all rows must be of equal length"
+                f'{len(row)} numbers in the row "{line.strip()[:40]}", but {usual} in others; all '
+                "rows must be of equal length"
             )
-    if separator == "," and any(map(_AFTER_COMMA.search, body[first:])):
-        raise InputError(
-            f"{path}: commas stand between cells and before decimals; put semicolons between "
-            "cells, or write decimals with points"
-        )
-    table = np.array([[*row, *[math.nan] * (usual - len(row))] for row in rows], float)
-    return [*head, *body[:first]], table, places
+        table.append([*(x for x in row if x is not None), *[math.nan] * (usual - len(row))])
+    inner = sorted({end for end in ends if 0 < end < len(table)})
+    if any(line.strip() for line in words[first - 1 :]) and inner:
+        raise InputError("a second table stands in the file; give a file for each")
+    blocks = len(inner) + 1 if inner and max(np.diff([0, *inner, len(table)])) > 1 else 1
+    array = np.array(table, float)
+    return words, array[:, ~np.isnan(array).all(axis=0)], places, blocks
 
 
-def _is_comment(line: str) -> bool:
+def _is_comment(line: str, row: list[float | None]) -> bool:
     """True of a line that begins as a comment, and not as a row that begins with a hole."""
-    if not line.lstrip().startswith(_COMMENT):
-        return False
-    rows = [_row(line, separator) for separator in (";", "\t", None, ",")]
-    return not any(len(row) > 1 and None not in row for row in rows)
-
-
-def _separator(lines: list[str]) -> str | None:
-    """What stands between the cells of some lines; None for blanks."""
-    for separator in (";", "\t", " ", ","):
-        if all(separator in (line.strip() if separator == " " else line) for line in lines):
-            between = None if separator == " " else separator
-            if between in (";", "\t") or all(None not in _row(line, between) for line in lines):
-                return between
-    return None
-
-
-def _unquoted(line: str) -> str:
-    """A line whose cells stand in quotation marks without these, and semicolons between cells."""
-    bare = line.strip().rstrip(",;")
-    if len(bare) < 2 or not bare[0] == bare[-1] == '"':
-        return line
-    return ";".join(re.split(r'"[,;\t]"', bare[1:-1]))
-
-
-def _cells(line: str, separator: str | None) -> list[str]:
-    """Cells of a line, without empty ones at its end."""
-    return (line if separator is None else line.rstrip(f"{separator} \t")).split(separator)
+    return line.lstrip().startswith(_COMMENT) and (None in row or len(row) < 2)
 
 
 def _number(cell: str) -> float | None:
@@ -176,17 +178,6 @@ def _number(cell: str) -> float | None:
         return math.nan if cell.strip().lower() in _HOLES else None
 
 
-def _row(line: str, separator: str | None) -> list[float | None]:
-    """The cells of a line as numbers."""
-    return [*map(_number, _cells(line, separator))]
-
-
-def _is_row(line: str, separator: str | None) -> bool:
-    """True if each cell is a number or a hole, and any is a number."""
-    numbers = _row(line, separator)
-    return None not in numbers and any(number == number for number in numbers)
-
-
 def _said(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
     """Sizes and the unit of the heights, and units of columns x, y and z, of comments [m]."""
     sizes: dict[str, float] = {}
@@ -195,10 +186,11 @@ def _said(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
         for part in re.split(r"[,;](?=\s)", line):
             for name, size in _SIZES.items():
                 if match := size.fullmatch(part.strip()):
-                    said = match[1].replace(",", ".").replace(";", " ")
+                    said = match[2].replace(",", ".").replace(";", " ").strip('" ')
+                    said = f"{said} {match[1]}" if match[1] else said
                     if (length := _length(f"1 {said}" if name == "unit" else said)) is not None:
                         axes = ("x step", "y step") if name == "xy step" else (name,)
-                        sizes |= dict.fromkeys(axes, length)
+                        sizes |= {axis: sizes.get(axis, length) for axis in axes}
         for axis, unit in _HEAD.findall(line):
             if (length := _length(f"1 {unit}")) is not None:
                 units[axis.lower()] = length
@@ -213,16 +205,16 @@ def _length(text: str) -> float | None:
 
 
 def _placed_heights(
-    path: Path, table: Array, units: dict[str, float]
-) -> tuple[Array, Size, float | None]:
+    path: Path, table: Array, units: dict[str, float], unit: float | None
+) -> TextScan:
     """Heights of rows of x, y and z on a regular grid; places without a row are holes."""
     axes, places = [], []
     for column in table.T[:2]:
         values = np.unique(column[np.isfinite(column)])
-        steps = np.diff(values)
-        if not steps.size:
-            raise InputError(f"{path}: rows of x, y, z at one x or y alone; give a map of heights")
-        step = float(np.median(steps[steps > _TOLERANCE * steps.max()]))
+        apart = np.diff(values)
+        if not apart.size:
+            return TextScan(np.ascontiguousarray(table[:, 2:]), unit=unit)
+        step = float(np.median(apart[apart > _TOLERANCE * apart.max()]))
         place = (column - values[0]) / step
         if np.nanmax(np.abs(place - np.round(place))) > 100 * _TOLERANCE:
             raise InputError(f"{path}: x and y are not on a regular grid; give one, or a matrix")
@@ -231,9 +223,12 @@ def _placed_heights(
     shape = tuple(int(place.max()) + 1 for place in places)
     if np.prod(shape) > 16 * len(table):
         raise InputError(f"{path}: x and y are not on a regular grid; give one, or a matrix")
+    if len({*zip(*(place.tolist() for place in places), strict=True)}) < len(table):
+        raise InputError(f"{path}: two heights at one place; give each scan in a file of its own")
     heights = np.full(shape, np.nan)
     heights[places[0], places[1]] = table[:, 2]
+    steps = axes[0], axes[1]
     pixel = None
     if {"x", "y"} <= units.keys():
         pixel = axes[0] * units["x"], axes[1] * units["y"]
-    return heights, pixel, units.get("z")
+    return TextScan(heights, pixel, steps, unit)

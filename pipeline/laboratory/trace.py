@@ -70,16 +70,16 @@ class Trace:
             commands = np.stack([_command(x) / max(x.max(), 1e-300) for x in columns], axis=1)
             ends, ramps = _cut(commands, self.time)
         return [
-            Stage(rows, *(_level(getattr(self, name), rows) for name in _COMMANDS), is_ramp)
+            Stage(rows, _level(self.load, rows), _level(self.velocity, rows), is_ramp)
             for rows, is_ramp in zip(ends, ramps, strict=True)
         ]
 
     @cached_property
     def candidates(self) -> list[Candidate]:
-        """Lasting or passing rises of friction; the first that has no reason against is the scuff."""
+        """Rises of friction up to the first against which nothing speaks, which is the scuff."""
         found, end, last = list[Candidate](), math.inf, None
         for number, stage in enumerate(self.stages, 1):
-            friction = self._course(stage.rows)
+            friction, noise = self._course(stage.rows)
             is_first = last is None
             is_slower = (
                 last is not None
@@ -87,7 +87,8 @@ class Trace:
             )  # fmt: skip
             before = math.inf if is_first or is_slower else end
             skipped = max(2, math.ceil(_START * len(friction))) if before == math.inf else 0
-            rises = _rises(friction, before, skipped, end if is_slower else math.inf)
+            start = end if is_slower else math.inf
+            rises = _rises(friction, before, skipped, start, _STANDARD_DEVIATIONS * noise)
             for row, low, high, why in rises:
                 reason = f"{why} with a lower speed" if why == "begins" and is_slower else why
                 reason = f"{why} the first stage" if why == "begins" and is_first else reason
@@ -102,17 +103,24 @@ class Trace:
         """Rise of friction that is scuffing."""
         return next((one for one in self.candidates if not one.why_not), None)
 
-    def _course(self, rows: slice) -> Array:
-        """Friction of a stage without its short-lived peaks and dips."""
+    def _course(self, rows: slice) -> tuple[Array, float]:
+        """Friction of a stage without its short-lived peaks and dips, and the noise of that."""
         friction = self.friction[rows]
         size = max(3, len(friction) // 20)
-        course: Array = median_filter(friction, size=size + 1 - size % 2, mode="reflect")
-        return course
+        size += 1 - size % 2
+        course: Array = median_filter(friction, size=size, mode="reflect")
+        steps = np.abs(np.diff(friction)) if len(friction) > 1 else np.zeros(1)
+        # A step is √2 as scattered as a reading, and the median of n of them 1.25/√n as much.
+        return course, 1.4826 * float(np.median(steps)) / math.sqrt(2) * 1.25 / math.sqrt(size)
 
     def lines(self) -> Iterator[str]:
         """Say the stages, where friction rises, and what is no scuff."""
-        held = [stage for stage in self.stages if not stage.is_ramp]
-        yield f"{len(held)} stages" if len(held) != 1 else "one stage"
+        spans = (
+            _span_text(name, [getattr(one, name) for one in self.stages]) for name in _COMMANDS
+        )
+        number = len(self.stages)
+        count = "one stage" if number == 1 else f"{number} stages"
+        yield ", ".join(filter(None, [count, *spans]))
         if self.scuff is None:
             middle = float(np.median(self.friction))
             duration = self.time[-1] - self.time[0]
@@ -145,7 +153,9 @@ class Trace:
         outcomes = [(one, "mild") for one in mild] + ([(last, "severe")] if severe else [])
         if len(outcomes) == 1:
             return [_place(last._asdict()) | common | {"outcome": outcomes[0][1]}]
-        varied = [name for name in _COMMANDS if _is_varied([getattr(one, name) for one, _ in outcomes])]
+        varied = [
+            name for name in _COMMANDS if _is_varied([getattr(one, name) for one, _ in outcomes])
+        ]
         if len(varied) == 1:
             (name,) = varied
             ends = [getattr(one, name) for one, _ in outcomes]
@@ -174,6 +184,13 @@ class Trace:
             warm = float(np.nanmedian(self.bulk_temperature[: max(end, 1)]))
             values["bulk_temperature"] = display(warm, "°C", 4).replace("°", "deg")
         return values
+
+
+def _span_text(name: str, levels: Sequence[float | None]) -> str:
+    """Lowest and highest level of the stages."""
+    known = [level for level in levels if level is not None]
+    ends = dict.fromkeys(_text(name, one) for one in (min(known), max(known))) if known else {}
+    return " to ".join(ends)
 
 
 def _text(name: str, value: float) -> str:
@@ -255,7 +272,9 @@ def _cut(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
                 merged[-3:] = [(slice(first.start, last.stop), own, False)]
     kept = []
     for k, (piece, _, is_ramp) in enumerate(merged):
-        beside = [_span(time, other) for other, _, ramp in merged[max(0, k - 1) : k + 2] if not ramp]
+        beside = [
+            _span(time, other) for other, _, ramp in merged[max(0, k - 1) : k + 2] if not ramp
+        ]
         if not is_ramp or not beside or _span(time, piece) > _SHORT * max(beside):
             kept.append((piece, is_ramp))
     return [piece for piece, _ in kept], [is_ramp for _, is_ramp in kept]
@@ -275,37 +294,35 @@ def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], 
 
 
 def _rises(
-    friction: Array, before: float, skipped: int, slower: float
+    friction: Array, before: float, skipped: int, start: float, scatter: float
 ) -> Iterator[tuple[int, float, float, str]]:
     """Rises of friction in a stage: row, level before, level after, and what speaks against it.
 
-    The level before is the lowest so far, from the end of the stage before on.
+    The level before is the lowest so far, from the end of the stage before on. Where that is no
+    level before, the first rows are skipped; a rise since their start begins the stage.
     """
-    noise = 1.4826 * float(np.median(np.abs(np.diff(friction)))) if len(friction) > 1 else 0.0
     own = friction[skipped:]
-    lowest = np.minimum.accumulate(np.concatenate([[before], own]))[:-1]
-    lowest[0] = before if math.isfinite(before) else own[0]
+    first = before if math.isfinite(before) else own[0]
+    lowest = np.minimum.accumulate(np.concatenate([[first], own]))[:-1]
     least = np.minimum.accumulate(own[::-1])[::-1]
-    limit = lowest * (1 + _LEAST_RISE) + _STANDARD_DEVIATIONS * noise
-    start = min(float(friction[: skipped + 1].min()), slower)
-    if skipped and own[0] > start * (1 + _LEAST_RISE) + _STANDARD_DEVIATIONS * noise:
+    limit = lowest * (1 + _LEAST_RISE) + scatter
+    start = min(float(friction[: skipped + 1].min()), start)
+    if skipped and own[0] > start * (1 + _LEAST_RISE) + scatter:
         yield 0, start, float(own[0]), "begins"
-    above, row = own > limit, 0
+    row = 0
     while row < len(own):
-        if not above[row]:
+        if own[row] <= limit[row]:
             row += 1
             continue
-        low = float(lowest[row])
-        lasting = np.flatnonzero(least[row:] > limit[row])
-        high = float(np.median(own[row:]))
-        if lasting.size and lasting[0] == 0:
+        low, high = float(lowest[row]), float(np.median(own[row:]))
+        if least[row] > limit[row]:
             is_sudden = _is_sudden(np.concatenate([[low], own]), row + 1, (high - low) / 2)
-            is_sure = is_sudden or least[row] > low * (1 + _SURE_RISE)
+            is_sure = is_sudden or high > low * (1 + _SURE_RISE)
             yield skipped + row, low, high, "" if is_sure else "comes slowly"
             return
-        fallen = row + int(np.argmax(own[row:] <= limit[row]))
-        yield skipped + row, low, float(own[row:fallen].max()), "falls back"
-        row = fallen + 1
+        end = row + int(np.argmax(own[row:] <= limit[row]))
+        yield skipped + row, low, float(own[row:end].max()), "falls back"
+        row = end + 1
 
 
 def _is_sudden(friction: Array, row: int, half: float) -> bool:

@@ -89,8 +89,8 @@ class OperatingPoints:
         Rows at rest, or without a load or a velocity, are left out and counted.
         `InputError` is raised for all faults at once, by row and column.
         """
-        is_file = isinstance(source, str | os.PathLike)
-        given = Path(source) if is_file else lines_of(source)
+        listed = {} if isinstance(source, str | os.PathLike) else columns_of(source)
+        given = Path(source) if isinstance(source, str | os.PathLike) else lines_of(listed)
         sheet = read_sheet(given, _UNITS, _PLACE.keys, _PLACE.keys, sheet_name)
         _, rows = sheet.entries(_ROW)
         sheet.faults[:0] = _column_faults(sheet)
@@ -101,13 +101,8 @@ class OperatingPoints:
             for k, heading in enumerate(sheet.headings)
             if heading.text and k not in used
         }
-        if not is_file:  # as they were given, and not as text
-            listed = {str(head): np.atleast_1d(source[head]).tolist() for head in source}
-            others = {
-                head: [listed[head][row.number - 1] for row in sheet.rows]
-                for head in others
-                if head in listed
-            }
+        for head in others.keys() & listed.keys():  # as they were given, and not as text
+            others[head] = [listed[head][row.number - 1] for row in sheet.rows]
         conditions = tuple(
             {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in rows
         )
@@ -116,8 +111,8 @@ class OperatingPoints:
         return cls(places, others, conditions, unused, sheet.counted, sheet.other_sheets)
 
 
-def lines_of(columns: Any) -> Lines:
-    """Columns of a mapping or a data frame as lines of a file, with bare numbers in SI."""
+def columns_of(columns: Any) -> dict[str, list[Any]]:
+    """Columns of a mapping or a data frame by their headings."""
     if not hasattr(columns, "keys"):
         raise InputError(
             f"points are of type {type(columns).__name__}; give a .csv or .xlsx file, or columns "
@@ -127,6 +122,11 @@ def lines_of(columns: Any) -> Lines:
     if len({*map(len, listed.values())}) > 1:
         counts = ", ".join(f"{head} {len(cells)}" for head, cells in listed.items())
         raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
+    return listed
+
+
+def lines_of(listed: Mapping[str, Sequence[Any]]) -> Lines:
+    """Columns by heading as lines of a file, with bare numbers in SI."""
     heads = []
     for head, cells in listed.items():
         heading = Heading.of(head)

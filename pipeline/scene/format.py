@@ -188,8 +188,11 @@ MEASURED_SURFACE = Table({
         "format of an instrument (extra `surfaces`); relative to the folder of the scene.",
         example="surface.npy"),
     "height_unit": Optional(UnitText("a unit of length", "um"),
-        "Unit of the heights; needed if the file has none, as .npy and .csv, and overrides a wrong "
-        "one."),
+        "Unit of the heights, or its length in m; needed if the file has none, as .npy, and "
+        "overrides a wrong one."),
+    "pixel_size": Optional(List(length("0.8 um"), length=2),
+        "Sides of a pixel of the file along x and y, after any exchange, if it gives none or wrong "
+        "ones; the ratio of its places stays."),
     "transpose": Optional(Flag(),
         "True to exchange x and y of the file, with the sides of its pixels.", default=False),
     "flip": Optional(OneOf(("no", "x", "y", "heights")),
@@ -199,7 +202,8 @@ MEASURED_SURFACE = Table({
         "First pixel of the patch to cut out, along x and y from 0. Without it the surface must "
         "have the size of the window."),
     "level": Optional(Flag(),
-        "True to subtract the least-squares plane (tilt).", default=False),
+        "True to subtract the form: the least-squares plane (tilt), and a curvature that stands "
+        "out, which the pin's radius has already.", default=False),
     "missing": Optional(OneOf(("refuse", "fill")),
         "Pixels without a height: refuse the file, or fill them smoothly from around.",
         default="refuse"),

@@ -141,7 +141,9 @@ class Sheet:
         """Values of a quantity in SI, shape (rows,), NaN in empty cells; notes faulty cells."""
         place, unit, like = self.places[name], self.heading(name).unit, self.units[name] or ""
         share = 0.01 if unit == "%" else 1.0
-        zero, one = (to_si(f"{k} {unit}", f"1 {like}") if like and unit else k * share for k in (0, 1))
+        zero, one = (
+            to_si(f"{k} {unit}", f"1 {like}") if like and unit else k * share for k in (0, 1)
+        )
         values, faults = np.full(len(self.rows), np.nan), list[Fault]()
         is_clock = name == "time" and any(":" in row.cells[place] for row in self.rows[:1])
         for k, (number, cells) in enumerate(self.rows):
@@ -338,8 +340,8 @@ def _make_plain(sheet: Sheet, decimal: str | None) -> None:
                 is_plain = decimal or other not in match[0] or rest[:1] == mark
                 both = f"{plain} or {cell.replace(',', '.')}"
                 cell = plain + rest if is_plain else f"{cell}, {both} by the decimal mark"
-            is_comma = mark == "," and re.match(r"[+-]?\d*,\d*(?![\d,.])", cell)
-            row.cells[k] = cell.replace(",", ".", 1) if is_comma else cell
+            is_decimal = mark == "," and re.match(r"[+-]?\d*,\d*(?![\d,.])", cell)
+            row.cells[k] = cell.replace(",", ".", 1) if is_decimal else cell
 
 
 def read_sheet(

@@ -165,7 +165,9 @@ def is_unit(unit: str, like: str | None = None) -> bool:
         if like is not None:
             return unit == "%" if like == "" else to_si(f"1 {unit}", f"1 {like}") is not None
         # A lone µ, once a micron, is a coefficient of friction.
-        return unit == "%" or (unit not in "µμ" and not unit.isdigit() and bool(si_unit(f"1 {unit}")))
+        return unit == "%" or (
+            unit not in "µμ" and not unit.isdigit() and bool(si_unit(f"1 {unit}"))
+        )
     except UnitError:
         return False
 

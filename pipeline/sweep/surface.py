@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,14 +13,15 @@ import numpy as np
 from pipeline.quantities import display, shown_in
 from pipeline.sweep.laws import Law
 from pipeline.sweep.model import Sweep
-from tribo import Grid, MeasuredRoughness, SelfAffineRoughness
+from tribo import Grid, InputError, MeasuredRoughness, SelfAffineRoughness
 from tribo.simulation import Lubrication
+from tribo.surface import areal_roughness, remove_form, rms_height
 from tribo.types import Array
 
 _MOST_PIXELS = 1_000_000  # pixels of a random surface that is made only to describe it
 _RQ_OF_RA = math.sqrt(math.pi / 2)  # where heights are distributed normally
 _IS_LEVEL = 1e-6  # share of Rq below which a tilt or a mean height is that of rounding
-_LAY = 2.0  # slopes across the grooves, in those along them, from which a surface has a lay
+_LAY = 2.0  # correlation length along the grooves, in that across them, from which there is a lay
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +33,7 @@ class SurfaceFacts:
     rq: float  # root mean square of it [m]
     mean_height: float = 0.0  # [m]
     rise: tuple[float, float] = (0.0, 0.0)  # the mean plane's along x and y [m]
+    radii: tuple[float, float] = (math.inf, math.inf)  # of a curvature along x and y [m]
     lay: float | None = None  # from grooves to the sliding direction [°]; None without grooves
     slope: float | None = None  # root mean square along x; None of one that is not made
 
@@ -42,6 +45,9 @@ class SurfaceFacts:
         heights = f"Ra {display(self.ra, 'µm', 3)}, Rq {display(self.rq, 'µm', 3)}, {slope}{lay}"
         if not self.measured:
             return f"random: {heights}"
+        known = zip("xy", self.radii, strict=True)
+        curves = [f"R {display(r, 'mm', 3)} along {x}" for x, r in known if math.isfinite(r)]
+        heights += f"; curved, {' and '.join(curves)}, and without it" if curves else ""
         if all(abs(place) < _IS_LEVEL * self.rq for place in (self.mean_height, *self.rise)):
             return f"measured: {heights}; level"
         mean, x, y = (shown_in(place, "µm") for place in (self.mean_height, *self.rise))
@@ -90,43 +96,39 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
         along_x, along_y = rough.correlation_length
         lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
         return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
-    heights = rough.array if isinstance(rough, MeasuredRoughness) else rough.heights(pixels)
-    level, rise = _level(heights)
-    slopes = np.diff(level, axis=0) / pixels.spacing[0]  # along sliding; none of a single row
+    heights = _heights(rough, pixels)
+    slopes = np.diff(heights, axis=0) / pixels.spacing[0]  # along sliding; none of a single row
+    try:
+        found = areal_roughness(heights, pixels.spacing)
+    except InputError:  # no height differs from its plane
+        return SurfaceFacts(not isinstance(rough, SelfAffineRoughness), 0.0, 0.0)
     return SurfaceFacts(
         measured=not isinstance(rough, SelfAffineRoughness),
-        ra=float(np.abs(level).mean()),
-        rq=float(np.sqrt(np.mean(level**2))),
-        mean_height=float(heights.mean()),
-        rise=rise,
-        lay=_lay(level, pixels.spacing),
-        slope=float(np.sqrt(np.mean(slopes**2))) if len(slopes) else None,
+        ra=found.ra,
+        rq=found.rq,
+        mean_height=found.mean,
+        rise=tuple(np.multiply(found.slopes, np.multiply(heights.shape, pixels.spacing)).tolist()),
+        radii=found.radii,
+        lay=None if found.lay is None else abs(found.lay),
+        slope=float(slopes.std()) if len(slopes) else None,
     )
 
 
-def _level(heights: Array) -> tuple[Array, tuple[float, float]]:
-    """Heights above their mean plane, and how far that rises over the window [m]."""
-    level, rises = heights - heights.mean(), []
-    for axis, count in enumerate(heights.shape):
-        place = np.arange(count) - (count - 1) / 2
-        profile = level.mean(axis=1 - axis)
-        slope = float(place @ profile / max(place @ place, 1.0))
-        level = level - slope * (place[:, None] if axis == 0 else place)
-        rises.append(slope * count)
-    return level, (rises[0], rises[1])
+def _heights(rough: Any, pixels: Grid) -> Array:
+    heights: Array = rough.array if isinstance(rough, MeasuredRoughness) else rough.heights(pixels)
+    return heights
 
 
-def _lay(heights: Array, spacing: tuple[float, float]) -> float | None:
-    """Angle from x of the direction in which heights change least [°]; None if all are alike."""
-    if min(heights.shape) < 2:
-        return None
-    along_x, along_y = np.gradient(heights, *spacing)
-    xx, yy = float(np.mean(along_x**2)), float(np.mean(along_y**2))
-    values, vectors = np.linalg.eigh([[xx, (xy := float(np.mean(along_x * along_y)))], [xy, yy]])
-    if values[1] <= _LAY**2 * max(values[0], 0.0):
-        return None
-    x, y = np.abs(vectors[:, 0])
-    return math.degrees(math.atan2(y, x))
+@functools.lru_cache(maxsize=1)  # asked for by each answer
+def _rms_height(rough: Any, pixels: Grid) -> float:
+    """Root mean square height above the form [m]; 0 of a smooth or a plane surface."""
+    if rough is None:
+        return 0.0
+    if isinstance(rough, SelfAffineRoughness) and math.prod(pixels.shape) > _MOST_PIXELS:
+        return rough.ra * _RQ_OF_RA
+    with suppress(InputError):
+        return rms_height(remove_form(_heights(rough, pixels), pixels.spacing)[0])
+    return 0.0
 
 
 def find_lubrication(sweep: Sweep) -> Lubrication | None:
@@ -138,7 +140,5 @@ def find_lubrication(sweep: Sweep) -> Lubrication | None:
     is_known = not any(isinstance(part, Law) for part in (scene.roughness, scene.pin))
     if oil is None or oil.pressure_coefficients is None or not is_known:
         return None
-    surface = surface_facts(sweep)
-    if surface is None or surface.rq == 0:
-        return None
-    return Lubrication.make(scene, oil, surface.rq)
+    rq = _rms_height(scene.roughness, scene.pixels)
+    return Lubrication.make(scene, oil, rq) if rq else None

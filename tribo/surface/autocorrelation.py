@@ -50,7 +50,7 @@ def autocorrelation_lengths(
     Parameters
     ----------
     heights : ndarray, shape (nx, ny)
-        Heights above their least-squares plane, without gaps [m].
+        Heights above their form, NaN where there is none [m].
     spacing : tuple of float
         Sides of a pixel along x and y [m].
     threshold : float
@@ -69,8 +69,10 @@ def autocorrelation_lengths(
     """
     from scipy.ndimage import map_coordinates
 
-    require_positive(rms_height=float(heights.std()))
-    correlation, origin = _autocorrelation(heights - heights.mean())
+    measured = np.isfinite(heights)
+    require_positive(rms_height=float(heights[measured].std()) if measured.any() else 0.0)
+    level = np.where(measured, heights - heights[measured].mean(), 0.0)
+    correlation, origin = _autocorrelation(level, measured)
     angles = np.pi * np.arange(1 - _DIRECTIONS // 2, _DIRECTIONS // 2 + 1) / _DIRECTIONS
     steps = np.stack([np.cos(angles) / spacing[0], np.sin(angles) / spacing[1]])  # pixels a metre
     ends = (_FARTHEST * np.array(heights.shape)[:, None]) / np.maximum(np.abs(steps), 1e-30)
@@ -93,14 +95,23 @@ def autocorrelation_lengths(
     )
 
 
-def _autocorrelation(heights: Array) -> tuple[Array, Array]:
-    """Autocorrelation up to half a side, 1 without a lag; and the index of that."""
-    shape = [2 * n for n in heights.shape]
-    axes = (0, 1)
-    lagged = np.fft.irfft2(np.abs(np.fft.rfft2(heights, shape, axes)) ** 2, shape, axes)
+def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:
+    """Autocorrelation up to half a side, 1 without a lag; and the index of that.
+
+    Heights that are not measured are 0, and make no pair.
+    """
     reach = [n // 2 + 1 for n in heights.shape]
     kept = [np.arange(-far, far + 1) for far in reach]
     pairs = np.outer(*(n - np.abs(lag) for n, lag in zip(heights.shape, kept, strict=True)))
-    correlation: Array = lagged[np.ix_(*kept)] / pairs
+    if not measured.all():
+        pairs = np.maximum(_lagged(measured.astype(float))[np.ix_(*kept)], 1.0)
+    correlation: Array = _lagged(heights)[np.ix_(*kept)] / pairs
     origin = np.array(reach)
     return correlation / correlation[tuple(origin)], origin
+
+
+def _lagged(values: Array) -> Array:
+    """Sum over an area of the products of values at each lag."""
+    shape, axes = [2 * n for n in values.shape], (0, 1)
+    result: Array = np.fft.irfft2(np.abs(np.fft.rfft2(values, shape, axes)) ** 2, shape, axes)
+    return result

@@ -1,0 +1,229 @@
+"""Files of instruments: .x3p and .gwy by readers of their own, others by SurfaceTopography."""
+
+from __future__ import annotations
+
+import importlib
+import io
+import re
+import struct
+import warnings
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+
+from pipeline.scene.units import UnitError, to_si
+from tribo import InputError
+from tribo.types import Array
+
+_SAVE = "save the heights as .x3p, .npy or text"
+_UNSURE = {
+    ".tmd": "readers of this format differ by a factor of 1000 in its heights",
+    **dict.fromkeys(
+        (".tif", ".tiff", ".png", ".jpg", ".jpeg", ".bmp", ".gif"),
+        "an image, whose grey values are no heights of a known unit",
+    ),
+}
+_HEADER = 512  # bytes of a .sur file, with the sizes of what follows at 334
+_SCALARS = {"b": "?", "c": "c", "i": "i", "q": "q", "d": "d"}
+_ARRAYS = {"C": "u1", "I": "<i4", "Q": "<i8", "D": "<f8"}
+"""Types of components of Gwyddion's format."""
+_POINTS = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
+
+
+class Raw(NamedTuple):
+    """Heights by x and y, NaN in holes, sides of a pixel [m], and the unit of the heights [m]."""
+
+    heights: Array
+    pixel: tuple[float, float] | None
+    unit: float | None
+
+
+def read_instrument(path: Path) -> Raw:
+    """Read the file of an instrument; what cannot be read says why."""
+    suffix = path.suffix.lower()
+    if suffix in _UNSURE:
+        raise InputError(f"{path}: {_UNSURE[suffix]}; {_SAVE}")
+    own = {".x3p": _read_x3p, ".gwy": _read_gwy}.get(suffix)
+    try:
+        return own(path) if own else _read_by_library(path)
+    except (InputError, OSError):
+        raise
+    except Exception as error:  # readers of damaged files raise errors of any kind
+        reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
+        raise InputError(f"{path}: cannot be read as {suffix}: {reason}; {_SAVE}") from error
+
+
+def _read_x3p(path: Path) -> Raw:
+    """A surface of ISO 25178-72: a matrix in a binary file, or in a list."""
+    with zipfile.ZipFile(path) as archive:
+        names = archive.namelist()
+        main = next((name for name in names if name.rpartition("/")[2] == "main.xml"), None)
+        if main is None:
+            raise InputError(f"{path}: an archive without main.xml, which an .x3p has")
+        root = ElementTree.fromstring(archive.read(main))
+        said = {element.tag.rpartition("}")[2]: element for element in root.iter()}
+        folder = main.removesuffix("main.xml")
+
+        def member(name: str) -> bytes:
+            return archive.read(folder + (said[name].text or "").strip())
+
+        kind, axes = said["FeatureType"].text, [said[name] for name in ("CX", "CY", "CZ")]
+        if kind != "SUR" or "SizeX" not in said:
+            what = "a profile" if kind == "PRF" else "no matrix of heights"
+            raise InputError(f"{path}: {what} (FeatureType {kind}); give a map of heights")
+        nx, ny, layers = (int(said[name].text or 1) for name in ("SizeX", "SizeY", "SizeZ"))
+        if layers > 1:
+            raise InputError(f"{path}: {layers} layers; give a file with one")
+        if "PointDataLink" in said:
+            values = np.frombuffer(
+                member("PointDataLink"), _POINTS[_text(axes[2], "DataType", "D")]
+            )
+        else:
+            cells = [(one.text or "").split(";")[-1] for one in root.iter() if _is_datum(one)]
+            values = np.array([float(cell) if cell.strip() else np.nan for cell in cells])
+        if values.size != nx * ny:
+            raise InputError(f"{path}: {values.size} heights, where {nx} × {ny} are said; {_SAVE}")
+        step, offset = (float(_text(axes[2], *x)) for x in (("Increment", "1"), ("Offset", "0")))
+        heights = values.astype(float).reshape(ny, nx) * step + offset
+        if "ValidPointsLink" in said:
+            bits = np.frombuffer(member("ValidPointsLink"), np.uint8)
+            is_valid = np.unpackbits(bits, bitorder="little")[: nx * ny].reshape(ny, nx)
+            heights[is_valid == 0] = np.nan
+    if any(_text(axis, "AxisType", "I") != "I" for axis in axes[:2]):
+        raise InputError(f"{path}: places of its own for each height; give a regular grid")
+    x, y = (abs(float(_text(axis, "Increment", "0"))) for axis in axes[:2])
+    return Raw(heights.T, (x, y) if x and y else None, 1.0)
+
+
+def _is_datum(element: ElementTree.Element) -> bool:
+    return element.tag.rpartition("}")[2] == "Datum"
+
+
+def _text(axis: ElementTree.Element, name: str, usual: str) -> str:
+    """Text of an entry of an axis."""
+    found = (one.text for one in axis if one.tag.rpartition("}")[2] == name)
+    return (next(found, None) or usual).strip()
+
+
+def _read_gwy(path: Path) -> Raw:
+    """The first channel of Gwyddion's file that is one of heights, or else without a unit."""
+    content = path.read_bytes()
+    if not content.startswith(b"GWYP"):
+        raise InputError(f"{path}: does not begin as Gwyddion writes; {_SAVE}")
+    _, held, _ = _gwy_object(content, 4)
+    fields = [
+        held[name][1] for name in sorted(held)
+        if re.fullmatch(r"/\d+/data", name) and held[name][0] == "GwyDataField"
+    ]  # fmt: skip
+    units = [_gwy_unit(one.get("si_unit_z")) for one in fields]
+    if not fields or all(unit == 0 for unit in units):
+        raise InputError(f"{path}: no channel of heights; {_SAVE}")
+    best = min(range(len(fields)), key=lambda k: (units[k] is None or units[k] == 0, k))
+    one, across = fields[best], _gwy_unit(fields[best].get("si_unit_xy"))
+    nx, ny = one["xres"], one["yres"]
+    pixel = (one["xreal"] / nx * across, one["yreal"] / ny * across) if across else None
+    return Raw(one["data"].reshape(ny, nx).T, pixel, units[best])
+
+
+def _gwy_unit(unit: Any) -> float | None:
+    """Length of a unit [m]; None if there is none, 0 if it is no length."""
+    text = unit[1].get("unitstr", "") if unit else ""
+    try:
+        return to_si(f"1 {text}", "1 m") if text else None
+    except UnitError:
+        return 0.0
+
+
+def _gwy_object(content: bytes, place: int) -> tuple[str, dict[str, Any], int]:
+    """Name, components and end of an object of Gwyddion's format."""
+
+    def text(begin: int) -> tuple[str, int]:
+        end = content.index(b"\0", begin)
+        return content[begin:end].decode(errors="replace"), end + 1
+
+    name, place = text(place)
+    (size,) = struct.unpack_from("<I", content, place)
+    place, stop, fields = place + 4, place + 4 + size, dict[str, Any]()
+    while place < stop:
+        key, place = text(place)
+        kind, place = chr(content[place]), place + 1
+        if kind in _SCALARS:
+            (fields[key],) = struct.unpack_from(f"<{_SCALARS[kind]}", content, place)
+            place += struct.calcsize(f"<{_SCALARS[kind]}")
+            continue
+        count = 1
+        if kind.isupper():
+            (count,), place = struct.unpack_from("<I", content, place), place + 4
+        if kind in _ARRAYS:
+            fields[key] = np.frombuffer(content, _ARRAYS[kind], count, place)
+            place += fields[key].nbytes
+        for _ in range(count if kind in "sSoO" else 0):
+            if kind in "sS":
+                fields[key], place = text(place)
+            else:
+                label, inner, place = _gwy_object(content, place)
+                fields[key] = label, inner
+    return name, fields, stop
+
+
+def _read_by_library(path: Path) -> Raw:
+    """A surface of one of SurfaceTopography's formats."""
+    try:
+        formats: Any = importlib.import_module("SurfaceTopography.IO")
+    except ImportError as error:
+        raise InputError(
+            f"{path}: SurfaceTopography may know its format: get that with "
+            f'"pip install SurfaceTopography", or {_SAVE}'
+        ) from error
+    content = path.read_bytes()
+    source: Any = str(path)
+    if content.startswith(b"DSCOMPRESSED"):
+        source = io.BytesIO(_unpacked_sur(content))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # it warns of its own house-keeping
+        try:
+            reader = formats.open_topography(source)
+        except Exception as error:
+            raise InputError(f"{path}: {_why_not(formats, path, error)}; {_SAVE}") from error
+        topography = reader.topography()
+    if topography.dim != 2 or not topography.is_uniform:
+        raise InputError(f"{path}: a profile, or unevenly spaced; give a map of heights")
+    held: Any = np.ma.masked_invalid(np.ma.array(topography.heights(), dtype=float))
+    heights: Array = np.ma.filled(held, np.nan)
+    if topography.unit is None:
+        return Raw(heights, None, None)
+    size = topography.to_unit("m").pixel_size
+    unit = float(size[0]) / float(topography.pixel_size[0])
+    return Raw(heights, (float(size[0]), float(size[1])), unit)
+
+
+def _why_not(formats: Any, path: Path, error: Exception) -> str:
+    """Reason of the reader for the ending of a file, or that none knows it."""
+    if type(error).__name__ != "CannotDetectFileFormat":
+        return (str(error).strip().splitlines() or [type(error).__name__])[0]
+    for reader in formats.readers:
+        if path.suffix.lower()[1:] in (reader.file_extensions() or ()):
+            try:
+                reader(str(path))
+            except Exception as own:  # of any kind
+                return f"no sound {path.suffix} file: {(str(own).splitlines() or [repr(own)])[0]}"
+    return f"SurfaceTopography has no reader for {path.suffix or 'files without an ending'}"
+
+
+def _unpacked_sur(content: bytes) -> bytes:
+    """A compressed .sur file as one that is not."""
+    comment, private = struct.unpack_from("<hh", content, 334)
+    begin = _HEADER + comment + private
+    (count,) = struct.unpack_from("<I", content, begin)
+    sizes = struct.unpack_from(f"<{2 * count}I", content, begin + 4)
+    place, parts = begin + 4 + 8 * count, list[bytes]()
+    for raw, packed in zip(sizes[::2], sizes[1::2], strict=True):
+        if raw > 2**30:
+            raise InputError("unpacks to more than 1 GiB; crop or average the surface first")
+        parts.append(zlib.decompress(content[place : place + packed]))
+        place += packed
+    return b"DIGITAL SURF" + content[12:begin] + b"".join(parts)

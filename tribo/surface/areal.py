@@ -1,0 +1,176 @@
+"""Roughness of an area of heights by ISO 25178-2: without form, and of measured heights alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from tribo.errors import InputError
+from tribo.surface.autocorrelation import AutocorrelationLengths, autocorrelation_lengths
+from tribo.types import Array
+
+_HAS_LAY = 0.5  # Str, below which a surface has a lay
+_MOST_ALONG = (
+    1500  # heights along a side whose autocorrelation is found; of more, those in the middle
+)
+_ROUNDING = 1e-9  # share of the heights below which what is left above their plane is rounding
+
+
+@dataclass(frozen=True, slots=True)
+class ArealRoughness:
+    """Roughness of an area, above its form.
+
+    Attributes
+    ----------
+    ra, rq : float
+        Average and root mean square distance from the form [m]; Sa and Sq of ISO 25178-2.
+    skewness, kurtosis : float
+        Ssk and Sku; 0 and 3 of a Gaussian surface.
+    mean : float
+        Mean height [m].
+    slopes : tuple of float
+        Slopes of the form along x and y in the middle.
+    radii : tuple of float
+        Radii of its curvature along x and y [m], positive where the surface is a hill; infinite
+        where it stands out from the roughness no more than by chance, and was left.
+    lengths : AutocorrelationLengths
+        Where the autocorrelation has fallen to 1/e.
+    """
+
+    ra: float
+    rq: float
+    skewness: float
+    kurtosis: float
+    mean: float
+    slopes: tuple[float, float]
+    radii: tuple[float, float]
+    lengths: AutocorrelationLengths
+
+    @property
+    def sal(self) -> float:
+        """Distance of the fastest fall of the autocorrelation, Sal [m], here to 1/e for 0.2."""
+        return self.lengths.shortest
+
+    @property
+    def aspect(self) -> float:
+        """Str, the shortest over the longest such distance; 0 if that is beyond the area."""
+        shortest, longest = self.lengths.shortest, self.lengths.longest
+        return shortest / longest if math.isfinite(shortest) else math.nan
+
+    @property
+    def lay(self) -> float | None:
+        """Direction of the lay, from x towards y, from −90 to 90 [°]; None without one."""
+        return self.lengths.direction if self.aspect < _HAS_LAY else None
+
+
+def remove_form(
+    heights: Array, spacing: tuple[float, float]
+) -> tuple[Array, tuple[float, float], tuple[float, float]]:
+    """Take off the plane, and the curvature where it stands out.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (nx, ny)
+        Heights, NaN where there is none [m].
+    spacing : tuple of float
+        Sides of a pixel along x and y [m].
+
+    Returns
+    -------
+    ndarray, shape (nx, ny)
+        Heights above the least-squares form; NaN stays NaN.
+    tuple of float
+        Slopes of the form along x and y in the middle.
+    tuple of float
+        Radii of curvature along x and y [m]; infinite where it was left.
+
+    Notes
+    -----
+    The form is z = z₀ + a x + b y + x²/(2 Rx) + c xy + y²/(2 Ry). It is taken for curved if from
+    the middle to an edge it rises or falls by more than the root mean square height above it;
+    else the plane alone is taken off. So at most 4 % of that height is form.
+
+    Raises
+    ------
+    InputError
+        If all heights are missing, or are a plane.
+
+    Examples
+    --------
+    >>> x = np.linspace(-1e-3, 1e-3, 101)[:, None] * np.ones(50)
+    >>> rough = 1e-7 * np.random.default_rng(1).standard_normal(x.shape)
+    >>> _, _, radii = remove_form(rough - x**2 / (2 * 0.06), (2e-5, 2e-5))
+    >>> f"{1e3 * radii[0]:.1f} mm along x, {radii[1]} along y"
+    '59.9 mm along x, inf along y'
+    """
+    measured = np.isfinite(heights)
+    if not measured.any():
+        raise InputError("all heights are missing")
+    halves = [max((n - 1) / 2, 0.5) * step for n, step in zip(heights.shape, spacing, strict=True)]
+    x, y = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in heights.shape)
+    u, v = np.broadcast_arrays(x[:, None], y[None, :])
+    terms = np.stack([np.ones(u.shape), u, v, u * u, u * v, v * v], axis=-1)
+
+    def above(count: int) -> tuple[Array, Array]:
+        """Heights above the form of so many terms, and the factors of these."""
+        factors, *_ = np.linalg.lstsq(terms[..., :count][measured], heights[measured], rcond=None)
+        return heights - terms[..., :count] @ factors, factors
+
+    level, plane = above(3)
+    radii = [math.inf, math.inf]
+    curved, factors = above(6)
+    rq = float(np.nanstd(curved))
+    if max(abs(factors[3]), abs(factors[5])) > rq > 0:
+        level, plane = curved, factors
+        radii = [
+            -(half**2) / (2 * sag) if abs(sag) > rq else math.inf
+            for half, sag in zip(halves, factors[[3, 5]].tolist(), strict=True)
+        ]
+    if float(np.nanstd(level)) <= _ROUNDING * float(np.nanmax(np.abs(heights))):
+        raise InputError("the heights are a plane, without any roughness; give another file")
+    slope_x, slope_y = (plane[k] / half for k, half in zip((1, 2), halves, strict=True))
+    return level, (float(slope_x), float(slope_y)), (radii[0], radii[1])
+
+
+def areal_roughness(heights: Array, spacing: tuple[float, float]) -> ArealRoughness:
+    """Describe the roughness of an area.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (nx, ny)
+        Heights, NaN where there is none [m].
+    spacing : tuple of float
+        Sides of a pixel along x and y [m].
+
+    Raises
+    ------
+    InputError
+        If all heights are missing, or are a plane.
+
+    Examples
+    --------
+    >>> from tribo import Grid
+    >>> from tribo.surface import self_affine
+    >>> grid = Grid((192, 192), (1e-6, 1e-6))
+    >>> found = areal_roughness(self_affine(grid, 2e-7, 0.8, (3e-6, 12e-6), seed=1), grid.spacing)
+    >>> f"Ra {1e6 * found.ra:.3f} µm, Str {found.aspect:.2f}, lay at {found.lay:.0f}°"
+    'Ra 0.196 µm, Str 0.32, lay at 90°'
+    """
+    level, slopes, radii = remove_form(heights, spacing)
+    values = level[np.isfinite(level)]
+    values = values - values.mean()
+    rq = float(np.sqrt(np.mean(values**2)))
+    begins = [max(0, (n - _MOST_ALONG) // 2) for n in level.shape]
+    part = level[tuple(slice(begin, begin + _MOST_ALONG) for begin in begins)]
+    return ArealRoughness(
+        ra=float(np.abs(values).mean()),
+        rq=rq,
+        skewness=float(np.mean((values / rq) ** 3)),
+        kurtosis=float(np.mean((values / rq) ** 4)),
+        mean=float(np.nanmean(heights)),
+        slopes=slopes,
+        radii=radii,
+        lengths=autocorrelation_lengths(part, spacing),
+    )
