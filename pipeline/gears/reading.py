@@ -149,7 +149,6 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
                 f"{gear}.material",
                 f"{quoted(named[body])} is neither in the library nor in {known}; give one of it",
             )
-    _check_oil(tables["oil"], faults)
     temperature = tables["temperature"]
     if temperature and not faults and (temperature["bulk"] is None) == (temperature["oil"] is None):
         faults.refuse("temperature", "give one of bulk, that of the teeth, and oil")
@@ -165,16 +164,6 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
 
 _BODIES = {"pin": "pinion", "disk": "wheel"}
 """Gears by the bodies of a scene that stand for them."""
-
-
-def _check_oil(oil: Mapping[str, Any] | None, faults: Faults) -> None:
-    """Note a viscosity that is missing, or given twice."""
-    if oil is None or faults.touch("oil"):
-        return
-    if (oil["kinematic_viscosity"] is None) == (oil["dynamic_viscosity"] is None):
-        faults.refuse("oil", "give one of kinematic_viscosity and dynamic_viscosity")
-    elif oil["kinematic_viscosity"] is not None and oil["density"] is None:
-        faults.refuse("oil.density", "missing; a kinematic viscosity needs one")
 
 
 def _make_pair(

@@ -39,7 +39,7 @@ def check_tables(
 
     for misfit in itertools.chain(
         _body_faults(sound), _motion_faults(sound), _track_faults(sound), _condition_faults(sound),
-        _oil_faults(sound), _step_faults(sound, fidelity.increments), _test_faults(tables),
+        _step_faults(sound, fidelity.increments), _test_faults(tables),
     ):  # fmt: skip
         faults.refuse(*misfit)
 
@@ -251,16 +251,3 @@ def _test_faults(tables: dict[str, Any]) -> Misfits:
     if None not in (tables["tested"] or ()):
         for number, problem in run_faults(tables["tested"] or ()):
             yield f"tested[{number}].run", problem
-
-
-def _oil_faults(sound: Sound) -> Misfits:
-    (oil,) = sound("oil")
-    if oil and (oil["kinematic_viscosity"] is None) == (oil["dynamic_viscosity"] is None):
-        count = "neither is" if oil["dynamic_viscosity"] is None else "both are"
-        yield (
-            "oil",
-            f"kinematic_viscosity, dynamic_viscosity: {count} given; give kinematic_viscosity with "
-            "a density, or dynamic_viscosity",
-        )
-    if oil and oil["kinematic_viscosity"] is not None and oil["density"] is None:
-        yield "oil.density", "missing; a kinematic viscosity needs one"

@@ -55,6 +55,7 @@ DURATION = Quantity("a duration", "4 s", zero=True)
 VELOCITY = Quantity("a velocity", "1.25 m/s", zero=True)
 SPEED = Quantity("a velocity", "1.25 m/s")
 TEMPERATURE = Quantity("a temperature", "25 degC")
+KINEMATIC = Quantity("a kinematic viscosity", "32 mm^2/s")
 OIL_WORKS = "-53 degC", "627 degC"
 """Bulk temperatures between which an oil may work."""
 BULK = Quantity("a temperature", "25 degC", ends=OIL_WORKS)
@@ -312,19 +313,24 @@ OIL = Table({
     "like": Optional(Text(),
         "An oil of the library, whose values hold where none is given here.",
         example="medicinal white oil"),
-    "temperatures": Optional(List(TEMPERATURE, length=2),
-        "Two temperatures at which the viscosity is known.",
+    "temperatures": Optional(List(TEMPERATURE),
+        "Two temperatures or more at which the viscosity is known, rising.",
         default=(313.15, 373.15), example=["40 degC", "100 degC"]),
-    "kinematic_viscosity": Optional(List(Quantity("a kinematic viscosity", "32 mm^2/s"), length=2),
-        "Kinematic viscosity at both temperatures; give this or the dynamic one.",
+    "kinematic_viscosity": Optional(Either(KINEMATIC, List(KINEMATIC)),
+        "Kinematic viscosity at each of these temperatures; give this or the dynamic one. A line "
+        "of ASTM D341 is fitted to more than two.",
         example=["95 mm^2/s", "10.7 mm^2/s"]),
-    "dynamic_viscosity": Optional(List(Quantity("a viscosity", "28 mPa s"), length=2),
-        "Dynamic viscosity at both temperatures.", example=["83 mPa s", "8.9 mPa s"]),
+    "dynamic_viscosity": Optional(List(Quantity("a viscosity", "28 mPa s")),
+        "Dynamic viscosity at each of these temperatures.", example=["83 mPa s", "8.9 mPa s"]),
+    "viscosity_index": Optional(Number(),
+        "Viscosity index (ASTM D2270): with it, `kinematic_viscosity` is one value, that at 40 °C, "
+        "or that of a grade of the library (`like`).", example=95),
     "density": Optional(Quantity("a density", "866 kg/m^3"),
         "Density; needed with a kinematic viscosity."),
     "pressure_viscosity_coefficient": Optional(
         one_or_two(Quantity("a pressure coefficient", "20 1/GPa")),
-        "Pressure–viscosity coefficient, one for both temperatures or one for each. Without it no "
+        "Pressure–viscosity coefficient, one, or one at the first temperature and one at the last. "
+        "Without it no "
         "film is predicted."),
 })
 

@@ -17,6 +17,8 @@ from pipeline.sweep.about import FromLibrary
 
 Entries = dict[str, Any]
 _VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
+"""Entries of which one's own leaves out all that the library knows by temperature."""
+_BY_TEMPERATURE = (*_VISCOSITY, "viscosity_index")
 
 
 @functools.cache
@@ -78,7 +80,7 @@ def _filled(
     has_viscosity = any(key in table for key in _VISCOSITY)
     added = {}
     for key, (value, source) in known[like].items():
-        at_temperatures = key in _VISCOSITY or isinstance(value, list)
+        at_temperatures = key in _BY_TEMPERATURE or isinstance(value, list)
         if key not in table and not (has_viscosity and at_temperatures):
             added[key] = value
             text = " and ".join(value) if isinstance(value, list) else str(value)

@@ -18,10 +18,12 @@ from pipeline.scene.sheet import read_sheet
 from tribo.loading.record import fault as record_fault
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
+_Ends = tuple[float, float]
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
 DISC = "diameter", "width", "bore", "rim_loss", "face_loss", "shaft_loss"
 """Entries of a body that is a disc."""
 _RECORD = "time", "load"
+_OF_INDEX = 313.15, 373.15  # K, by which ASTM D2270 defines an index
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
@@ -77,17 +79,48 @@ def oil_of(table: Mapping[str, Any] | None, faults: Faults) -> tribo.Oil | None:
     """The lubricant; the equation of ASTM D341 is applied to a dynamic viscosity in mPa s, too."""
     if table is None or faults.touch("oil"):
         return None
-    kinematic, dynamic = table["kinematic_viscosity"], table["dynamic_viscosity"]
     coefficient = table["pressure_viscosity_coefficient"]
     pair = coefficient if isinstance(coefficient, tuple) else (coefficient, coefficient)
     with faults.at("oil"):
+        temperatures, viscosities = _viscosity_line(table, faults)
         return tribo.Oil(
-            table["temperatures"],
-            kinematic or tuple(value / _NOMINAL for value in dynamic),
-            table["density"] if kinematic else _NOMINAL,
+            temperatures,
+            viscosities,
+            table["density"] if table["kinematic_viscosity"] else _NOMINAL,
             None if coefficient is None else pair,
         )
     return None
+
+
+def _viscosity_line(table: Mapping[str, Any], faults: Faults) -> tuple[_Ends, _Ends]:
+    """Two temperatures [K] and the kinematic viscosities there [m²/s]; raises an `InputError`."""
+    kinematic, dynamic = table["kinematic_viscosity"], table["dynamic_viscosity"]
+    temperatures, index = table["temperatures"], table["viscosity_index"]
+    if (kinematic is None) == (dynamic is None):
+        raise tribo.InputError(
+            f"{'no' if kinematic is None else 'both a kinematic and a dynamic'} viscosity; give "
+            "kinematic_viscosity with a density, or dynamic_viscosity"
+        )
+    if kinematic and table["density"] is None:
+        raise tribo.InputError("density is missing; a kinematic viscosity needs one")
+    values = kinematic or tuple(value / _NOMINAL for value in dynamic)
+    values = values if isinstance(values, tuple) else (values,)
+    if index is not None and (dynamic or len(values) > 1 or temperatures != _OF_INDEX):
+        raise tribo.InputError(
+            f"viscosity_index is {index:g}; it belongs to one kinematic viscosity, that at 40 °C: "
+            'kinematic_viscosity = "220 mm^2/s", without temperatures'
+        )
+    if index is not None:
+        return _OF_INDEX, (values[0], tribo.material.warm_viscosity(values[0], index))
+    if len(values) != len(temperatures) or len(values) < 2:
+        raise tribo.InputError(
+            f"viscosities: {len(values)}, temperatures: {len(temperatures)}; give one for each of "
+            "two temperatures or more, or that at 40 °C and viscosity_index"
+        )
+    ends, beside = tribo.material.viscosity_line(temperatures, values)
+    if len(values) > 2:
+        faults.note("oil", f"the line of ASTM D341 is up to {beside:.1%} beside the viscosities")
+    return (temperatures[0], temperatures[-1]), ends
 
 
 def corrections_of(

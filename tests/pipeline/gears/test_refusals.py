@@ -64,10 +64,10 @@ REFUSALS = {
     "key": (pair(("title", "colour = 3\ntitle")), "colour: unknown key"),
     "material": (pair(('"bronze CuSn12"', '"bronce"')), '"bronce" is neither in the library'),
     "oil": (pair(('like = "ISO VG 46"', 'density = "866 kg/m^3"\ntemperatures = ["40 degC", '
-                  '"100 degC"]')), "give one of kinematic_viscosity and dynamic_viscosity"),
+                  '"100 degC"]')), "oil: no viscosity; give kinematic_viscosity"),
     "density": (pair(('like = "ISO VG 46"', 'temperatures = ["40 degC", "100 degC"]\n'
                       'kinematic_viscosity = ["46 mm^2/s", "7 mm^2/s"]')),
-                "oil.density: missing; a kinematic viscosity"),
+                "oil: density is missing; a kinematic viscosity"),
     "temperatures": (partial(gears.read_pair, "fzg_a", {"temperature.oil": "90 degC"}),
                      "temperature: give one of bulk"),
     # the teeth

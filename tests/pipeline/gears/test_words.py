@@ -426,7 +426,7 @@ def test_the_scene_of_a_mesh_has_its_places_and_its_window(fzg, mesh):
         "specific_heat": "477 J/(kg K)",
     }  # fmt: skip
     assert [*scene["oil"]] == [
-        "density", "kinematic_viscosity", "pressure_viscosity_coefficient"
+        "density", "kinematic_viscosity", "viscosity_index", "pressure_viscosity_coefficient"
     ]  # fmt: skip
     # A quarter of 4 µm, over 1.2 times the contact that peaks of 3 Rq widen; 8 pixels a step.
     widest = max(

@@ -7,10 +7,15 @@ import pytest
 from pipeline.scene.library import library
 from tests.helpers.scenes import STEEL
 from tests.pipeline.scene.conftest import TEXT as WITH_OIL
+from tribo.material import viscosity_index
 
 TEXT = WITH_OIL[: WITH_OIL.index("[oil]")] + WITH_OIL[WITH_OIL.index("[friction]") :]
 TABLE = TEXT[TEXT.index("[materials.steel]") : TEXT.index("[pin]")]
 NO_TABLE = TEXT.replace(TABLE, "").replace('"steel"', '"AISI 52100"')
+
+
+LINE = 'kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]'
+HEAVY = 'density = "900 kg/m^3"\nkinematic_viscosity = "220 mm^2/s"'
 
 
 @pytest.fixture
@@ -88,10 +93,79 @@ def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
 @pytest.mark.parametrize(
     ("table", "said"),
     [
-        ('density = "866 kg/m^3"', "neither is given"),
+        ('density = "866 kg/m^3"', "no viscosity; give kinematic_viscosity with a density"),
+        (
+            f"{LINE}\ndynamic_viscosity = {LINE[22:].replace('mm^2/s', 'mPa s')}",
+            "both a kinematic and a dynamic viscosity",
+        ),
+        (LINE, "density is missing"),
+        (f'{HEAVY}\ntemperatures = ["40 degC", "80 degC", "100 degC"]', "viscosities: 1, temp"),
+        (HEAVY, "viscosities: 1, temperatures: 2; give one for each of two temperatures or more"),
+        (
+            'density = "900 kg/m^3"\ntemperatures = ["40 degC", "100 degC", "80 degC"]\n'
+            'kinematic_viscosity = ["220 mm^2/s", "40 mm^2/s", "19 mm^2/s"]',
+            "temperatures are 313.15, 373.15, 353.15 K; they must rise",
+        ),
+        (f"{HEAVY}\nviscosity_index = 5000", "has a viscosity index of 5000; give the viscosity"),
+        (
+            f'{HEAVY}\nviscosity_index = 95\ntemperatures = ["30 degC", "100 degC"]',
+            "viscosity_index is 95; it belongs to one kinematic viscosity, that at 40 °C",
+        ),
+        ('like = "medicinal white oil"\nviscosity_index = 95', "it belongs to one kinematic"),
+        ('like = "Shell Ondina 32"\nviscosity_index = 95', "it belongs to one kinematic"),
+        ('dynamic_viscosity = ["0.2 mPa s", "0.1 mPa s"]', "it must be above 3e-07 m²/s"),
         ('dynamic_viscosity = ["4 mPa s", "28 mPa s"]', "must fall"),
         ('dynamic_viscosity = ["28 mPa s", "4 mPa s"]\nviscosity = 3', "unknown key"),
     ],
 )
 def test_a_faulty_oil_is_one_clear_fault(fault, table, said):
     assert said in fault(f"{TEXT}[oil]\n{table}\n")
+
+
+@pytest.mark.parametrize(
+    ("grade", "warm"),
+    # Of viscosity index 95 by ASTM D2270, as calculators of it print them.
+    [(32, 5.3), (46, 6.6), (68, 8.5), (100, 11.1), (150, 14.5), (220, 18.7), (320, 24.0),
+     (460, 30.3), (680, 39.1)],
+)  # fmt: skip
+def test_every_grade_from_32_to_680_has_its_viscosity_at_40_and_100_degrees(read, grade, warm):
+    oil = read(text=f'oil = "ISO VG {grade}"\n{TEXT}').about.oil
+    assert oil.viscosities == pytest.approx((1e-6 * grade, 1e-6 * warm), rel=0.01)
+    assert oil.pressure_coefficients[0] > oil.pressure_coefficients[1] > 0
+
+
+def test_an_index_of_ones_own_goes_before_that_of_the_grade(read):
+    thick = read(text=f'{TEXT}[oil]\nlike = "ISO VG 220"\nviscosity_index = 150\n').about.oil
+    own = read(text=f"{TEXT}[oil]\n{HEAVY}\nviscosity_index = 150\n").about.oil
+    line = read(text=f'{TEXT}[oil]\nlike = "ISO VG 220"\n{LINE}\n').about.oil
+    assert thick.viscosities == own.viscosities
+    assert viscosity_index(*thick.viscosities) == pytest.approx(150)
+    assert line.viscosities == (32e-6, 5e-6)
+    assert line.pressure_coefficients is None  # that of the grade belongs to its temperatures
+
+
+def test_a_line_is_fitted_to_three_viscosities_and_told(read):
+    exact = read(text=f"{TEXT}[oil]\n{HEAVY}\nviscosity_index = 95\n").about.oil
+    middle = exact.viscosity(353.15) / exact.density
+    three = (
+        'density = "900 kg/m^3"\ntemperatures = ["40 degC", "80 degC", "100 degC"]\n'
+        f'kinematic_viscosity = ["220 mm^2/s", "{1e6 * middle} mm^2/s", "18.74932 mm^2/s"]\n'
+    )
+    sweep = read(text=f"{TEXT}[oil]\n{three}")
+    assert sweep.about.oil.viscosities == pytest.approx(exact.viscosities, rel=1e-6)
+    (note,) = [one for one in sweep.about.notes if one.place == "oil"]
+    assert note.words == "the line of ASTM D341 is up to 0.0% beside the viscosities"
+    off = three.replace("18.74932", "21")
+    (note,) = [one for one in read(text=f"{TEXT}[oil]\n{off}").about.notes if one.place == "oil"]
+    assert "up to 6." in note.words
+
+
+def test_gear_steels_are_known_by_their_names_and_numbers(read):
+    for name, number in {
+        "16MnCr5": "1.7131", "20MnCr5": "1.7147", "18CrNiMo7-6": "1.6587",
+        "14NiCrMo13-4": "1.6657", "AISI 9310": "9310", "100Cr6": "1.3505", "42CrMo4": "1.7225",
+    }.items():  # fmt: skip
+        disks = [read(text=NO_TABLE.replace("AISI 52100", n)).scene.disk for n in (name, number)]
+        assert disks[0] == disks[1]
+        hardness = disks[0].hardness / 9.80665e6  # HV
+        assert 680 < hardness < 760 or name == "42CrMo4"
