@@ -60,6 +60,10 @@ def quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = Fal
     return Option(name, metavar=metavar, type=read, help=f'{use}, like "{like}"')
 
 
+WRITTEN = "output", "watch", "kept", "new_scene"
+"""Options that name what a command writes."""
+
+
 def output(name: str, use: str, kind: Callable[[str], Path | str] = Path) -> Option:
     """Option for the file that a command writes."""
     return Option("-o", "--output", metavar=name, type=kind, help=use)

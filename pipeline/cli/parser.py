@@ -13,6 +13,7 @@ from contextlib import suppress
 from difflib import get_close_matches
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any, NoReturn
 
 from pipeline import extras
@@ -189,7 +190,26 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     if options.parser is parser:
         parser.print_help(sys.stderr)
         parser.exit(2, "irg: give a command\n")
+    for out in (value for name, value in vars(options).items() if name in o.WRITTEN and value):
+        if os.path.realpath(out) in _files_read(options):
+            options.parser.error(f"{out} is read by this command; name another file to write")
     return options
+
+
+def _files_read(options: argparse.Namespace) -> set[str]:
+    """Real paths of the files that a command is given to read, and of all that its scene names."""
+    taken = [value for name, value in vars(options).items() if name not in o.WRITTEN]
+    paths = [Path(x) for x in taken if isinstance(x, str | Path) and os.path.isfile(x)]
+    found = set[str]()
+    while paths:
+        file, text = os.path.realpath(path := paths.pop()), ""
+        if path.suffix == ".toml" and file not in found:
+            with suppress(OSError):  # which the command tells
+                text = path.read_text("utf-8", errors="replace")
+        named = (path.parent / name for name in re.findall(r"""["']([^"'\n]+)["']""", text))
+        paths += [one for one in named if os.path.isfile(one)]  # False of a name too long
+        found.add(file)
+    return found
 
 
 def _version() -> str:

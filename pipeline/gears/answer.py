@@ -86,12 +86,12 @@ def gears(options: argparse.Namespace) -> Result:
     else:
         table = _frame(_PLACES, one.places)
         text = [frame_of(("subject", "value"), [*_facts(one)]), "", short(table, _WIDE)]
-    if options.scene:
+    if options.new_scene:
         note = f"Written by irg gears {options.pair}."
-        document["scene"] = str(write_text(scene_toml([one], note), options.scene))
-        store = options.scene.with_suffix(".zarr").name
-        text += ["", f"{options.scene} is written; its margins, place by place:"]
-        text += [f"  irg run {options.scene} -o {store}", f"  irg margin {store}"]
+        document["scene"] = str(write_text(scene_toml([one], note), options.new_scene))
+        store = options.new_scene.with_suffix(".zarr").name
+        text += ["", f"{options.new_scene} is written; its margins, place by place:"]
+        text += [f"  irg run {options.new_scene} -o {store}", f"  irg margin {store}"]
     draw = partial(_draw, pair)
     return Result(document, [pair.title, LIMITS, "", *text], frames=[table], draw=draw)
 
@@ -117,8 +117,8 @@ def _check(options: argparse.Namespace, pair: Pair) -> None:
             "--stages and --points need a critical temperature; give --failure-stage or "
             "--critical-temperature, or temperature.critical in the file"
         )
-    if options.scene:
-        writable_path(options.scene, (".toml",))
+    if options.new_scene:
+        writable_path(options.new_scene, (".toml",))
 
 
 def _simulated(

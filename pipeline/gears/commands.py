@@ -32,7 +32,10 @@ COMMANDS = (
                 "--stage", metavar="N", type=values.count,
                 help="take torque, speed and bulk temperature of a load stage of FZG A/8.3/90",
             ),
-            Option("--scene", metavar="SCENE.toml", type=Path, help="scene to write for irg run"),
+            Option(
+                "--scene", metavar="SCENE.toml", type=Path, dest="new_scene",
+                help="scene to write for irg run",
+            ),
             Option(
                 "--failure-stage", metavar="N", type=values.count,
                 help="load stage of FZG A/8.3/90 in which the pair's oil fails, by its data sheet: "

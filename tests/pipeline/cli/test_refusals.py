@@ -1,6 +1,7 @@
 """All refusals of commands and their options: what causes each, and what it says."""
 
 from functools import partial
+from pathlib import Path
 
 import pytest
 
@@ -9,6 +10,20 @@ from tests.helpers.refusals import Refusals, command
 
 def irg(*arguments):
     return partial(command, *arguments)
+
+
+def over_itself(*arguments):
+    """A command that would write over a file that it reads."""
+
+    def build():
+        Path("duty.csv").write_text("load [N],velocity [m/s]\n250,1\n")
+        Path("record.csv").write_text("time [s],load [N]\n0,0\n1,100\n")
+        Path("own.toml").write_text('extends = "base.toml"\n')
+        Path("base.toml").write_text('extends = "own.toml"\n[loading]\nfile = "record.csv"\n')
+        Path("link.csv").symlink_to("record.csv")
+        return command(*arguments)
+
+    return build
 
 
 def nested():
@@ -37,6 +52,13 @@ REFUSALS = {
     "nested": (nested, "title is nested without an end"),
     "no value": (irg("check", "first_try", "--set", "title"), '"title" has no name and value'),
     "word": (irg("tests", "log.csv", "--word", "broken=gone"), '"gone" is no outcome; give'),
+    # files that are read and would be written
+    "over points": (over_itself("margin", "tiny.zarr", "--points", "duty.csv", "-o", "duty.csv"),
+                    "duty.csv is read by this command; name another file to write"),
+    "over a file of a base": (over_itself("check", "own.toml", "-o", "./record.csv"),
+                              "record.csv is read by this command"),
+    "over a link": (over_itself("check", "own.toml", "-o", "link.csv"), "link.csv is read by"),
+    "over a pair": (over_itself("gears", "own.toml", "--scene", "own.toml"), "own.toml is read by"),
     # options that do not go together
     "at": (irg("boundary", "tiny.zarr", "--at", "temperature.critical=150"),
            "--at: temperature.critical is 150, without a unit"),
