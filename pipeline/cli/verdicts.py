@@ -127,8 +127,10 @@ def _table_lines(
     document: dict[str, Any] = {"verdicts": verdicts, "margins": as_dict(frame)}
     if points and points.unused:
         document["columns_not_used"] = [*points.unused]
-    remarks = points.remarks if points else []
-    return document, [said, *shown, *notes_of(frame), *remarks]
+    if points and points.counted:
+        document["rows_read"] = points.counted
+    above, remarks = (points.counted, points.remarks) if points else ("", [])
+    return document, [*filter(None, [above]), said, *shown, *notes_of(frame), *remarks]
 
 
 def _error_lines(known: list[Judged]) -> list[str]:

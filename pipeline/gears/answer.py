@@ -152,9 +152,10 @@ def _simulated(
             "binding_row": judged.binding.number,
             "sentence": judged.sentence,
             "columns_not_used": [*judged.unused],
+            "rows_read": judged.counted,
             "rows": as_dict(table),
         }
-        text += [judged.sentence, "", table, *judged.remarks]
+        text += [*filter(None, [judged.counted]), judged.sentence, "", table, *judged.remarks]
     return document, text, table
 
 

@@ -51,7 +51,7 @@ SEVERE, MILD, NOT_DECIDED = "severe", "mild", "not decided"
 class SpectrumRow:
     """A row of the spectrum, its hottest place, and the verdict there."""
 
-    number: int  #: Row of the file, from 1 on.
+    number: int  #: Row of the file, in which the headings are the first; of columns, from 1 on.
     hours: float | None
     simulated: Simulated
     distance: float  #: Critical less deciding temperature [K].
@@ -109,8 +109,6 @@ class Spectrum:
     def remarks(self) -> Iterator[str]:
         """The verdict on the whole, and columns that no answer depends on, in lines."""
         count = len(self.rows)
-        if self.counted:
-            yield self.counted
         yield (
             f"verdict on {count} {'row' if count == 1 else 'rows'}: {self.verdict}; hours are "
             "counted, and wear over them is not"
@@ -176,8 +174,8 @@ def judge_spectrum(
     found = simulate([mesh(pair, duty=duty) for _, duty in duties], **choices)
     rows = (
         SpectrumRow(
-            number, hours, one, critical.value - one.temperature, critical.doubt + one.error
+            row.number, hours, one, critical.value - one.temperature, critical.doubt + one.error
         )
-        for number, ((hours, _), one) in enumerate(zip(duties, found, strict=True), 1)
+        for row, (hours, _), one in zip(table.rows, duties, found, strict=True)
     )
     return Spectrum((*rows,), critical, tuple(table.unused), table.counted)

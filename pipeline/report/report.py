@@ -245,7 +245,7 @@ def _operating_points(ds: xr.Dataset, points: OperatingPoints | None) -> Iterato
     table = margin(ds, points)
     yield short(table, LONG)
     yield from notes_of(table)
-    yield from points.remarks if points else ()
+    yield from filter(None, (points.counted, *points.remarks)) if points else ()
     yield (
         "A factor is the critical velocity or load over that of the point: at 1.5, wear turns "
         "severe at 1.5 times its velocity or load. Without one, the sweep has no transition there"

@@ -12,6 +12,7 @@ import pipeline
 import pipeline.gears as gears
 from pipeline.gears import model
 from pipeline.gears.model import Simulated
+from tribo import InputError
 
 ROOT = Path(__file__).parents[3]
 DUTY = "torque [Nm],speed [rpm],hours,bulk temperature [degC],name\n"
@@ -162,15 +163,18 @@ def test_the_oil_of_a_pair_is_tested_on_the_test_gears(tmp_path):
 def test_a_spectrum_has_one_verdict_and_a_sentence(irg, tmp_path):
     duty = tmp_path / "duty.csv"
     duty.write_text(
-        DUTY + "150,1500,1800,100,cruise\n372.6,2170,150,165.7,climb\n9,100,50,,start\n"
+        DUTY + "150,1500,1800,100,cruise\n0,0,99,,parked\n372.6,2170,150,165.7,climb\n"
+        "9,100,50,60,start\n"
     )
     given = "gears", "fzg_a", "--points", duty
     severe = irg(*given, *CRITICAL)
-    assert "Scuffing is predicted in 1 of 3 rows, 150 of 2000 h. Row 2, 372.6 N m" in severe
+    assert "Scuffing is predicted in 1 of 3 rows, 150 of 2000 h. Row 4, 372.6 N m" in severe
+    assert "4 rows: 3 used, 1 left out: row 3 is at rest" in severe
     assert "binds: 81 ± 1 K above the critical temperature of 250 °C" in severe
     assert "columns not used: name" in severe
     document = irg(*given, "--critical-temperature", "400 degC", "--json")["spectrum"]
-    assert (document["verdict"], document["binding_row"]) == ("mild", 2)
+    assert (document["verdict"], document["binding_row"]) == ("mild", 4)
+    assert document["rows_read"].startswith("4 rows: 3 used")
     assert document["rows"]["hours"] == [1800, 150, 50]
     assert document["rows"]["verdict"] == ["mild"] * 3
     assert "in 3 of 3 rows, 2000 of 2000 h" in document["sentence"]
@@ -181,14 +185,28 @@ def test_a_spectrum_has_one_verdict_and_a_sentence(irg, tmp_path):
 def test_a_row_of_a_spectrum_has_hours_and_its_own_factor_or_temperature():
     pair = gears.read_pair("fzg_a", {"duty.load_factor": 1.2})
     columns = {
-        "torque": ["100 N m"] * 3, "speed": ["1500 rpm"] * 3, "hours": ["90 min", 0, 2.5],
-        "load factor": [1.5, None, 0.5], "bulk temperature": [None, "90 degC", None],
+        "torque": ["100 N m"] * 2, "speed": ["1500 rpm"] * 2, "hours": ["90 min", 2.5],
     }  # fmt: skip
-    (first, second, third), _ = gears.spectrum.read_spectrum(columns, pair)
     speed, usual = 1500 * 2 * math.pi / 60, pair.duty.bulk
-    assert first == (1.5, gears.Duty(100.0, pytest.approx(speed), usual, 1.5))
-    assert second == (0.0, gears.Duty(100.0, pytest.approx(speed), 363.15, 1.2))
-    assert third == (2.5, gears.Duty(100.0, pytest.approx(speed), usual, 0.5))
+    factors, _ = gears.spectrum.read_spectrum(columns | {"load factor": [1.5, 0.5]}, pair)
+    assert factors == [
+        (1.5, gears.Duty(100.0, pytest.approx(speed), usual, 1.5)),
+        (2.5, gears.Duty(100.0, pytest.approx(speed), usual, 0.5)),
+    ]
+    bulk = {"bulk temperature": ["90 degC", "363.15 K"]}
+    for _, duty in gears.spectrum.read_spectrum(columns | bulk, pair)[0]:
+        assert duty == gears.Duty(100.0, pytest.approx(speed), pytest.approx(363.15), 1.2)
+
+
+def test_an_empty_factor_or_temperature_of_a_row_is_a_fault():
+    columns = {
+        "torque": ["100 N m"] * 3, "speed": ["1500 rpm"] * 3,
+        "load factor": [1.5, None, 0.5], "bulk temperature": [None, "90 degC", ""],
+    }  # fmt: skip
+    with pytest.raises(InputError) as caught:
+        gears.spectrum.read_spectrum(columns, gears.read_pair("fzg_a"))
+    assert "rows 1 and 3, bulk_temperature: is empty; fill it, or leave out" in str(caught.value)
+    assert "row 2, load_factor: is empty" in str(caught.value)
 
 
 @pytest.mark.usefixtures("warm")
@@ -273,7 +291,7 @@ def test_the_page_leads_from_a_drawing_to_a_verdict(irg, tmp_path, monkeypatch):
     assert usual == {"correlation_length": (4e-6, 4e-6), "hurst_exponent": 0.8}
     (command,) = re.findall(r"^irg (gears pair.toml .*--points.*)$", page, flags=re.MULTILINE)
     said = irg(*shlex.split(command))
-    assert "No scuffing is predicted in 3 of 3 rows, 10000 of 10000 h. Row 2" in said
+    assert "No scuffing is predicted in 3 of 3 rows, 10000 of 10000 h. Row 3" in said
     (critical,) = re.findall(r"critical temperature: (\d+ ± \d+ °C) by this model", said)
     (limit,) = re.findall(r"scuffing integral temperature: (\d+ °C) by the rule", said)
     assert critical in page
