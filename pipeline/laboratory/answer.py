@@ -49,22 +49,18 @@ def tests(options: argparse.Namespace) -> Result:
         return _trace_result(path, read, options)
     if options.output:
         raise InputError(f"{path} is no record of friction over time, which -o draws; leave it out")
-    return _log_result(path, read_log(path, named | {"words": words}), taken)
+    return _log_result(path, read_log(path, named | {"words": words}), named)
 
 
-def _log_result(path: Path, log: Log, taken: Mapping[str, Any]) -> Result:
+def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
     """What a log says."""
     found, faults = log.tests, log.sheet.faults
-    if not faults:  # else rows are left out, and places are not those of tests
-        faults += (
-            [
-                f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}"
-                for place, problem in run_faults(log.in_si)
-            ]
-            if log.row_of is TEST
-            else []
-        )
-    toml = [*_log_toml(log, path, taken)] if found else []
+    if log.row_of is TEST and not faults:  # else rows are left out, and places not those of tests
+        faults += [
+            f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}"
+            for place, problem in run_faults(log.in_si)
+        ]
+    toml = [*_log_toml(log, path, named)] if found and not faults else []
     doubts = [*_doubts(log.in_si)] if log.row_of is not STAGES else []
     document = {
         "file": str(path), **_about(log.sheet, log.export), "words": log.words, "tests": found,
@@ -72,7 +68,7 @@ def _log_result(path: Path, log: Log, taken: Mapping[str, Any]) -> Result:
     }  # fmt: skip
     text: list[str | pd.DataFrame] = [*_head(path, log.sheet, log.export)]
     text += [*_understood(log.sheet, log.words), *_lacking(log), ""]
-    if found:
+    if toml:
         text += [f"{_count_tests(found)}; to paste into a scene beside the log:", "", *toml, ""]
         text += remarks("warning", *doubts)
     if faults:
@@ -170,10 +166,11 @@ def _lacking(log: Log) -> Iterator[str]:
         yield f"without a column: {', '.join(needed)}"
 
 
-def _log_toml(log: Log, path: Path, taken: Mapping[str, Any]) -> Iterator[str]:
+def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
     """Lines of a scene that name the log, and say what is not said by its own words."""
     yield f"[[{log.key}]]"
-    said = {"file": path.name, "columns": log.chosen, "words": log.words, **taken}
+    columns = log.renamed | named["columns"]
+    said = {"file": path.name, "words": log.words, **named, "columns": columns}
     yield from (f"{name} = {as_toml(value)}" for name, value in said.items() if value)
 
 

@@ -31,7 +31,7 @@ LOG = Table({
     "sheet": Optional(Text(),
         "Sheet of a workbook; by default the first with columns of a test."),
     "decimal": Optional(OneOf((".", ",")),
-        "Decimal mark; by default a comma if the file has semicolons or tabs and any comma."),
+        "Decimal mark; by default as its numbers show."),
 }, form="log")
 # fmt: on
 

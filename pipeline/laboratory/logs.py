@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.laboratory.exports import Export
-from pipeline.laboratory.reading import Read, read_table
+from pipeline.laboratory.reading import Read, read_table, require
 from pipeline.laboratory.tables import vocabulary
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import numbered
@@ -62,23 +62,11 @@ class Log:
         return "measured" if self.row_of is TRANSITION else "tested"
 
     @property
-    def chosen(self) -> dict[str, str]:
-        """Columns as a scene names them: those that entries do not name, with their units."""
-        return {
-            name: head
-            for name, head in self.renamed.items()
-            if self.sheet.places[name] < len(self.sheet.headings)
-        }
-
-    @property
     def renamed(self) -> dict[str, str]:
         """Headings of entries that they do not name exactly."""
         heads = {name: self.sheet.heading(name) for name in self.sheet.places}
-        return {
-            name: one.text
-            for name, one in heads.items()
-            if name in self.row_of.keys and one.name != name
-        }
+        known = self.row_of.keys
+        return {name: x.text for name, x in heads.items() if name in known and x.name != name}
 
     @property
     def notes(self) -> list[str]:
@@ -115,7 +103,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     sheet, export, asked = read
     row_of = TRANSITION if key == "measured" else _row_of(sheet, export)
     if row_of is None or (key == "tested" and row_of is TRANSITION):
-        sheet.require(["load", "velocity"])
+        require(sheet, ["load", "velocity"])
         if not sheet.faults:
             sheet.faults.append(
                 'no column says whether wear was mild or severe; name it by --column "outcome='
@@ -134,7 +122,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
         found = {cell: words.get(cell) or outcome_of(cell, title) for cell in cells}
         log.words = {cell: one for cell, one in found.items() if one and cell not in OUTCOMES}
     needed = [name for name in ("load", "velocity", "outcome") if name in row_of.needed]
-    sheet.require(["velocity"] if row_of is STAGES else needed, ["load", "velocity"])
+    require(sheet, ["velocity"] if row_of is STAGES else needed, ["load", "velocity"])
     _leave_out_repeats(sheet)
     if export.stages and row_of is TEST and "run" not in sheet.places:
         _part_runs(sheet, log.words)

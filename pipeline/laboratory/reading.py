@@ -72,8 +72,19 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
 
 def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
     """Give a column the unit that its heading lacks."""
-    if name in sheet.places and unit and not sheet.heading(name).unit:
-        sheet.headings[sheet.places[name]] = sheet.heading(name)._replace(unit=unit)
+    if name in sheet.places and unit and not (heading := sheet.heading(name)).unit:
+        text = f"{heading.text} [{unit}]"
+        sheet.headings[sheet.places[name]] = Heading(text, heading.title, unit)
+
+
+def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> None:
+    """Refuse a needed quantity that is missing, with the options that give it; leave out rows."""
+    before, needed = len(sheet.faults), [*needed]
+    sheet.require(needed, [*moving])
+    missing = [name for name in needed if name not in sheet.places]
+    if len(sheet.faults) > before:
+        options = (f'--given "{one}=... {sheet.units[one] or ""}'.strip() + '"' for one in missing)
+        sheet.faults[-1] += f'; name it by --column "{missing[0]}=HEADING", or {" ".join(options)}'
 
 
 def _take_rows(sheet: Sheet, asked: Mapping[str, Any], is_kept: bool) -> None:
@@ -170,7 +181,7 @@ def read_trace(read: Read) -> Trace:
     sheet, export, asked = read
     if "friction" not in sheet.places:
         sheet.faults.append(asked["friction"])
-    sheet.require(["time", "friction"])
+    require(sheet, ["time", "friction"])
     columns = {
         name: sheet.numbers(name) for name in (*_NEEDED, "bulk_temperature") if name in sheet.places
     }
