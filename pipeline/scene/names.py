@@ -77,6 +77,10 @@ class Names:
         unit, like = heading.unit, self.units[name]
         return not unit or (not is_unit(unit) if like is None else is_unit(unit, like))
 
+    def count(self, headings: Sequence[Heading]) -> int:
+        """Number of headings that name a quantity."""
+        return len({*self.columns(headings)[0].values()})
+
     def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], list[str]]:
         """Column that names each quantity most surely, and faults where several are as sure."""
         places, faults = dict[str, int](), list[str]()

@@ -289,7 +289,7 @@ def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
 def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | None = None) -> Sheet:
     """The sheet below the row of headings that names most of the quantities that are sought."""
     tops = [
-        (len(names.columns(headings_at(table.rows, k)[0])[0]), -place, -k)
+        (names.count(headings_at(table.rows, k)[0]), -place, -k)
         for place, table in enumerate(tables)
         for k, row in enumerate(table.rows[:_MOST_ABOVE])
         if 2 * sum(bool(NUMBER.fullmatch(cell)) for cell in row.cells) <= len(row.cells)
@@ -309,7 +309,7 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
         filled = [cell for cell in cells if cell]
         is_same, is_words = cells == rows[-start].cells, not any(map(NUMBER.fullmatch, filled))
         if is_same or (is_words and len(filled) > 1):
-            is_inside = is_same or len(names.columns(headings_at([Row(0, cells)], 0)[0])[0]) < 2
+            is_inside = is_same or names.count(headings_at([Row(0, cells)], 0)[0]) < 2
         if cells[0].startswith("#") and len(filled) == 1:
             sheet.left_out[number] = "is commented out"
         elif is_same or not is_inside:

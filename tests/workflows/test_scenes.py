@@ -35,3 +35,17 @@ def test_first_try_crosses_the_boundary_and_no_point_warns(tmp_path):
     velocities = pipeline.boundary(ds)["critical_velocity"]
     assert velocities.notnull().all()
     assert (velocities.diff("load") < 0).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "load", "velocity"),  # as the heads of the files promise
+    [("pin_on_disk", 200.0, 0.24), ("mtm", 75.0, 1.1), ("srv", 800.0, 0.06)],
+)
+def test_scenes_of_usual_rigs_cross_the_boundary_where_they_say(name, load, velocity):
+    scene = pipeline.load_scene(name)
+    critical = scene.conditions.critical_temperature
+    assert decisive_temperature(scene, load, 0.85 * velocity) < critical
+    assert decisive_temperature(scene, load, 1.15 * velocity) > critical
+    text = (WORKFLOWS / f"{name}.toml").read_text(encoding="utf-8")
+    marked = [line.split()[0] for line in text.splitlines() if "  # yours" in line]
+    assert {"oil", "ra", "coefficient", "critical"} <= {*marked}
