@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import re
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
 from typing import Any, NamedTuple
@@ -107,7 +107,8 @@ class WordNames(Names):
         if not heading.title or not self.fits(name, heading):
             return 0.0
         pattern = self.exported.get(name)
-        if pattern is not None and re.fullmatch(pattern, heading.text, re.IGNORECASE):
+        texts = (heading.text, heading.title)
+        if pattern and any(re.fullmatch(pattern, text, re.IGNORECASE) for text in texts):
             return 4.0
         if pattern == "":
             return 0.0
@@ -123,6 +124,14 @@ class WordNames(Names):
         if known.unit and not heading.unit and len(title) < 3:
             return 0.0  # a lone letter, as t or v, may be anything
         return (2 if heading.unit else 1) - 0.5 * bool(re.search(vocabulary()["wished"], title))
+
+    def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:
+        """Columns and faults, without faults of what only makes quantities that are there."""
+        places, faults = super().columns(headings)
+        made = {x for rule in RULES if rule.name in places for x in rule.inputs}
+        asked = {x for rule in RULES if rule.name not in places for x in rule.inputs}
+        idle = made - asked - {"load"}
+        return places, {name: fault for name, fault in faults.items() if name not in idle}
 
 
 def derive(sheet: Sheet, needed: Collection[str] = ()) -> dict[str, str]:

@@ -259,8 +259,8 @@ def _cut(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
     merged = [(pieces[0], levels[0], _is_ramp(commands, pieces, levels, 0))]
     for k, piece in enumerate(pieces[1:], 1):
         is_ramp = _is_ramp(commands, pieces, levels, k)
-        before, *_ = merged[-1]
-        if is_ramp and merged[-1][2]:
+        before, _, was_ramp = merged[-1]
+        if was_ramp and (is_ramp or _goes_on(commands, time, before, piece)):
             merged[-1] = slice(before.start, piece.stop), levels[k], True
             continue
         merged.append((piece, levels[k], is_ramp))
@@ -278,6 +278,16 @@ def _cut(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
         if not is_ramp or not beside or _span(time, piece) > _SHORT * max(beside):
             kept.append((piece, is_ramp))
     return [piece for piece, _ in kept], [is_ramp for _, is_ramp in kept]
+
+
+def _goes_on(commands: Array, time: Array, ramp: slice, piece: slice) -> bool:
+    """True of a short piece behind a ramp that rises or falls at half its rate or more."""
+    if _span(time, piece) > _SHORT * _span(time, ramp):
+        return False
+    way, other = (commands[one.stop - 1] - commands[one.start] for one in (ramp, piece))
+    leading = int(np.argmax(np.abs(way)))
+    rate = way[leading] / _span(time, ramp)
+    return bool(other[leading] * rate >= rate**2 * _span(time, piece) / 2)
 
 
 def _span(time: Array, rows: slice) -> float:

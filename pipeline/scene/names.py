@@ -81,9 +81,9 @@ class Names:
         """Number of headings that name a quantity."""
         return len({*self.columns(headings)[0].values()})
 
-    def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], list[str]]:
+    def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:
         """Column that names each quantity most surely, and faults where several are as sure."""
-        places, faults = dict[str, int](), list[str]()
+        places, faults = dict[str, int](), dict[str, str]()
         for name in self.units:
             sure = [self.sureness(name, heading) for heading in headings]
             found = [k for k, rank in enumerate(sure) if rank == max(sure) > 0]
@@ -92,5 +92,5 @@ class Names:
             if len(found) > 1:
                 several = ", ".join(quoted(headings[k].text) for k in found)
                 way = f'--column "{name}={headings[found[0]].text}"'
-                faults.append(f"{len(found)} columns may be {name}: {several}; choose by {way}")
+                faults[name] = f"{len(found)} columns may be {name}: {several}; choose by {way}"
         return places, faults

@@ -131,8 +131,6 @@ class Sheet:
         for number, cells in self.rows:
             if empty := [name for name, k in columns.items() if cells[k].lower() in EMPTY]:
                 reasons[number] = f"has no {' and no '.join(empty)}"
-            elif columns and not any(re.search(r"[\d#=]", cells[k]) for k in columns.values()):
-                reasons[number] = "has no number"
             elif any(_ZERO.fullmatch(cells[k]) for name, k in columns.items() if name in moving):
                 reasons[number] = "is at rest"
         self.leave_out(reasons)
@@ -303,8 +301,10 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
     if body and all(len(row.cells) == len(headings) + 1 and row.cells[-1] for row in body):
         headings.insert(0, Heading("", "", ""))  # of an index
     above = [cell for row in rows[:-start] for cell in row.cells]
-    sheet = Sheet(name, names.units, headings, *names.columns(headings), [*form], above)
+    places, faults = names.columns(headings)
+    sheet = Sheet(name, names.units, headings, places, [*faults.values()], [*form], above)
     is_inside, width = True, len(headings)
+    numeric = [k for name, k in sheet.places.items() if sheet.units[name] is not None]
     for number, cells in body:
         filled = [cell for cell in cells if cell]
         is_same, is_words = cells == rows[-start].cells, not any(map(NUMBER.fullmatch, filled))
@@ -314,17 +314,18 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
             sheet.left_out[number] = "is commented out"
         elif is_same or not is_inside:
             sheet.left_out[number] = "has the headings again" if is_same else "stands below others"
+        elif numeric and not any(re.search(r"[\d#=]", cells[k]) for k in numeric if cells[k:]):
+            sheet.left_out[number] = "has no number"
         elif any(cells[width:]):
             sheet.faults.append(f"row {number}: {len(cells)} cells below {width} headings")
         else:
             sheet.rows.append(Row(number, [*cells, *[""] * width][:width]))
-    _make_plain(sheet, decimal)
+    _make_plain(sheet, numeric, decimal)
     return sheet
 
 
-def _make_plain(sheet: Sheet, decimal: str | None) -> None:
+def _make_plain(sheet: Sheet, numeric: Collection[int], decimal: str | None) -> None:
     """Write numbers with a decimal point; beside one that may be another both stand."""
-    numeric = [k for name, k in sheet.places.items() if sheet.units[name] is not None]
     cells = {row.cells[k].partition(" ")[0] for row in sheet.rows for k in numeric}
     commas = [cell for cell in cells if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]
     # Between commas they are quoted; those before three digits alone may be thousands.

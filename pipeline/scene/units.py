@@ -60,8 +60,8 @@ _DEGREES = {"C": "degC", "F": "degF"}
 
 _CLOCK = re.compile(r"(?:.*[\sT])?(\d{1,2}):(\d\d)(?::(\d\d(?:[.,]\d+)?))?\s*([AP]M)?", re.I)
 _OF_TABLES = {
-    "C": "degC", "F": "degF", "kg": "kgf", "kp": "kgf", "g": "gf", "lb": "lbf", "lbs": "lbf",
-    **dict.fromkeys(TURNS, "rpm"), "sec": "s",
+    "C": "degC", "F": "degF", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf", "sec": "s",
+    **dict.fromkeys(("g", "gram", "grams"), "gf"), **dict.fromkeys(TURNS, "rpm"),
 }  # fmt: skip
 """Units meant in tables: none is of charges or capacitances, and a mass there is a weight."""
 

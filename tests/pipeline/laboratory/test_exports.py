@@ -1,0 +1,157 @@
+"""Exports of machines, by `irg tests`: what each is taken for, and its right values."""
+
+import re
+
+import pytest
+
+from pipeline.laboratory.exports import exports
+from pipeline.scene.shipped import shipped_scenes
+from tests.pipeline.laboratory import samples
+
+TRACES = {
+    # name of the sample: its form, what it lacks, and its velocity
+    "rtec": ("rtec", {"track_radius": "20 mm"}, samples.SPEED),
+    "umt": ("umt", {"velocity": "0.7 m/s"}, 0.7),
+    "compend": ("compend", {}, 2 * 25 * 10e-3),
+    "trb3": ("trb3", {}, samples.SPEED),
+    "sine": ("trb3", {}, 0.6366 * samples.SPEED),
+    "t11": ("t11", {"load": "50 N", "track_radius": "20 mm"}, samples.SPEED),
+    "mtm": ("mtm", {}, 0.5),
+    "ehd": ("ehd", {}, 0.5),
+    "lvm": ("lvm", {}, samples.SPEED),
+}
+LOAD = {"mtm": 0.1, "ehd": 0.1}  # of that of the run
+NO_OIL = {"umt", "trb3", "sine", "t11", "lvm"}
+
+
+def write(folder, name, content):
+    path = folder / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+def options(given):
+    return [x for name, value in given.items() for x in ("--given", f"{name}={value}")]
+
+
+def number(text):
+    return float(text.split()[0])
+
+
+def assert_run(document, name, velocity):
+    """The run of all samples: mild up to the third stage, severe in the fourth, at 140 s."""
+    (test,) = document["tests"]
+    share = LOAD.get(name, 1.0)
+    assert document["transition_time"] == pytest.approx(140, abs=1)
+    if name == "t11":  # it does not record the load
+        assert (test["load"], test["outcome"]) == ("50 N", "severe")
+    else:
+        assert number(test["mild_up_to"]) == pytest.approx(share * samples.MILD, rel=0.005)
+        assert number(test["severe_at"]) == pytest.approx(share * samples.SEVERE, rel=0.005)
+    assert number(test["velocity"]) == pytest.approx(velocity, rel=1e-3)
+    assert test["friction"] == pytest.approx(0.1, rel=0.02)
+    assert test.get("bulk_temperature") == (None if name in NO_OIL else "80 degC")
+
+
+@pytest.mark.parametrize("name", TRACES)
+def test_a_run_of_a_machine_is_read_with_what_it_lacks(tmp_path, irg, name):
+    form, given, velocity = TRACES[name]
+    path = write(tmp_path, "run.txt", getattr(samples, name)())
+    document = irg("tests", path, *options(given), "--json")
+    assert document["form"][0] == exports()[form].title
+    assert document["scene"] == exports()[form].scene or document["scene"] is None
+    assert_run(document, name, velocity)
+    if given:  # without it the answer or the refusal says what to give
+        code = 2 if name == "t11" else 0
+        asked = irg("tests", path, code=code)
+        wanted = list(given)[:1] if name == "t11" else given
+        assert all(re.search(rf'--given "{one}=\.\.\. \w+', asked) for one in wanted)
+
+
+VARIANTS = {
+    "utf-16": lambda text: text.encode("utf-16"),
+    "bom": lambda text: text.encode("utf-8-sig"),
+    "cp1252": lambda text: text.encode("cp1252"),
+    "crlf": lambda text: text.replace("\r\n", "\n").replace("\n", "\r\n").encode(),
+    "blank lines": lambda text: text.replace("\n", "\n\n").encode(),
+    "german": lambda text: text.replace(",", ";").replace("\t", ";").replace(".", ",").encode(),
+}
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("name", ["rtec", "umt", "compend", "trb3", "mtm"])
+def test_the_encoding_and_the_marks_of_an_export_do_not_matter(tmp_path, irg, name, variant):
+    text, given = getattr(samples, name)(), TRACES[name][1]
+    if variant == "german":
+        text = re.sub(r"(?m)^.*(DAQ|XYZ|Rotary).*$", lambda row: row[0].replace(".", "·"), text)
+    content = VARIANTS[variant](text)
+    content = content.replace("·".encode(), b".")
+    document = irg("tests", write(tmp_path, "run.csv", content), *options(given), "--json")
+    assert_run(document, name, TRACES[name][2])
+
+
+def test_results_of_srv_are_ends_of_a_run_and_a_step_apart(tmp_path, irg):
+    pytest.importorskip("openpyxl")
+    path = write(tmp_path, "results.xlsx", samples.srv())
+    document = irg("tests", path, "--json")
+    ends = [(one.get("mild_up_to"), one.get("severe_at")) for one in document["tests"]]
+    assert ends == [("700 N", "800 N"), ("2000 N", None), ("500 N", "600 N")]
+    assert {number(one["velocity"]) for one in document["tests"]} == {0.1}
+    assert [one["oil"] for one in document["tests"]] == ["A", "B", "C"]
+    said = irg("tests", path)
+    assert 'sheet "Results" (not read: Cover)' in said
+    assert "irg new rig.toml --from srv" in said
+
+
+def test_stages_of_gears_are_forces_between_the_teeth(tmp_path, irg):
+    """The pinion's base circle has a radius of 33.83 mm: 302 N m are 8927 N."""
+    stages = write(tmp_path, "stages.csv", samples.FZG_STAGES.encode("cp1252"))
+    assert '--given "velocity=... m/s"' in irg("tests", stages, code=2)
+    document = irg("tests", stages, "--given", "velocity=8.3 m/s", "--json")
+    found = [(number(one["load"]), one["outcome"], one["run"]) for one in document["tests"]]
+    assert [row[1:] for row in found] == [("mild", 1), ("mild", 1), ("severe", 1)]
+    assert [row[0] for row in found] == pytest.approx([7073.8, 8927.3, 11014.3], rel=1e-4)
+    results = write(tmp_path, "results.csv", samples.FZG_RESULTS)
+    document = irg("tests", results, "--given", "velocity=8.3 m/s", "--json")
+    first, second = document["tests"]
+    ends = [number(first["mild_up_to"]), number(first["severe_at"])]
+    assert ends == pytest.approx([7072.4, 8927.3], rel=1e-4)
+    assert "severe_at" not in second
+    assert number(second["mild_up_to"]) == pytest.approx(15800.2, rel=1e-4)
+
+
+def test_runs_of_twin_discs_end_where_the_load_falls_or_the_oil_changes(tmp_path, irg):
+    document = irg("tests", write(tmp_path, "discs.csv", samples.TWIN_DISC), "--json")
+    assert [one["run"] for one in document["tests"]] == [1, 1, 1, 2, 2]
+    speeds = {round(number(one["velocity"]), 4) for one in document["tests"]}
+    assert speeds == {0.8378}  # π · 80 mm · 200 rpm
+    assert document["form"][0] == "twin disc"
+
+
+def test_a_form_is_named_where_a_file_has_too_few_signs(tmp_path, irg):
+    text = samples.trb3().replace("TriboX 4.5\nTribometer\tTRB3\n", "Linear mode\n")
+    text = re.sub("Sequence ID|Max linear speed|Nominal load", "speed", text, count=1)
+    text = text.replace("Max linear speed", "v").replace("Nominal load", "set")
+    path = write(tmp_path, "run.txt", text)
+    plain = irg("tests", path, "--json")
+    named = irg("tests", path, "--form", "trb3", "--json")
+    assert plain["form"][0] != named["form"][0] == "Anton Paar TRB3"
+    assert "no form" in irg("tests", path, "--form", "trb", code=2)
+    assert 'did you mean "trb3"' in irg("tests", path, "--form", "trb", code=2)
+
+
+@pytest.mark.parametrize("name", exports())
+def test_an_export_is_recognised_by_two_signs_and_has_a_scene(name):
+    export = exports()[name]
+    assert len(export.signs) >= 2
+    assert not any(re.fullmatch(sign, "") for sign in (*export.signs, *export.columns.values())
+                   if sign)  # fmt: skip
+    assert export.scene in {"", *shipped_scenes()}
+
+
+def test_no_sample_is_taken_for_another_machine(tmp_path, irg):
+    titles = {}
+    for name, (form, given, _) in TRACES.items():
+        path = write(tmp_path, "run.txt", getattr(samples, name)())
+        titles[name] = irg("tests", path, *options(given), "--json")["form"][0]
+        assert titles[name] == exports()[form].title
