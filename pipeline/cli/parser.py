@@ -199,7 +199,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 def _files_read(options: argparse.Namespace) -> set[str]:
     """Real paths of the files that a command is given to read, and of all that its scene names."""
     taken = [value for name, value in vars(options).items() if name not in o.WRITTEN]
-    paths = [Path(x) for x in taken if isinstance(x, str | Path) and os.path.isfile(x)]
+    paths = [Path(x) for x in taken if isinstance(x, str | Path) and Path(x).is_file()]
     found = set[str]()
     while paths:
         file, text = os.path.realpath(path := paths.pop()), ""
@@ -207,7 +207,7 @@ def _files_read(options: argparse.Namespace) -> set[str]:
             with suppress(OSError):  # which the command tells
                 text = path.read_text("utf-8", errors="replace")
         named = (path.parent / name for name in re.findall(r"""["']([^"'\n]+)["']""", text))
-        paths += [one for one in named if os.path.isfile(one)]  # False of a name too long
+        paths += [one for one in named if os.path.isfile(one)]  # noqa: PTH113 — long names, too
         found.add(file)
     return found
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.laboratory.exports import Export
-from pipeline.laboratory.reading import Read, read_table, require
+from pipeline.laboratory.reading import Read, add_hints, read_table, require
 from pipeline.laboratory.tables import vocabulary
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import numbered
@@ -23,7 +23,6 @@ MAY_LACK = (
     "number", "load", "velocity",
 )  # fmt: skip
 """Entries of a test whose cells may be empty; a test without load or velocity is left out."""
-_NEAR = re.compile(r" \(did you mean [^)]*\)")  # the word may mean the contrary
 _TELLING = "number", "run", "friction"  # entries by which a row is told from a repeat of it
 
 
@@ -126,9 +125,8 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     _leave_out_repeats(sheet)
     if export.stages and row_of is TEST and "run" not in sheet.places:
         _part_runs(sheet, log.words)
-    before = len(sheet.faults)
     log.tests, log.in_si = sheet.entries(row_of, log.words, MAY_LACK)
-    sheet.faults[before:] = [_hinted(fault) for fault in sheet.faults[before:]]
+    add_hints(sheet)
     sheet.faults += _double_transitions(log)
     if not (sheet.rows or sheet.faults):
         first = "load [N],velocity [m/s],outcome"
@@ -176,15 +174,6 @@ def _part_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
         is_severe = words.get(cells[outcome], cells[outcome]) == "severe"
         last, before = float("inf") if is_severe else load, now
     sheet.add("run", "", labels)
-
-
-def _hinted(fault: str) -> str:
-    """A fault with how to say what an unknown word means."""
-    match = re.search(r', outcome: "((?:\\.|[^"])*)" is unknown', fault)
-    if match is None:
-        return fault
-    told = _NEAR.sub("", fault) if " " in match[1] else fault
-    return f'{told}; or say what it means by --word "{match[1]}=severe"'
 
 
 def _double_transitions(log: Log) -> list[str]:

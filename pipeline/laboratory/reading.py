@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.laboratory.exports import Export, find_export, has_cell
-from pipeline.laboratory.tables import INGREDIENTS, WordNames, derive, units_of
+from pipeline.laboratory.tables import INGREDIENTS, MOST_STAGES, WordNames, derive, units_of
 from pipeline.laboratory.trace import LEAST_ROWS, Trace, at_rest
 from pipeline.scene.faults import did_you_mean, fault_lines, quoted
 from pipeline.scene.format import STAGES, TEST
@@ -27,6 +27,7 @@ OF_TRACE = *_NEEDED, "friction_force", "friction_torque", "bulk_temperature", "o
 """Quantities of a trace, and those of a log by which it is told from one."""
 _ENDS = "mild_up_to", "severe_at"
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\d\S*.*)|(\d[\d.]*)\s*\+")
+_NEAR = re.compile(r" \(did you mean [^)]*\)")  # of several words, which may mean the contrary
 _OF_SINE = 2 / np.pi  # mean of a sine, of its highest value
 
 
@@ -43,7 +44,8 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
 
     These are columns, given, skip, where, form, sheet and decimal; see `LOG`.
     """
-    tables = read_lines(path, options.get("sheet"))
+    units, columns = units_of([*wanted]), options.get("columns") or {}
+    tables = read_lines(path, WordNames(units, columns), options.get("sheet"))
     named = [Lines([Row(0, [path.stem.replace("_", " ")]), *one.rows], one.form) for one in tables]
     export = find_export(named, options.get("form"))
     known = {*OF_TESTS, *OF_TRACE, *INGREDIENTS}
@@ -51,7 +53,7 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
         for name in (one for one in options.get(option) or () if one not in known):
             near, every = did_you_mean(name, known), ", ".join(sorted(known))
             raise InputError(f"{option}.{name}: no such quantity{near}; give one of {every}")
-    names = WordNames(units_of([*wanted]), options.get("columns") or {}, export.columns)
+    names = WordNames(units, columns, export.columns)
     sheet = sheet_of(str(path), tables, names, options.get("decimal"))
     for name, head in names.chosen.items():
         _choose_unit(sheet, name, Heading.of(head).unit)
@@ -85,6 +87,17 @@ def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> 
     if len(sheet.faults) > before:
         options = (f'--given "{one}=... {sheet.units[one] or ""}'.strip() + '"' for one in missing)
         sheet.faults[-1] += f'; name it by --column "{missing[0]}=HEADING", or {" ".join(options)}'
+
+
+def add_hints(sheet: Sheet) -> None:
+    """Say in faults by which option a unit, or an outcome for a word, is given."""
+    for k, fault in enumerate(sheet.faults):
+        if match := re.search(r", (\w+): \S+ has no unit", fault):
+            head = f"{sheet.heading(match[1]).text} [{sheet.units[match[1]]}]"
+            sheet.faults[k] += f'; write the unit in the heading, or --column "{match[1]}={head}"'
+        if match := re.search(r', outcome: "((?:\\.|[^"])*)" is unknown', fault):
+            told = _NEAR.sub("", fault) if " " in match[1] else fault
+            sheet.faults[k] = f'{told}; or say what it means by --word "{match[1]}=severe"'
 
 
 def _take_rows(sheet: Sheet, asked: Mapping[str, Any], is_kept: bool) -> None:
@@ -124,10 +137,15 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
 def _mend_ends(sheet: Sheet, step: str) -> None:
     """Make plain what tests by steps reached, as "> 12"; an end that lacks is a step away."""
     beyond = {name: _read_beyond(sheet, name) for name in ("failed_stage", *_ENDS)}
-    for number, cells in sheet.rows:
+    place = sheet.places.get("failed_stage", 0)
+    for number, cells in sheet.rows if "failed_stage" in sheet.places else ():
         if number in beyond["failed_stage"]:
-            place = sheet.places["failed_stage"]
             cells[place] = str(int(cells[place]) + 1)
+        elif cells[place] and cells[place] not in map(str, range(1, MOST_STAGES + 1)):
+            sheet.faults.append(
+                f"row {number}, {sheet.headings[place].text}: {quoted(cells[place])} is no load "
+                f"stage; give 1 to {MOST_STAGES}, or > {MOST_STAGES}"
+            )
     ends = [name for name in _ENDS if name in sheet.places]
     if not ends or not (step or any(beyond[name] for name in _ENDS)):
         return
@@ -185,6 +203,7 @@ def read_trace(read: Read) -> Trace:
     columns = {
         name: sheet.numbers(name) for name in (*_NEEDED, "bulk_temperature") if name in sheet.places
     }
+    add_hints(sheet)
     if sheet.faults:
         raise InputError(fault_lines(sheet.name, sheet.faults))
     if export.restarts:

@@ -20,6 +20,8 @@ from tribo.types import Array
 
 _FZG = library()["machines"]["FZG"]
 _STAGES = np.array(_FZG["stages"])
+MOST_STAGES = len(_STAGES)
+"""Load stages of FZG's test."""
 _STEEPEST = 2.0  # slide-roll ratio, of a surface at rest
 
 
@@ -33,9 +35,9 @@ class Rule(NamedTuple):
 
 def _stage_force(stage: Array) -> Array:
     """Normal force between the teeth in a load stage of FZG's test [N]; 0 before the first."""
-    known = np.where((stage >= 0) & (stage <= len(_STAGES)), stage, np.nan)
+    known = np.where((stage >= 0) & (stage <= MOST_STAGES), stage, np.nan)
     torques = np.array([0.0, *_STAGES, np.nan])
-    places = np.nan_to_num(known, nan=len(_STAGES) + 1.0).astype(int)
+    places = np.nan_to_num(known, nan=MOST_STAGES + 1.0).astype(int)
     forces: Array = torques[places] / _FZG["base_radius"]
     return forces
 

@@ -282,7 +282,7 @@ def _cut(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
 
 def _goes_on(commands: Array, time: Array, ramp: slice, piece: slice) -> bool:
     """True of a short piece behind a ramp that rises or falls at half its rate or more."""
-    if _span(time, piece) > _SHORT * _span(time, ramp):
+    if _span(time, piece) >= _SHORT * _span(time, ramp):
         return False
     way, other = (commands[one.stop - 1] - commands[one.start] for one in (ramp, piece))
     leading = int(np.argmax(np.abs(way)))

@@ -12,7 +12,6 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -154,7 +153,7 @@ class Sheet:
                 elif cell.lower() not in EMPTY:
                     values[k] = to_si(cell, f"1 {like}")
             except ValueError as error:  # a UnitError is one
-                faults.append(Fault(name, self._hinted(name, str(error)), row=number))
+                faults.append(Fault(name, str(error), row=number))
         self.faults += listed_faults(faults)
         days = np.cumsum(np.diff(values, prepend=values[:1]) < -_DAY / 2)  # midnights
         return values + _DAY * days - values[:1] if is_clock else values
@@ -184,15 +183,9 @@ class Sheet:
                 tables.append(table)
                 read.append(values)
             told = (one for one in wrong if one.key in self.places)  # a missing column is said once
-            faults += [Fault(k, self._hinted(k, why), row=number) for k, why, *_ in told]
+            faults += [one._replace(row=number) for one in told]
         self.faults += listed_faults(faults)
         return tables, read
-
-    def _hinted(self, name: str, problem: str) -> str:
-        """A problem of a cell, with how to say the unit of its column."""
-        head = f"{self.heading(name).text} [{self.units.get(name) or '...'}]"
-        hint = f'; write the unit in the heading, or --column "{name}={head}"'
-        return problem + hint * ("has no unit" in problem)
 
     def refuse_faults(self, first_line: str) -> None:
         """Raise an `InputError` with all faults, or for an empty table."""
@@ -200,12 +193,6 @@ class Sheet:
             self.faults.append(f'there are no rows; begin with a line "{first_line}"')
         if self.faults:
             raise InputError(fault_lines(self.name, self.faults))
-
-
-@cache
-def laboratory() -> Any:
-    """Module that the extra hands in; None where it is not there."""
-    return next(extras.modules("tables"), None)
 
 
 def as_entry(cell: str, unit: str = "") -> str | float:
@@ -229,28 +216,30 @@ def split_lines(lines: Iterable[str], separator: str) -> Iterator[Row]:
     if separator == "  ":
         yield from (Row(k, re.split(r"\s{2,}|\t", x.strip())) for k, x in enumerate(lines, 1))
         return
-    stripped = map(str.strip, lines) if separator == " " else lines
-    reader = csv.reader(stripped, delimiter=separator, skipinitialspace=True)
+    lines = map(str.strip, lines) if separator == " " else lines
+    reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
     yield from (Row(reader.line_num, [*map(str.strip, cells)]) for cells in reader)
 
 
-def find_separator(lines: Sequence[str]) -> str:
-    """The separator that makes most numbers, in rows of one length."""
+def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
+    """The separator that makes most numbers, in rows as long as that of the headings."""
     filled = [line for line in lines if line.strip()]
     sample = filled[:_SAMPLE] + filled[_SAMPLE:][-_SAMPLE:]
 
     def fitness(separator: str) -> float:
-        rows = [row.cells for row in split_lines(sample, separator) if len(row.cells) > 1]
-        widths = [*map(len, rows)]
-        usual = max(widths, key=widths.count, default=0)
-        cells = [cell for row in rows if len(row) == usual for cell in row if cell]
+        rows = [row for row in split_lines(sample, separator) if len(row.cells) > 1]
+        named, start = find_headings(rows, names) if names else (0, 0)
+        widths = [len(row.cells) for row in rows[start:]]
+        usual = widths[0] if named else max(widths, key=widths.count, default=0)
+        body = [row.cells for row in rows[start:] if abs(len(row.cells) - usual) < 2]
+        cells = [cell for row in body for cell in row if cell]
         numbers = sum(bool(NUMBER.fullmatch(cell)) for cell in cells)
-        return numbers**2 / max(len(cells), 1) + widths.count(usual) / 1e3
+        return (named + 1) * numbers**2 / max(len(cells), 1) + len(body) / 1e3
 
     return max(BETWEEN, key=fitness)
 
 
-def read_lines(path: Path, sheet: str | None = None) -> list[Lines]:
+def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines]:
     """Rows of a text, or of each sheet of a workbook unless one is named."""
     require_file(path)
     try:
@@ -259,7 +248,7 @@ def read_lines(path: Path, sheet: str | None = None) -> list[Lines]:
             tables: list[Lines] = extras.module("laboratory", "workbook").read_book(path, sheet)
             return tables
         text, form = decoded(content)
-        mark = find_separator(lines := text.splitlines())
+        mark = find_separator(lines := text.splitlines(), names)
         rows = [row for row in split_lines(lines, mark) if any(row.cells)]
     except (OSError, csv.Error) as error:
         reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
@@ -270,7 +259,8 @@ def read_lines(path: Path, sheet: str | None = None) -> list[Lines]:
 def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
     """Headings of a row, with units that stand below them, and the number of rows of both."""
     first, *others = rows[k].cells
-    heads = [Heading.of(cell) for cell in (first.lstrip("# "), *others)]
+    cells = others if first == "#" else [first.lstrip("# "), *others]
+    heads = [Heading.of(cell) for cell in cells]
     for taken, row in enumerate(rows[k + 1 : k + 3], 2):
         units = [unit_of_table(cell.strip("[]")) for cell in row.cells[: len(heads)]]
         if any(units) and all(map(is_unit, filter(None, units))):
@@ -284,30 +274,37 @@ def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
     return heads, 1
 
 
+def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
+    """How many quantities the row of the headings names, and its place; the first of equals."""
+    counts = (
+        (names.count(headings_at(rows, k)[0]), -k)
+        for k, row in enumerate(rows[:_MOST_ABOVE])
+        if 2 * sum(bool(NUMBER.fullmatch(cell)) for cell in row.cells) <= len(row.cells)
+    )
+    named, start = max(counts, default=(0, 0))
+    return named, -start
+
+
 def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | None = None) -> Sheet:
     """The sheet below the row of headings that names most of the quantities that are sought."""
-    tops = [
-        (names.count(headings_at(table.rows, k)[0]), -place, -k)
-        for place, table in enumerate(tables)
-        for k, row in enumerate(table.rows[:_MOST_ABOVE])
-        if 2 * sum(bool(NUMBER.fullmatch(cell)) for cell in row.cells) <= len(row.cells)
-    ]
-    _, place, start = max(tops, default=(0, 0, 0))
-    rows, form = tables[-place]
-    headings, taken = headings_at(rows or [Row(0, [""])], -start)
-    body = rows[taken - start :]
+    tops = [find_headings(table.rows, names) for table in tables]
+    best = max(range(len(tables)), key=lambda place: tops[place][0])
+    (rows, form), (_, start) = tables[best], tops[best]
+    headings, taken = headings_at(rows or [Row(0, [""])], start)
+    body = rows[start + taken :]
     while headings and not headings[-1].text:
         del headings[-1]
-    if body and all(len(row.cells) == len(headings) + 1 and row.cells[-1] for row in body):
+    first = [row.cells[0] for row in body if len(row.cells) == len(headings) + 1]
+    if body and first in ([*map(str, range(k, k + len(body)))] for k in (0, 1)):
         headings.insert(0, Heading("", "", ""))  # of an index
-    above = [cell for row in rows[:-start] for cell in row.cells]
+    above = [cell for row in rows[:start] for cell in row.cells]
     places, faults = names.columns(headings)
     sheet = Sheet(name, names.units, headings, places, [*faults.values()], [*form], above)
     is_inside, width = True, len(headings)
     numeric = [k for name, k in sheet.places.items() if sheet.units[name] is not None]
     for number, cells in body:
         filled = [cell for cell in cells if cell]
-        is_same, is_words = cells == rows[-start].cells, not any(map(NUMBER.fullmatch, filled))
+        is_same, is_words = cells == rows[start].cells, not any(map(NUMBER.fullmatch, filled))
         if is_same or (is_words and len(filled) > 1):
             is_inside = is_same or names.count(headings_at([Row(0, cells)], 0)[0]) < 2
         if cells[0].startswith("#") and len(filled) == 1:
@@ -353,10 +350,11 @@ def read_sheet(
 
     Rows that lack a needed quantity, or in which a moving one is 0, are left out and counted.
     """
-    names = laboratory().WordNames(units) if laboratory() else Names(units)
-    tables = read_lines(source, sheet) if isinstance(source, Path) else [source]
+    words: Any = next(extras.modules("tables"), None)
+    names = words.WordNames(units) if words else Names(units)
+    tables = read_lines(source, names, sheet) if isinstance(source, Path) else [source]
     found = sheet_of("points" if isinstance(source, Lines) else str(source), tables, names)
-    if laboratory():
-        laboratory().derive(found, needed)
+    if words:
+        words.derive(found, needed)
     found.require(needed, moving)
     return found

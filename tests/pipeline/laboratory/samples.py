@@ -140,8 +140,8 @@ def ehd():
     return (
         mtm()
         .replace("MTM2 test data file", "EHS102 Test Data File")
-        .replace("Lubricant Temp (°C)", "Lube Temp (°C)\tAverage Film (nm)")
-        .replace("Traction Force (N)", "Disc Speed 1 (rpm)")
+        .replace("Lubricant Temp (°C)", "Lube Temp (°C)")
+        .replace("Traction Force (N)", "Average Film (nm)")
     )
 
 

@@ -1,17 +1,11 @@
-"""Tests of a laboratory: tables of the scene, or rows of a log in CSV."""
+"""Logs of tests, by `irg tests` and in the place of the tests of a scene."""
 
-import pandas as pd
 import pytest
 
 import pipeline
-from pipeline.cli import main
-from pipeline.laboratory.logs import outcome_of, read_log, read_trace
-from pipeline.laboratory.spreadsheet import read_rows
-from pipeline.scene.format import TRANSITION
-from pipeline.scene.units import to_si
+from pipeline.laboratory.logs import outcome_of
 from pipeline.sweep.about import Measurement
 from tests.helpers import tiny
-from tribo import InputError
 
 SCENE = """
 extends = "first_try"
@@ -31,37 +25,75 @@ file = "log.csv"
 def lab(tmp_path):
     (tmp_path / "lab.toml").write_text(SCENE, encoding="utf-8")
 
-    def load(log):
-        (tmp_path / "log.csv").write_text(log, encoding="utf-8")
+    def load(log, more=""):
+        (tmp_path / "lab.toml").write_text(SCENE + more, encoding="utf-8")
+        (tmp_path / "log.csv").write_bytes(log if isinstance(log, bytes) else log.encode())
         return pipeline.load_scene(tmp_path / "lab.toml")
 
     return load
 
 
+@pytest.fixture
+def tests(tmp_path, irg):
+    """What `irg tests` says of a log, as a document; the tests in SI units of N and m/s."""
+
+    def ask(log, *options, code=0):
+        path = tmp_path / "log.csv"
+        path.write_bytes(log if isinstance(log, bytes) else log.encode())
+        document = irg("tests", path, *options, "--json", code=code)
+        for test in document["tests"]:
+            for name in ("load", "velocity", "mild_up_to", "severe_at"):
+                if name in test:
+                    unit = "1 m/s" if name == "velocity" else "1 N"
+                    test[name] = pytest.approx(pipeline.to_si(test[name], unit), rel=1e-4)
+        return document
+
+    return ask
+
+
+def contacts(document):
+    return [(one["load"], one["velocity"], one["outcome"]) for one in document["tests"]]
+
+
 def test_rows_of_a_log_stand_beside_tables(lab):
     head = "date;Normal load [kN];velocity [m/s];friction;bulk temperature [degC];outcome;hold [s]"
-    scene = lab(f"{head}\n1 May;0.4;2.5;0.1;60;severe;\n\n2 May;0.6;1.5;;;mild;10\n")
+    scene = lab(f"{head}\n1 May;0.4;2.5;0.1;60;severe;5\n\n2 May;0.6;1.5;;70;mild;10\n")
     assert scene.about.tested == (
         Measurement(400.0, 2.0, outcome="mild", number="1"),
-        Measurement(400.0, 2.5, 0.1, bulk_temperature=333.15, outcome="severe", number="row 2"),
-        Measurement(600.0, 1.5, hold=10.0, outcome="mild", number="row 4"),
+        Measurement(
+            400.0, 2.5, 0.1, bulk_temperature=333.15, outcome="severe", number="row 2", hold=5.0
+        ),
+        Measurement(600.0, 1.5, hold=10.0, outcome="mild", number="row 4", bulk_temperature=343.15),
     )
-    assert "tested[1].file: columns not used: date" in [note.worded for note in scene.about.notes]
+    notes = [note.worded for note in scene.about.notes]
+    assert "tested[1].file: columns not used: date" in notes
+    assert "tested[1].file: row 4: no friction, so the scene's counts" in notes
 
 
 @pytest.mark.parametrize(
     ("row", "words"),
     [
         ("0.4,-2,mild", ["row 2, velocity", "out of range"]),
-        ("0.4,2,mlid", ["row 2, outcome", 'did you mean "mild"?']),
-        ("0.4,2", ["row 2: 2 cells below 3 headings"]),
-        ('"1,400",2,severe', ["row 2, load", '"1,400 kN"', "thousands without a comma"]),
+        ("0.4,2,mlid", ["row 2, outcome", 'did you mean "mild"?', '--word "mlid=severe"']),
+        ('"1,400",2,severe', ["row 2, load", '"1,400, 1400 or 1.400 by the decimal mark']),
     ],
 )
 def test_a_fault_is_named_by_row_and_column(lab, row, words):
     with pytest.raises(pipeline.SceneFileError) as caught:
         lab(f"load [kN],velocity [m/s],outcome\n{row}\n")
     assert all(word in str(caught.value) for word in words)
+
+
+def test_rows_that_lack_what_a_test_needs_are_left_out_and_counted(lab, tests):
+    log = "load [N],velocity [m/s],outcome\n400,2,mild\n,2,mild\n0,2,mild\n500,2,\n# pause\n"
+    document = tests(log + "700,2,severe\nMean,,\n")
+    assert contacts(document) == [(400, 2, "mild"), (700, 2, "severe")]
+    assert document["left_out"] == {
+        "3": "has no load", "4": "is at rest", "5": "has no outcome", "6": "is commented out",
+        "8": "has no number",
+    }  # fmt: skip
+    (fault,) = tests(log + "#600,2,mild\n", code=2)["faults"]
+    assert 'row 7, load: "#600 N" is not a number' in fault
 
 
 def test_a_transition_counts_with_its_own_bulk_and_hold():
@@ -83,40 +115,6 @@ def test_a_transition_counts_with_its_own_bulk_and_hold():
     assert held > plain
 
 
-@pytest.mark.parametrize(
-    "log",
-    [
-        '"Last in kN","v in m/s","Befund"\n"0,4","1,75","kein Fresser"\n',
-        '"Load (mN)",speed [m/s],Pass/Fail\n"400,000.0",1.75,pass\n',
-        "# rig 3\n# load_N velocity_m/s outcome\n400 1.75 mild\n",
-    ],
-)
-def test_a_log_is_read_in_other_languages_and_forms(tmp_path, log):
-    path = tmp_path / "log.txt"
-    path.write_text(log, encoding="utf-8")
-    log = read_log(path)
-    assert log.faults == []
-    (test,) = log.tests
-    assert [to_si(test["load"], "1 N"), to_si(test["velocity"], "1 m/s")] == [400.0, 1.75]
-    assert test["outcome"] == "mild"
-
-
-def test_a_trace_of_forces_and_a_speed_in_rpm_are_understood(tmp_path):
-    path = tmp_path / "trace.txt"
-    lines = ["# time_s load_N friction_N"]
-    lines += [f"{t} {10 * t} {10 * t * (0.1 if t < 30 else 0.2)}" for t in range(60)]
-    path.write_text("\n".join(lines))
-    trace = read_trace(path)
-    assert trace.load[trace.row] == 300.0
-    (fault,) = read_log_faults(path, "load [N],speed [rpm],outcome\n400,300,mild\n")
-    assert "give its track, too" in fault
-
-
-def read_log_faults(path, log):
-    path.write_text(log)
-    return read_log(path).faults
-
-
 OFFICE = (
     "Prüfer: Müller;;;;;\nNr.;Normalkraft F_N / N;Gleitgeschw. v in m/s;T_oil (°C);COF;Ergebnis\n"
     "1;400;1,75;25;0,098;ok\n2;1.200,5;2,75;25;;Fresser\n;;;;;\nMittelwert;;;;0,1;\n"
@@ -124,31 +122,191 @@ OFFICE = (
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "cp1252", "utf-16"])
-def test_a_log_of_an_office_is_read_as_it_is(tmp_path, encoding):
-    (tmp_path / "lab.toml").write_text(SCENE, encoding="utf-8")
-    (tmp_path / "log.csv").write_bytes(OFFICE.encode(encoding))
-    about = pipeline.load_scene(tmp_path / "lab.toml").about
+@pytest.mark.parametrize("end", ["\n", "\r\n", ";\n"])
+def test_a_log_of_an_office_is_read_as_it_is(lab, encoding, end):
+    about = lab(OFFICE.replace("\n", end).encode(encoding)).about
     assert about.tested[1:] == (
         Measurement(400.0, 1.75, 0.098, bulk_temperature=298.15, outcome="mild", number="1"),
         Measurement(1200.5, 2.75, bulk_temperature=298.15, outcome="severe", number="2"),
     )
-    assert any('"Normalkraft F_N / N" as load' in note.words for note in about.notes)
-    assert any("row 6 without load and velocity left out" in note.words for note in about.notes)
+    notes = " ".join(note.words for note in about.notes)
+    assert '"Normalkraft F_N / N" as load' in notes
+    assert "3 rows: 2 used, 1 left out: row 6 has no load and no velocity and no outcome" in notes
 
 
-def test_a_sheet_of_excel_is_read_as_the_same_csv(tmp_path):
-    openpyxl = pytest.importorskip("openpyxl")
-    book = openpyxl.Workbook()
-    for row in (["Scuffing tests"], [], ["F_N/N", "v/(m/s)", "scuffed"], [400, 1.75, "no"]):
-        book.active.append(row)
-    book.save(tmp_path / "log.xlsx")
-    scene = SCENE.replace("log.csv", "log.xlsx")
-    (tmp_path / "lab.toml").write_text(scene, encoding="utf-8")
-    tested = pipeline.load_scene(tmp_path / "lab.toml").about.tested
-    assert tested[1] == Measurement(400.0, 1.75, outcome="mild", number="row 4")
+ONE = (400, 1.75, "mild")
+TWO = [(49.03, 1.0472, "mild")]
+LOGS = {
+    # separators, marks and units
+    "quoted": ('"Last in kN","v in m/s","Befund"\n"0,4","1,75","kein Fresser"\n', [ONE]),
+    "thousands": ('"Load (mN)",speed [m/s],Pass/Fail\n"400,000.0",1.75,pass\n', [ONE]),
+    "blanks": ("# rig 3\n# load_N velocity_m/s outcome\n400 1.75 mild\n", [ONE]),
+    "bars": ("| load (N) | speed (m/s) | outcome |\n|---|---|---|\n| 400 | 1.75 | mild |\n", [ONE]),
+    "apostrophes": ("load [N];velocity [mm/s];outcome\n400;1'750.0;mild\n", [ONE]),
+    "units below": ("Load,Speed,Result\nN,m/s,\n400,1.75,ok\n", [ONE]),
+    "units in brackets below": ("Load;Speed;Result\n[kN];(mm/s);-\n0,4;1750;ok\n", [ONE]),
+    "units in cells": ("load,velocity,outcome\n400 N,1.75 m/s,mild\n0.4 kN,1750 mm/s,mild\n",
+                       [ONE, ONE]),
+    "kilogram-forces": ("Prüflast / kp;Gleitgeschw. / m/s;Ergebnis\n5;1;ok\n", [(49.03, 1, "mild")]),
+    "grams": ("Load (g),Speed (m/s),Result\n500,1,pass\n", [(4.903, 1, "mild")]),
+    "a head of many lines": ("".join(f"entry {k}: 7\n" for k in range(22))
+                             + "load [N],velocity [m/s],outcome\n400,1.75,mild\n", [ONE]),
+    "an index": (",load [N],velocity [m/s],outcome\n0,400,1.75,mild\n1,400,1.75,mild\n", [ONE] * 2),
+    "an index without a heading": ("load [N],velocity [m/s],outcome\n0,400,1.75,mild\n", [ONE]),
+    "headings again": ("load [N],velocity [m/s],outcome\n400,1.75,mild\n\n"
+                       "load [N],velocity [m/s],outcome\n500,1.75,severe\n",
+                       [ONE, (500, 1.75, "severe")]),
+    "quoted semicolons": ('load [N],velocity [m/s],outcome,note\n400,1.75,mild,"a; b; c"\n', [ONE]),
+    # words
+    "german": ("Kraft [N];Geschwindigkeit [m/s];Bewertung\n400;1,75;i.O.\n", [ONE]),
+    "french": ("Charge (N);Vitesse (m/s);Résultat\n400;1,75;ok\n", [ONE]),
+    "spanish": ("carga [N];velocidad [m/s];result\n400;1,75;ok\n", [ONE]),
+    "asked": ("load [N],velocity [m/s],scuffed?\n400,1.75,no\n400,1.75,yes\n",
+              [ONE, (400, 1.75, "severe")]),
+    "wished loads": ("Set load [N],Load [N],Speed [m/s],Result\n410,400,1.75,ok\n", [ONE]),
+    # speeds
+    "radius": ("Test,Load [kg],Speed [rpm],Track radius [mm],Result\n1,5,500,20,pass\n", TWO),
+    "diameter": ("Test,Load [kg],Speed [1/min],Track diameter [cm],Result\n1,5,500,4,pass\n", TWO),
+    "radians": ("Load [kgf],Speed [rad/s],Wear track radius [mm],Result\n5,52.36,20,ok\n", TWO),
+    "reciprocation": ("Load [N],Frequency [Hz],Stroke [mm],Result\n400,50,17.5,ok\n", [ONE]),
+    "slip": ("Load [N],SRR [%],Rolling speed [m/s],Result\n400,35,5,ok\n", [ONE]),
+    "a ratio": ("Load [N],SRR,Entrainment speed [m/s],Result\n400,0.35,5,ok\n", [ONE]),
+    "discs": ("Load [N],u1 [m/s],u2 [m/s],Result\n400,5,3.25,ok\n", [ONE]),
+}  # fmt: skip
 
 
-def test_rows_of_one_run_are_told_and_kept_apart_between_logs(tmp_path, capsys):
+@pytest.mark.parametrize("name", LOGS)
+def test_a_log_is_read_in_many_forms(tests, name):
+    log, right = LOGS[name]
+    document = tests(log)
+    assert contacts(document) == right
+    assert document["faults"] == []
+
+
+def near(contact):
+    """A load and a velocity within a ten-thousandth, and an outcome."""
+    return (*(pytest.approx(x, rel=1e-4) for x in contact[:2]), contact[2])
+
+
+ASKED = {
+    # what a log lacks, what is asked, and what then comes
+    "track": ("Load [N],Speed [rpm],Result\n400,500,ok\n", "track_radius=33.42 mm", ONE),
+    "stroke": ("Load [N],Frequency [Hz],Result\n400,50,ok\n", "stroke=17.5 mm", ONE),
+    "velocity": ("Load [N],Result\n400,ok\n", "velocity=1.75 m/s", ONE),
+    "load": ("Speed [m/s],Result\n1.75,ok\n", "load=400 N", ONE),
+    "diameter": ("Load [N],n1 [rpm],n2 [rpm],Result\n400,1000,800,ok\n",
+                 "disc_diameter=167.11 mm", ONE),
+    "outcome": ("Load [N],Speed [m/s]\n400,1.75\n", "outcome=mild", ONE),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ASKED)
+def test_what_a_log_lacks_is_asked_and_may_be_given(tests, irg, tmp_path, name):
+    log, given, right = ASKED[name]
+    document = tests(log, code=2)
+    quantity = given.partition("=")[0]
+    assert any(f'--given "{quantity}=' in fault for fault in document["faults"])
+    (found,) = contacts(tests(log, "--given", given))
+    assert (*(x.expected for x in found[:2]), found[2]) == near(right)
+    toml = irg("tests", tmp_path / "log.csv", "--given", given, "--json")["toml"]
+    (tmp_path / "lab.toml").write_text(
+        f'extends = "first_try"\nwithout = ["measured"]\n{toml}', encoding="utf-8"
+    )
+    (test,) = pipeline.load_scene(tmp_path / "lab.toml").about.tested
+    assert (test.normal_load, test.velocity, test.outcome) == near(right)
+
+
+def test_a_ratio_above_two_is_asked_whether_it_is_in_percent(tests):
+    log = "Load [N],SRR,Rolling speed [m/s],Result\n400,1.5,5,ok\n400,35,5,ok\n"
+    document = tests(log, code=2)
+    (fault,) = (one for one in document["faults"] if "above 2" in one)
+    assert '--column "slide_roll_ratio=SRR [%]"' in fault
+    found = tests(log, "--column", "slide_roll_ratio=SRR [%]")
+    assert [one["velocity"] for one in found["tests"]] == [0.075, 1.75]
+
+
+def test_columns_words_and_decimals_of_the_user_come_first(lab):
+    own = '\ncolumns = { load = "Soll [N]" }\nwords = { kaputt = "severe" }\ndecimal = ","\n'
+    log = 'Soll [N],Ist [N],v [m/s],Befund\n400,398,"1,75",kaputt\n'
+    tested = lab(log, own).about.tested
+    assert tested[1] == Measurement(400.0, 1.75, outcome="severe", number="row 2")
+
+
+def test_what_may_be_thousands_is_refused_unless_the_decimal_mark_is_given(lab):
+    heads = "load [N];velocity [m/s];outcome\n"
+    with pytest.raises(pipeline.SceneFileError, match=r'"1.250, 1250 or 1.250 by the decimal'):
+        lab(heads + "1.250;1,5;mild\n")
+    for mark, load in ((",", 1250.0), (".", 1.25)):
+        scene = lab(heads + "1.250;2;mild\n", f'\ndecimal = "{mark}"\n')
+        assert scene.about.tested[1].normal_load == load
+
+
+def test_faults_of_one_kind_stand_in_one_line(lab):
+    rows = "".join(f"400,{velocity},kaputt\n" for velocity in range(1, 9))
+    with pytest.raises(pipeline.SceneFileError) as caught:
+        lab(f"load [N],velocity [m/s],outcome\n{rows}")
+    fault, how = caught.value.faults
+    assert "rows 2, 3, 4, 5, 6, 7 and 2 more, outcome" in fault
+    assert "irg tests" in how
+
+
+def test_an_outcome_that_is_negated_means_the_contrary(tests):
+    head = "load [N],velocity [m/s],friction,friction_scatter,outcome\n"
+    document = tests(f"{head}400,1,0.1,0.01,not severe\n500,1,0.1,0.01,nicht bestanden\n")
+    assert contacts(document) == [(400, 1, "mild"), (500, 1, "severe")]
+    assert [test["friction_scatter"] for test in document["tests"]] == [0.01, 0.01]
+    (fault,) = tests(f"{head}400,1,0.1,0.01,hardly severe\n", code=2)["faults"]
+    assert "did you mean" not in fault
+    assert '--word "hardly severe=severe"' in fault
+    said = tests(f"{head}400,1,0.1,0.01,hardly severe\n", "--word", "hardly severe=mild")
+    assert contacts(said) == [(400, 1, "mild")]
+
+
+@pytest.mark.parametrize(
+    ("word", "heading", "outcome"),
+    [
+        ("ok", "result", "mild"), ("i.O.", "Befund", "mild"), ("Fresser", "Befund", "severe"),
+        ("kein Fresser", "Befund", "mild"), ("n.i.O.", "Befund", "severe"),
+        ("verschweißt", "Befund", "severe"), ("not passed", "result", "severe"),
+        ("yes", "scuffed", "severe"), ("no", "scuffed", "mild"), ("ja", "gefressen", "severe"),
+        ("yes", "passed", "mild"), ("no", "bestanden", "severe"), ("1", "severe", "severe"),
+        ("yes", "result", None), ("not 1", "scuffed", None), ("perhaps", "scuffed", None),
+        ("last non-seizure", "remarks", "mild"), ("ohne Fresser", "Befund", "mild"),
+        ("Verschweißung", "Befund", "severe"), ("not true", "scuffed", None),
+    ],
+)  # fmt: skip
+def test_words_mean_an_outcome_by_their_heading(word, heading, outcome):
+    assert outcome_of(word, heading) == outcome
+
+
+OILS = (
+    "run,Öl,load [N],velocity [m/s],outcome\n1,FVA 3,400,1,mild\n2,PAO 8,400,1,mild\n"
+    "3,PAO 8,800,1,severe\n3,PAO 8,800,1,severe\n"
+)
+
+
+def test_rows_of_several_oils_are_told_apart_and_counted_once(tests, irg, tmp_path):
+    document = tests(OILS)
+    assert [test["oil"] for test in document["tests"]] == ["FVA 3", "PAO 8", "PAO 8"]
+    assert document["left_out"] == {"5": "is the same as a row before"}
+    assert "3 tests of 3 runs, 2 oils: 2 mild, 1 severe" in irg("tests", tmp_path / "log.csv")
+    some = tests(OILS, "--where", "Öl=PAO 8")
+    assert len(some["tests"]) == 2
+    assert 'where = { "Öl" = "PAO 8" }' in some["toml"]
+    assert tests(OILS, "--skip", "oil=FVA 3")["tests"] == some["tests"]
+    faults = tests(OILS, "--where", "Öl=X", "--skip", "Oel=A", code=2)["faults"]
+    assert 'no row has "X" as Öl; give one of FVA 3, PAO 8' in faults
+    assert any('skip: there is no column "Oel"; give one of run, Öl, load' in x for x in faults)
+
+
+def test_equal_rows_are_repeats_where_none_tells_a_test(tests):
+    head = "load [N],velocity [m/s],outcome,rig\n"
+    assert len(tests(head + "400,2,mild,A\n" * 3)["tests"]) == 3
+    dated = "load [N],velocity [m/s],outcome,date\n" + "400,2,mild,1 May\n" * 2
+    assert len(tests(dated + "400,2,mild,2 May\n")["tests"]) == 2
+
+
+def test_rows_of_one_run_are_kept_apart_between_logs(tmp_path):
     log = "run,load [N],velocity [m/s],outcome\n3,300,2,ok\n3,400,2,Fresser\n4,400,2,ok\n"
     (tmp_path / "log.csv").write_text(log, encoding="utf-8")
     (tmp_path / "other.csv").write_text(log, encoding="utf-8")
@@ -158,123 +316,129 @@ def test_rows_of_one_run_are_told_and_kept_apart_between_logs(tmp_path, capsys):
     runs = [*["log.csv 3"] * 2, "log.csv 4", *["other.csv 3"] * 2, "other.csv 4"]
     assert [test.run for test in tested] == runs
     assert tested[0].number == "log.csv row 2"
-    assert main(["tests", str(tmp_path / "log.csv")]) == 0
-    assert "3 tests of 2 runs: 2 mild, 1 severe" in capsys.readouterr().out
 
 
-def test_columns_words_and_decimals_of_the_user_come_first(tmp_path):
-    own = '\ncolumns = { load = "Soll [N]" }\nwords = { kaputt = "severe" }\ndecimal = ","\n'
-    (tmp_path / "lab.toml").write_text(SCENE + own, encoding="utf-8")
-    log = 'Soll [N],Ist [N],v [m/s],Befund\n400,398,"1,75",kaputt\n'
-    (tmp_path / "log.csv").write_text(log, encoding="utf-8")
+@pytest.mark.parametrize(
+    ("lines", "row", "problem"),
+    [
+        ("1,A,400,2,mild\n1,B,500,2,mild\n", 3, "1 has two oils"),
+        ("1,A,400,2,severe\n1,A,500,2,mild\n", 2, "1 is severe at 400 N"),
+    ],
+)
+def test_a_run_that_no_specimen_is_is_named_by_file_and_row(tests, lines, row, problem):
+    faults = tests(f"run,oil,load [N],velocity [m/s],outcome\n{lines}", code=2)["faults"]
+    assert any(one.startswith(f"log.csv, row {row}, run: {problem}") for one in faults)
+
+
+def test_a_specimen_has_one_transition(tests):
+    log = "Specimen,Critical load [N],Speed [m/s]\na,400,2\nb,600,1.5\n"
+    document = tests(log)
+    assert document["toml"].startswith("[[measured]]")
+    assert [(one["load"], one["velocity"]) for one in document["tests"]] == [(400, 2), (600, 1.5)]
+    (fault,) = tests(log + "b,700,1\n", code=2)["faults"]
+    assert 'Specimen "b" has 2 transitions, and a specimen has one' in fault
+
+
+def test_runs_by_steps_have_both_ends(tests):
+    log = "Sample,Pass load [N],Fail load [N],Speed [m/s]\na,400,500,2\nb,600,,1.5\nc,>700,-,1\n"
+    document = tests(log)
+    ends = [(one.get("mild_up_to"), one.get("severe_at")) for one in document["tests"]]
+    assert ends == [(400, 500), (600, None), (700, None)]
+
+
+def test_a_sheet_of_a_workbook_is_read_as_the_same_csv(tmp_path, irg):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.title = "Cover"
+    book.active.append(["Scuffing tests of May"])
+    log = book.create_sheet("Log")
+    for row in ([], ["F_N/N", "v/(m/s)", "scuffed"], [400, 1.75, "no"], [500, 1.75, "yes"]):
+        log.append(row)
+    book.save(tmp_path / "log.xlsx")
+    scene = SCENE.replace("log.csv", "log.xlsx")
+    (tmp_path / "lab.toml").write_text(scene, encoding="utf-8")
     tested = pipeline.load_scene(tmp_path / "lab.toml").about.tested
-    assert tested[1] == Measurement(400.0, 1.75, outcome="severe", number="row 2")
-
-
-def test_faults_of_one_kind_stand_in_one_line(lab):
-    rows = "".join(f"400,{velocity},kaputt\n" for velocity in range(1, 9))
-    with pytest.raises(pipeline.SceneFileError) as caught:
-        lab(f"load [N],velocity [m/s],outcome\n{rows}")
-    (fault,) = caught.value.faults
-    assert "rows 2, 3, 4, 5, 6, 7 and 2 more, outcome" in fault
-
-
-def test_columns_that_are_missing_are_said_once_with_those_found(lab):
-    with pytest.raises(pipeline.SceneFileError) as caught:
-        lab("Kraft [N],speed [rpm],result\n400,500,ok\n600,500,ok\n")
-    fault, how = caught.value.faults
-    assert 'no column "velocity [m/s]" in "Kraft [N]", "speed [rpm]", "result"' in fault
-    assert '"speed [rpm]": "1 rpm" cannot be converted to m/s; give its track' in fault
-    assert "irg tests" in how
-
-
-def test_what_may_be_thousands_is_refused_unless_the_decimal_mark_is_given(lab, tmp_path):
-    heads = "load [N];velocity [m/s];outcome\n"
-    with pytest.raises(pipeline.SceneFileError, match=r'"1.250" .* 1.25 or 1250'):
-        lab(heads + "1.250;1,5;mild\n")
-    for mark, load in ((",", 1250.0), (".", 1.25)):
-        (tmp_path / "lab.toml").write_text(f'{SCENE}\ndecimal = "{mark}"\n', encoding="utf-8")
-        assert lab(heads + "1.250;2;mild\n").about.tested[1].normal_load == load
-
-
-def test_a_scar_is_no_track_and_an_area_no_transition(tmp_path):
-    path = tmp_path / "scars.csv"
-    log = "load [N],speed [rpm],wear scar diameter [mm],outcome\n400,1450,0.6,mild\n"
-    *_, fault = read_log_faults(path, log)
-    assert 'none of "wear scar diameter [mm]" is surely its track' in fault
-    assert not read_log_faults(path, log.replace("wear scar", "track"))
-    for head in ("radius", "ball diameter"):
-        *_, fault = read_log_faults(path, log.replace("wear scar diameter", head))
-        assert "is surely its track" in fault
-    path.write_text("load [N],velocity [m/s],Brugger area [mm2]\n400,1,20\n")
-    assert read_log(path, row_of=TRANSITION).is_only_wear
-    path.write_text("load of transition [N],velocity [m/s],Brugger area [mm2]\n400,1,20\n")
-    assert not read_log(path, row_of=TRANSITION).is_only_wear
-
-
-def test_exact_names_win_and_negations_are_known(tmp_path):
-    path = tmp_path / "log.csv"
-    head = "load [N],velocity [m/s],friction,friction_scatter,outcome\n"
-    path.write_text(f"{head}400,1,0.1,0.01,not severe\n500,1,0.1,0.01,nicht bestanden\n")
-    log = read_log(path)
-    assert not log.faults
-    assert [test["outcome"] for test in log.tests] == ["mild", "severe"]
-    assert [test["friction_scatter"] for test in log.tests] == [0.01, 0.01]
-    assert outcome_of("not true", "scuffed") is None
-    (fault,) = read_log_faults(path, f"{head}400,1,0.1,0.01,hardly severe\n")
-    assert "did you mean" not in fault
-    assert 'words = { "hardly severe" = "OUTCOME" }' in fault
-
-
-def test_rows_of_several_oils_are_told_apart_and_counted_once(tmp_path):
-    rows = "1,FVA 3,400,1,mild\n2,PAO 8,400,1,mild\n3,PAO 8,800,1,severe\n3,PAO 8,800,1,severe\n"
-    path = tmp_path / "oils.csv"
-    assert read_log_faults(path, f"run,Öl,load [N],velocity [m/s],outcome\n{rows}") == []
-    assert [test["oil"] for test in read_log(path).tests] == ["FVA 3", "PAO 8", "PAO 8"]
-    log = read_log(path, {"where": {"Öl": "PAO 8"}})
-    assert (len(log.tests), log.twice, log.faults) == (2, [5], [])
-    assert "no row has" in read_log(path, {"where": {"Öl": "X"}}).faults[0]
-    book = tmp_path / "book.xlsx"
-    with pd.ExcelWriter(book) as written:
-        pd.DataFrame({"a": [1]}).to_excel(written, sheet_name="Cover", index=False)
-        pd.read_csv(path).to_excel(written, sheet_name="Log", index=False)
-    log = read_log(book, {"where": {"Öl": "PAO 8"}, "sheet": "Log"})
-    assert len(log.tests) == 2
-    assert 'sheet "Log" (not read: Cover)' in log.sheet.form
-    with pytest.raises(InputError, match='no sheet "Lag"; give one of Cover, Log'):
-        read_log(book, {"sheet": "Lag"})
-
-
-def test_empty_cells_at_the_end_of_headings_are_no_columns_and_remarks_no_headings(tmp_path):
-    (tmp_path / "log.csv").write_text("# rig 3;;\nalpha;beta;;\n1;2;;\n3;4;5;\n")
-    sheet = read_rows(tmp_path / "log.csv", lambda *_: False)
-    assert [heading.text for heading in sheet.headings] == ["alpha", "beta"]
-    assert [(row.number, row.cells) for row in sheet.rows] == [(3, ["1", "2"])]
-    assert (sheet.above.strip(), sheet.of_rows[0].partition(";")[0]) == (
-        "rig 3",
-        "row 4: 3 cells below 2 headings",
+    assert tested[1] == Measurement(400.0, 1.75, outcome="mild", number="row 3")
+    document = irg("tests", tmp_path / "log.xlsx", "--sheet", "Log", "--json")
+    assert [one["outcome"] for one in document["tests"]] == ["mild", "severe"]
+    assert 'no sheet "Lag"; give one of Cover, Log' in irg(
+        "tests", tmp_path / "log.xlsx", "--sheet", "Lag", code=2
     )
 
 
-def test_an_outcome_that_is_missing_is_no_unknown_word(tmp_path):
-    log = "load [N],velocity [m/s],outcome\n400,2,mild\n500,2,\n"
-    (fault,) = read_log_faults(tmp_path / "log.csv", log)
-    assert fault.startswith("row 3, outcome: ")
-    assert "words = " not in fault
+def test_the_lines_that_are_printed_make_the_scene_read_the_log(tmp_path, irg):
+    log = "Normalkraft F_N / N;v in m/s;Ergebnis\n400;1,75;ok\n400;2,75;Fresser\n"
+    (tmp_path / "log.csv").write_text(log, encoding="utf-8")
+    said = irg("tests", tmp_path / "log.csv")
+    assert "2 tests: 1 mild, 1 severe" in said
+    scene = f'extends = "first_try"\nwithout = ["measured"]\n{said[said.index("[[tested]]") :]}'
+    (tmp_path / "lab.toml").write_text(scene, encoding="utf-8")
+    tested = pipeline.load_scene(tmp_path / "lab.toml").about.tested
+    assert [(test.velocity, test.outcome) for test in tested] == [(1.75, "mild"), (2.75, "severe")]
 
 
-def test_headings_are_sought_at_the_top_alone(tmp_path):
-    """A long file without headings that are known is read at once."""
-    (tmp_path / "long.csv").write_text("alpha;beta\n" + "1;2\n" * 5000)
-    asked = []
-    sheet = read_rows(tmp_path / "long.csv", lambda cells, _: bool(asked.append(cells)))
-    assert len(asked) < 1000
-    assert (len(sheet.rows), sheet.headings[1].text) == (5000, "beta")
+def test_a_column_that_the_user_chose_is_in_the_printed_lines(tests, tmp_path):
+    log = "a;b;c;d\n400;500;20;ok\n"
+    names = ["load=a [N]", "rotation=b [rpm]", "track_radius=c [mm]", "outcome=d"]
+    options = [word for name in names for word in ("--column", name)]
+    document = tests(log, *options)
+    assert contacts(document) == [(400, 1.0472, "mild")]
+    scene = f'extends = "first_try"\nwithout = ["measured"]\n{document["toml"]}'
+    (tmp_path / "lab.toml").write_text(scene, encoding="utf-8")
+    (test,) = pipeline.load_scene(tmp_path / "lab.toml").about.tested
+    assert test.velocity == pytest.approx(1.0472, rel=1e-4)
 
 
-def test_columns_that_no_test_or_log_has_are_told(tmp_path):
-    (tmp_path / "log.csv").write_text("F [N],velocity [m/s]\n300,2\n")
-    columns = {"lode": "F [N]", "load": "P [N]"}
-    faults = read_log(tmp_path / "log.csv", {"columns": columns}).faults
-    assert faults[0].startswith('columns.lode: no entry (did you mean "load"?); give one of load,')
-    assert faults[1] == 'columns.load: there is no column "P [N]"'
+def test_what_is_understood_of_a_log_is_printed(tmp_path, irg):
+    log = "Öl;Last [N];v [m/s];Befund;Prüfer\nA;400;2;ok;M\nA;500;2;Fresser;M\n"
+    (tmp_path / "log.csv").write_text(log, encoding="utf-8")
+    said = irg("tests", tmp_path / "log.csv").splitlines()
+    assert said[0].endswith("log.csv: semicolons between cells, decimal points")
+    table = [line.split("  ") for line in said[2:8]]
+    assert [[cell.strip() for cell in row if cell] for row in table] == [
+        ["column", "read as", "first cell"],
+        ["Öl", "oil", "A"],
+        ["Last [N]", "load", "400 N"],
+        ["v [m/s]", "velocity", "2 m/s"],
+        ["Befund", "outcome", "ok, mild"],
+        ["Prüfer", "not used", "M"],
+    ]
+    lacks = "load_scatter, velocity_scatter, friction, friction_scatter, bulk_temperature, hold, "
+    assert said[8] == f"without a column: {lacks}number, run"
+    tail = said[said.index("[[tested]]") :]
+    assert tail[:4] == [
+        "[[tested]]", 'file = "log.csv"', 'words = { ok = "mild", Fresser = "severe" }',
+        'columns = { load = "Last [N]", velocity = "v [m/s]", oil = "Öl", outcome = "Befund" }',
+    ]  # fmt: skip
+
+
+def test_conditions_that_are_probably_in_another_unit_are_doubted(tests):
+    log = "load [N],velocity [m/s],bulk temperature [degC],outcome\n400,1.2,333,mild\n"
+    (doubt,) = tests(log)["doubts"]
+    assert "the test of 400 N at 1.2 m/s: the bulk temperature is 333 °C, where" in doubt
+
+
+@pytest.mark.parametrize(
+    ("log", "options", "said"),
+    [
+        ("a;b;c\n400;1,75;kaputt\n", [], 'no column load [N], velocity [m/s] in "a", "b", "c"'),
+        ("load;v [m/s];outcome\n400;1;ok\n", [],
+         'row 2, load: 400 has no unit; give a load above 0, such as "200 N"; write the unit in '
+         'the heading, or --column "load=load [N]"'),
+        ("load [N],velocity [m/s],result,verdict\n4,1,mild,severe\n", [],
+         '2 columns may be outcome: "result", "verdict"; choose by --column "outcome=result"'),
+        ("F [N],velocity [m/s],outcome\n3,2,mild\n", ["--column", "load=P [N]"],
+         'columns.load: no column "P [N]"; give one of "F [N]"'),
+        ("load [N],velocity [m/s],outcome\n3,2,mild\n", ["--given", "stroke=1,5 mm"],
+         'given.stroke: "1,5 mm" is not a number followed by a unit'),
+        ("load [N],velocity [m/s],outcome\n", [], "there are no rows; begin with a line such as"),
+        ("load [N],velocity [m/s],outcome\n3,2,mild,4\n", [], "row 2: 4 cells below 3 headings"),
+        ("Oil,Failure load stage\nA,13\n", ["--given", "velocity=1 m/s"],
+         'row 2, Failure load stage: "13" is no load stage; give 1 to 12, or > 12'),
+        ("load [N],velocity [m/s],outcome,bulk_temperature [degC]\n3,2,mild,\n", [],
+         "row 2, bulk_temperature: is empty; fill it, or leave out the row or the column"),
+    ],
+)  # fmt: skip
+def test_a_fault_says_what_to_do(tests, log, options, said):
+    faults = tests(log, *options, code=2)["faults"]
+    assert any(said in one for one in faults), faults
