@@ -125,7 +125,8 @@ class WordNames(Names):
             return 0.0
         if known.unit and not heading.unit and len(title) < 3:
             return 0.0  # a lone letter, as t or v, may be anything
-        return (2 if heading.unit else 1) - 0.5 * bool(re.search(vocabulary()["wished"], title))
+        is_doubtful = len(title) == 1 or re.search(vocabulary()["wished"], title)
+        return (2 if heading.unit else 1) - 0.5 * bool(is_doubtful)
 
     def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:
         """Columns and faults, without faults of what only makes quantities that are there."""

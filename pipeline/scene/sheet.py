@@ -323,8 +323,9 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
 
 def _make_plain(sheet: Sheet, numeric: Collection[int], decimal: str | None) -> None:
     """Write numbers with a decimal point; beside one that may be another both stand."""
-    cells = {row.cells[k].partition(" ")[0] for row in sheet.rows for k in numeric}
-    commas = [cell for cell in cells if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]
+    marked = [row.cells[k] for row in sheet.rows for k in numeric if re.search("[.,]", row.cells[k])]
+    cells = marked or [cell for row in sheet.rows for cell in row.cells]
+    commas = [cell for cell in {x.partition(" ")[0] for x in cells} if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]
     # Between commas they are quoted; those before three digits alone may be thousands.
     is_sure = "commas between cells" not in sheet.form
     is_comma = any(is_sure or not re.search(r"[1-9],\d{3}$", cell) for cell in commas)

@@ -1,0 +1,276 @@
+"""Tables of duties, rows of pairs and load records: each row and cell is used, told or refused."""
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.sweep.plan import points
+from tests.helpers import synthetic
+from tests.helpers.scenes import SCENE
+from tribo import InputError
+
+DS = synthetic.sweep()
+PLACES = [(300.0, 2.0), (400.0, 1.5), (650.0, 3.0)]
+
+
+def judged(folder, content, name="duty.csv"):
+    """Places of a table of duties, as `pipeline.margin` judges them."""
+    path = folder / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    frame = pipeline.margin(DS, path)
+    return [*zip(frame["load [N]"], frame["velocity [m/s]"], strict=True)]
+
+
+HEADS = "load [N],velocity [m/s]\n"
+ROWS = "300,2\n400,1.5\n650,3\n"
+DUTIES = {
+    "plain": HEADS + ROWS,
+    "bom": b"\xef\xbb\xbf" + (HEADS + ROWS).encode(),
+    "utf-16": (HEADS + ROWS).encode("utf-16"),
+    "utf-16 without a mark": (HEADS + ROWS).encode("utf-16-le"),
+    "latin-1": ("Prüfling," + HEADS + "ä,300,2\nb,400,1.5\nc,650,3\n").encode("cp1252"),
+    "crlf": (HEADS + ROWS).replace("\n", "\r\n"),
+    "cr": (HEADS + ROWS).replace("\n", "\r"),
+    "trailing separators": (HEADS + ROWS).replace("\n", ",,\n"),
+    "blank lines": (HEADS + ROWS).replace("\n", "\n\n\n"),
+    "semicolons": (HEADS + ROWS).replace(",", ";"),
+    "tabs": (HEADS + ROWS).replace(",", "\t"),
+    "bars": (HEADS + ROWS).replace(",", " | "),
+    "wide blanks": (HEADS + ROWS).replace(",", "    "),
+    "decimal commas": "load [N];velocity [m/s]\n300,0;2,0\n400,0;1,5\n650;3\n",
+    "decimal commas in quotes": 'load [N],velocity [m/s]\n"300,0","2,0"\n"400","1,5"\n"650","3"\n',
+    "thousands": "load [mN];velocity [mm/s]\n300'000;2'000.0\n400'000;1'500.0\n650'000;3'000.0\n",
+    "kN in a slash": "load / kN,velocity / m/s\n0.3,2\n0.4,1.5\n0.65,3\n",
+    "parentheses": "load (kN),velocity (mm/s)\n0.3,2000\n0.4,1500\n0.65,3000\n",
+    "in": "load in N,velocity in m/s\n" + ROWS,
+    "a unit of each cell": "load,velocity\n300 N,2 m/s\n0.4 kN,1500 mm/s\n650 N,3 m/s\n",
+    "units below": "load,velocity\nkN,mm/s\n0.3,2000\n0.4,1500\n0.65,3000\n",
+    "paths of a scene": "normal_load [N],sliding_velocity [m/s]\n" + ROWS,
+    "a head": "Duty cycle of pump 7\nFrom: 3 May\n\n" + HEADS + ROWS,
+    "a long head": "".join(f"line {k}: something, with a comma\n" for k in range(30)) + HEADS + ROWS,
+    "comments": "# duty, of pump 7\n" + HEADS + "300,2\n# then\n400,1.5\n650,3\n",
+    "an index": ",load [N],velocity [m/s]\n0,300,2\n1,400,1.5\n2,650,3\n",
+    "an index without a heading": HEADS + "1,300,2\n2,400,1.5\n3,650,3\n",
+    "headings again": HEADS + "300,2\n" + HEADS + "400,1.5\n650,3\n",
+    "powers of ten": HEADS + "3e2,2E0\n4.0e+02,1.5\n650,300e-2\n",
+    "a unit behind a number": HEADS.replace(" [N]", "") + "300 N,2\n400 N,1.5\n650 N,3\n",
+    "quotes": '"load [N]","velocity [m/s]"\n"300","2"\n"400","1.5"\n"650","3"\n',
+    "words of a laboratory": "Normalkraft F_N / N;Gleitgeschw. v in m/s\n300;2\n400;1,5\n650;3\n",
+    "a track": "load [N],speed [rpm],track radius [mm]\n300,954.93,20\n400,716.197,20\n"
+    "650,1432.39,20\n",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DUTIES)
+def test_duties_are_the_same_however_they_are_written(tmp_path, name):
+    for one, right in zip(judged(tmp_path, DUTIES[name]), PLACES, strict=True):
+        assert one == pytest.approx(right, rel=1e-5)
+
+
+REST = {
+    "at rest": ("0,0\n300,0\n", "5 rows: 3 used, 2 left out: rows 5 and 6 are at rest"),
+    "no load": (",2\n", "4 rows: 3 used, 1 left out: row 5 has no load"),
+    "no velocity": ("300,-\n", "4 rows: 3 used, 1 left out: row 5 has no velocity"),
+    "words": ("mean,of all\n", "4 rows: 3 used, 1 left out: row 5 has no number"),
+    "commented out": ("#300\n", "4 rows: 3 used, 1 left out: row 5 is commented out"),
+    "the headings": (HEADS, "4 rows: 3 used, 1 left out: row 5 has the headings again"),
+    "another table": ("velocity [m/s],load [N]\n2,9\n", "stand below others"),
+    "nan": ("NaN,nan\n", "4 rows: 3 used, 1 left out: row 5 has no number"),
+}
+
+
+@pytest.mark.parametrize("name", REST)
+def test_rows_that_are_left_out_are_counted_in_the_first_line(tmp_path, irg, alone, name):
+    rows, said = REST[name]
+    (tmp_path / "duty.csv").write_text(HEADS + ROWS + rows)
+    answer = irg("margin", alone, "--points", tmp_path / "duty.csv")
+    assert said in answer.splitlines()[0]
+    document = irg("margin", alone, "--points", tmp_path / "duty.csv", "--json")
+    assert said in document["rows_read"]
+    assert len(document["margins"]["load"]) == 3
+    assert judged(tmp_path, HEADS + ROWS + rows) == PLACES
+
+
+def test_a_table_without_such_rows_says_nothing_of_them(tmp_path, irg, alone):
+    (tmp_path / "duty.csv").write_text(HEADS + ROWS)
+    assert irg("margin", alone, "--points", tmp_path / "duty.csv").startswith("3 operating")
+
+
+def test_rows_whose_label_begins_with_a_hash_are_rows(tmp_path):
+    rows = "name,load [N],velocity [m/s]\n#1,300,2\n#2,400,1.5\npump,650,3\n"
+    assert judged(tmp_path, rows) == PLACES
+
+
+WRONG = {
+    "a word": ("30O,2\n", 'row 2, load: "30O N" is not a number followed by a unit'),
+    "an error": ("#DIV/0!,2\n", 'row 2, load: "#DIV/0! N" is not a number'),
+    "a formula": ("=B1,2\n", 'row 2, load: "=B1 N" is not a number'),
+    "below 0": ("-300,2\n", 'row 2, load: "-300 N" is out of range'),
+    "a cell too many": ("300,2,5\n", "row 2: 3 cells below 2 headings"),
+    "marks": ('"1,400",2\n', 'row 2, load: "1,400, 1400 or 1.400 by the decimal mark'),
+    "two of a kind": ("30O,2\n30O,2\n", "rows 2 and 3, load"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_cell_that_cannot_be_read_is_named_by_row_and_column(tmp_path, name):
+    rows, said = WRONG[name]
+    with pytest.raises(InputError) as caught:
+        judged(tmp_path, HEADS + rows)
+    assert said.split(" is ")[0] in str(caught.value)
+
+
+def test_an_empty_cell_of_a_condition_is_named(tmp_path):
+    rows = "load [N],velocity [m/s],friction\n300,2,0.1\n400,1.5,\n650,3,\n"
+    with pytest.raises(InputError, match="rows 3 and 4, friction: is empty; fill it, or leave out"):
+        judged(tmp_path, rows)
+
+
+def test_all_faults_of_a_table_come_at_once_and_equal_ones_in_a_line(tmp_path):
+    rows = "".join(f"300,x\n{-k},2\n-7,2\n" for k in range(1, 9))
+    with pytest.raises(InputError) as caught:
+        judged(tmp_path, HEADS + rows)
+    first, *faults = str(caught.value).splitlines()
+    assert "faults" in first
+    assert any("rows 2, 5, 8, 11, 14, 17 and 2 more, velocity" in fault for fault in faults)
+
+
+@pytest.mark.parametrize(
+    ("heads", "said"),
+    [
+        ("lode [N],velocity [m/s]\n", 'no column load [N] in "lode [N]", "velocity [m/s]"'),
+        ("lode [N],velocity [m/s]\n", 'did you mean "load"?'),
+        ("load [N],speed [rpm]\n", "velocity follows from"),
+        ("load [N],load [N],velocity [m/s]\n", "2 columns may be load"),
+        ("load [s],velocity [m/s]\n", "no column load [N]"),
+    ],
+)
+def test_a_column_that_is_missing_is_said_with_those_found(tmp_path, heads, said):
+    row = ",".join("3" for _ in heads.split(",")) + "\n"
+    with pytest.raises(InputError) as caught:
+        judged(tmp_path, heads + row)
+    assert said in str(caught.value)
+
+
+def test_formulas_and_errors_of_a_workbook_count_where_the_column_is_used(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+
+    def book(*rows):
+        made = openpyxl.Workbook()
+        for row in rows:
+            made.active.append(row)
+        made.save(tmp_path / "duty.xlsx")
+        return (tmp_path / "duty.xlsx").read_bytes()
+
+    heads = ["load [N]", "velocity [m/s]", "note"]
+    for error in ("#DIV/0!", "#N/A", "#REF!", "#VALUE!", "#NAME?", "#NULL!", "#NUM!"):
+        rows = heads, [300, 2, error]
+        assert judged(tmp_path, book(*rows), "duty.xlsx") == [(300, 2)]
+        with pytest.raises(InputError, match=f"row 2, load: .*{error[:4]}"):
+            judged(tmp_path, book(heads, [error, 2, "a"]), "duty.xlsx")
+    with pytest.raises(InputError, match=r"row 2, load: .*=A9.* without a stored value"):
+        judged(tmp_path, book(heads, ["=A9+1", 2, "a"]), "duty.xlsx")
+    assert judged(tmp_path, book(heads, [300, 2, "=A9"]), "duty.xlsx") == [(300, 2)]
+
+
+def test_a_sheet_of_a_workbook_is_found_and_the_others_are_told(tmp_path, irg, alone):
+    openpyxl = pytest.importorskip("openpyxl")
+    made = openpyxl.Workbook()
+    made.active.append(["Pump 7"])
+    for name, loads in (("Duty", [300, 400]), ("Other duty", [500])):
+        sheet = made.create_sheet(name)
+        sheet.append(["load [N]", "velocity [m/s]"])
+        for load in loads:
+            sheet.append([load, 2])
+    made.save(tmp_path / "duty.xlsx")
+    said = irg("margin", alone, "--points", tmp_path / "duty.xlsx")
+    assert 'operating points of sheet "Duty" (not read: Sheet, Other duty); --sheet names' in said
+    named = ["--points", tmp_path / "duty.xlsx", "--sheet", "Other duty"]
+    document = irg("margin", alone, *named, "--json")
+    assert document["margins"]["load"] == [500]
+
+
+def test_columns_of_python_are_rows_with_units_or_in_si():
+    frame = pipeline.margin(DS, {"load": [300.0, 400.0], "velocity [m/min]": [120, 90]})
+    assert [*zip(frame["load [N]"], frame["velocity [m/s]"], strict=True)] == PLACES[:2]
+    rest = pipeline.margin(DS, {"load": [300.0, 0.0, np.nan], "velocity": [2.0, 1.0, 1.0]})
+    assert rest["load [N]"].tolist() == [300.0]
+    with pytest.raises(InputError, match="columns of unlike lengths: load 2, velocity 1"):
+        pipeline.margin(DS, {"load": [300.0, 400.0], "velocity": [2.0]})
+
+
+# Load records
+
+
+def record(folder, text, more="reference_load = '250 N'\n"):
+    folder.joinpath("rec.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
+    scene = f'extends = "first_try"\nwithout = ["loading"]\n[loading]\nfile = "rec.csv"\n{more}'
+    folder.joinpath("rec.toml").write_text(scene)
+    return pipeline.load_scene(folder / "rec.toml")
+
+
+RECORDS = {
+    "plain": "time [s],normal load [N]\n0,0\n0.5,100\n1.5,300\n",
+    "other units": "F (kN), t (ms)\n0, 0\n0.1, 500\n0.3, 1500\n",
+    "a head": "# rig 3\n\ntime [min],load [N]\n0,0\n\n0.00833333333333333,100\n0.025,300\n",
+    "crlf": "\ufefftime [s],load [N]\r\n0,0\r\n0.5,1e2\r\n1.5,3e2\r\n",
+    "german": "Zeit [s];Last [kgf]\n0;0\n0,5;10,1971621\n1,5;30,5914864\n",
+    "a clock": "time;load [N]\n10:00:00.0;0\n10:00:00.5;100\n10:00:01.5;300\n",
+    "three columns": "time [s],load [N],friction force [N]\n0,0,0\n0.5,100,9\n1.5,300,31\n",
+    "slash": "time/s,load/N\n0,0\n0.5,100\n1.5,300\n",
+}
+
+
+@pytest.mark.parametrize("name", RECORDS)
+def test_a_load_record_is_read_as_duties_are(tmp_path, name):
+    loading = record(tmp_path, RECORDS[name]).scene.loading
+    assert loading.times == pytest.approx([0.0, 0.5, 1.5])
+    assert loading.loads == pytest.approx([0.0, 100.0, 300.0])
+    assert loading.peak == 250.0
+
+
+def test_rows_of_a_record_without_a_load_are_told(tmp_path):
+    notes = record(tmp_path, RECORDS["plain"] + "2,\n").about.notes
+    said = [note.words for note in notes if note.place == "loading.file"]
+    assert "4 rows: 3 used, 1 left out: row 5 has no load" in said
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("time [s],load [N]\n0,0\n2,100\n1,300\n", "row 4: "),
+        ("time [s],load [N]\n0,0\n0.5,1O0\n1,300\n", 'row 3, load: "1O0" has an unknown unit'),
+        ("time,load [N]\n0,0\n1,100\n", "rows 2 and 3, time"),
+        ("time [s],speed [m/s]\n0,0\n1,100\n", 'no column load [N] in "time [s]", "speed [m/s]"'),
+        ("", "no column time [s], load [N] in an empty file"),
+    ],
+)
+def test_what_is_wrong_in_a_record_is_named(tmp_path, text, said):
+    with pytest.raises(pipeline.SceneFileError) as caught:
+        record(tmp_path, text)
+    assert said in " ".join(caught.value.faults)
+
+
+# Rows of pairs
+
+
+def along(folder, rows):
+    (folder / "mesh.csv").write_text(rows)
+    text = SCENE.replace("[sweep]", '[sweep]\nalong = "mesh.csv"')
+    (folder / "scene.toml").write_text(text)
+    return pipeline.load_scene(folder / "scene.toml")
+
+
+def test_rows_of_pairs_that_rest_are_left_out_and_told(tmp_path):
+    head = "flank;pin.radius [mm];load [N];velocity [m/s]\n"
+    sweep = along(tmp_path, head + "root;3,0;300;1\npitch;3,5;300;0\ntip;4,0;600;2\n")
+    assert [(one.load, one.velocity) for one in points(sweep)] == [(300.0, 1.0), (600.0, 2.0)]
+    said = [note.words for note in sweep.about.notes if note.place == "sweep.along"]
+    assert said == ["mesh.csv, 3 rows: 2 used, 1 left out: row 3 is at rest"]
+
+
+def test_an_empty_cell_of_an_entry_of_a_pair_is_a_fault(tmp_path):
+    with pytest.raises(
+        pipeline.SceneFileError, match=r'row 3, column "pin.radius \[mm\]" is empty'
+    ):
+        along(tmp_path, "pin.radius [mm],load [N],velocity [m/s]\n3,300,1\n,600,2\n")
