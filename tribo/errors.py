@@ -173,16 +173,3 @@ def near_path(path: Path) -> str:
 def shortened(reason: str) -> str:
     """A reason that may quote a whole row, cut to a line."""
     return reason if len(reason) <= 80 else f"{reason[:80]}…"
-
-
-def hint_of_row(cells: list[str]) -> str:
-    """Advice for a row that is not numbers between commas; empty if it is unclear."""
-    row = ",".join(cells).strip()
-    point = "write decimals with a point"
-    for separator, name in ((";", "semicolons"), ("\t", "tabs"), (" ", "spaces")):
-        if separator in row and (separator != " " or row[0] in "+-.0123456789"):
-            between = f"; put commas between numbers, in place of {name}"
-            return between + (f", and {point}" if len(cells) > 1 else "")
-    if len(cells) == 4 and all(cell.strip("+- ").isdigit() for cell in cells):
-        return f"; {point}"
-    return ""

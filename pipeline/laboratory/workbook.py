@@ -61,13 +61,13 @@ def _open_book(path: Path) -> tuple[Any, Any]:
 
 def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: Any) -> Lines:
     """Rows of a sheet, and a word on the others."""
-    rows, count = list[Row](), 0
+    rows, widest = list[Row](), 0
     for sheet in (values, formulas):
         sheet.reset_dimensions()  # what the file says of them need not be so
     both = zip(*(sheet.iter_rows(values_only=True) for sheet in (values, formulas)), strict=True)
     for number, (cells, typed) in enumerate(both, 1):
-        count += len(cells)
-        if count > MOST_CELLS_OF_SHEET:
+        widest = max(widest, len(cells))
+        if number * widest > MOST_CELLS_OF_SHEET:
             raise InputError(
                 f'{path}: sheet "{name}" has more than {MOST_CELLS_OF_SHEET} cells up to its last '
                 "one, empty ones included; delete what lies far from the table"

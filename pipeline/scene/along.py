@@ -17,7 +17,8 @@ from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.format import BULK, CRITICAL, FORMAT, FRICTION, LOAD, SPEED
 from pipeline.scene.names import BESIDE, UNITS, Heading
 from pipeline.scene.over import column_of, scene_with
-from pipeline.scene.sheet import Lines, Row, Sheet, as_entry, read_sheet
+from pipeline.scene.sheet import Lines, Row, Sheet, read_sheet
+from pipeline.scene.units import as_entry
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep, differing_inputs

@@ -30,7 +30,8 @@ from pipeline.scene.faults import (
 )
 from pipeline.scene.kinds import OneOf
 from pipeline.scene.names import Heading, Names
-from pipeline.scene.units import clock_time, is_unit, to_si, unit_of_table
+from pipeline.scene.units import as_entry, clock_time, is_unit, to_si, unit_of_table
+from pipeline.sweep.limits import MOST_BYTES_OF_TEXT
 from tribo import InputError
 from tribo.errors import reason_of, require_file
 from tribo.types import Array
@@ -45,6 +46,7 @@ _ZERO = re.compile(r"[+-]?0*[.,]?0*(?:[eE][+-]?\d+)?(?:\s.*)?")
 EMPTY = ("", "-", "–", "--", "---", "nan", "n/a", "na", "null", "none", "nat", "<na>")
 """What stands in cells without a value, in small letters."""
 _MOST_ABOVE = 200  # rows among which that of the headings is sought
+_WIDEST = 1000  # headings, each of which is compared with all words
 _SAMPLE = 150  # lines at each end from which the separator is found
 _PLURAL = {"has": "have", "is": "are", "stands": "stand"}
 _DAY = 86400.0  # [s]
@@ -195,14 +197,6 @@ class Sheet:
             raise InputError(fault_lines(self.name, self.faults))
 
 
-def as_entry(cell: str, unit: str = "") -> str | float:
-    """A cell as a scene file has it: a number, or text with a unit."""
-    for number in (int, float) if not unit else ():
-        with suppress(ValueError):
-            return number(cell)
-    return f"{cell} {unit}".strip()
-
-
 def decoded(content: bytes) -> tuple[str, list[str]]:
     """Text of a file in UTF-8, UTF-16 or Latin-1, and a word on the last."""
     is_wide = content[:2] in (b"\xff\xfe", b"\xfe\xff") or content[1:200:2].count(0) > 50
@@ -247,6 +241,8 @@ def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines
         if content.startswith((b"PK", b"\xd0\xcf\x11\xe0", b"%PDF")) or sheet:
             tables: list[Lines] = extras.module("laboratory", "workbook").read_book(path, sheet)
             return tables
+        if len(content) > MOST_BYTES_OF_TEXT:
+            raise InputError(f"{path} has more than 100 MB; keep the columns and rows of one test")
         text, form = decoded(content)
         mark = find_separator(lines := text.splitlines(), names)
         rows = [row for row in split_lines(lines, mark) if any(row.cells)]
@@ -262,6 +258,8 @@ def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
     cells = others if first == "#" else [first.lstrip("# "), *others]
     heads = [Heading.of(cell) for cell in cells]
     for taken, row in enumerate(rows[k + 1 : k + 3], 2):
+        if any(map(NUMBER.fullmatch, row.cells)):
+            break
         units = [unit_of_table(cell.strip("[]")) for cell in row.cells[: len(heads)]]
         if any(units) and all(map(is_unit, filter(None, units))):
             for place, unit in enumerate(units):
@@ -269,8 +267,6 @@ def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
                 if unit and not own:
                     heads[place] = Heading(f"{text} [{unit}]", title, unit)
             return heads, taken
-        if any(map(NUMBER.fullmatch, row.cells)):
-            break
     return heads, 1
 
 
@@ -279,7 +275,7 @@ def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
     counts = (
         (names.count(headings_at(rows, k)[0]), -k)
         for k, row in enumerate(rows[:_MOST_ABOVE])
-        if 2 * sum(bool(NUMBER.fullmatch(cell)) for cell in row.cells) <= len(row.cells)
+        if 2 * sum(bool(NUMBER.fullmatch(cell)) for cell in row.cells) <= len(row.cells) < _WIDEST
     )
     named, start = max(counts, default=(0, 0))
     return named, -start
@@ -317,15 +313,14 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
             sheet.faults.append(f"row {number}: {len(cells)} cells below {width} headings")
         else:
             sheet.rows.append(Row(number, [*cells, *[""] * width][:width]))
-    _make_plain(sheet, numeric, decimal)
+    _make_plain(sheet, decimal)
     return sheet
 
 
-def _make_plain(sheet: Sheet, numeric: Collection[int], decimal: str | None) -> None:
+def _make_plain(sheet: Sheet, decimal: str | None) -> None:
     """Write numbers with a decimal point; beside one that may be another both stand."""
-    marked = [row.cells[k] for row in sheet.rows for k in numeric if re.search("[.,]", row.cells[k])]
-    cells = marked or [cell for row in sheet.rows for cell in row.cells]
-    commas = [cell for cell in {x.partition(" ")[0] for x in cells} if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]
+    cells = {cell.partition(" ")[0] for row in sheet.rows for cell in row.cells}
+    commas = [cell for cell in cells if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]
     # Between commas they are quoted; those before three digits alone may be thousands.
     is_sure = "commas between cells" not in sheet.form
     is_comma = any(is_sure or not re.search(r"[1-9],\d{3}$", cell) for cell in commas)

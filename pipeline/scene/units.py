@@ -6,6 +6,7 @@ import functools
 import json
 import math
 import re
+from contextlib import suppress
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
@@ -156,6 +157,14 @@ def unit_of_table(unit: str) -> str:
     """Unit of a column as it is meant, without parentheses around it; empty of a number."""
     unit = re.sub(r"^\((.*)\)$", r"\1", unit.strip())
     return "" if unit in ("-", "–", "1") else _OF_TABLES.get(unit, unit)
+
+
+def as_entry(cell: str, unit: str = "") -> str | float:
+    """A cell as a scene file has it: a number, or text with a unit."""
+    for number in (int, float) if not unit else ():
+        with suppress(ValueError):
+            return number(cell)
+    return f"{cell} {unit}".strip()
 
 
 @functools.cache

@@ -20,6 +20,8 @@ MOST_BYTES_OF_BOOK = 10_000_000
 """Bytes that a workbook may unpack to: some 300 000 cells, each an object of 100 bytes and more."""
 MOST_CELLS_OF_SHEET = 1_000_000
 """Cells of a sheet up to the last one, since all before it are read, though they be empty."""
+MOST_BYTES_OF_TEXT = 100_000_000
+"""Bytes of a table in text: some ten million cells, each an object of 60 bytes."""
 MOST_BYTES_OF_ROOT = 2**27
 """Bytes of a store's root: twice the numbers of all samples of all inputs."""
 MOST_PARTS_OF_ROOT = 1_500_000

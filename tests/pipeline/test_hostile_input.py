@@ -17,7 +17,7 @@ import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.laboratory.surfaces import read_surface
-from pipeline.scene.load_record import read_load
+from pipeline.scene.along import OperatingPoints
 from pipeline.store.place import StoreError
 from pipeline.store.progress import summary
 from pipeline.store.root import read_sweep
@@ -41,7 +41,7 @@ def fifo(tmp_path):
 def test_a_fifo_is_no_surface_load_record_or_scene(fifo, capsys):
     for read in (
         lambda: read_surface(fifo("a.npy"), 1.0),
-        lambda: read_load(fifo("a.csv")),
+        lambda: OperatingPoints.read(fifo("a.csv")),
         lambda: read_surface(fifo("a.x3p")),
     ):
         with pytest.raises(tribo.InputError, match="not a file"):
@@ -55,7 +55,7 @@ def test_an_archive_that_unpacks_to_more_than_a_surface_can_be_is_none(tmp_path)
     with zipfile.ZipFile(tmp_path / "a.x3p", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("bin", bytes(2**10))
         archive.filelist[0].file_size = 2**31  # as its directory says, which is written at the end
-    with pytest.raises(tribo.InputError, match="unpacks to"):
+    with pytest.raises(tribo.InputError, match="2.0 GiB; at most 1 GiB are read"):
         read_surface(tmp_path / "a.x3p")
 
 
@@ -206,12 +206,12 @@ _ASKED = """
 import sys
 from pathlib import Path
 from pipeline.cli import main
-from pipeline.laboratory.spreadsheet import read_rows
+from pipeline.scene.along import OperatingPoints
 from tribo import InputError
 codes = [main(["check", path]) for path in sys.argv[4:]] + [main(["status", sys.argv[1]])]
 for book in sys.argv[2:4]:
     try:
-        read_rows(Path(book), lambda cells: True)
+        OperatingPoints.read(book)
     except InputError as error:
         print("irg:", error, file=sys.stderr)
 # Of this program alone: what the system counts of a child includes what it was forked from.

@@ -12,19 +12,13 @@ from pipeline.quantities import display, is_unit_of_head, shown_in, si_of
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.facts import Span
-from pipeline.scene.faults import Fault, Faults
-from pipeline.scene.headings import (
-    as_entry,
-    heading_of,
-    listed_faults,
-    numbered,
-    sheet_of,
-    usual_unit,
-)
+from pipeline.scene.faults import Fault, Faults, listed_faults, numbered
 from pipeline.scene.kinds import Number, OneOf, Quantity, Share, Text, UnitText, Whole
 from pipeline.scene.parts import realizations_of
 from pipeline.scene.units import (
     UnitError,
+    as_entry,
+    clock_time,
     difference_in_si,
     hardness_pressure,
     in_si,
@@ -239,20 +233,16 @@ def test_faults_of_one_kind_are_one_line():
 
 
 @pytest.mark.parametrize(
-    ("unit", "usual"),
-    [("(N)", "N"), ("C", "°C"), ("kg", "kgf"), ("Nm", "N m"), ("-", ""), ("1", ""), (" mm ", "mm"),
-     ("mm3 N-1", "mm3 N^-1"), ("(m", "(m")],
+    ("text", "seconds"),
+    [
+        ("10:00:00", 36000), ("04.05.2026 10:00:00,5", 36000.5), ("2026-05-04T10:01", 36060),
+        ("1:30 PM", 48600), ("12:15:00 am", 900), ("23:59:59.5", 86399.5),
+    ],
 )  # fmt: skip
-def test_units_of_headings_are_read_as_they_are_usually_meant(unit, usual):
-    assert usual_unit(unit) == usual
-
-
-def test_headings_are_titles_with_units():
-    heading = heading_of(' "Normal load [kN]" ')
-    assert (heading.title, heading.unit, heading.name) == ("Normal load", "kN", "load")
-    assert heading.label == "Normal load [kN]"
-    below = replace(heading_of("bulk temperature"), unit="°C")
-    assert (below.name, below.label) == ("bulk_temperature", "bulk temperature [°C]")
+def test_a_clock_is_a_time_of_the_day(text, seconds):
+    assert clock_time(text) == seconds
+    with pytest.raises(UnitError, match="is no time of a clock"):
+        clock_time(text.replace(":", "-"))
 
 
 def test_columns_are_rows_of_places_with_what_else_they_give():
@@ -280,7 +270,7 @@ def test_columns_are_rows_of_places_with_what_else_they_give():
 )  # fmt: skip
 def test_columns_that_make_no_rows_are_refused(columns, words):
     with pytest.raises(InputError, match=words):
-        sheet_of(columns, ("load", "velocity"), ("load", "velocity"))
+        OperatingPoints.read(columns)
 
 
 @pytest.mark.parametrize("name", ["pin.radius", "fidelity.increments", "wear.pattern", "hold"])

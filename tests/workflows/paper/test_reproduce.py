@@ -14,7 +14,6 @@ import pytest
 
 import tribo
 from pipeline.analysis.tables import markdown_of
-from pipeline.scene.load_record import read_load
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS
 from workflows import paper
@@ -202,8 +201,7 @@ def test_the_shipped_record_is_the_synthetic_one():
     shipped = (WORKFLOWS / "fig8_load_record.csv").read_text(encoding="utf-8")
     assert shipped == synthetic_record()
     assert shipped.startswith("# Synthetic")
-    record = read_load(WORKFLOWS / "fig8_load_record.csv", 600.0)
-    rate, onset = record.linear_fit()
+    rate, onset = load_scene(WORKFLOWS / "fig8.toml").scene.loading.linear_fit()
     assert rate == pytest.approx(150.0, rel=0.01)
     assert 0.3 < onset < 0.6
 
