@@ -128,7 +128,7 @@ def _lone_values(heights: Array, unit: float) -> list[str]:
     while values.size > 2:
         far = values[np.argmax(np.abs(values - np.median(values)))]
         others = values[values != far]
-        if not others.size or np.abs(others - far).min() <= _LONE * others.std():
+        if not (others.size and np.abs(others - far).min() > _LONE * others.std() > 0):
             break
         count = values.size - others.size
         notes.append(f"{count} heights of {far / unit:.6g} are taken for holes")

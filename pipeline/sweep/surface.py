@@ -58,7 +58,8 @@ class SurfaceFacts:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the facts by name, each with its unit."""
-        heights = {"ra": self.ra, "rq": self.rq, "mean_height": self.mean_height, "rise": self.rise}
+        heights = {"ra": self.ra, "rq": self.rq, "mean_height": self.mean_height, "rise": self.rise,
+                   "radii": self.radii}  # fmt: skip
         return (
             {"kind": "measured" if self.measured else "random"}
             | {name: unit_value(value, "m") for name, value in heights.items()}

@@ -104,8 +104,8 @@ def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:
     kept = [np.arange(-far, far + 1) for far in reach]
     pairs = np.outer(*(n - np.abs(lag) for n, lag in zip(heights.shape, kept, strict=True)))
     if not measured.all():
-        pairs = np.maximum(_lagged(measured.astype(float))[np.ix_(*kept)], 1.0)
-    correlation: Array = _lagged(heights)[np.ix_(*kept)] / pairs
+        pairs = _lagged(measured.astype(float))[np.ix_(*kept)]
+    correlation: Array = _lagged(heights)[np.ix_(*kept)] / np.maximum(pairs, 1.0)
     origin = np.array(reach)
     return correlation / correlation[tuple(origin)], origin
 

@@ -28,7 +28,9 @@ OIL = 80.0 + 0.05 * noise(3)  # °C
 
 def lines(separator, *columns, form="{:.5g}"):
     """Rows of columns."""
-    texts = ([form.format(x) if np.isreal(x) else x for x in row] for row in zip(*columns))
+    texts = (
+        [form.format(x) if np.isreal(x) else x for x in row] for row in zip(*columns, strict=True)
+    )
     return [separator.join(row) for row in texts]
 
 
@@ -57,7 +59,7 @@ def rtec():
                 0 * TIME + TURNS,
                 2.5 + 0 * TIME,
                 OIL,
-            )  # fmt: skip
+            )
         ],
         "TotalTime,159.0",
         "3/14/2026 9:26:53 AM",

@@ -147,7 +147,8 @@ LOGS = {
     "units in brackets below": ("Load;Speed;Result\n[kN];(mm/s);-\n0,4;1750;ok\n", [ONE]),
     "units in cells": ("load,velocity,outcome\n400 N,1.75 m/s,mild\n0.4 kN,1750 mm/s,mild\n",
                        [ONE, ONE]),
-    "kilogram-forces": ("Prüflast / kp;Gleitgeschw. / m/s;Ergebnis\n5;1;ok\n", [(49.03, 1, "mild")]),
+    "kilogram-forces": ("Prüflast / kp;Gleitgeschw. / m/s;Ergebnis\n5;1;ok\n",
+                        [(49.03, 1, "mild")]),
     "grams": ("Load (g),Speed (m/s),Result\n500,1,pass\n", [(4.903, 1, "mild")]),
     "a head of many lines": ("".join(f"entry {k}: 7\n" for k in range(22))
                              + "load [N],velocity [m/s],outcome\n400,1.75,mild\n", [ONE]),

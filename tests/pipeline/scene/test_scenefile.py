@@ -211,7 +211,7 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     assert "reaches 800 N" in fault
     (tmp_path / "record.csv").write_text(rows + "4000, 0.8\n")
     (fault,) = faults((ramp, record))
-    assert "line 5: time 4 s after 5 s" in fault
+    assert "row 5: time 4 s after 5 s" in fault
 
 
 def test_a_crowned_pin_has_two_radii_and_is_swept_over(read):

@@ -47,7 +47,7 @@ DUTIES = {
     "units below": "load,velocity\nkN,mm/s\n0.3,2000\n0.4,1500\n0.65,3000\n",
     "paths of a scene": "normal_load [N],sliding_velocity [m/s]\n" + ROWS,
     "a head": "Duty cycle of pump 7\nFrom: 3 May\n\n" + HEADS + ROWS,
-    "a long head": "".join(f"line {k}: something, with a comma\n" for k in range(30)) + HEADS + ROWS,
+    "a long head": "".join(f"line {k}: something, with commas\n" for k in range(30)) + HEADS + ROWS,
     "comments": "# duty, of pump 7\n" + HEADS + "300,2\n# then\n400,1.5\n650,3\n",
     "an index": ",load [N],velocity [m/s]\n0,300,2\n1,400,1.5\n2,650,3\n",
     "an index without a heading": HEADS + "1,300,2\n2,400,1.5\n3,650,3\n",
