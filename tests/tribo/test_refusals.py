@@ -38,11 +38,22 @@ from tribo import (
 from tribo.analytic import hertz_ellipse, moving_band_rise, rolling_sliding_rise
 from tribo.contact import ElasticHalfSpace, elastic_influence, solve_contact
 from tribo.inverse import critical_temperature, specific_wear_rate
-from tribo.material import minimum_line_film, minimum_point_film
+from tribo.material import (
+    minimum_line_film,
+    minimum_point_film,
+    viscosity_line,
+    warm_viscosity,
+)
 from tribo.numerics import Convolution
 from tribo.simulation import moment_of, start
 from tribo.simulation.verdict import rise_limit
-from tribo.surface import autocorrelation_lengths, fit_self_affine, self_affine
+from tribo.surface import (
+    areal_roughness,
+    autocorrelation_lengths,
+    fit_self_affine,
+    remove_form,
+    self_affine,
+)
 from tribo.surface.topography import block_average
 from tribo.thermal import (
     ConductingHalfSpace,
@@ -123,6 +134,11 @@ REFUSALS = {
     "oil rises": (lambda: replace(WHITE, temperatures=(373.0, 313.0)), "they must rise"),
     "oil falls": (lambda: replace(WHITE, viscosities=(5e-6, 32e-6)), "must fall with temperature"),
     "oil thin": (lambda: replace(WHITE, viscosities=(1e-6, 1e-7)), "at least 3.1e-07"),
+    "oil line": (lambda: viscosity_line((313.0, 373.0, 353.0), (3e-5, 9e-6, 5e-6)), "must rise"),
+    "oil line of none": (lambda: viscosity_line((313.0, 373.0), (3e-5, 1e-7)), "above 3e-07 m²/s"),
+    "oil index": (lambda: warm_viscosity(32e-6, 5000.0), "has a viscosity index of 5000"),
+    "no heights": (lambda: remove_form(np.full((3, 3), np.nan), (1.0, 1.0)), "all heights are"),
+    "plane": (lambda: areal_roughness(np.indices((20, 30))[1] * 0.1, (1.0, 1.0)), "are a plane"),
     "oil alpha": (lambda: Oil((313.0, 373.0), (3e-5, 5e-6), 866.0).pressure_coefficient(300.0),
                   "no pressure-viscosity coefficient"),
     "oil cold": (lambda: replace(WHITE, temperatures=(0.0, 373.0)), "temperature is 0.0"),
@@ -344,7 +360,7 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
-    "errors.require_file InputError": "pipeline/scene/test_load_record.py, with files",
+    "errors.require_file InputError": "pipeline/test_hostile_input.py, with files",
     "invariants.check_contact InvariantError": "simulation/test_invariants.py, by wrong solvers",
     "invariants.check_wear InvariantError": "simulation/test_invariants.py, by wear that is wrong",
     "invariants.check_heat InvariantError": "simulation/test_invariants.py, by wrong solvers",

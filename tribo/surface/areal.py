@@ -54,8 +54,7 @@ class ArealRoughness:
     @property
     def aspect(self) -> float:
         """Str, the shortest over the longest such distance; 0 if that is beyond the area."""
-        shortest, longest = self.lengths.shortest, self.lengths.longest
-        return shortest / longest if math.isfinite(shortest) else math.nan
+        return self.lengths.texture_aspect
 
     @property
     def lay(self) -> float | None:

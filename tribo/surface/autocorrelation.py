@@ -38,8 +38,8 @@ class AutocorrelationLengths:
 
     @property
     def texture_aspect(self) -> float:
-        """Str of ISO 25178-2, the shortest over the longest; NaN if that is infinite."""
-        return self.shortest / self.longest if math.isfinite(self.longest) else math.nan
+        """Str of ISO 25178-2, the shortest over the longest; 0 if that is infinite, NaN of both."""
+        return self.shortest / self.longest if math.isfinite(self.shortest) else math.nan
 
 
 def autocorrelation_lengths(

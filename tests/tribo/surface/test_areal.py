@@ -1,0 +1,93 @@
+"""Roughness by ISO 25178: of measured heights alone, and above the form."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tribo import Grid
+from tribo.surface import areal_roughness, autocorrelation_lengths, remove_form, self_affine
+
+SPACING = 2e-6, 3e-6
+SHAPE = 160, 120
+ROUGH = 1e-7 * np.random.default_rng(4).standard_normal(SHAPE)
+X, Y = ((np.arange(n) - (n - 1) / 2)[s] * d for n, d, s in zip(
+    SHAPE, SPACING, (np.s_[:, None], np.s_[None, :]), strict=True))  # fmt: skip
+
+
+def holed(heights, share=0.3, seed=1):
+    return np.where(np.random.default_rng(seed).random(heights.shape) < share, np.nan, heights)
+
+
+def test_amplitudes_are_those_of_the_measured_heights():
+    """Of normal heights Ra is Rq √(2/π); the plane takes 3 of 13 440 degrees of freedom."""
+    patchy = holed(ROUGH)
+    found = areal_roughness(patchy, SPACING)
+    values = patchy[np.isfinite(patchy)]
+    assert found.rq == pytest.approx(values.std(), rel=1e-3)
+    assert found.ra == pytest.approx(np.abs(values - values.mean()).mean(), rel=1e-3)
+    assert found.ra / found.rq == pytest.approx(math.sqrt(2 / math.pi), rel=0.01)
+    assert found.mean == pytest.approx(values.mean(), rel=1e-9)
+    assert (found.skewness, found.kurtosis) == pytest.approx((0, 3), abs=0.1)
+
+
+def test_a_patch_of_holes_does_not_lower_the_roughness_as_filling_does():
+    patchy = ROUGH.copy()
+    patchy[:, :40] = np.nan
+    filled = np.where(np.isnan(patchy), np.nanmean(patchy), patchy)
+    whole, some, flat = (areal_roughness(one, SPACING).rq for one in (ROUGH, patchy, filled))
+    assert some == pytest.approx(whole, rel=0.02)
+    assert flat < 0.85 * whole
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3])
+def test_the_plane_and_both_curvatures_are_taken_off(share):
+    form = 0.02 * X - 0.01 * Y - X**2 / (2 * 0.03) + Y**2 / (2 * 0.05) + 4.0 * X * Y
+    level, slopes, radii = remove_form(holed(ROUGH + form, share), SPACING)
+    assert slopes == pytest.approx((0.02, -0.01), rel=0.01)
+    assert radii == pytest.approx((0.03, -0.05), rel=0.03)
+    kept = np.isfinite(level)
+    assert level[kept].std() == pytest.approx(ROUGH[kept].std(), rel=0.01)
+
+
+def test_a_curvature_within_the_roughness_is_left():
+    """A sag of half a root mean square height to the edge."""
+    radius = (X**2).max() / (2 * 0.5e-7)
+    level, _, radii = remove_form(ROUGH - X**2 / (2 * radius), SPACING)
+    assert radii == (math.inf, math.inf)
+    assert level.mean(axis=1)[[0, -1]].mean() < level.mean(axis=1)[70:90].mean()
+
+
+def test_roughness_scales_with_heights_and_lengths_with_pixels():
+    rough = self_affine(Grid((128, 128), (1e-6, 1e-6)), 2e-7, 0.8, (4e-6, 4e-6), seed=2)
+    one, other = areal_roughness(rough, (1e-6, 1e-6)), areal_roughness(3 * rough, (5e-6, 5e-6))
+    assert (other.ra, other.rq) == pytest.approx((3 * one.ra, 3 * one.rq))
+    assert other.sal == pytest.approx(5 * one.sal)
+    assert other.aspect == pytest.approx(one.aspect)
+
+
+@pytest.mark.parametrize(("lengths", "lay"), [((3e-6, 12e-6), 90.0), ((12e-6, 3e-6), 0.0)])
+def test_a_lay_lies_along_the_longer_length(lengths, lay):
+    rough = self_affine(Grid((256, 256), (1e-6, 1e-6)), 2e-7, 0.8, lengths, seed=5)
+    found = areal_roughness(rough, (1e-6, 1e-6))
+    assert abs(found.lay) == pytest.approx(lay, abs=5)
+    assert found.aspect < 0.5
+    isotropic = self_affine(Grid((256, 256), (1e-6, 1e-6)), 2e-7, 0.8, (6e-6, 6e-6), seed=5)
+    assert areal_roughness(isotropic, (1e-6, 1e-6)).lay is None
+
+
+def test_grooves_longer_than_the_area_have_an_aspect_of_0_and_a_lay():
+    grooves = np.sin(2 * np.pi * X / 40e-6) + 1e-6 * ROUGH / 1e-7
+    found = areal_roughness(1e-7 * grooves, SPACING)
+    assert found.aspect == 0
+    assert abs(found.lay) == pytest.approx(90, abs=2)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.4])
+def test_holes_do_not_move_the_autocorrelation(share):
+    """A wave of 40 µm falls to 1/e at arccos(1/e)/2π of it, 7.6 µm, by linear interpolation."""
+    wave = np.cos(2 * np.pi * np.arange(200) / 40)[:, None] * np.ones(60)
+    whole = autocorrelation_lengths(wave, (1e-6, 1e-6))
+    patchy = autocorrelation_lengths(holed(wave, share), (1e-6, 1e-6))
+    assert patchy.along_x == pytest.approx(whole.along_x, rel=0.01)
+    assert patchy.along_y == math.inf
