@@ -54,7 +54,9 @@ def read_instrument(path: Path) -> Raw:
         raise
     except Exception as error:  # readers of damaged files raise errors of any kind
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
-        raise InputError(f"{path}: cannot be read as {suffix}: {reason}; {_SAVE}") from error
+        raise InputError(
+            f"{path}: cannot be read as {suffix}: {reason.rstrip('.')}; {_SAVE}"
+        ) from error
 
 
 def _read_x3p(path: Path) -> Raw:
@@ -172,19 +174,19 @@ def _gwy_object(content: bytes, place: int) -> tuple[str, dict[str, Any], int]:
 
 def _read_by_library(path: Path) -> Raw:
     """A surface of one of SurfaceTopography's formats."""
-    try:
-        formats: Any = importlib.import_module("SurfaceTopography.IO")
-    except ImportError as error:
-        raise InputError(
-            f"{path}: SurfaceTopography may know its format: get that with "
-            f'"pip install SurfaceTopography", or {_SAVE}'
-        ) from error
-    content = path.read_bytes()
-    source: Any = str(path)
-    if content.startswith(b"DSCOMPRESSED"):
-        source = io.BytesIO(_unpacked_sur(content))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # it warns of its own house-keeping
+        try:
+            formats: Any = importlib.import_module("SurfaceTopography.IO")
+        except ImportError as error:
+            raise InputError(
+                f"{path}: SurfaceTopography may know its format: get that with "
+                f'"pip install SurfaceTopography", or {_SAVE}'
+            ) from error
+        content = path.read_bytes()
+        source: Any = str(path)
+        if content.startswith(b"DSCOMPRESSED"):
+            source = io.BytesIO(_unpacked_sur(content))
         try:
             reader = formats.open_topography(source)
         except Exception as error:

@@ -50,9 +50,10 @@ class MeasuredSurface:
         """The surface with other sides of a pixel than the file says [m]; their ratio stays."""
         own, notes = self.pixel_size or self.steps, self.notes
         if own and abs(own[0] / own[1] * sides[1] / sides[0] - 1) > _SAME:
+            known = display_sides(own) if self.pixel_size else f"as {own[0]:.4g} to {own[1]:.4g}"
             raise InputError(
-                f"pixels of {display_sides(sides)} are given, and those of the file are as "
-                f"{own[0]:.4g} to {own[1]:.4g}; give that ratio, or leave them out"
+                f"pixels of {display_sides(sides)} are given, and those of the file are {known}; "
+                "give that ratio, or leave them out"
             )
         if self.pixel_size and not np.allclose(self.pixel_size, sides, rtol=_SAME, atol=0):
             notes += (f"the given pixels count, not the file's, {display_sides(self.pixel_size)}",)
@@ -86,7 +87,8 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
             raw = read_instrument(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
-    if (unit := height_unit or raw.unit) is None:
+    unit = raw.unit if height_unit is None else height_unit
+    if not unit or unit < 0:
         raise InputError(f"{path}: the file says no unit of its heights; give height_unit")
     notes = list[str]()
     if raw.unit and not np.isclose(raw.unit, unit, rtol=_SAME, atol=0):
@@ -226,15 +228,15 @@ def window_heights(
     heights: Array | None = surface.heights
     if table["crop"] is not None and pixels:
         heights = _cropped(surface.heights, table, pixels, faults)
-    if heights is None or (heights := _fill_holes(heights, table["missing"], faults)) is None:
-        return None
     said = surface.notes
-    if table["level"]:
+    if heights is not None and table["level"]:
         heights, slopes, radii = remove_form(heights, sides or (1.0, 1.0))
         if sides:
             said += tilt_doubts(slopes)
             curved = form_words(radii)
             said += (f"curvature taken off: R {curved}",) if curved else ()
+    if heights is None or (heights := _fill_holes(heights, table["missing"], faults)) is None:
+        return None
     if table["repeat"] != "no" and pixels and np.less(heights.shape, pixels).any():
         is_mirrored = table["repeat"] == "mirror"  # stays continuous; tiles step, but keep a lay
         faults.note(

@@ -140,7 +140,7 @@ def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
     words, table, ends = lines[: first - 1], list[list[float]](), list[int]()
     for number, line in enumerate(lines[first - 1 :], first):
         row = rows.get(number, [])
-        if not line.strip() or (row and row.count(None) == len(row)) or _is_comment(line, row):
+        if not line.strip() or 2 * row.count(None) > len(row) or _is_comment(line, row):
             words.append(line)
             ends.append(len(table))
             continue
@@ -183,10 +183,10 @@ def _said(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
     sizes: dict[str, float] = {}
     units: dict[str, float] = {}
     for line in head:
-        for part in re.split(r"[,;](?=\s)", line):
+        for part in re.split(r"[,;](?=\s)", re.sub(r'"[,;\t]"', ";", line).replace('"', "")):
             for name, size in _SIZES.items():
                 if match := size.fullmatch(part.strip()):
-                    said = match[2].replace(",", ".").replace(";", " ").strip('" ')
+                    said = match[2].replace(",", ".").replace(";", " ")
                     said = f"{said} {match[1]}" if match[1] else said
                     if (length := _length(f"1 {said}" if name == "unit" else said)) is not None:
                         axes = ("x step", "y step") if name == "xy step" else (name,)

@@ -10,42 +10,47 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.laboratory import plain_scan, spreadsheet, surfaces
+from pipeline.laboratory import instruments, surfaces
 from pipeline.laboratory.scan import surface_statistics
-from pipeline.laboratory.spreadsheet import read_rows
 from pipeline.laboratory.surfaces import filled, read_surface
+from pipeline.scene.along import OperatingPoints
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
+from tests.helpers.instruments import gwy, sur, x3p
 from tests.helpers.refusals import Refusals, command
 from tests.pipeline.laboratory.test_surfaces import FakeTopography
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
 
 SQUARE = (480, 480)
+SMALL = np.eye(8)
+PIXEL = (1e-6, 1e-6)
 
 
 def scan(text, unit=1.0, name="scan.csv"):
+    """A surface of some content, text or not."""
+
     def build():
-        Path(name).write_text(text, encoding="utf-8")
+        Path(name).write_bytes(text if isinstance(text, bytes) else text.encode())
         return read_surface(name, unit)
 
     return build
 
 
-def book(**sheets):
+def book(sheet=None):
     def build():
         made = pytest.importorskip("openpyxl").Workbook()
         made.active.title = "Log"
         made.active["A1"] = "load"
         made.save("log.xlsx")
-        return read_rows(Path("log.xlsx"), lambda cells: True, **sheets)
+        return OperatingPoints.read("log.xlsx", sheet)
 
     return build
 
 
-def rows_of(name, content=b"", **options):
+def table(name, content=b"", sheet=None):
     def build():
         Path(name).write_bytes(content)
-        return read_rows(Path(name), lambda cells: True, **options)
+        return OperatingPoints.read(name, sheet)
 
     return build
 
@@ -63,17 +68,13 @@ def far_cell():
     made = pytest.importorskip("openpyxl").Workbook()
     made.active["XFD1048576"] = 1
     made.save("far.xlsx")
-    return read_rows(Path("far.xlsx"), lambda cells: True)
+    return OperatingPoints.read("far.xlsx")
 
 
 def no_openpyxl():
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, "openpyxl", None)
-        return bomb("log.xlsx", 1000, lambda path: read_rows(path, bool))()
-
-
-def damaged(*_, **__):
-    raise ZeroDivisionError
+        return bomb("log.xlsx", 1000, OperatingPoints.read)()
 
 
 def pixels_of_another_size():
@@ -104,10 +105,10 @@ def instrument(topography, unit=None):
     library = SimpleNamespace(open_topography=lambda path: SimpleNamespace(topography=read))
 
     def build():
-        Path("a.x3p").touch()
+        Path("a.opd").touch()
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(surfaces.importlib, "import_module", lambda name: library)
-            return read_surface("a.x3p", unit)
+            patch.setattr(instruments.importlib, "import_module", lambda name: library)
+            return read_surface("a.opd", unit)
 
     return build
 
@@ -116,18 +117,16 @@ def no_library():
     def missing(name):
         raise ImportError(name)
 
-    Path("a.x3p").touch()
+    Path("a.opd").touch()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(surfaces.importlib, "import_module", missing)
-        return read_surface("a.x3p")
+        patch.setattr(instruments.importlib, "import_module", missing)
+        return read_surface("a.opd")
 
 
-def plain(content):
-    def build():
-        Path("a.npy").write_bytes(content)
-        return read_surface("a.npy", 1.0)
-
-    return build
+def packed_bomb():
+    content = bytearray(sur(SMALL, PIXEL, is_compressed=True))
+    content[524:528] = (2**31).to_bytes(4, "little")  # what a block unpacks to
+    return scan(bytes(content), None, "a.sur")()
 
 
 def header(shape, descr="<f8"):
@@ -147,6 +146,10 @@ def vast(descr="<f8", shape=(10**5, 10**5)):
         start = file.write(header(shape, descr))
         file.truncate(start + math.prod(shape) * np.dtype(descr).itemsize)
     return read_surface("a.npy", 1.0)
+
+
+def plain(content):
+    return scan(content, 1.0, "a.npy")
 
 
 def array(heights, sides=("1 um", "1 um"), unit="um"):
@@ -199,6 +202,11 @@ def no_log():
     return load_scene("scene.toml")
 
 
+def many(rows, head="time [s],COF"):
+    return f"{head}\n" + rows * 20
+
+
+GRIDDED = "".join(f"{x} {y} {x * y % 3}\n" for x in range(4) for y in range(4))
 SIZED = "# Width: 4.00 µm\n# Height: 4.00 µm\n# Value units: µm\n" + "1 2 3 4\n" * 4
 HOLED = np.where(np.arange(480) % 3, 1.0, np.nan) * np.ones(SQUARE)
 FLAT = FakeTopography(np.ones((4, 4)), dim=1)
@@ -210,41 +218,51 @@ REFUSALS = {
     "commas": (scan("0,12,1,05\n0,33,1,25\n"), "commas stand between cells and before decimals"),
     "word": (scan("1;2;x\n4;5;6\n"), '"x" is not a number'),
     "nothing": (scan("no numbers\n"), "no line of numbers"),
-    "line": (scan("".join(f"0 {k} 1\n" for k in range(9))), "one x or y alone"),
+    "line": (scan("".join(f"0 {k} 1\n" for k in range(9))), "a profile of 9 heights"),
     "uneven": (scan("".join(f"{k**1.5} {k} 1\n" for k in range(9))), "not on a regular grid"),
     "sparse": (scan("".join(f"{k} {k} 1\n" for k in range(40))), "not on a regular grid"),
-    "infinite": (scan("1,inf\n3,4\n"), "the height at row 0, column 1 (counted from"),
-    "no unit": (scan("1,2\n3,4\n", None), "the text says no unit of its heights"),
+    "twice": (scan("0 0 1\n1 0 1\n0 1 1\n" * 4), "two heights at one place"),
+    "two tables": (scan("1 2 3\n4 5 6\n\n7 8 9\n1 2 3\n"), "2 tables, between blank lines"),
+    "second table": (scan("1 2\n4 5\nmore\n7 8\n1 2\n"), "a second table stands in the file"),
+    "no unit": (scan("1,2\n3,4\n", None), "the file says no unit of its heights"),
     "no text": (lambda: read_surface("no.csv", 1.0), "no.csv"),
-    "endless": (endless, "more than 1 GiB; crop or average"),
+    "endless": (endless, "2.0 GiB; at most 1 GiB are read"),
+    "large text": (patched(surfaces, "_MOST_BYTES", 2**33, endless), "more than 1 GiB; crop or"),
     # plain arrays
     "no file": (lambda: read_surface("a.npy", 1.0), "a.npy: cannot be read"),
-    "no length": (array(np.eye(20), unit=0.0), "unit"),
+    "no length": (array(np.eye(20), unit=0.0), "give height_unit"),
     "npz": (plain(saved(np.savez, heights=np.ones((2, 2)))), "begin as NumPy"),
     "npy text": (plain(saved(np.save, arr=np.array([["a"]]))), "real numbers"),
-    "npy vast": (plain(header("(10000000, 10000000)")), "more than there is memory"),
     "npy large": (vast, "74.5 GiB"),
     "npy heights": (lambda: vast("|i1", (10_001, 10_000)), "100010000 heights"),
     "npy short": (plain(header("(3, 3)") + b"12345678"), "not a plain array"),
     "npy none": (plain(header("(0, 5)")), "shape (0, 5)"),
-    "npy inf": (array(np.diag([np.inf] * 3)), "3 of 9 heights are not finite, the first at row 0"),
     # files of instruments
-    "plain": (array(np.eye(20), unit=None), "a plain array has no unit of its own"),
-    "damaged": (patched(plain_scan, "_read_array", damaged, array(np.eye(20))),
-                "not a plain array of numbers: ZeroDivisionError"),
-    "image": (lambda: (Path("a.tif").touch(), read_surface("a.tif")), "an image, whose grey"),
+    "image": (scan(b"", None, "a.tif"), "an image, whose grey"),
     "profile": (instrument(FLAT), "a profile, or unevenly spaced"),
-    "unitless": (instrument(BARE), "the file does not give the unit of its heights"),
-    "broken": (instrument(RuntimeError("bad header\nmore")), "as a surface: bad header"),
+    "unitless": (instrument(BARE), "the file says no unit of its heights"),
+    "broken": (instrument(RuntimeError("bad header\nmore")), "cannot be read as .opd: bad header"),
     "no library": (no_library, "pip install SurfaceTopography"),
-    "bomb": (bomb("a.x3p", 2**31, read_surface), "unpacks to 2.0 GiB; at most 1 GiB are"),
+    "unknown": (scan(b"x", None, "a.abc"), "SurfaceTopography has no reader for .abc"),
+    "bomb": (bomb("a.x3p", 2**31, read_surface), "2.0 GiB; at most 1 GiB are"),
+    "packed bomb": (packed_bomb, "unpacks to more than 1 GiB"),
+    "no main": (bomb("a.x3p", 2**10, read_surface), "an archive without main.xml"),
+    "x3p profile": (scan(x3p(SMALL, PIXEL, edit=("SUR</F", "PRF</F")), None, "a.x3p"),
+                    "a profile (FeatureType PRF)"),
+    "x3p layers": (scan(x3p(SMALL, PIXEL, edit=("eZ>1", "eZ>2")), None, "a.x3p"), "2 layers; g"),
+    "x3p short": (scan(x3p(SMALL, PIXEL, edit=("eY>8", "eY>9")), None, "a.x3p"), "64 heights, wher"),
+    "x3p places": (scan(x3p(SMALL, PIXEL, edit=("Type>I<", "Type>A<")), None, "a.x3p"),
+                   "places of its own for each height"),
+    "gwy": (scan(b"x", None, "a.gwy"), "does not begin as Gwyddion writes"),
+    "gwy phase": (scan(gwy([("p", SMALL, "deg")], PIXEL), None, "a.gwy"), "no channel of heights"),
     # statistics
     "no pixels": (array(np.eye(20), None), "no size of a pixel; give pixel_size"),
     "flat pixels": (array(np.eye(20), ("1 um", 0.0)), "no size of a pixel; give pixel_size"),
+    "ratio": (lambda: (scan(GRIDDED)(), surface_statistics("scan.csv", "um", ("1 um", "2 um"))),
+              "those of the file are as 1 to 1; give that ratio"),
     "plane": (array(np.indices((20, 30))[1] * 0.1), "the heights are a plane, without"),
-    "high": (array(np.eye(20) * 1e9), "heights of 1e+03 m; give the unit"),
-    "row": (array(np.ones((1, 20))), "a profile; give a map of heights"),
-    "small": (array(np.eye(10)), "plane.npy: 10 × 10 heights are too few"),
+    "high": (array(np.random.default_rng(0).normal(size=(20, 20)) * 1e9), "m; give the unit that"),
+    "row": (array(np.ones((1, 20))), "a profile of 20 heights"),
     "unit": (array(np.eye(20), unit="kg"), '"1 kg" cannot be converted'),
     "missing": (lambda: filled(np.full((3, 3), np.nan)), "all heights are missing"),
     # scenes
@@ -255,22 +273,24 @@ REFUSALS = {
     "crop of y": (measured(np.eye(490), "crop = [0, 100]\n"), "from 0, 100 on reaches beyond"),
     "crop": (measured(np.eye(490), "crop = [100, 0]\n"), "reaches beyond the surface of 490 × 490"),
     # tables
-    "sheet": (rows_of("log.csv", sheet="one"), 'has no sheets, so none called "one"'),
-    "kind": (rows_of("log.ods"), "log.ods cannot be read: rows are read from"),
-    "no sheet": (book(sheet="Lag"), 'has no sheet "Lag"; give one of Log'),
-    "no book": (rows_of("log.xlsx", b"text"), "is no sound .xlsx file"),
-    "long cell": (rows_of("log.csv", b"a,b\n1," + b"9" * 200_000), "field larger than"),
+    "sheet": (table("log.csv", sheet="one"), 'log.csv has no sheet "one"; save the table as'),
+    "kind": (table("log.ods", b"PK"), "log.ods is no text; save the table as .xlsx or CSV"),
+    "no sheet": (book("Lag"), 'has no sheet "Lag"; give one of Log'),
+    "no book": (table("log.xlsx", b"PKtext"), "is no sound .xlsx file"),
     "far": (far_cell, "more than 1000000 cells"),
-    "large": (bomb("log.xlsx", 11_000_000, lambda path: read_rows(path, bool)), "unpacks to 11 MB"),
+    "large": (bomb("log.xlsx", 11_000_000, OperatingPoints.read), "unpacks to 11 MB"),
     "no openpyxl": (no_openpyxl, "pip install openpyxl"),
-    "unreadable": (patched(spreadsheet, "decoded", lambda _: Path("no").stat(),
-                           rows_of("log.csv", b"a")), "cannot be read: No such file"),
-    # logs
-    "runs": (log_command("time [s],COF\n" + "1,0.1\n" * 20 + "0,0.1\n"), "row 22: time falls from"),
-    "no run": (log_command("time [s],COF,run\n" + "1,0.1,A\n" * 20, "--where", "run=B"),
-               'no row has "B" as run; give one of A'),
-    "column": (log_command("load [N],velocity [m/s],outcome\n400,2,mild\n", "--column", "lod=load"),
-               'no test has "lod"'),
+    # logs and traces
+    "form": (log_command("a,b\n1,2\n", "--form", "rteck"), 'no form "rteck" (did you mean "rtec"'),
+    "quantity": (log_command("a,b\n1,2\n", "--given", "warmth=9"), "given.warmth: no such quant"),
+    "runs": (log_command(many("1,0.1\n") + "0,0.1\n"), "row 22: time falls from"),
+    "cell": (log_command(many("1,0.1\n") + "2x,0.1\n"), 'row 22, time: "2x" has an unknown unit'),
+    "at rest": (log_command(many("1,0.1,5\n", "time [s],COF,load [N]") + "2,0.1,999\n" * 9),
+                "9 rows in motion; a trace needs 20"),
+    "no trace": (log_command("load [N],velocity [m/s],outcome\n4,2,mild\n", "-o", "a.png"),
+                 "is no record of friction over time, which -o draws"),
+    "column": (log_command("load [N],velocity [m/s],outcome\n4,2,mild\n", "--column", "lod=load"),
+               'columns.lod: no such quantity (did you mean "load"?)'),
     "log": (logged("load [N],velocity [m/s],outcome\n400,2,mlid\n"), "row 2, outcome"),
     "log of": (logged("Kraft [N],speed [rpm],result\n400,500,ok\n"), "printed by: irg tests"),
     "no log": (no_log, "no.csv"),

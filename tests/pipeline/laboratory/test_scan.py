@@ -9,8 +9,9 @@ from scipy import ndimage
 from pipeline import load_scene, surface_statistics
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.units import to_si
+from pipeline.sweep.surface import surface_facts
 from tribo import Grid, InputError
-from tribo.surface import self_affine
+from tribo.surface import areal_roughness, self_affine
 
 GRID = Grid((240, 192), (0.8e-6, 0.9e-6))
 
@@ -18,7 +19,7 @@ GRID = Grid((240, 192), (0.8e-6, 0.9e-6))
 @pytest.fixture(scope="module")
 def scan(tmp_path_factory):
     """Path of a tilted scan with a lay across x, in micrometres."""
-    heights = self_affine(GRID, 0.27e-6, 0.8, (4e-6, 12e-6), seed=3)
+    heights = self_affine(GRID, 0.27e-6, 0.8, (4e-6, 12e-6), seed=0)
     i, j = np.indices(heights.shape)
     path = tmp_path_factory.mktemp("scan") / "scan.npy"
     np.save(path, 1e6 * (heights + 5e-2 * i * 0.8e-6 - 3e-2 * j * 0.9e-6).T)
@@ -27,11 +28,9 @@ def scan(tmp_path_factory):
 
 def test_the_tilt_is_taken_off_and_the_printed_table_makes_the_same(scan):
     statistics = surface_statistics(scan, "um", ("0.8 um", "0.9 um"))
-    assert statistics.tilt == pytest.approx(np.degrees((5e-2, -3e-2)), abs=0.06)
+    assert statistics.roughness.slopes == pytest.approx((5e-2, -3e-2), abs=2e-3)
     assert statistics.ra == pytest.approx(0.27e-6, rel=2 * statistics.fit.rms_error)
-    assert statistics.fit.lay == pytest.approx(90.0, abs=2) or statistics.fit.lay == pytest.approx(
-        -90, abs=2
-    )
+    assert abs(statistics.roughness.lay) == pytest.approx(90.0, abs=5)
     table = tomllib.loads(statistics.toml)["disk"]["roughness"]
     lengths = tuple(to_si(length, "1 um") for length in table["correlation_length"])
     ra = to_si(table["ra"], "1 um")
@@ -55,12 +54,14 @@ def test_the_tilt_is_taken_off_and_the_printed_table_makes_the_same(scan):
 
 def test_heights_have_the_moments_and_the_unit_that_is_given(tmp_path):
     """Of a fifth of them at 4 and the others at −1 the skewness is 1.5, the kurtosis 3.25."""
-    heights = np.random.default_rng(0).permutation(np.repeat([4.0, -1.0], [80, 320]))
+    chance = np.random.default_rng(0)
+    heights = chance.permutation(np.repeat([4.0, -1.0], [80, 320])) + chance.normal(0, 1e-3, 400)
     np.save(tmp_path / "scan.npy", heights.reshape(20, 20))
     found = surface_statistics(tmp_path / "scan.npy", "0.5 um", ("1 um", "1 um"))
     # The plane that is taken off such noise moves them by some 3/400 of their variance.
     assert found.rq == pytest.approx(0.5e-6 * 2.0, rel=0.02)
-    assert (found.skewness, found.kurtosis) == pytest.approx((1.5, 3.25), rel=0.03)
+    rough = found.roughness
+    assert (rough.skewness, rough.kurtosis) == pytest.approx((1.5, 3.25), rel=0.03)
 
 
 def test_the_command_prints_the_table_and_says_what_is_missing(scan, irg):
@@ -99,12 +100,12 @@ def test_a_filtered_scan_gets_no_random_roughness_in_its_place(tmp_path, irg):
     printed = irg("surface", tmp_path / "scan.npy", *options)
     assert "use the scan itself" in printed
     assert "[disk.roughness]" not in printed
-    assert "correlation length" not in printed  # of the fit, which failed
+    assert "its spectrum is off the best fit by a factor" in printed
     assert "x, the sliding direction, is along the columns of the file" in printed
     document = irg("surface", tmp_path / "scan.npy", *options, "--json")
-    assert document["fit"] is None
+    assert document["toml"] is None
     # White noise after a Gauss filter of 3 pixels: the autocorrelation is exp(−r²/4σ²).
-    assert document["lengths"]["along_x"] == pytest.approx(2 * 3 * 0.8e-6, rel=0.1)
+    assert document["roughness"]["lengths"]["along_x"] == pytest.approx(2 * 3 * 0.8e-6, rel=0.1)
 
 
 def test_heights_too_flat_and_planes_too_steep_are_doubted(scan):
@@ -121,7 +122,7 @@ def test_heights_too_flat_and_planes_too_steep_are_doubted(scan):
     [
         (np.indices((20, 30))[1] * 0.1, "plane.npy: the heights are a plane, without any rough"),
         (np.eye(20) * 1e9, "plane.npy: heights of 1e.03 m; give the unit"),
-        (np.eye(10), "plane.npy: 10 × 10 heights are too few"),
+        (np.full((9, 9), np.nan), "plane.npy: all heights are missing"),
     ],
 )
 def test_what_has_no_roughness_is_refused(heights, said, tmp_path):
@@ -130,14 +131,22 @@ def test_what_has_no_roughness_is_refused(heights, said, tmp_path):
         surface_statistics(tmp_path / "plane.npy", "um", ("1 um", "1 um"))
 
 
-def test_noise_between_pixels_has_no_length_of_a_fit(tmp_path):
+def test_noise_between_pixels_and_their_size_are_doubted(tmp_path):
     np.save(tmp_path / "noise.npy", np.random.default_rng(0).normal(size=(40, 50)))
     noise = surface_statistics(tmp_path / "noise.npy", "um", ("1 um", "1 um"))
-    assert not noise.is_self_affine
-    assert "the fit's lengths err by more than they are" in str(noise)
+    assert not noise.is_like
+    assert noise.toml == ""
     assert any("hardly depend on each other" in doubt for doubt in noise.warnings)
     coarse = surface_statistics(tmp_path / "noise.npy", "um", ("1 m", "1 m"))
     assert any("check the size of the pixels" in doubt for doubt in coarse.warnings)
+
+
+def test_few_heights_are_described_but_have_no_likeness(tmp_path):
+    np.save(tmp_path / "few.npy", np.random.default_rng(0).normal(size=(10, 10)))
+    few = surface_statistics(tmp_path / "few.npy", "um", ("1 um", "1 um"))
+    assert few.rq == pytest.approx(1e-6, rel=0.2)
+    assert "10 × 10 heights are too few" in few.fault_of_fit
+    assert "no random surface is like it (10 × 10 heights" in str(few)
 
 
 def test_a_scene_says_which_way_x_goes_and_doubts_a_steep_plane(scan):
@@ -161,4 +170,100 @@ def test_the_share_of_missing_heights_is_in_percent(tmp_path, scan):
     statistics = surface_statistics(tmp_path / "holed.npy", "um", ("0.8 um", "0.9 um"))
     assert statistics.missing == 20
     share = 100 * 20 / heights.size
-    assert f"20 heights ({share:.2g} %) are missing and were filled" in statistics.warnings
+    assert f"20 heights ({share:.2g} %) are missing and left out" in statistics.warnings
+    whole = surface_statistics(scan, "um", ("0.8 um", "0.9 um"))
+    assert statistics.rq == pytest.approx(whole.rq, rel=2e-3)  # of 46 080 heights
+
+
+def likely(seed, lengths=(6e-6, 6e-6), ra=0.3e-6, hurst=0.8, shape=(384, 384)):
+    return self_affine(Grid(shape, (0.5e-6, 0.5e-6)), ra, hurst, lengths, seed=seed)
+
+
+def test_random_surfaces_are_like_a_random_one_and_scatter_as_said(tmp_path):
+    np.save(tmp_path / "scan.npy", likely(1))
+    found = surface_statistics(tmp_path / "scan.npy", 1.0, ("0.5 um", "0.5 um"))
+    likeness = dict(found.likeness)
+    assert {*likeness} == {"Rq", "Sal", "Str"}
+    assert found.is_like
+    assert "Sal of random ones" in str(found)
+    others = [areal_roughness(likely(seed), (0.5e-6, 0.5e-6)).sal for seed in range(12, 24)]
+    scatter = np.std(others, ddof=1) / np.mean(others)
+    # Standard deviations of 8 and of 12 surfaces differ by less than a factor 3 (F test, 1 %).
+    assert scatter / 3 < likeness["Sal"].scatter < 3 * scatter
+
+
+def test_a_ground_surface_is_unlike_isotropic_ones_and_says_so(tmp_path):
+    """Grooves of random profile, longer than the scan: their lay and Str tell, without a fit."""
+    profile = likely(2)[:, :1]
+    np.save(tmp_path / "ground.npy", np.tile(profile, (1, 384)).T + 0.1 * likely(3))
+    found = surface_statistics(tmp_path / "ground.npy", 1.0, ("0.5 um", "0.5 um"))
+    assert abs(found.roughness.lay) == pytest.approx(90, abs=3)
+    assert found.roughness.aspect < 0.2
+    assert f"lay                 {found.roughness.lay:.0f}° from x" in str(found)
+
+
+def test_a_curvature_is_taken_off_and_told_with_its_radius(tmp_path):
+    x = (np.arange(384) - 191.5) * 0.5e-6
+    curved = likely(4) - (x**2 / (2 * 4e-3))[:, None]
+    np.save(tmp_path / "roller.npy", curved.T)
+    sides = "0.5 um", "0.5 um"
+    found = surface_statistics(tmp_path / "roller.npy", 1.0, sides)
+    np.save(tmp_path / "flat.npy", likely(4).T)
+    flat = surface_statistics(tmp_path / "flat.npy", 1.0, sides)
+    assert found.roughness.radii[0] == pytest.approx(4e-3, rel=0.05)
+    assert found.ra == pytest.approx(flat.ra, rel=0.02)
+    assert "curvature           R 4" in str(found)
+    assert "a pin's radius belongs into pin.radius" in str(found)
+    assert "curvature  " not in str(flat)
+
+
+def test_a_small_scan_says_how_much_to_measure(tmp_path):
+    np.save(tmp_path / "small.npy", likely(5, lengths=(15e-6, 15e-6), shape=(96, 96)))
+    found = surface_statistics(tmp_path / "small.npy", 1.0, ("0.5 um", "0.5 um"))
+    (said,) = [one for one in found.warnings if "single surfaces of this size" in one]
+    assert "measure at least" in said
+    assert "correlation lengths" in said
+    large = likely(6, lengths=(3e-6, 3e-6))
+    np.save(tmp_path / "large.npy", large)
+    large = surface_statistics(tmp_path / "large.npy", 1.0, ("0.5 um", "0.5 um"))
+    assert not any("single surfaces" in one for one in large.warnings)
+
+
+def test_places_in_a_file_give_the_pixels_and_contradict_others(tmp_path, irg):
+    x, y = np.meshgrid(np.arange(30) * 0.5, np.arange(20) * 2.0, indexing="ij")
+    z = np.random.default_rng(7).normal(size=x.shape)
+    rows = np.column_stack([x.T.ravel(), y.T.ravel(), z.T.ravel()])
+    np.savetxt(tmp_path / "scan.xyz", rows, header="x [um] y [um] z [um]")
+    found = surface_statistics(tmp_path / "scan.xyz")
+    assert found.pixel_size == pytest.approx((0.5e-6, 2e-6))
+    np.savetxt(tmp_path / "bare.xyz", rows)
+    options = "--height-unit", "um", "--pixel-size"
+    assert irg("surface", tmp_path / "bare.xyz", *options, "0.5 um,2 um", "--json")["shape"] == [
+        30,
+        20,
+    ]
+    said = irg("surface", tmp_path / "bare.xyz", *options, "1 um", code=2)
+    assert "pixels of 1 × 1 µm are given, and those of the file are as 0.5 to 2" in said
+
+
+def test_a_scene_takes_what_the_command_takes_and_describes_the_same(tmp_path, irg):
+    np.save(tmp_path / "scan.npy", 10 * likely(1).T / 1e-6)  # a tenth of a micrometre each
+    command = irg("surface", tmp_path / "scan.npy", "--height-unit", "0.1 um",
+                  "--pixel-size", "0.5 um", "--json")  # fmt: skip
+    surface = {
+        "without": "disk.roughness",
+        "disk.roughness.file": str(tmp_path / "scan.npy"),
+        "disk.roughness.height_unit": "0.1 um",
+        "disk.roughness.pixel_size": ["0.5 um", "0.5 um"],
+        "disk.roughness.level": True,
+        "window.pixels": [384, 384],
+        "window.pixel_size": ["0.5 um", "0.5 um"],
+    }
+    facts = surface_facts(load_scene("first_try", overrides=surface))
+    rough = command["roughness"]
+    assert (facts.ra, facts.rq) == pytest.approx((rough["ra"], rough["rq"]), rel=1e-9)
+    factor = surface | {"disk.roughness.height_unit": 1e-7}
+    same = surface_facts(load_scene("first_try", overrides=factor))
+    assert (same.ra, same.rq) == pytest.approx((facts.ra, facts.rq), rel=1e-12)
+    with pytest.raises(SceneFileError, match=r"the pixels of disk\.roughness\.file are"):
+        load_scene("first_try", overrides=surface | {"window.pixel_size": ["1 um", "0.5 um"]})

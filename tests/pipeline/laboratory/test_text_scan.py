@@ -46,6 +46,14 @@ TEXTS = {
     "mountains_matrix.txt": "Taille X\t4 µm\nTaille Y\t5 µm\nUnité Z\tµm\n"
     + saved(ROWS, delimiter="\t").replace(".", ","),
     "spacings.csv": "# z in µm, dx = 1.0 µm, dy = 1.0 µm\n" + saved(ROWS, delimiter=","),
+    "gwyddion_quoted.txt": GWYDDION.replace("# ", "") + saved(ROWS, delimiter=", "),
+    "pixel_size.txt": "# pixel size: 1.0 um\n# z in um\n" + saved(ROWS),
+    "pixel_size_both.csv": "Pixel size X;1,0 µm\nPixel size Y;1,0 µm\nZ unit;µm\n"
+    + saved(ROWS, delimiter=";").replace(".", ","),
+    "mountains_km.txt": "X-Axis Length [mm]: 0.004\nY-Axis Length [mm]: 0.005\nZ unit: um\n"
+    + saved(ROWS, delimiter="\t"),
+    "crlf.csv": ("# a scan\n" + saved(ROWS, delimiter=",")).replace("\n", "\r\n"),
+    "trailing.csv": saved(ROWS, delimiter=";").replace("\n", ";\n"),
     "keyence.csv": '"XY calibration","1000.0","nm"\n"Unit","um"\n"Height"\n' + quoted(ROWS),
 }
 
@@ -60,7 +68,10 @@ def test_a_matrix_or_rows_of_places_give_the_same_heights(name, tmp_path):
 SAID = {"gwyddion.txt": "utf-8", "mountains.txt": "utf-16", "mountains_matrix.txt": "latin-1"}
 
 
-@pytest.mark.parametrize("name", [*SAID, "spacings.csv", "keyence.csv"])
+KNOWN = "spacings.csv", "keyence.csv", "pixel_size.txt", "pixel_size_both.csv", "mountains_km.txt"
+
+
+@pytest.mark.parametrize("name", [*SAID, *KNOWN])
 def test_sizes_and_units_are_taken_from_the_text(name, tmp_path):
     (tmp_path / name).write_text(TEXTS[name], encoding=SAID.get(name, "utf-8"))
     surface = read_surface(tmp_path / name)
@@ -153,8 +164,13 @@ def test_a_remark_on_holes_without_their_word_is_no_number(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "text", ["1;2;3\n4;;6\n7;8;\n", "1,2,3\n4,NaN,6\n7,8,nan\n", "1 2 3\n4 *** 6\n7 8 BAD\n"]
-)
+    "text",
+    [
+        "1;2;3\n4;;6\n7;8;\n", "1,2,3\n4,NaN,6\n7,8,nan\n", "1 2 3\n4 *** 6\n7 8 BAD\n",
+        "1 2 3\n4 No Data 6\n7 8 No Data\n", "1\t2\t3\n4\tNo_Data\t6\n7\t8\tNoData\n",
+        "1,2,3\n4,n/a,6\n7,8,--\n", "1;2;3\n4;missing;6\n7;8;null\n",
+    ],
+)  # fmt: skip
 def test_holes_stay_holes(text, tmp_path):
     (tmp_path / "scan.txt").write_text(text, encoding="utf-8")
     heights = read_surface(tmp_path / "scan.txt", 1.0).heights
@@ -179,7 +195,7 @@ def test_rows_that_begin_with_holes_stay_rows(separator, tmp_path):
         ("0,12,1,05\n0,33,1,25\n", "commas stand between cells and before decimals"),
         ("1;2;x\n4;5;6\n", '"x" is not a number'),
         ("no numbers\n", "no line of numbers"),
-        ("".join(f"0 {k} 1\n" for k in range(9)), "one x or y alone"),
+        ("".join(f"0 {k} 1\n" for k in range(9)), "a profile of 9 heights"),
         ("".join(f"{k**1.5} {k} 1\n" for k in range(9)), "not on a regular grid"),
     ],
 )
@@ -187,3 +203,47 @@ def test_what_is_no_map_of_heights_is_said(text, words, tmp_path):
     (tmp_path / "scan.csv").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=words):
         read_surface(tmp_path / "scan.csv", 1.0)
+
+
+@pytest.mark.parametrize("hole", ["-9999", "1e24", "-32768", "9.9e37"])
+def test_a_lone_value_that_is_no_height_is_a_hole_and_told(hole, tmp_path):
+    rough = np.random.default_rng(2).normal(size=(30, 30))
+    text = saved(rough, fmt="%.4f").replace(f"{rough[3, 4]:.4f}", hole, 1)
+    (tmp_path / "scan.txt").write_text(text)
+    surface = read_surface(tmp_path / "scan.txt", 1e-6)
+    assert np.argwhere(np.isnan(surface.heights)).tolist() == [[4, 3]]
+    (note,) = surface.notes
+    assert f"1 heights of {float(hole):g} are taken for holes" in note
+
+
+def test_no_data_in_places_is_a_hole(tmp_path):
+    rows = places().splitlines()
+    rows[7] = "\t".join([*rows[7].split("\t")[:2], "No Data"])
+    (tmp_path / "zygo.xyz").write_text("\n".join(rows))
+    heights = read_surface(tmp_path / "zygo.xyz", 1e-6).heights
+    assert np.isnan(heights).sum() == 1
+    assert np.nanmax(np.abs(heights - 1e-6 * HEIGHTS)) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (
+            "1 2 3\n4 5 6\n7 8 9\n\nheights of scan 2\n1 2 3\n4 5 6\n7 8 9\n",
+            "a second table stands",
+        ),
+        ("1 2 3\n4 5 6\n7 8 9\n\n1 2 3\n4 5 6\n7 8 9\n", "2 tables, between blank lines"),
+        (places() + places(), "two heights at one place; give each scan in a file of its own"),
+        ("".join(f"{k / 10} {k % 3}\n" for k in range(30)), "a profile of 30 heights, Ra "),
+        ("".join(f"{k % 3}\n" for k in range(30)), "a profile of 30 heights, Ra "),
+    ],
+)
+def test_what_is_not_one_map_is_refused(text, words, tmp_path):
+    (tmp_path / "scan.txt").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        read_surface(tmp_path / "scan.txt", 1e-6)
+
+
+def test_blank_lines_between_rows_make_no_tables(tmp_path):
+    (tmp_path / "scan.csv").write_text(saved(ROWS, delimiter=",").replace("\n", "\n\n"))
+    np.testing.assert_allclose(read_surface(tmp_path / "scan.csv", 1e-6).heights, 1e-6 * HEIGHTS)

@@ -1,0 +1,102 @@
+"""Files of instruments, written by own writers: heights, holes, pixels and units come out."""
+
+import numpy as np
+import pytest
+
+from pipeline import surface_statistics
+from pipeline.laboratory.surfaces import read_surface
+from tests.helpers.instruments import al3d, gwy, sur, x3p
+from tribo import InputError
+
+HEIGHTS = np.random.default_rng(5).normal(0.0, 3e-7, (21, 16))
+HOLED = np.where(np.random.default_rng(6).random(HEIGHTS.shape) < 0.1, np.nan, HEIGHTS)
+PIXEL = 0.5e-6, 2e-6
+
+FILES = {
+    # name of a file: its content, and how near the heights are
+    "matrix.x3p": (x3p(HOLED, PIXEL), 0),
+    "floats.x3p": (x3p(HOLED, PIXEL, dtype="F"), 1e-13),
+    "integers.x3p": (x3p(HOLED, PIXEL, dtype="L"), 0.5e-9),
+    "short.x3p": (x3p(HOLED, PIXEL, dtype="I"), 0.5e-9),
+    "list.x3p": (x3p(HOLED, PIXEL, kind="list"), 0),
+    "folder.x3p": (x3p(HOLED, PIXEL, folder="scan 7/"), 0),
+    "revision.x3p": (x3p(HOLED, PIXEL, revision="ISO 5436-2:2012"), 0),
+    "a.gwy": (gwy([("z", HOLED, "m")], PIXEL), 0),
+    "second.gwy": (gwy([("phase", HEIGHTS * 1e6, "deg"), ("z", HOLED, "m")], PIXEL), 0),
+    "plain.sur": (sur(HOLED, PIXEL), 1e-13),
+    "compressed.sur": (sur(HOLED, PIXEL, is_compressed=True), 1e-13),
+    "a.al3d": (al3d(HOLED, PIXEL), 1e-13),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_an_instrument_s_heights_come_out_with_holes_and_pixels(tmp_path, name):
+    if name.endswith(("sur", "al3d")):
+        pytest.importorskip("SurfaceTopography")
+    content, near = FILES[name]
+    (tmp_path / name).write_bytes(content)
+    surface = read_surface(tmp_path / name)
+    np.testing.assert_allclose(surface.heights, HOLED, rtol=1e-12, atol=near)
+    assert surface.pixel_size == pytest.approx(PIXEL, rel=1e-6)
+    assert surface.notes == ()
+
+
+def test_gwyddion_s_file_without_units_asks_for_them(tmp_path):
+    path = tmp_path / "bare.gwy"
+    path.write_bytes(gwy([("z", HEIGHTS * 1e6, "")], (0.5, 2.0)))
+    with pytest.raises(InputError, match="no unit of its heights; give height_unit"):
+        read_surface(path)
+    with pytest.raises(InputError, match="no size of a pixel; give pixel_size"):
+        surface_statistics(path, "um")
+    found = surface_statistics(path, "um", ("0.5 um", "2 um"))
+    assert found.rq == pytest.approx(3e-7, rel=0.1)
+
+
+def test_the_unit_given_counts_for_heights_and_not_for_pixels(tmp_path):
+    path = tmp_path / "a.x3p"
+    path.write_bytes(x3p(HEIGHTS, PIXEL))
+    surface = read_surface(path, 1e-6)
+    np.testing.assert_allclose(surface.heights, 1e-6 * HEIGHTS, rtol=1e-12)
+    assert surface.pixel_size == pytest.approx(PIXEL)
+    assert "the given height unit counts, 1e-06 m, not the file's, 1 m" in surface.notes[0]
+
+
+DAMAGED = {
+    "text.x3p": (b"text", "cannot be read as .x3p: File is not a zip file"),
+    "text.gwy": (b"text", "does not begin as Gwyddion writes"),
+    "cut.gwy": (FILES["a.gwy"][0][:300], "cannot be read as .gwy"),
+    "phase.gwy": (gwy([("phase", HEIGHTS, "deg")], PIXEL), "no channel of heights"),
+    "profile.x3p": (
+        x3p(HEIGHTS, PIXEL, edit=("SUR</Fea", "PRF</Fea")),
+        "a profile (FeatureType PRF); give a map of heights",
+    ),
+    "cloud.x3p": (
+        x3p(HEIGHTS, PIXEL, edit=("SUR</Fea", "PCL</Fea")),
+        "no matrix of heights (FeatureType PCL)",
+    ),
+    "places.x3p": (
+        x3p(HEIGHTS, PIXEL, edit=("<AxisType>I<", "<AxisType>A<")),
+        "places of its own for each height",
+    ),
+    "layers.x3p": (x3p(HEIGHTS, PIXEL, edit=("eZ>1<", "eZ>3<")), "3 layers; give a file with one"),
+    "short.x3p": (
+        x3p(HEIGHTS, PIXEL, edit=("eY>16<", "eY>17<")),
+        "336 heights, where 21 × 17 are said",
+    ),
+    "scan.tmd": (b"x", "readers of this format differ by a factor of 1000 in its heights"),
+    "scan.png": (b"x", "an image, whose grey values are no heights of a known unit"),
+    "scan.abc": (b"x", "SurfaceTopography has no reader for .abc"),
+    "cut.sur": (sur(HEIGHTS, PIXEL)[:700], "cut.sur: cannot be read as .sur: The file ended after"),
+}
+
+
+@pytest.mark.parametrize("name", DAMAGED)
+def test_what_cannot_be_read_says_why(tmp_path, name):
+    if name.endswith((".sur", ".abc")):
+        pytest.importorskip("SurfaceTopography")
+    content, words = DAMAGED[name]
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        read_surface(tmp_path / name)
+    assert words in str(caught.value)
+    assert str(caught.value).startswith(str(tmp_path / name))
