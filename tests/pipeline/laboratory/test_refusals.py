@@ -250,7 +250,7 @@ REFUSALS = {
     "x3p profile": (scan(x3p(SMALL, PIXEL, edit=("SUR</F", "PRF</F")), None, "a.x3p"),
                     "a profile (FeatureType PRF)"),
     "x3p layers": (scan(x3p(SMALL, PIXEL, edit=("eZ>1", "eZ>2")), None, "a.x3p"), "2 layers; g"),
-    "x3p short": (scan(x3p(SMALL, PIXEL, edit=("eY>8", "eY>9")), None, "a.x3p"), "64 heights, wher"),
+    "x3p short": (scan(x3p(SMALL, PIXEL, edit=("eY>8", "eY>9")), None, "a.x3p"), "64 heights, "),
     "x3p places": (scan(x3p(SMALL, PIXEL, edit=("Type>I<", "Type>A<")), None, "a.x3p"),
                    "places of its own for each height"),
     "gwy": (scan(b"x", None, "a.gwy"), "does not begin as Gwyddion writes"),
