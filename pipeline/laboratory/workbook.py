@@ -75,7 +75,10 @@ def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: 
         texts = [*map(_cell_text, cells, typed)]
         rows += [Row(number, texts)] if any(texts) else []
     others = ", ".join(other for other in names if other != name)
-    return Lines(rows, [f'sheet "{name}"' + (f" (not read: {others})" if others else "")])
+    return Lines(
+        rows,
+        [f'sheet "{name}"' + (f" (not read: {others}; --sheet names another)" if others else "")],
+    )
 
 
 def _cell_text(value: Any, typed: Any) -> str:

@@ -69,7 +69,7 @@ class OperatingPoints:
         columns = [f"columns not used: {', '.join(self.unused)}"] if self.unused else []
         return [
             *columns,
-            *([f"operating points of {self.sheet}; --sheet names another"] if self.sheet else []),
+            *([f"operating points of {self.sheet}"] if self.sheet else []),
         ]
 
     @property

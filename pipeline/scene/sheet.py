@@ -194,7 +194,11 @@ class Sheet:
         if not (self.rows or self.faults):
             self.faults.append(f'there are no rows; begin with a line "{first_line}"')
         if self.faults:
-            raise InputError(fault_lines(self.name, self.faults))
+            hint = f'; write the unit in the heading, as in "{first_line}"'
+            faults = [fault + hint * ("has no unit" in fault) for fault in self.faults]
+            raise InputError(
+                fault_lines(", ".join(filter(None, [self.name, self.other_sheets])), faults)
+            )
 
 
 def decoded(content: bytes) -> tuple[str, list[str]]:

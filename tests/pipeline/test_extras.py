@@ -137,6 +137,7 @@ def test_without_its_folder_the_rest_works(left_out, store, ask, tmp_path):
     ]
     needing = {entry: extra for entry, extra in NEEDS.items() if extra in left_out}
     without = "without = ['measured', 'disk.roughness']"
+    (tmp_path / "duty.xlsx").write_bytes(b"PK")
     for number, entry in enumerate(needing):
         scene = f"extends = 'irg_transition'\n{without}\n{entry}\n"
         (tmp_path / f"{number}.toml").write_text(scene)

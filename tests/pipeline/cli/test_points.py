@@ -66,17 +66,19 @@ def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, ir
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s]\n400,2\n\n-1,2\n400,fast\n400\n")
     said = irg("margin", "out.zarr", "--points", duty, code=2)
-    assert "duty.csv: 3 faults" in said
+    assert "duty.csv: 2 faults" in said
     assert 'row 4, load: "-1 N" is out of range; give a load above 0' in said
     assert 'row 5, velocity: "fast m/s"' in said
-    assert "row 6: 1 cells below 2 headings" in said
+    duty.write_text("load [N],velocity [m/s]\n400,2\n400\n")
+    said = irg("margin", "out.zarr", "--points", duty)
+    assert said.startswith("2 rows: 1 used, 1 left out: row 3 has no velocity\n1 operating point")
 
 
 def test_a_heading_that_cannot_be_read_is_named(store, tmp_path, irg):
     duty = tmp_path / "duty.csv"
     for heads, said in (
-        ("torque [N m]", 'no column "load [N]" in "torque [N m]", "velocity [m/s]"'),
-        ("load", 'unit of the column in its heading, such as "load [N]"'),
+        ("torque [N m]", 'no column load [N] in "torque [N m]", "velocity [m/s]"'),
+        ("load", 'write the unit in the heading, as in "load [N],velocity [m/s]"'),
     ):
         duty.write_text(f"{heads},velocity [m/s]\n400,2\n")
         assert said in irg("margin", "out.zarr", "--points", duty, code=2)
@@ -123,11 +125,11 @@ def test_a_table_that_cannot_be_written_is_refused(store, tmp_path, irg):
 
 FORMS = {
     "csv": "part,load [N],velocity [m/s],bulk temperature [degC],friction\n"
-    "A,400,1.2,60,0.12\nB,400,1.2,,\n",
+    "A,400,1.2,60,0.12\nB,400,1.2,25,0.1\n",
     "German": "Teil;Last [N];Geschwindigkeit [m/s];Öltemperatur [°C];Reibwert\n"
-    "A;400;1,2;60;0,12\nB;400;1,2;;\n",
+    "A;400;1,2;60;0,12\nB;400;1,2;25;0,1\n",
     "paths": "part,load [N],velocity [m/s],temperature.bulk [degC],friction.coefficient\n"
-    "A,400,1.2,60,0.12\nB,400,1.2,,\n",
+    "A,400,1.2,60,0.12\nB,400,1.2,25,0.1\n",
 }
 
 
@@ -139,8 +141,8 @@ def test_a_row_is_judged_by_its_own_friction_and_temperatures(store, tmp_path, f
     columns = {
         "load [N]": [400.0, 400.0],
         "velocity [m/s]": [1.2, 1.2],
-        "bulk temperature [degC]": [60.0, np.nan],
-        "friction": [0.12, np.nan],
+        "bulk temperature [degC]": [60.0, 25.0],
+        "friction": [0.12, 0.1],
     }
     if form == "xlsx":
         points = tmp_path / "duty.xlsx"
@@ -148,7 +150,7 @@ def test_a_row_is_judged_by_its_own_friction_and_temperatures(store, tmp_path, f
     if form == "mapping":
         points = {
             "load": ["400 N"] * 2, "velocity": [1.2, 1.2],
-            "bulk_temperature": [333.15, None], "friction": [0.12, None],
+            "bulk_temperature": [333.15, 298.15], "friction": [0.12, 0.1],
         }  # fmt: skip
     if form == "frame":
         points = pd.DataFrame(columns)
@@ -161,15 +163,22 @@ def test_a_row_is_judged_by_its_own_friction_and_temperatures(store, tmp_path, f
     assert table["distance [K]"][0] < table["distance [K]"][1] - 35
 
 
-def test_conditions_that_are_given_hold_where_a_row_has_none(store):
-    points = {"load": ["400 N"] * 2, "velocity": [1.2, 1.2], "friction": [0.12, None]}
+def test_conditions_that_are_given_hold_where_no_column_has_them(store):
+    points = {"load": ["400 N"] * 2, "velocity": [1.2, 1.2], "friction": [0.12, 0.05]}
     table = pipeline.margin(
-        pipeline.at(store, friction=0.05, critical_temperature="120 degC"), points
+        pipeline.at(store, friction=0.09, critical_temperature="120 degC"), points
     )
     for row, friction in enumerate((0.12, 0.05)):
         given = {"friction": friction, "critical_temperature": "120 degC"}
         margin = pipeline.margin(pipeline.at(store, **given), 400.0, 1.2)
         assert table["distance [K]"][row] == margin.distance
+
+
+@pytest.mark.parametrize("missing", [None, np.nan, ""])
+def test_a_condition_that_a_row_lacks_is_refused(store, missing):
+    points = {"load": ["400 N"] * 2, "velocity": [1.2, 1.2], "friction": [0.12, missing]}
+    with pytest.raises(InputError, match="row 2, friction: is empty; fill it, or leave out the"):
+        pipeline.margin(store, points)
 
 
 def test_what_is_not_used_is_named_and_what_cannot_act_refused(store, tmp_path, irg):
@@ -221,11 +230,11 @@ def test_a_sheet_of_a_workbook_is_chosen_and_the_others_are_named(store, tmp_pat
             pd.DataFrame(row).to_excel(sheets, sheet_name=name, index=False)
         pd.DataFrame({"remark": ["none"]}).to_excel(sheets, sheet_name="notes", index=False)
     said = irg("margin", "out.zarr", "--points", book)
-    assert 'sheet "cold" (not read: warm, notes); --sheet names another' in said
+    assert 'sheet "cold" (not read: warm, notes; --sheet names another)' in said
     document = irg("margin", "out.zarr", "--points", book, "--sheet", "warm", "--json")
     assert document["margins"]["load"] == [300.0]
     said = irg("margin", "out.zarr", "--points", book, "--sheet", "notes", code=2)
-    assert 'duty.xlsx, sheet "notes" (not read: cold, warm); --sheet names another: no col' in said
+    assert 'duty.xlsx, sheet "notes" (not read: cold, warm; --sheet names another): no col' in said
     assert 'has no sheet "hot"; give one of cold, warm, notes' in irg(
         "margin", "out.zarr", "--points", book, "--sheet", "hot", code=2
     )

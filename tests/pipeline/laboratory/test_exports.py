@@ -99,7 +99,7 @@ def test_results_of_srv_are_ends_of_a_run_and_a_step_apart(tmp_path, irg):
     assert {number(one["velocity"]) for one in document["tests"]} == {0.1}
     assert [one["oil"] for one in document["tests"]] == ["A", "B", "C"]
     said = irg("tests", path)
-    assert 'sheet "Results" (not read: Cover)' in said
+    assert 'sheet "Results" (not read: Cover; --sheet names another)' in said
     assert "irg new rig.toml --from srv" in said
 
 
