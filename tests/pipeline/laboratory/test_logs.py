@@ -272,7 +272,7 @@ def test_an_outcome_that_is_negated_means_the_contrary(tests):
         ("yes", "scuffed", "severe"), ("no", "scuffed", "mild"), ("ja", "gefressen", "severe"),
         ("yes", "passed", "mild"), ("no", "bestanden", "severe"), ("1", "severe", "severe"),
         ("yes", "result", None), ("not 1", "scuffed", None), ("perhaps", "scuffed", None),
-        ("last non-seizure", "remarks", "mild"), ("ohne Fresser", "Befund", "mild"),
+        ("no seizure", "remarks", "mild"), ("ohne Fresser", "Befund", "mild"),
         ("Verschweißung", "Befund", "severe"), ("not true", "scuffed", None),
     ],
 )  # fmt: skip
