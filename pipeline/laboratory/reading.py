@@ -93,7 +93,8 @@ def add_hints(sheet: Sheet) -> None:
     """Say in faults by which option a unit, or an outcome for a word, is given."""
     for k, fault in enumerate(sheet.faults):
         if match := re.search(r", (\w+): \S+ has no unit", fault):
-            head = f"{sheet.heading(match[1]).text} [{sheet.units[match[1]]}]"
+            unit = {"K": "degC"}.get(unit := sheet.units[match[1]] or "", unit)
+            head = f"{sheet.heading(match[1]).text} [{unit}]"
             sheet.faults[k] += f'; write the unit in the heading, or --column "{match[1]}={head}"'
         if match := re.search(r', outcome: "((?:\\.|[^"])*)" is unknown', fault):
             told = _NEAR.sub("", fault) if " " in match[1] else fault
@@ -135,13 +136,14 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
 
 
 def _mend_ends(sheet: Sheet, step: str) -> None:
-    """Make plain what tests by steps reached, as "> 12"; an end that lacks is a step away."""
+    """Make plain what tests by steps reached, as "> 12"; an end without a column is a step away."""
     beyond = {name: _read_beyond(sheet, name) for name in ("failed_stage", *_ENDS)}
     place = sheet.places.get("failed_stage", 0)
     for number, cells in sheet.rows if "failed_stage" in sheet.places else ():
-        if number in beyond["failed_stage"]:
+        is_stage = cells[place] in map(str, range(1, MOST_STAGES + 1))
+        if is_stage and number in beyond["failed_stage"]:
             cells[place] = str(int(cells[place]) + 1)
-        elif cells[place] and cells[place] not in map(str, range(1, MOST_STAGES + 1)):
+        elif cells[place] and not is_stage:
             sheet.faults.append(
                 f"row {number}, {sheet.headings[place].text}: {quoted(cells[place])} is no load "
                 f"stage; give 1 to {MOST_STAGES}, or > {MOST_STAGES}"
@@ -156,7 +158,7 @@ def _mend_ends(sheet: Sheet, step: str) -> None:
         is_open[k] = number in beyond["mild_up_to"] or number in beyond["severe_at"]
     mild = np.where(is_open & np.isfinite(severe), severe, mild)
     severe = np.where(is_open, np.nan, severe)
-    if step:
+    if step and len(ends) == 1:
         apart = to_si(step, f"1 {sheet.units['load']}")
         mild, severe = (
             np.where(np.isfinite(mild), mild, severe - apart),

@@ -28,6 +28,7 @@ _SUDDEN = 0.05  # share of a stage within which half of a sudden rise comes
 _STANDARD_DEVIATIONS = 4.0  # of friction about its course, below which a rise is scatter
 _OF_SINE = 2 * math.sqrt(2) / math.pi  # mean of a sine, both ways above 0, of its rms
 _LIKE_SINE = 0.02  # share within which it is one, of which few samples have too low a mean
+_SWING = 0.25  # share of its mean by which a signal that swings is above and below it
 _COMMANDS = "load", "velocity"
 
 
@@ -233,7 +234,8 @@ def at_rest(column: Array) -> Array:
 
 def _command(column: Array) -> Array:
     """What was commanded: the mean over many strokes where a signal swings, else the median."""
-    crossings = np.count_nonzero(np.diff(column > column.mean()))
+    off = column / max(column.mean(), 1e-300) - 1
+    crossings = np.count_nonzero(np.diff(np.sign(off[np.abs(off) > _SWING])))
     is_held = np.mean(np.abs(column - np.median(column)) <= 2 * _NEAR * np.median(column)) > 0.5
     if is_held or crossings < max(20, len(column) / 40):
         still: Array = median_filter(column, size=5, mode="nearest")

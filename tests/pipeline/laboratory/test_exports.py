@@ -95,7 +95,15 @@ def test_results_of_srv_are_ends_of_a_run_and_a_step_apart(tmp_path, irg):
     path = write(tmp_path, "results.xlsx", samples.srv())
     document = irg("tests", path, "--json")
     ends = [(one.get("mild_up_to"), one.get("severe_at")) for one in document["tests"]]
-    assert ends == [("700 N", "800 N"), ("2000 N", None), ("500 N", "600 N")]
+    assert ends == [("700 N", "800 N"), ("2000 N", None), ("500 N", None)]
+    for heads, cells, ends in (
+        ("O.K. load [N]", "500", ("500 N", "600 N")),
+        ("Seizure load [N]", "500", ("400 N", "500 N")),
+        ("O.K. load [N]", ">2000", ("2000 N", None)),
+    ):
+        text = f"SRV {heads};Frequency [Hz];Stroke [mm]\n{cells};50;1\n"
+        (one,) = irg("tests", write(tmp_path, "srv.csv", text), "--json")["tests"]
+        assert (one["mild_up_to"], one.get("severe_at")) == ends
     assert {number(one["velocity"]) for one in document["tests"]} == {0.1}
     assert [one["oil"] for one in document["tests"]] == ["A", "B", "C"]
     said = irg("tests", path)
