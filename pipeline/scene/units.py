@@ -61,7 +61,8 @@ _DEGREES = {"C": "degC", "F": "degF"}
 
 _CLOCK = re.compile(r"(?:.*[\sT])?(\d{1,2}):(\d\d)(?::(\d\d(?:[.,]\d+)?))?\s*([AP]M)?", re.I)
 _OF_TABLES = {
-    "C": "degC", "F": "degF", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf", "sec": "s", "m_s": "m/s", "mm_s": "mm/s",
+    "C": "degC", "F": "degF", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf", "sec": "s",
+    "m_s": "m/s", "mm_s": "mm/s",
     **dict.fromkeys(("g", "gram", "grams"), "gf"), **dict.fromkeys(TURNS, "rpm"),
 }  # fmt: skip
 """Units meant in tables: none is of charges or capacitances, and a mass there is a weight."""
