@@ -199,8 +199,8 @@ def is_trace(sheet: Sheet) -> bool:
 def read_trace(read: Read) -> Trace:
     """The trace of a sheet; an `InputError` names what is wrong in it."""
     sheet, export, asked = read
-    if "friction" not in sheet.places:
-        sheet.faults.append(asked["friction"])
+    if "friction" not in sheet.places:  # all that is asked for is given at once
+        sheet.faults += [asked[name] for name in ("friction", "velocity") if name in asked]
     require(sheet, ["time", "friction"])
     columns = {
         name: sheet.numbers(name) for name in (*_NEEDED, "bulk_temperature") if name in sheet.places

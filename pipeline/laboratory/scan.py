@@ -39,8 +39,8 @@ _FLATTEST, _ROUGHEST = 1e-10, 1e-4  # Rq [m], beyond which the unit of heights i
 _FINEST, _COARSEST = 1e-9, 1e-3  # sides of a pixel [m], beyond which their unit is doubted
 _HIGHEST = 1.0  # height [m], above which the unit is wrong
 _LIKENESSES = 8  # random surfaces that are made beside a scan
-_NEAR = 0.15  # share of their mean within which the scan is like them
-_SCATTERS = 2.0  # standard deviations of single surfaces within which it is, too
+_NEAR = 0.15  # share of their mean within which two values are alike
+_SCATTERS = 2.0  # standard deviations of single surfaces within which they are, too
 _COMPARED = {"Rq": "rq", "Sal": "sal", "Str": "aspect"}
 
 
@@ -96,7 +96,7 @@ class SurfaceStatistics:
         """Table ``[disk.roughness]`` of a scene for random surfaces; empty if none is like it."""
         if self.fit is None or not self.is_like:
             return ""
-        lengths = [f'"{display(x, "um", 3)}"' for x in lengths_of(self.fit, self.roughness)]
+        lengths = [f'"{display(x, "um", 3)}"' for x in lengths_of(self.fit)]
         length = lengths[0] if lengths[0] == lengths[1] else f"[{', '.join(lengths)}]"
         return (
             "[disk.roughness]\n"
@@ -311,7 +311,7 @@ def _compare(
         return fit, (), f"its spectrum is off the best fit by a factor {fit.misfit:.2g}"
     found = dict[str, list[float]]()
     for seed in range(_LIKENESSES):
-        grid, lengths = Grid(level.shape, sides), lengths_of(fit, rough)
+        grid, lengths = Grid(level.shape, sides), lengths_of(fit)
         other = self_affine(grid, rough.ra, fit.hurst_exponent, lengths, seed=seed)
         described = areal_roughness(np.where(holes, np.nan, other), sides)
         for name, quantity in _COMPARED.items():
@@ -326,11 +326,11 @@ def _compare(
     return fit, tuple(likeness), fault
 
 
-def lengths_of(fit: SelfAffineFit, rough: ArealRoughness) -> tuple[float, float]:
-    """Correlation lengths of random surfaces: of both axes if there is a lay, else their mean."""
+def lengths_of(fit: SelfAffineFit) -> tuple[float, float]:
+    """Correlation lengths of random surfaces: of both axes if they differ, else their mean."""
     x, y = fit.correlation_length
     mean = math.sqrt(x * y)
-    return (x, y) if rough.lay is not None else (mean, mean)
+    return (x, y) if abs(x - y) > _NEAR * mean else (mean, mean)
 
 
 def _worded(length: float) -> str:

@@ -26,7 +26,7 @@ BESIDE = "friction.", "temperature."
 _WITH_UNIT = (
     r"(.*?)\s*\[([^\[\]]*)\]", r"(.*?)\s*\(([^()]*(?:\([^()]*\)[^()]*)?)\)", r"(.*?)\s+in\s+(\S.*)",
     r"(.*?)\s+/\s*(\S.*)", r"(.*?),?\s+(\S+)",
-    r"(.*?)_(k?N|kgf|m?s|sec|min|h|mps|m?m[/_]s|degC|[CK]|rpm|Hz|[mu]m)",
+    r"(.*?)_(k?N|kgf?|g|m?s|sec|min|h|mps|m?m[/_]s|degC|[CK]|rpm|Hz|[mu]m)",
     r"([^/]*?)/(\S.*)", r"(.*?)\s*,\s*(\S.*)",
 )  # fmt: skip
 """Ways to write a unit behind a title. They count only if what stands there is one."""

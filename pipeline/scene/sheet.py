@@ -156,7 +156,7 @@ class Sheet:
                     values[k] = to_si(cell, f"1 {like}")
             except ValueError as error:  # a UnitError is one
                 faults.append(Fault(name, str(error), row=number))
-        self.faults += listed_faults(faults)
+        self.faults += [one for one in listed_faults(faults) if one not in self.faults]
         days = np.cumsum(np.diff(values, prepend=values[:1]) < -_DAY / 2)  # midnights
         return values + _DAY * days - values[:1] if is_clock else values
 
@@ -294,7 +294,7 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
     body = rows[start + taken :]
     while headings and not headings[-1].text:
         del headings[-1]
-    first = [row.cells[0] for row in body if len(row.cells) == len(headings) + 1]
+    first = [x.cells[0] for x in body if len(x.cells) == len(headings) + 1 and x.cells[-1]]
     if body and first in ([*map(str, range(k, k + len(body)))] for k in (0, 1)):
         headings.insert(0, Heading("", "", ""))  # of an index
     above = [cell for row in rows[:start] for cell in row.cells]

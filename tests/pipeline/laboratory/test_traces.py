@@ -229,6 +229,26 @@ def test_friction_follows_from_a_force_or_a_torque(tmp_path, irg):
     assert other == test
 
 
+def test_units_that_a_trace_lacks_are_asked_for_once_with_their_options(tmp_path, irg):
+    columns = {"Load": SIX, "v [m/s]": SIX * 0 + 1.5, "Friction force": risen(430) * SIX}
+    path = write(tmp_path, **columns)
+    asked = irg("tests", path, code=2)
+    assert asked.count('"100" has no unit') == 1
+    named = re.findall(r'--column "([^"]+)"', asked)
+    assert named == ["friction_force=Friction force [N]", "load=Load [N]"]
+    chosen = [word for name in named for word in ("--column", name)]
+    (test,) = irg("tests", path, *chosen, "--json")["tests"]
+    assert (test["mild_up_to"], test["severe_at"]) == ("400 N", "500 N")
+
+
+def test_separators_at_the_ends_of_rows_are_no_index(tmp_path, irg):
+    columns = {"Load [N]": SIX, "v [m/s]": SIX * 0 + 1.5, "COF": risen(430)}
+    path = write(tmp_path, **columns)
+    (right,) = irg("tests", path, "--json")["tests"]
+    path.write_text(path.read_text().replace("\n", ",\n"))
+    assert irg("tests", path, "--json")["tests"] == [right]
+
+
 def test_columns_and_rows_of_a_trace_are_chosen(tmp_path, irg):
     columns = {"t": np.arange(COUNT) / 60, "F": SIX / 9.80665, "v": SIX * 0 + 1500, "x": risen(430)}
     path = write(tmp_path, **columns, flag=np.arange(COUNT) % 2)
