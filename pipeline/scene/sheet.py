@@ -214,7 +214,8 @@ def split_lines(lines: Iterable[str], separator: str) -> Iterator[Row]:
     if separator == "  ":
         yield from (Row(k, re.split(r"\s{2,}|\t", x.strip())) for k, x in enumerate(lines, 1))
         return
-    lines = map(str.strip, lines) if separator == " " else lines
+    if separator == " ":  # a unit stands behind one, too
+        lines = (re.sub(r"\s+(?=[\[(])", "", line.strip()) for line in lines)
     reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
     yield from (Row(reader.line_num, [*map(str.strip, cells)]) for cells in reader)
 
@@ -259,7 +260,8 @@ def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines
 def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
     """Headings of a row, with units that stand below them, and the number of rows of both."""
     first, *others = rows[k].cells
-    cells = others if first == "#" else [first.lstrip("# "), *others]
+    is_mark = first == "#" and any(len(row.cells) == len(others) for row in rows[k + 1 : k + 4])
+    cells = others if is_mark else [first.lstrip("# "), *others]
     heads = [Heading.of(cell) for cell in cells]
     for taken, row in enumerate(rows[k + 1 : k + 3], 2):
         if any(map(NUMBER.fullmatch, row.cells)):

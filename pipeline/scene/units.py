@@ -36,13 +36,15 @@ _RANGE = re.compile(
     rf"\s*({_NUMBER})\s*(-|to|\.\.\.?|…|\+/-|±|\+)\s*({_NUMBER})\s*(HV[\d.]*|HBW?|HRC)\s*"
 )
 
-_SIGNS_OF_PRINT = str.maketrans("−–µμº·⋅∙\xa0", "--uu°    ")
+_SIGNS_OF_PRINT = str.maketrans(
+    {**dict(zip("−–µμº·⋅∙\xa0", "--uu°    ", strict=True)), "℃": "degC"}
+)
 _RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+"
-_TIMES_TEN = re.compile(r"\s*[×x]\s*10\s*\^?([+-]?\d{1,2})(?=\s*[A-Za-z])")
+_TIMES_TEN = re.compile(r"(?:\s*[×x]\s*10\s*\^?| +10\^)([+-]?\d{1,2})(?=\s*[A-Za-z])")
 _PRINTED = tuple(
     (re.compile(pattern), read)
     for pattern, read in (
-        (r"°\s*([CF])\b|\bdeg(?:rees?)?\.?\s+([CF])\b", r"deg\1\2"),
+        (r"°\s*([CF])\b|\b[Dd]eg(?:rees?)?\.?\s+([CF])\b", r"deg\1\2"),
         (r"(?<=[A-Za-z])(-?\d)", r"^\1"),  # mm2
         (r"(\^-?\d)(?=[A-Za-z])", r"\1 "),  # m^2K
         (r"(?<=[A-Za-z])[.*-](?=[A-Za-z])", " "),  # mPa.s, W/m-K
@@ -59,7 +61,7 @@ _DEGREES = {"C": "degC", "F": "degF"}
 """Units meant by those of charge and of capacitance, where a temperature is due."""
 
 
-_CLOCK = re.compile(r"(?:.*[\sT])?(\d{1,2}):(\d\d)(?::(\d\d(?:[.,]\d+)?))?\s*([AP]M)?", re.I)
+_CLOCK = re.compile(r"(?:.*[\sT])?(\d{1,2}):(\d\d)(?::(\d\d(?:[.,]\d+)?))?\s*([AP]M)?(?:Z|[+-]\d\d:?\d\d)?", re.I)
 _OF_TABLES = {
     "C": "degC", "F": "degF", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf", "sec": "s",
     "m_s": "m/s", "mm_s": "mm/s",
@@ -282,7 +284,7 @@ def _quoted(text: str) -> str:
 
 
 _KGF_PER_MM2 = Decimal("9.80665e6")  # Pa
-_SCALE = re.compile(r"(HV)[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HRC)")
+_SCALE = re.compile(r"(HV) ?[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HRC)")
 
 # ASTM E140, Table 1: Vickers numbers of 20 to 68 HRC, and Brinell numbers (3000 kgf, ball of
 # tungsten carbide) of 20 to 65 HRC. Compared row by row with a reprint of it (Phase II, manual of
