@@ -10,6 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from pipeline.scene.compounds import Entry, Optional, Table, flat
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading

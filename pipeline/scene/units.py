@@ -61,7 +61,9 @@ _DEGREES = {"C": "degC", "F": "degF"}
 """Units meant by those of charge and of capacitance, where a temperature is due."""
 
 
-_CLOCK = re.compile(r"(?:.*[\sT])?(\d{1,2}):(\d\d)(?::(\d\d(?:[.,]\d+)?))?\s*([AP]M)?(?:Z|[+-]\d\d:?\d\d)?", re.I)
+_CLOCK = re.compile(
+    r"(?:.*[\sT])?(\d{1,2}):(\d\d)(?::(\d\d(?:[.,]\d+)?))?\s*([AP]M)?(?:Z|[+-]\d\d:?\d\d)?", re.I
+)
 _OF_TABLES = {
     "C": "degC", "F": "degF", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf", "sec": "s",
     "m_s": "m/s", "mm_s": "mm/s",
