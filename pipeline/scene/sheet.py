@@ -233,7 +233,7 @@ def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
         body = [row.cells for row in rows[start:] if abs(len(row.cells) - usual) < 2]
         cells = [cell for row in body for cell in row if cell]
         numbers = sum(bool(NUMBER.fullmatch(cell)) for cell in cells)
-        return (named + 1) * numbers**2 / max(len(cells), 1) + len(body) / 1e3
+        return ((named + 1) * numbers) ** 2 / max(len(cells), 1) + len(body) / 1e3
 
     return max(BETWEEN, key=fitness)
 
