@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from pipeline.cli import values
 from pipeline.cli.documented import expand_help
+from pipeline.paths import user_path
 
 
 class Option:
@@ -64,7 +65,7 @@ WRITTEN = "output", "watch", "kept", "new_scene"
 """Options that name what a command writes."""
 
 
-def output(name: str, use: str, kind: Callable[[str], Path | str] = Path) -> Option:
+def output(name: str, use: str, kind: Callable[[str], Path | str] = user_path) -> Option:
     """Option for the file that a command writes."""
     return Option("-o", "--output", metavar=name, type=kind, help=use)
 
@@ -80,7 +81,7 @@ FIGURE_OR_TABLE = output(
     partial(values.table, or_figure=True),
 )  # fmt: skip
 
-SCENE = Option("scene", metavar="SCENE.toml", type=Path, help="{load_scene.path}")
+SCENE = Option("scene", metavar="SCENE.toml", type=user_path, help="{load_scene.path}")
 PRESET = Option("--preset", metavar="NAME", help="{load_scene.preset}")
 SET = Option(
     "--set", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
@@ -117,7 +118,7 @@ OF_NEW = (
     Group(
         "",
         (
-            Option("file", metavar="FILE.toml", type=Path, nargs="?", help="file to write"),
+            Option("file", metavar="FILE.toml", type=user_path, nargs="?", help="file to write"),
             LIST.but(help="list the shipped scenes"),
         ),
     ),
@@ -141,7 +142,7 @@ OF_RUN = (
             WORKERS,
             Option("--scheduler", metavar="ADDRESS", help="address of a running Dask scheduler"),
             Option(
-                "--scheduler-file", metavar="FILE", type=Path,
+                "--scheduler-file", metavar="FILE", type=user_path,
                 help="file that a running Dask scheduler has written, instead of its address",
             ),
         ),
@@ -159,7 +160,7 @@ PLACE = (
 NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
 POINTS = (
     Option(
-        "--points", metavar="DUTY.csv", type=Path,
+        "--points", metavar="DUTY.csv", type=user_path,
         help='operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
         ".csv, .txt or .xlsx; further columns are passed on",
     ),
@@ -224,7 +225,7 @@ OF_PLOT = (
         (
             output("FILE.png", "file of the figure; default: beside the store"),
             Option(
-                "--watch", metavar="FILE.png", type=Path,
+                "--watch", metavar="FILE.png", type=user_path,
                 help="file to draw again and again while a run goes on, until it ends",
             ),
         ),

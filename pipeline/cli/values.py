@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pipeline
+from pipeline.paths import user_path
 from pipeline.scene.units import difference_in_si
 
 _EACH_BULK = re.compile(r"\s*pin\s*=(?P<pin>[^=]+),\s*disk\s*=(?P<disk>[^=]+)")
@@ -57,7 +58,7 @@ def bulk(text: str) -> float | dict[str, float]:
 
 def store(text: str) -> Path | str:
     """Read the folder or the address of a store."""
-    return text if "://" in text else Path(text)
+    return text if "://" in text else user_path(text)
 
 
 def new_store(text: str) -> Path | str:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from pipeline.cli import options as o
 from pipeline.cli import values
 from pipeline.cli.options import Command, Option
+from pipeline.paths import user_path
 
 COMMANDS = (
     Command(
@@ -33,7 +32,7 @@ COMMANDS = (
                 help="take torque, speed and bulk temperature of a load stage of FZG A/8.3/90",
             ),
             Option(
-                "--scene", metavar="SCENE.toml", type=Path, dest="new_scene",
+                "--scene", metavar="SCENE.toml", type=user_path, dest="new_scene",
                 help="scene to write for irg run",
             ),
             Option(
@@ -52,7 +51,7 @@ COMMANDS = (
                 "fails",
             ),
             Option(
-                "--points", metavar="DUTY.csv", type=Path,
+                "--points", metavar="DUTY.csv", type=user_path,
                 help="duty spectrum to simulate, a row each, in columns such as "
                 '"torque [N m]", "speed [rpm]" and "hours"',
             ),

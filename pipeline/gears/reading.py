@@ -12,6 +12,7 @@ from typing import Any
 from pipeline.gears.involute import Involutes, fitting_distance
 from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.rules import warm_duty
+from pipeline.paths import user_path
 from pipeline.scene.compounds import Entry, List, Optional, Table, Tables
 from pipeline.scene.document import override_entries, read_document
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, quoted
@@ -126,7 +127,7 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     >>> pair.gears.teeth, pair.duty.torque
     ((16, 24), 302.0)
     """
-    given = file = Path(path)
+    given = file = user_path(path)
     if not file.exists():
         shipped = shipped_pairs()
         if str(path) not in shipped:

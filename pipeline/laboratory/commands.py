@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from pipeline.cli import options as o
 from pipeline.cli import values
 from pipeline.cli.options import Command, Option
+from pipeline.paths import user_path
 
 _SCAN = (
     Option(
-        "scan", metavar="SCAN", type=Path, help="heights: .npy, text, or the file of an instrument"
+        "scan", metavar="SCAN", type=user_path,
+        help="heights: .npy, text, or the file of an instrument",
     ),
     Option(
         "--height-unit", metavar="UNIT",
@@ -24,7 +24,7 @@ _SCAN = (
 )  # fmt: skip
 _TESTS = (
     Option(
-        "log", metavar="LOG", type=Path,
+        "log", metavar="LOG", type=user_path,
         help="log of tests, or a trace of friction over time: .csv, .txt or .xlsx",
     ),
     Option(

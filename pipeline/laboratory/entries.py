@@ -7,6 +7,7 @@ from typing import Any
 
 from pipeline.laboratory.format import LOG
 from pipeline.laboratory.logs import read_log
+from pipeline.paths import user_path
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
 
@@ -43,7 +44,7 @@ def _read_tests(
     options = LOG.read(entry, place, faults)
     if len(faults) > before:
         return []
-    place, path = f"{place}.file", folder / entry["file"]
+    place, path = f"{place}.file", folder / user_path(entry["file"])
     with faults.at(place):
         log = read_log(path, options, key)
         for problem in log.sheet.faults:

@@ -14,6 +14,7 @@ import numpy as np
 from pipeline.laboratory.instruments import Raw, read_instrument
 from pipeline.laboratory.text_scan import TEXT, read_text
 from pipeline.laboratory.workbook import unpacked_size
+from pipeline.paths import user_path
 from pipeline.quantities import display, display_sides
 from pipeline.scene.faults import Faults
 from tribo import InputError
@@ -68,7 +69,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     no heights are holes. Raise an `InputError` if the unit is missing, the file is a profile or no
     surface, or the extra for its format is not installed.
     """
-    path = Path(path)
+    path = user_path(path)
     require_file(path)
     suffix, steps = path.suffix.lower(), None
     try:

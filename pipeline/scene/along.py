@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.paths import user_path
 from pipeline.scene.compounds import Entry, Optional, Table, flat
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
@@ -164,7 +165,7 @@ def _pairs(document: Document, faults: Faults) -> list[dict[str, Any]]:
     """Rows of ``sweep.along``, places in SI and else as written; none if not asked or if faulty."""
     asked, before = entry_at(document.entries(), "sweep.along"), len(faults)
     if isinstance(asked, str) and asked:
-        rows = _file_rows(document.file_of("sweep.along").parent / asked, faults)
+        rows = _file_rows(document.file_of("sweep.along").parent / user_path(asked), faults)
     elif isinstance(asked, list) and all(isinstance(row, dict) for row in asked):
         rows = [dict(flat(row)) for row in asked]
     else:

@@ -11,6 +11,7 @@ import numpy as np
 
 import tribo
 from pipeline import extras
+from pipeline.paths import user_path
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.names import UNITS
@@ -40,7 +41,7 @@ def loading_of(
         if "file" not in table:
             return tribo.Ramp(**table, stops=tuple(s for s in stops if s < table["hold"]))
         folder = document.file_of("loading.file").parent
-        record = _read_record(folder / table["file"], table["reference_load"], faults)
+        record = _read_record(folder / user_path(table["file"]), table["reference_load"], faults)
         if not table["fit"]:
             return record
         rate, onset = record.linear_fit()
@@ -226,7 +227,7 @@ def roughness_of(tables: dict[str, Any], document: Document, faults: Faults) -> 
         with faults.at("disk.roughness.file"):
             scans = extras.module("laboratory", "surfaces")
             heights = scans.window_heights(
-                table, tables["window"] or {}, folder / table["file"], faults
+                table, tables["window"] or {}, folder / user_path(table["file"]), faults
             )
             return None if heights is None else tribo.MeasuredRoughness(heights)
         return None

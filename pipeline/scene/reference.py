@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import tribo
+from pipeline.paths import user_path
 from pipeline.scene.compounds import ByPath, Either, Entry, List, Optional, Range, Table, Tables
 from pipeline.scene.document import as_toml
 from pipeline.scene.faults import did_you_mean, entry_at
@@ -200,7 +201,7 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
     >>> [file.name for file in pipeline.new_scene(folder / "mine.toml", like="fig8")]
     ['mine.toml', 'fig8_load_record.csv']
     """
-    path, shipped = Path(path), shipped_scenes()
+    path, shipped = user_path(path), shipped_scenes()
     if path.suffix != ".toml":
         name = path.stem or "scene"
         raise InputError(f"{path}: a scene is a TOML file; give a name such as {name}.toml")

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline import extras
+from pipeline.paths import user_path
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import (
     Fault,
@@ -354,7 +355,7 @@ def read_sheet(
     """
     words: Any = next(extras.modules("tables"), None)
     names = words.WordNames(units) if words else Names(units)
-    tables = read_lines(source, names, sheet) if isinstance(source, Path) else [source]
+    tables = read_lines(user_path(source), names, sheet) if isinstance(source, Path) else [source]
     found = sheet_of("points" if isinstance(source, Lines) else str(source), tables, names)
     if words:
         words.derive(found, needed)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from os import PathLike
 from pathlib import Path
 
+from pipeline.paths import user_path
+
 _PACKAGE = Path(__file__).parents[1]
 _INSTALLED = _PACKAGE / "workflows"
 
@@ -24,7 +26,7 @@ def name_of(path: Path) -> str:
 
 def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
     """File of a scene that is given by its path from a folder, or by its name if it is shipped."""
-    path, shipped = folder / Path(scene), shipped_scenes().get(str(scene))
+    path, shipped = folder / user_path(scene), shipped_scenes().get(str(scene))
     return path if shipped is None or path.exists() else shipped
 
 
