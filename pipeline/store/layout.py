@@ -13,6 +13,7 @@ import zarr
 from zarr.codecs import ZstdCodec
 from zarr.storage import MemoryStore, StorePath
 
+from pipeline.store.bounded import BoundedZstd
 from pipeline.store.place import ROOT, StorePlace
 from pipeline.store.schema import (
     AT_END,
@@ -158,11 +159,15 @@ def documents(
 def arrays_of(place: StorePlace, metadata: Mapping[str, Any], read_only: bool) -> dict[str, Any]:
     """Open the arrays of a store by the metadata of its root, which may have changed since."""
     store = place.zarr(read_only)
+    codec = BoundedZstd(**COMPRESSION)
+    arrays: dict[str, Any] = {
+        name: {**array, "codecs": [array["codecs"][0], codec]} for name, array in metadata.items()
+    }
     # A chunk of nothing but fill values that is not written looks like one that was lost. Zarr's
     # own setting of this belongs to all threads, and one that ends would change it for another.
     opened = {
         name: zarr.AsyncArray(array, StorePath(store, name), {"write_empty_chunks": True})
-        for name, array in metadata.items()
+        for name, array in arrays.items()
     }
     return {name: zarr.Array(array) for name, array in opened.items()}
 
