@@ -18,6 +18,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from contextlib import chdir, suppress
 from pathlib import Path
+from traceback import walk_tb
 from typing import Any
 
 import pipeline
@@ -26,6 +27,12 @@ from pipeline.cli.parser import function_of, parse
 from pipeline.run import forkserver
 from pipeline.sweep.remarks import remarks
 
+_SETTINGS = {
+    "matplotlib": "the variable MPLBACKEND (irg needs no backend)",
+    "dask.config": "a setting of Dask (~/.config/dask, DASK_CONFIG or DASK_…)",
+    "dask.utils": "a setting of Dask (~/.config/dask, DASK_CONFIG or DASK_…)",
+}
+"""Settings of others that a user may have wrong, by the module whose error says so."""
 _LEAST_MEMORY = 700 * 2**20  # [bytes] of addresses, with which the packages can be loaded
 
 
@@ -65,6 +72,7 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
     from pipeline.cli import output
     from pipeline.store.place import is_lack_of_memory
     from tribo import TriboError
+    from tribo.errors import shortened
 
     if options.quiet:
         output.QUIET.set()
@@ -102,6 +110,13 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
             "out of memory, or of the threads and processes that this user may start (ulimit -a)"
             f"{safe}: take fewer workers or a coarser grid"
         )
+        return output.WRONG_USE
+    except (ValueError, KeyError, TypeError) as error:
+        *_, (frame, _) = walk_tb(error.__traceback__)
+        if (setting := _SETTINGS.get(frame.f_globals["__name__"])) is None:
+            raise
+        reason = shortened(" ".join(str(error.args[0] if error.args else error).split()))
+        output.complain(f"{setting} is wrong: {reason}{safe}")
         return output.WRONG_USE
     finally:
         output.QUIET.clear()

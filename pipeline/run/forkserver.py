@@ -30,9 +30,6 @@ WORKER_ENVIRONMENT = {
 
 UNGUARDED = 'in a script, call run_sweep under if __name__ == "__main__":, since workers import it'
 
-# SciPy would load the former two at their first use, in each worker.
-_MODULES = ["scipy.fft", "scipy.special", "distributed", "pipeline.run.work"]
-
 
 def start() -> None:
     """Start the process, unless it runs."""
@@ -43,7 +40,7 @@ def start() -> None:
         main.pop("__file__", None)  # "<stdin>" of python -, which workers would try to import
     # It imports from the same folders as this process, and not from the one where a user works.
     path = os.pathsep.join(folder or os.curdir for folder in sys.path)
-    multiprocessing.set_forkserver_preload(_MODULES)
+    multiprocessing.set_forkserver_preload(["pipeline.run.preload"])
     before = dict(os.environ)
     os.environ.update(WORKER_ENVIRONMENT, PYTHONSAFEPATH="1", PYTHONPATH=path)
     try:

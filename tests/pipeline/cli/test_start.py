@@ -133,3 +133,43 @@ def test_only_a_run_says_that_finished_points_are_safe(
     said = capsys.readouterr().err
     assert "irg: interrupted" in said
     assert ("finished points are safe: run the same command again" in said) == is_safe
+
+
+@pytest.mark.parametrize(
+    ("setting", "content", "arguments", "said"),
+    [
+        (
+            "MPLBACKEND",
+            None,
+            ["plot", "done.zarr", "-o", "a.png"],
+            "MPLBACKEND (irg needs no backend) is wrong",
+        ),
+        ("DASK_CONFIG", "a: [b", ["run", "first_try"], "is wrong: A dask config file at"),
+        ("DASK_CONFIG", "- a", ["run", "first_try"], "is wrong: A dask config file at"),
+        (
+            "DASK_CONFIG",
+            "distributed: {comm: {timeouts: {connect: soon}}}",
+            ["run", "first_try"],
+            "is wrong: Invalid time unit: soon",
+        ),
+    ],
+    ids=["backend", "no YAML", "a list", "no time"],
+)
+def test_a_setting_of_others_that_is_wrong_is_named_in_a_line(
+    tmp_path, alone, setting, content, arguments, said
+):
+    (tmp_path / "done.zarr").symlink_to(alone)
+    value = "nosuch" if content is None else str(tmp_path / "dask.yaml")
+    (tmp_path / "dask.yaml").write_text(content or "")
+    done = subprocess.run(
+        [Path(sys.executable).with_name("irg"), *arguments, "-q"],
+        env=os.environ | {setting: value},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert said in line
