@@ -11,6 +11,7 @@ from typing import Any, TypeGuard
 
 import pandas as pd
 
+from pipeline.paths import user_path
 from pipeline.quantities import is_unit_of_head, shown_in, si_of
 from pipeline.store.files import replace_file
 from tribo import InputError
@@ -139,7 +140,8 @@ def write_text(text: str, out: Path) -> Path:
 def write_bytes(content: bytes, out: Path) -> Path:
     """Write a file whole, or leave what was there and raise an `InputError`."""
     try:
-        replace_file(Path(os.path.realpath(out)), content)  # a link keeps leading to the file
+        file = Path(os.path.realpath(out))  # a link keeps leading to the file
+        replace_file(file.parent, file.name, content)
     except OSError as error:
         raise InputError(f"cannot write {out}: {error.strerror or error}") from error
     return out
@@ -147,7 +149,7 @@ def write_bytes(content: bytes, out: Path) -> Path:
 
 def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
     """Path of a file to write; raise if its suffix is not allowed, or its folder not writable."""
-    path = Path(out)
+    path = user_path(out)
     if path.suffix.lower() not in suffixes:
         allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"
         raise InputError(f"cannot write {out}: the suffix must be {allowed}")

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
+from stat import S_ISDIR
 from typing import Any
 
 import pipeline
@@ -153,8 +154,8 @@ def _row(path: Path, folder: Path) -> dict[str, Any] | None:
     stats = []
     for file in [path] if path.is_file() else path.rglob("*"):
         with suppress(FileNotFoundError):  # a store may be in the midst of being written
-            if not file.is_dir():
-                stats.append(file.stat())
+            if not S_ISDIR((stat := file.lstat()).st_mode):  # not what a link leads to
+                stats.append(stat)
     changed = datetime.fromtimestamp(max((stat.st_mtime for stat in stats), default=0.0))
     about = {"name": str(path.relative_to(folder)), "changed": f"{changed:%Y-%m-%d %H:%M}"}
     return row | about | {"size [MB]": sum(stat.st_size for stat in stats)}

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.store.files import PARTIAL, sync
+from pipeline.store.files import PARTIAL, link_file, remove_file, sync
 from pipeline.store.inputs import DIM, inputs_variable, joined_arrays
 from pipeline.store.layout import (
     arrays_of,
@@ -40,6 +40,7 @@ from pipeline.store.place import (
     PathLike,
     StoreError,
     StorePlace,
+    is_of_store,
     larger,
     place_of,
     reaches,
@@ -50,6 +51,7 @@ from pipeline.store.place import (
 from pipeline.store.root import (
     Facts,
     Root,
+    find_closed_root,
     find_root,
     read_root,
     require_same_scene,
@@ -75,12 +77,13 @@ def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator
     in its place, another process writes to it, or it cannot be read or written.
     """
     place = place_of(path, to_write=True)
-    find_root(place)  # before a lock is laid in what is no store
+    _, arrays = find_closed_root(place, sweep)  # before a lock is laid in what is no store
     with held(place, progress) as lock:
         if isinstance(place, Folder):
             with writes(place):
-                for file in (place.path / (ROOT + PARTIAL), *place.path.glob(f"*/*{PARTIAL}")):
-                    file.unlink(missing_ok=True)
+                for key in place.keys(arrays):
+                    if key.endswith(PARTIAL):
+                        remove_file(place.path, key)
                 _remove_unfinished(place.path)
         yield grown(place, sweep, lock)
 
@@ -156,18 +159,17 @@ def _replace_by_larger(store: Store, path: Path, root: Root, contents: Mapping[s
     """Replace a store by a larger one with this root, and these documents and coordinates."""
     _remove_unfinished(path)
     beside = Folder(larger(path))
-    (beside.path / LOCK).parent.mkdir(parents=True)
-    (beside.path / LOCK).hardlink_to(path / LOCK)
+    beside.path.mkdir()
+    link_file(path, LOCK, beside.path, LOCK)
     beside.put(contents)
     _copy(store, path, root, beside)
-    for kept in path.iterdir():  # of the user
-        other = beside.path / kept.name
-        if kept.name in (ROOT, ROOT + PARTIAL) or other.exists():
+    for key, entry in Folder(path).entries(root.arrays):
+        if is_of_store(key, root.arrays):
             continue
-        if kept.is_dir() and not kept.is_symlink():
-            shutil.copytree(kept, other, symlinks=True, copy_function=os.link)
+        if entry.is_dir(follow_symlinks=False):
+            shutil.copytree(entry, beside.path / key, symlinks=True, copy_function=os.link)
         else:
-            os.link(kept, other, follow_symlinks=False)
+            link_file(path, key, beside.path, key)
     beside.put({ROOT: root_document(root)})
     sync(path.parent)
     store.require_lock()  # whoever holds another one has removed some of what was made beside
@@ -208,10 +210,10 @@ def _copy(store: Store, path: Path, root: Root, beside: Folder) -> None:
             last = [slice(-values.shape[len(old)], None)] if name in STEPPED else []
             arrays[name].oindex[(*new, *last)] = values
     for name in arrays.keys() & AT_END.keys():  # a file for each point, which takes its new name
-        for file in (path / name).glob("c.*"):
-            numbers = chunk_numbers(file.name)
+        for old_key in Folder(path).keys([name]):
+            numbers = chunk_numbers(old_key.removeprefix(f"{name}/"))
             # Those beyond are of no point that the store knows.
             if numbers and all(i < len(of_dim) for i, of_dim in zip(numbers, moved, strict=False)):
                 index = [of_dim[i] for of_dim, i in zip(moved, numbers, strict=False)]
                 key = chunk_key(name, (*index, *numbers[len(index) :]))
-                (beside.path / key).hardlink_to(file)
+                link_file(path, old_key, beside.path, key)

@@ -29,7 +29,7 @@ class Durable(LocalStore):
         byte_range: ByteRequest | None = None,
     ) -> Buffer | None:
         """Content of a key; None if there is none."""
-        if not files.is_there(self.root / key):
+        if not files.is_there(self.root, key):
             return None
         return await super().get(key, prototype, byte_range)
 
@@ -41,7 +41,7 @@ class Durable(LocalStore):
         byte_range: ByteRequest | None = None,
     ) -> Buffer | None:
         """Content of a key as `get` gives it."""
-        if not files.is_there(self.root / key):
+        if not files.is_there(self.root, key):
             return None
         return super().get_sync(key, prototype=prototype, byte_range=byte_range)
 
@@ -52,4 +52,4 @@ class Durable(LocalStore):
     def set_sync(self, key: str, value: Buffer) -> None:
         """Replace the content of a key."""
         self._check_writable()
-        files.replace_file(self.root / key, value.to_bytes())
+        files.replace_file(self.root, key, value.to_bytes())

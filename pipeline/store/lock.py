@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 
-from pipeline.store.files import make_folder
+from pipeline.store.files import is_there, make_folder, open_file
 from pipeline.store.place import LOCK, Bucket, Folder, StoreError, StorePlace, writes
 from pipeline.sweep.stages import Progress, Report, silent
 
@@ -24,8 +24,6 @@ except ImportError:  # not a POSIX system: stores can be read, but not written
     fcntl = None  # type: ignore[assignment]
 
 _CONTENT = re.compile(rb"(process \d+ on (\S+))\n")
-# A pipe in place of the file must not wait for a reader, nor a link lead to a file of others.
-_AS_IT_IS = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0)
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
 _LONGEST = 1000  # bytes of the file that are read
 _TRIES, _PAUSE = 10, 0.05  # [s]: who asks for the holder has the lock for a moment
@@ -63,18 +61,22 @@ def held(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
                     f"{place} is in use by {name}; if that has ended, delete {place}/{LOCK}"
                 )
             os.ftruncate(descriptor, 0)
-            stack.callback(os.ftruncate, descriptor, 0)
+            stack.callback(_empty, descriptor)
             os.pwrite(descriptor, f"process {os.getpid()} on {socket.gethostname()}\n".encode(), 0)
         yield lambda: _is_in_place(place, descriptor)
 
 
 def _open_lock(folder: Folder) -> int:
     """Open the file of a lock, which may be new."""
-    file = folder.path / LOCK
-    make_folder(file.parent)
-    if os.path.lexists(file) and (file.is_symlink() or not file.is_file()):
-        raise OSError(f"{file} is not a file; move it elsewhere")
-    return os.open(file, os.O_RDWR | os.O_CREAT | _AS_IT_IS, 0o666)
+    make_folder(folder.path)
+    is_there(folder.path, LOCK)  # raises if it is something else
+    return open_file(folder.path, LOCK, os.O_RDWR, make=True)
+
+
+def _empty(descriptor: int) -> None:
+    """Empty the file of a lock if its disk still can; the lock is released in any case."""
+    with suppress(OSError):
+        os.ftruncate(descriptor, 0)
 
 
 def _is_flocked(folder: Folder, descriptor: int) -> bool:
@@ -97,7 +99,7 @@ def _is_flocked(folder: Folder, descriptor: int) -> bool:
 def _is_in_place(folder: Folder, descriptor: int) -> bool:
     """True if nobody has deleted or replaced the file of a lock."""
     try:
-        return os.path.samestat(os.fstat(descriptor), (folder.path / LOCK).stat())
+        return os.path.samestat(os.fstat(descriptor), (folder.path / LOCK).lstat())
     except OSError:  # also on a file server that no longer knows the folder
         return False
 
@@ -115,7 +117,7 @@ def holder_of(place: StorePlace) -> str | None:
 
 def _is_locked(folder: Folder) -> bool:
     """True if a process of this host holds a lock."""
-    descriptor = os.open(folder.path / LOCK, os.O_RDONLY | _AS_IT_IS)
+    descriptor = open_file(folder.path, LOCK, os.O_RDONLY)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:

@@ -15,15 +15,17 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from pipeline.store.files import is_there, make_folder, replace_files
+from pipeline.paths import user_path
+from pipeline.store.files import PARTIAL, is_there, make_folder, replace_files, require_no_link
 from tribo import TriboError
 
 if TYPE_CHECKING:
@@ -37,6 +39,9 @@ ROOT = "zarr.json"
 LOCK = "status/lock"
 """Key of the lock of a store: within it, where no other path misses it."""
 SCHEME = "s3://"
+KEPT = "status/kept-"
+"""Beginning of the keys of what commands keep beside the lock, which is no data."""
+_IN_ARRAY = re.compile(r"zarr\.json|c(\.\d+)+")
 _TRIES, _PAUSE = 10, 0.02  # [s]: a growth renames in less
 _LARGER = ".larger"
 
@@ -91,10 +96,9 @@ class Folder:
 
     def read(self, key: str) -> bytes | None:
         """Content of a file; None if there is none."""
-        file = self.path / key
         with suppress(FileNotFoundError, NotADirectoryError):  # by now
-            if is_there(file):
-                return file.read_bytes()
+            if is_there(self.path, key):
+                return (self.path / key).read_bytes()
         return None
 
     def put(self, contents: Mapping[str, bytes]) -> None:
@@ -108,17 +112,34 @@ class Folder:
             return state.st_ino, state.st_mtime_ns, state.st_size
         return None
 
-    def keys(self) -> set[str]:
-        """Names of all entries of the folder and of the folders in it."""
-        names: set[str] = set()
-        for entry in [*os.scandir(self.path)] if self.path.exists() else ():
-            if entry.is_dir():
-                names |= {f"{entry.name}/{inner.name}" for inner in os.scandir(entry)}
-                continue
-            if entry.is_symlink():
-                is_there(Path(entry))  # raises if it leads nowhere, as a whole array may
-            names.add(entry.name)
-        return names
+    def entries(
+        self, arrays: Collection[str] | None, within: str = ""
+    ) -> Iterator[tuple[str, os.DirEntry[str]]]:
+        """Entries of the folder, and of the folders of some arrays in it; of all folders if None.
+
+        No link is followed.
+        """
+        folder = self.path / within
+        for entry in [*os.scandir(folder)] if folder.is_dir() else ():
+            key = within + entry.name
+            yield key, entry
+            is_wanted = not within if arrays is None else _is_above(key, arrays)
+            if is_wanted and entry.is_dir(follow_symlinks=False):
+                yield from self.entries(arrays, f"{key}/")
+
+    def keys(self, arrays: Collection[str] | None = None) -> set[str]:
+        """Names of all entries but folders of the folder; if arrays are given, of a store of these.
+
+        An `OSError` is raised for a link under a name of that store.
+        """
+        found = dict(self.entries(arrays))
+        if arrays is not None:
+            found = {key: entry for key, entry in found.items() if is_of_store(key, arrays)}
+            for entry in found.values():
+                require_no_link(entry)
+        return {
+            key for key, it in found.items() if "/" in key or not it.is_dir(follow_symlinks=False)
+        }
 
 
 @dataclass(frozen=True)
@@ -152,7 +173,7 @@ class Bucket:
         """Replace objects, side by side."""
         self._call("pipe", {self._key(key): content for key, content in contents.items()})
 
-    def keys(self) -> set[str]:
+    def keys(self, arrays: Collection[str] | None = None) -> set[str]:
         """Names of all objects."""
         return {name.removeprefix(self._key("")) for name in self._call("find", self._key(""))}
 
@@ -200,7 +221,7 @@ def place_of(path: PathLike, to_write: bool = False) -> StorePlace:
     if "://" in address or "\0" in address:
         raise no_path
     try:
-        folder = Path(os.path.realpath(Path(address).absolute()))
+        folder = Path(os.path.realpath(user_path(address).absolute()))
     except UnicodeEncodeError:
         raise no_path from None
     except FileNotFoundError:
@@ -210,7 +231,7 @@ def place_of(path: PathLike, to_write: bool = False) -> StorePlace:
     if not folder.name:
         raise StoreError(f"{folder} cannot be a store; give a folder below it")
     with suppress(OSError):
-        if not folder.exists() and (larger(folder) / ROOT).exists():
+        if not folder.exists() and is_there(folder.parent, f"{larger(folder).name}/{ROOT}"):
             if not to_write:
                 return Folder(larger(folder))
             larger(folder).rename(folder)
@@ -247,6 +268,20 @@ def smaller(path: Path) -> Path:
     return path.with_name(f".{path.name}.smaller")
 
 
+def is_of_store(key: str, arrays: Collection[str]) -> bool:
+    """True for a name that a store of some arrays has, or has while it is written."""
+    key = key.removesuffix(PARTIAL)
+    folder, _, name = key.rpartition("/")
+    is_file = folder in arrays and _IN_ARRAY.fullmatch(name)
+    is_beside = key in (ROOT, LOCK) or key.startswith(KEPT)
+    return is_beside or bool(is_file) or _is_above(key, arrays)
+
+
+def _is_above(key: str, arrays: Collection[str]) -> bool:
+    """True for the folder of an array or a folder above it: names of arrays may have a slash."""
+    return any(f"{array}/".startswith(f"{key}/") for array in arrays)
+
+
 def require_writable(path: PathLike) -> None:
     """Refuse a place where no store can be made, before long work for it."""
     place = place_of(path, to_write=True)
@@ -267,7 +302,9 @@ def writes(place: StorePlace, advice: str = "") -> Iterator[None]:
         above = place.path.parents if isinstance(place, Folder) else ()
         in_the_way = (f"{folder} is a file, not a folder" for folder in above if folder.is_file())
         reason = next(in_the_way, error.strerror or error)
-        raise StoreError(f"{place} cannot be written: {reason}{advice}") from error
+        is_within = str(error.filename).startswith(f"{place}/")
+        file = error.filename if is_within else place
+        raise StoreError(f"{file} cannot be written: {reason}{advice}") from error
 
 
 @contextmanager
@@ -280,8 +317,8 @@ def reaches(place: StorePlace) -> Iterator[None]:
             raise
         file = error.filename if isinstance(error.filename, str) else place
         raise StoreError(
-            f"{file} cannot be read: {error.strerror or error}; see to its permissions, its disk "
-            "or what it links to, then repeat the command"
+            f"{file} cannot be read: {error.strerror or error}; see to its permissions or its "
+            "disk, then repeat the command"
         ) from error
 
 

@@ -13,6 +13,7 @@ from xarray.core import indexing
 
 from pipeline.store.layout import made_coordinates
 from pipeline.store.place import (
+    KEPT,
     Mark,
     PathLike,
     StoreError,
@@ -50,7 +51,7 @@ class _Backend(BackendEntrypoint):
         store = Store(place, root)  # statuses first: a point that was done stays whole
         done = store.flags == DONE
         with reaches(place):
-            keys = place.keys()
+            keys = place.keys(store.arrays)
         of_points = itertools.filterfalse(is_coordinate, store.arrays)
         if lost := [name for name in of_points if store.lacks(name, done, keys)]:
             raise StoreError(damaged(place, ", ".join(sorted(lost))))
@@ -120,9 +121,6 @@ class _Masked(BackendArray):
         return values
 
 
-_KEPT = "status/kept-"  # files beside the lock, which are no data
-
-
 class Keeper:
     """Keeps what commands make of a dataset in the store that it is read from."""
 
@@ -136,11 +134,11 @@ class Keeper:
     def kept(self, name: str) -> bytes | None:
         """Content that is kept under a name; None if there is none."""
         with suppress(OSError):
-            return self._place.read(_KEPT + name)
+            return self._place.read(KEPT + name)
         return None
 
     def keep(self, name: str, content: bytes) -> None:
         """Keep content under a name, if this may write to the store and can."""
         with suppress(OSError):
             if self.may_keep:
-                self._place.put({_KEPT + name: content})
+                self._place.put({KEPT + name: content})

@@ -14,7 +14,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.store.files import PARTIAL
+from pipeline.store.files import PARTIAL, require_no_link
 from pipeline.store.inputs import split_arrays
 from pipeline.store.layout import arrays_of
 from pipeline.store.lock import holder_of
@@ -27,9 +27,11 @@ from pipeline.store.place import (
     StoreError,
     StoreMismatchError,
     StorePlace,
+    larger,
     place_of,
     reaches,
     reads,
+    smaller,
 )
 from pipeline.store.schema import FORMAT, INPUTS, MADE, is_coordinate, variables_of
 from pipeline.store.versions import package_versions, provenance
@@ -43,7 +45,9 @@ from tribo.errors import near_path
 _AXES = {"float64": list[float], "int64": list[int], "str": list[str]}
 """Values along an axis, by the type of its variable."""
 _CONSOLIDATED = "consolidated_metadata"
-_CODECS = {"bytes", "vlen-utf8", "zstd"}
+_CODECS = ["bytes", "zstd"], ["vlen-utf8", "zstd"]
+_TYPES = {"bool", "int8", "int32", "int64", "float32", "float64", "string"}
+_LARGEST = 2**27  # values of a chunk: 64 points of a thousand steps, with unequal bulks
 _ANEW = "run its scene into another store"
 _ELSEWHERE = f"restore it from a backup, or {_ANEW}"
 
@@ -133,6 +137,21 @@ def find_root(place: StorePlace) -> Root | None:
     if not all(map(_is_beginning, keys)):
         raise _no_store(place)
     return None
+
+
+def find_closed_root(place: StorePlace, sweep: Sweep) -> tuple[Root | None, set[str]]:
+    """The root as `find_root`, and names of the arrays that the store has, or will with a sweep.
+
+    A `StoreError` is raised for a link under a name of a folder's, before anything is written.
+    """
+    root = find_root(place)
+    arrays = {INPUTS, *variables_of(sweep), *(root.arrays if root else ())}
+    if isinstance(place, Folder):
+        with reaches(place):
+            for beside in (larger(place.path), smaller(place.path)):
+                require_no_link(beside)
+            place.keys(arrays)
+    return root, arrays
 
 
 def read_sweep(path: PathLike) -> Sweep:
@@ -240,9 +259,10 @@ def _require_plain(arrays: Mapping[str, Any]) -> None:
     try:
         are_plain = all(
             array["zarr_format"] == 3
-            and {codec["name"] for codec in array["codecs"]} <= _CODECS
+            and [codec["name"] for codec in array["codecs"]] in _CODECS
+            and array["data_type"] in _TYPES
             and all(size <= MOST_POINTS for size in array["shape"])
-            and 0 not in array["chunk_grid"]["configuration"]["chunk_shape"]
+            and 0 < math.prod(array["chunk_grid"]["configuration"]["chunk_shape"]) <= _LARGEST
             for array in arrays.values()
         )
     except (KeyError, TypeError, AttributeError):

@@ -37,7 +37,7 @@ from pipeline.store.place import (
     writes,
 )
 from pipeline.store.progress import FailedPoint
-from pipeline.store.root import find_root, read_root, require_same_scene
+from pipeline.store.root import find_closed_root, read_root, require_same_scene
 from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
@@ -108,7 +108,7 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
     Raise as `writing` does. Nothing is changed in a store of another scene, nor in a bucket.
     """
     place = place_of(path, to_write=True)
-    if isinstance(place, Bucket) or not find_root(place):
+    if isinstance(place, Bucket) or not find_closed_root(place, sweep)[0]:
         return 0
     with held(place) as lock:
         root = read_root(place)
@@ -134,7 +134,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
     """Read all chunks of points, and the marks into the store; write nothing."""
     damage = _Damage({}, {})
     with reaches(store.place):
-        keys = store.place.keys()
+        keys = store.place.keys(store.arrays)
         begun = [
             (numbers, block)
             for numbers, block in blocks(np.ones(store.flags.shape, bool), store.block)
@@ -142,7 +142,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
         ]
         for numbers, block in begun:
             _read_marks(store, damage, numbers, block)
-        keys = store.place.keys()  # a writer may have finished points meanwhile
+        keys = store.place.keys(store.arrays)  # a writer may have finished points meanwhile
         names = [n for n in store.arrays if not (n in _MARKS or n in AT_END or is_coordinate(n))]
         count, total = 0, int(np.count_nonzero(store.flags == DONE))
         for numbers, block in begun:

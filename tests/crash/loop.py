@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
+from pipeline.store.files import PARTIAL
 from pipeline.store.root import find_sweep
 from pipeline.store.schema import DONE, FAILED, FIELDS, STEPPED
 from pipeline.store.verify import verify_store
@@ -273,7 +274,7 @@ class Trial:
         if code == 0 and (pending := pipeline.summary(self.path).pending):
             self.fault(f"resumed, {pending} points are not done")
         if isinstance(self.path, Path):
-            left = [*self.path.rglob("*.partial"), *self.path.parent.glob("*.partial")]
+            left = [*self.path.parent.rglob(f"*{PARTIAL}")]
             self.run.report.faults += [f"left over: {file}" for file in left]
         acknowledged = self.acknowledged
         self.run.report.counts["acknowledged"] += len(acknowledged)

@@ -23,6 +23,7 @@ import numpy as np
 import pipeline
 from pipeline.cli import main as irg
 from pipeline.run.sweep import run_sweep
+from pipeline.store.files import PARTIAL
 from pipeline.store.place import ROOT
 from tests.crash.loop import code_of, differing, places, values_of_points
 from tests.crash.sweeps import Expected
@@ -105,7 +106,7 @@ def copied(path, to):
     for name in ["zarr.json", "status"]:
         copy = shutil.copytree if (path / name).is_dir() else shutil.copy
         copy(path / name, to / name)
-    left = shutil.ignore_patterns("*.partial", "lock", "status", "zarr.json")
+    left = shutil.ignore_patterns(f"*{PARTIAL}", "lock", "status", "zarr.json")
     shutil.copytree(path, to, ignore=left, dirs_exist_ok=True)
     for array in path.iterdir():
         if (array / "zarr.json").exists():

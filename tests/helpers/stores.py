@@ -115,15 +115,16 @@ def killed_after(monkeypatch, count, since=None):
     replace, lock, left, was_killed = files.replace_file, threading.Lock(), [count], []
     counts = [since is None]
 
-    def replace_some(file, content):
+    def replace_some(root, key, content):
         with lock:
             left[0] -= counts[0]
-            counts[0] |= file == since
+            counts[0] |= root / key == since
         if left[0] < 0:
+            file = root / key
             file.parent.mkdir(parents=True, exist_ok=True)
             file.with_name(file.name + files.PARTIAL).write_bytes(content[: len(content) // 2])
             raise Killed
-        replace(file, content)
+        replace(root, key, content)
 
     with monkeypatch.context() as patch:
         patch.setattr(files, "replace_file", replace_some)

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.scene.scenefile import load_scene
-from pipeline.store import schema
+from pipeline.store import files, schema
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.layout import arrays_of
@@ -126,15 +126,15 @@ def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, 
 def test_a_creation_cut_short_goes_on_whatever_the_names_of_its_axes(path, monkeypatch):
     oils = ["oil A", "Shell Ondina 32"]
     sweep = load_scene("first_try", overrides={"sweep.over": {"oil": oils}})
-    replace = os.replace
+    replace = files.replace_file
 
-    def interrupted(source, target, **options):
-        if Path(target) == path / "zarr.json":
+    def interrupted(root, key, content):
+        if key == "zarr.json":
             raise KeyboardInterrupt
-        replace(source, target, **options)
+        replace(root, key, content)
 
     with monkeypatch.context() as patch:
-        patch.setattr(os, "replace", interrupted)
+        patch.setattr(files, "replace_file", interrupted)
         with pytest.raises(KeyboardInterrupt):
             make(path, sweep)
     assert (path / "oil" / "c.0").exists()

@@ -12,6 +12,7 @@ import pytest
 
 import pipeline
 from pipeline.cli import main
+from pipeline.store import files
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK, StoreError
 from pipeline.store.progress import summary
@@ -143,19 +144,20 @@ def test_all_files_of_a_store_follow_the_umask(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "make",
-    [Path.symlink_to, lambda file, _: os.mkfifo(file), lambda file, _: file.mkdir()],
+    ("make", "said"),
+    [
+        (Path.symlink_to, "cannot be read: it is a link, and a store has none"),
+        (lambda file, _: os.mkfifo(file), "cannot be written: it is not a file"),
+        (lambda file, _: file.mkdir(), "cannot be written: it is not a file"),
+    ],
     ids=["a link", "a pipe", "a folder"],
 )
-def test_what_is_no_file_is_no_lock_and_stays(path, tmp_path, make):
+def test_what_is_no_file_is_no_lock_and_stays(path, tmp_path, make, said):
     (path / LOCK).unlink()
     (tmp_path / "mine").write_text("years of work")
     make(path / LOCK, tmp_path / "mine")
     before = contents(tmp_path)
-    with pytest.raises(
-        StoreError,
-        match=f"{path} cannot be written: {path}/{LOCK} is not a file; move it elsewhere",
-    ):
+    with pytest.raises(StoreError, match=f"{path}/{LOCK} {said}"):
         commit(path, SWEEP, ())
     assert contents(tmp_path) == before
     assert summary(path).running is None
@@ -180,15 +182,15 @@ def test_a_run_whose_lock_is_deleted_stops_and_loses_nothing(path, replaced):
 
 def test_a_commit_during_which_the_lock_is_deleted_is_not_told_as_done(path, monkeypatch):
     """Since another driver may have come, and read the statuses before."""
-    replace = os.replace
+    replace = files.replace_file
 
-    def deleted(source, target, **options):
-        replace(source, target, **options)
-        if Path(target).parent == path / "status":
+    def deleted(root, key, content):
+        replace(root, key, content)
+        if key.startswith("status/"):
             (path / LOCK).unlink(missing_ok=True)
 
     with writing(path, SWEEP) as store:
-        monkeypatch.setattr(os, "replace", deleted)
+        monkeypatch.setattr(files, "replace_file", deleted)
         with pytest.raises(StoreError, match="was deleted or replaced"):
             store.commit([record(OTHER)])
         assert OTHER in store.pending()

@@ -600,14 +600,21 @@ def test_a_file_is_told_from_a_folder_a_link_and_nothing(tmp_path):
     (tmp_path / "file").write_text("")
     (tmp_path / "link").symlink_to(tmp_path / "none")
     (tmp_path / "good").symlink_to(tmp_path / "file")
-    assert files.is_there(tmp_path / "file")
-    assert files.is_there(tmp_path / "good")
-    assert not files.is_there(tmp_path / "none")
-    assert not files.is_there(tmp_path / "file" / "below")
-    with pytest.raises(OSError, match="it is a link that leads nowhere"):
-        files.is_there(tmp_path / "link")
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "aside").symlink_to(tmp_path)
+    assert files.is_there(tmp_path, "file")
+    assert files.is_there(tmp_path / "aside", "file")
+    assert not files.is_there(tmp_path, "none")
+    assert not files.is_there(tmp_path, "file/below")
+    for key, link in {"link": "link", "good": "good", "aside/file": "aside"}.items():
+        with pytest.raises(OSError, match="is a link, and a store has none") as caught:
+            files.is_there(tmp_path, key)
+        assert caught.value.filename == f"{tmp_path}/{link}"
     with pytest.raises(OSError, match="it is not a file"):
-        files.is_there(tmp_path)
+        files.is_there(tmp_path, "folder")
+    for outside in ("../file", "folder/../file", f"{tmp_path}/file", "", "folder//file"):
+        with pytest.raises(OSError, match="names no file within a store"):
+            files.is_there(tmp_path, outside)
 
 
 def test_files_are_replaced_whole_with_their_folders_and_not_through_links(tmp_path):
@@ -617,8 +624,8 @@ def test_files_are_replaced_whole_with_their_folders_and_not_through_links(tmp_p
     assert (tmp_path / "d").read_bytes() == b"3"
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["a", "d"]
     (tmp_path / "link").symlink_to(tmp_path / "a")
-    with pytest.raises(OSError, match="link is a link to another folder; copy that in its place"):
-        files.replace_file(tmp_path / "link" / "e", b"4")
+    with pytest.raises(OSError, match=f"it is a link.*{tmp_path}/link"):
+        files.replace_file(tmp_path, "link/e", b"4")
     assert not (tmp_path / "a" / "e").exists()
 
 

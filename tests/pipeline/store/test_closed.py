@@ -1,0 +1,200 @@
+"""A store is a closed tree: nothing is written, locked, removed or read by way of its links."""
+
+import errno
+import os
+import shutil
+import tracemalloc
+
+import numpy as np
+import pytest
+from numcodecs.zstd import Zstd
+
+import pipeline
+from pipeline.cli import main
+from pipeline.store.create import writing
+from pipeline.store.files import PARTIAL
+from pipeline.store.place import LOCK, StoreError, larger, smaller
+from pipeline.sweep.model import Point
+from tests.helpers import tiny
+from tests.helpers.stores import commit, killed_after, opened, record
+
+SWEEP = tiny.full()
+FIELD, CHUNK = "rise/c.0.0.0.0", "mean_rise/c.0.0.0"
+KEY = "a private key"
+
+
+@pytest.fixture
+def outside(tmp_path):
+    """A folder beside the store, whose files have names that a store has."""
+    for name in (LOCK, FIELD, CHUNK, f"load/c.0{PARTIAL}", "load/zarr.json", "status/c.0.0", "key"):
+        (tmp_path / "outside" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "outside" / name).write_text(KEY)
+    return tmp_path / "outside"
+
+
+def tree(folder):
+    """All below a folder: where links lead, and what files hold."""
+    return {
+        path.relative_to(folder): path.readlink() if path.is_symlink() else path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_symlink() or path.is_file()
+    }
+
+
+def link(path, target):
+    """Lay a link in the place of a file or folder, if one is there."""
+    if path.is_dir():
+        shutil.rmtree(path)
+    path.unlink(missing_ok=True)
+    path.symlink_to(target)
+    return path
+
+
+LINKS = {
+    "lock": lambda store, out: link(store / LOCK, out / "key"),
+    "folder of the lock": lambda store, out: link(store / "status", out / "status"),
+    "folder of chunks": lambda store, out: link(store / "mean_rise", out / "mean_rise"),
+    "folder of fields": lambda store, out: link(store / "rise", out / "rise"),
+    "folder with a file half written": lambda store, out: link(store / "load", out / "load"),
+    "field": lambda store, out: link(store / FIELD, out / "key"),
+    "chunk": lambda store, out: link(store / CHUNK, out / "key"),
+    "chunk of statuses": lambda store, out: link(store / "status/c.0.0", out / "status/c.0.0"),
+    "another chunk": lambda store, out: link(store / "rise/c.7.7.0.0", out / "key"),
+    "metadata": lambda store, out: link(store / "load/zarr.json", out / "load/zarr.json"),
+    "root": lambda store, out: link(store / "zarr.json", out / "key"),
+    "file half written": lambda store, out: link(store / f"{CHUNK}{PARTIAL}", out / "key"),
+    "root half written": lambda store, out: link(store / f"zarr.json{PARTIAL}", out / "key"),
+    "what is kept": lambda store, out: link(store / "status/kept-answer", out / "key"),
+    "larger store": lambda store, out: link(larger(store), out),
+    "smaller store": lambda store, out: link(smaller(store), out),
+    "nowhere": lambda store, out: link(store / CHUNK, "nowhere"),
+    "itself": lambda store, out: link(store / FIELD, (store / FIELD).name),
+    "within the store": lambda store, out: link(store / "load", store / "velocity"),
+}
+
+
+@pytest.mark.parametrize("lay", LINKS.values(), ids=LINKS)
+def test_a_link_is_refused_with_its_path_before_anything_is_written(copy, outside, lay):
+    path = lay(copy, outside)
+    before = tree(copy.parent)
+    wider = tiny.full(loads=(150.0, 200.0, 250.0, 600.0))  # which would grow between values
+    for sweep in (SWEEP, wider):
+        with pytest.raises(StoreError, match="it is a link, and a store has none") as caught:
+            pipeline.run_sweep(sweep, copy, workers=1)
+        assert str(path) in str(caught.value)
+    for command in ("status", "verify", "boundary"):
+        assert main([command, str(copy)]) in (0, 1, 2)  # as the link is of what they read, or not
+    assert tree(copy.parent) == before
+
+
+def test_a_link_that_is_laid_while_a_run_writes_is_not_followed(path, outside):
+    with writing(path, SWEEP) as store:
+        store.commit([record(Point(250.0, 1.0))])
+        for name in ("rise", "mean_rise"):
+            (path / name).rename(path.parent / name)
+            (path / name).symlink_to(outside / name)
+        before = tree(outside)
+        with pytest.raises(StoreError, match=f"{path}/m?e?a?n?_?rise cannot be .*: it is a link"):
+            store.commit([record(Point(600.0, 1.0))])
+        assert tree(outside) == before
+
+
+def strangers(store, outside):
+    """Put what others may put there into a store, also into the folders of its arrays."""
+    for folder in (store, store / "load", store / "rise", store / "status"):
+        (folder / "notes.txt").write_text("mine")
+        (folder / ".#notes.txt").symlink_to("me@machine.123:456")
+        (folder / "c.0.partial").write_text("mine, too")
+        (folder / "zarr.json.partial").symlink_to(outside / "key")
+        (folder / "aside").symlink_to(outside)
+        (folder / "figures").mkdir()
+        (folder / "figures" / "1.png").write_text("mine as well")
+    names = {".#notes.txt", "notes.txt", "c.0.partial", "zarr.json.partial", "aside", "1.png"}
+    return lambda: {key: value for key, value in tree(store).items() if key.name in names}
+
+
+def test_what_has_other_names_stays_and_is_in_nobody_s_way(copy, outside, irg):
+    kept = strangers(copy, outside)
+    before, beyond = kept(), tree(outside)
+    assert len(before) == 24
+    assert pipeline.run_sweep(SWEEP, copy, workers=1).computed == 0
+    commit(copy, tiny.full(loads=(150.0, 200.0, 250.0, 600.0)), [])  # in a larger store
+    assert 200.0 in opened(copy).axes["load"]
+    for command in ("status", "verify", "boundary"):
+        irg(command, copy)
+    assert "tiny.zarr" in irg("status", copy.parent)
+    assert (kept(), tree(outside)) == (before, beyond)
+
+
+@pytest.mark.parametrize("count", [0, 10, 60])
+def test_what_has_other_names_stays_after_a_kill(copy, outside, monkeypatch, count):
+    kept = strangers(copy, outside)
+    before, beyond = kept(), tree(outside)
+    wider = tiny.full(loads=(150.0, 200.0, 250.0, 600.0))
+    with killed_after(monkeypatch, count) as was_killed:
+        commit(copy, wider, [])
+    assert kept() == before
+    commit(copy, wider, [])
+    assert was_killed
+    assert (kept(), tree(outside)) == (before, beyond)
+    assert not [*copy.rglob(f"*{PARTIAL}")]
+
+
+ZEROS = Zstd(level=1, checksum=True).encode(np.zeros(2**28, np.uint8))
+BOMBS = {
+    "larger": lambda content: ZEROS,
+    "larger behind the chunk": lambda content: content + ZEROS,
+    "of unknown size": lambda content: ZEROS[:4] + b"\x04\x58" + ZEROS[9:],
+    "of many texts": lambda content: Zstd(checksum=True).encode(b"\xff\xff\xff\x0f" + bytes(99)),
+    "no frame": lambda content: bytes(100),
+    "empty": lambda content: b"",
+}
+
+
+@pytest.mark.parametrize("name", [CHUNK, "message/c.0.0", "status/c.0.0"])
+@pytest.mark.parametrize("bomb", BOMBS.values(), ids=BOMBS)
+def test_a_chunk_of_another_size_than_its_array_s_is_not_unpacked(copy, name, bomb):
+    (copy / name).write_bytes(bomb((copy / name).read_bytes()))
+    tracemalloc.start()
+    try:
+        assert not pipeline.verify_store(copy).is_clean
+        with pytest.raises(StoreError, match=f"{name.split('/')[0]} cannot be read; irg verify"):
+            pipeline.open_sweep(copy).load()
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 100e6  # of the 268 MB that it would unpack to, or the 2 GB of that many texts
+
+
+def test_a_lock_that_cannot_be_emptied_is_released_all_the_same(path, monkeypatch):
+    ftruncate, has_failed = os.ftruncate, []
+
+    def fail_at_the_end(descriptor, size):
+        if os.fstat(descriptor).st_size:
+            has_failed.append(True)
+            raise OSError(errno.EIO, "Input/output error")
+        ftruncate(descriptor, size)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "ftruncate", fail_at_the_end)
+        with writing(path, SWEEP):
+            pass
+    assert has_failed
+    assert pipeline.summary(path).running is None
+    commit(path, SWEEP, [])
+
+
+def test_a_path_in_the_home_folder_leads_there(tmp_path, monkeypatch, irg):
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    (tmp_path / "home").mkdir()
+    monkeypatch.chdir(tmp_path)
+    (scene,) = pipeline.new_scene("~/mine.toml", like="first_try")
+    assert scene == tmp_path / "home" / "mine.toml"
+    assert pipeline.load_scene("~/mine.toml").plane.loads
+    commit("~/a.zarr", SWEEP)
+    assert pipeline.summary("~/a.zarr").done == len(opened("~/a.zarr").flags.flat)
+    irg("boundary", "~/a.zarr", "-o", "~/table.csv")
+    assert (tmp_path / "home" / "table.csv").exists()
+    assert [entry.name for entry in tmp_path.iterdir()] == ["home"]
+    with pytest.raises(StoreError, match=r"~nobody-of-this-name/a\.zarr does not exist"):
+        pipeline.summary("~nobody-of-this-name/a.zarr")
