@@ -27,6 +27,7 @@ _PATHS = {
     **{f"conditions.{name}": path for name, path in FIELDS.items()},
     "conditions.rule": "temperature.criterion",
     "conditions.disk_temperature": "temperature.bulk.disk",
+    "conditions.critical_sd": "temperature.critical_sd",
     "conditions.corrections.friction": "friction",
     "conditions.corrections.stem": "pin.stem",
     "conditions.corrections.track.disc": "disk",
@@ -74,6 +75,7 @@ def _values(sweep: Sweep) -> Iterator[tuple[str, Any]]:
             yield "pin.shape", type(part).__name__
         yield from (pair for pair in _flat(part, one.name) if pair[0] not in table.drawn_fields)
     yield from _flat(sweep.conditions, "conditions")
+    yield from _flat(about.caveat, "caveat")
     yield from _flat(about.friction_band, "friction.band")
     yield from _flat(about.model_scatter, "model.scatter")
     yield from _flat(about.oil, "oil")

@@ -40,7 +40,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import rise_limit
+from pipeline.sweep.severity import rise_limit, rise_limits
 from pipeline.sweep.variants import VARIANT
 from tribo import InputError
 from tribo.types import Array, Mask
@@ -226,11 +226,14 @@ class PointField:
         self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
     ) -> Array:
         """See `Field`."""
-        limit, here = self.limit * math.exp(-shift), float(velocities[0])
+        limits, here = rise_limits(self.conditions) * math.exp(-shift), float(velocities[0])
         lines = self.lines("velocity", load, here, self._is_untold(load, velocities))
-        ranges = (replace(line, limit=limit).severe() for line in lines)
-        shares = [severe_share(severe, velocities, scatter) for severe in ranges]
-        return np.asarray(self.weights @ np.array(shares))
+        shares = np.array([
+            [severe_share(replace(line, limit=limit).severe(), velocities, scatter)
+             for limit in limits.tolist()]
+            for line in lines
+        ])  # fmt: skip
+        return np.asarray(self.weights @ shares.mean(axis=1))
 
     def _is_untold(self, load: float, velocities: Array) -> bool:
         """A row of the sweep has too few points to go on to velocities, on any surface."""

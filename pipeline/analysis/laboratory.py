@@ -34,7 +34,7 @@ _BESIDE = 0.1  # relative distance in load and velocity of a test that is beside
 _NEAR = 0.02  # relative difference of the limit that is not worth a word or a mark
 _HEADS = (
     "test", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]", "hold [s]",
-    "computed", "decisive temperature [°C]", "agrees", "note",
+    "computed", "decisive temperature [°C]", "agrees", "notes",
 )  # fmt: skip
 
 
@@ -200,7 +200,7 @@ def agreement(frame: pd.DataFrame) -> str:
 def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     """The count of tests that agree, their frame, and why others are not known."""
     yield agreement(frame)
-    yield short(frame, ["note"])
+    yield short(frame, ["notes"])
     yield from notes_of(frame)
     yield (
         f"each at its own friction and bulk; a transition agrees if it lies within {_DEVIATIONS:g} "

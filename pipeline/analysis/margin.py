@@ -10,16 +10,18 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
+from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.field import Field, continued_friction, quantile
 from pipeline.analysis.model_error import Scatter, severe_share
 from pipeline.analysis.rise_error import RiseError
 from pipeline.analysis.transition import Line
+from pipeline.quantities import display
 from pipeline.sweep.accuracy import MEASURES
 from pipeline.sweep.shown import shown
 from tribo.types import Array
@@ -57,6 +59,7 @@ class Margin:
     decisive_temperature: float  #: Temperature of the contact that decides [K].
     error: RiseError  #: Numerical error of that temperature by its parts [K].
     critical_temperature: float  #: Temperature above which the lubricant fails [K].
+    critical_sd: float | None  #: Its standard deviation [K]; None if it is taken as exact.
     distance: float  #: Critical less deciding temperature [K]; negative where wear is severe.
     model_error: str  #: The model's own error, and what it rests on.
     #: First velocity at this load at which wear turns severe [m/s]. NaN if the sweep has none, or
@@ -76,6 +79,7 @@ class Margin:
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     tested: tuple[str, ...] = ()  #: Tests of the scene at or beside the place, in words.
     misfit: str = ""  #: Why the tests contradict the model, which then decides nothing.
+    caveats: tuple[str, ...] = ()  #: What a reader of the verdict must know, in a line each.
     #: Values of entries with several, by their paths [SI].
     entries: Mapping[str, float | str] = field(default_factory=dict)
 
@@ -221,6 +225,7 @@ def answer(
         highest=float(highest[0]),
         error=error.times(scale),
         critical_temperature=quantile(here.critical, weights, 0.5),
+        critical_sd=field.conditions.critical_sd,
         model_error=scatter.worded,
         is_computed=here.is_computed,
         is_continued=here.is_continued,
@@ -229,10 +234,20 @@ def answer(
         intervals=intervals,
         tested=tuple(tested),
         misfit=field.misfit,
+        caveats=tuple(caveats_of(field)),
         entries=field.entries,
         **middles,
         **told,
     )
+
+
+def caveats_of(field: Field) -> Iterator[str]:
+    """What a reader of each verdict of a field must know, in a line each."""
+    if caveat := stored_sweep(field.source).about.caveat:
+        yield caveat
+    if sd := field.conditions.critical_sd:
+        critical = display(field.conditions.known_critical_temperature(), "°C", 4)
+        yield f"the critical temperature is {critical} ± {display(sd, 'K', 2)}, which is counted"
 
 
 def probabilities(
@@ -244,23 +259,28 @@ def probabilities(
 
 def probabilities_alone(
     rise: float,
-    limit: float,
+    limits: Sequence[float],
     scatter: Scatter,
     error: RiseError,
     friction: Callable[[Array], Array] = np.ones_like,
 ) -> tuple[float, float, float]:
     """The same of a point by itself, whose rise [K] grows with exponent 1 at most.
 
-    Friction is relative, by the velocity over that of the point, and known at every velocity.
+    The limits of the rise [K] are equally likely. Friction is relative, by the velocity over that
+    of the point, and known at every velocity.
     """
     curve = continued_friction(np.ones(1), np.array([rise]), friction)
 
     def share(shift: float) -> Array:
-        if curve is None or not math.isfinite(limit):
+        if curve is None or not all(map(math.isfinite, limits)):
             return np.array(0.0)
         # Neither a sweep's ends nor its places change where it is severe.
-        line = Line(curve, limit * math.exp(-shift), (math.nan, math.nan), np.array([]))
-        return severe_share(line.severe(), np.array(1.0), scatter)
+        lines = (
+            Line(curve, limit * math.exp(-shift), (math.nan, math.nan), np.array([]))
+            for limit in limits
+        )
+        shares = [severe_share(line.severe(), np.array(1.0), scatter) for line in lines]
+        return np.asarray(np.mean(shares))
 
     low, middle, high = map(float, _bounded(share, error))
     return low, middle, high

@@ -68,7 +68,7 @@ def margin(
         below the critical temperature and, along velocity and load, the factor to the first
         critical value, that value and the outcome. Over several surfaces or samples these are
         medians; ``distance low [K]`` and ``distance high [K]`` are the 5 and 95 % quantiles. A
-        place that the sweep says nothing about has a ``note`` instead.
+        place that the sweep says nothing about has none, and its ``notes`` say why.
 
     Raises
     ------
@@ -166,8 +166,9 @@ def margin_frame(
             notes.insert(0, one.reason)
         else:
             values = [_value(one.margin, name) for name in _COLUMNS]
+            notes += one.margin.caveats
         rows.append((*one.place, *values, "; ".join(notes) or None))
-    results = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS.values(), "note"), rows)
+    results = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS.values(), "notes"), rows)
     return pd.concat([labels, _passed_on(points, results), results], axis="columns")
 
 
@@ -177,7 +178,7 @@ _COLUMNS = column_heads(
     "load_factor", "critical_load", "load_outcome",
 )  # fmt: skip
 """Heads of a table, by where each stands in a `Margin`."""
-LONG = ("critical velocity [m/s]", "critical load [N]", "velocity outcome", "load outcome", "note")
+LONG = ("critical velocity [m/s]", "critical load [N]", "velocity outcome", "load outcome", "notes")
 """Columns for which a terminal or a page is too narrow."""
 
 

@@ -162,7 +162,11 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
 
 
 def notes_of(frame: pd.DataFrame) -> list[str]:
-    """Notes of a frame of operating points, each with its place in words."""
-    noted = frame[["load [N]", "velocity [m/s]", "note"]].dropna()
-    rows = noted.itertuples(index=False, name=None)
-    return [f"{load:g} N at {velocity:g} m/s: {note}" for load, velocity, note in rows if note]
+    """Notes of a frame of operating points, each once, and its place unless all places have it."""
+    noted, lines = frame[["load [N]", "velocity [m/s]", "notes"]].dropna(), list[str]()
+    for notes, rows in noted.groupby("notes", sort=False):
+        load, velocity, _ = rows.iloc[0]
+        others = f" and {len(rows) - 1} more" * (len(rows) > 1)
+        is_all = len(rows) == len(frame) > 1
+        lines.append(f"{notes}" if is_all else f"{load:g} N at {velocity:g} m/s{others}: {notes}")
+    return lines

@@ -19,14 +19,15 @@ from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
 from pipeline.analysis.tables import frame_of, upright
 from pipeline.cli.given import one_scene_in, selected
 from pipeline.cli.output import Result, working
-from pipeline.quantities import column_heads, display
+from pipeline.quantities import column_heads
 from pipeline.scene.facts import require_bearable_load
+from pipeline.sweep.about import severe_words
 from pipeline.sweep.accuracy import error_in_words, has_unknown_error, velocity_error
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.plan import PointResult
 from pipeline.sweep.remarks import remarks
-from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
+from pipeline.sweep.severity import MELTS, MOLTEN, rise_limits
 from tribo import measures
 
 
@@ -58,7 +59,7 @@ def point(options: argparse.Namespace) -> Result:
         rise = conditions.limit(decisive) if conditions.rise_factor else 0.0
         here = abs(options.velocity)
         chances = probabilities_alone(
-            rise, rise_limit(conditions), model, relative,
+            rise, rise_limits(conditions).tolist(), model, relative,
             lambda ratio: conditions.friction_factor(here * ratio),
         )  # fmt: skip
         judged = verdict_between(chances[0], chances[2])
@@ -79,6 +80,7 @@ def point(options: argparse.Namespace) -> Result:
         "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
         "molten": decisive > MELTS,
         "not_counted": note_on_turns(sweep, options.load, options.velocity),
+        "caveat": sweep.about.caveat,
         "wall_time": result.wall_time,
         "decided_by": decided_by,
         **selected(sweep),
@@ -119,8 +121,7 @@ def _point_lines(
     )
     severe = ""
     if conditions.critical_temperature is not None:
-        critical = display(conditions.critical_temperature, "°C")
-        severe = f"wear is severe with {decisive.severe} {critical}; "
+        severe = f"wear is severe with {severe_words(conditions)}; "
     yield f"{severe}the decisive temperature is {decisive.temperature}, its error {error.worded}"
     if (chance := document["probability"]) is not None:
         law = ", with friction by velocity" if conditions.has_friction_curve else ""

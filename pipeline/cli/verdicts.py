@@ -98,7 +98,7 @@ def _margin_lines(here: Margin) -> list[str]:
         origin = "extrapolated beyond the computed points, as a power of the velocity"
     elif here.members > 1:
         origin = f"that of {here.members} {several}"
-    inputs = "taken as exact"
+    inputs = "taken as exact" + ", but for the critical temperature" * bool(here.critical_sd)
     if interval := here.intervals.get("decisive_temperature"):
         low, high = (shown_in(value, "°C") for value in interval)
         spread = f"{low:.4g} to {high:.4g} °C with 90 %"
@@ -109,6 +109,7 @@ def _margin_lines(here: Margin) -> list[str]:
         f"  inputs           {inputs}",
         f"  the model's own  {here.model_error}",
         *remarks("warning", here.misfit),
+        *remarks("note", *here.caveats),
     ]
     for name in ("velocity", "load"):
         outcome = getattr(here, f"{name}_outcome")
@@ -162,6 +163,8 @@ def boundary(options: argparse.Namespace) -> Result:
     text: list[str | pd.DataFrame] = [judged_by(map(read_conditions, scenes(ds)), drawn)]
     for part in frames.boundary_parts(crossings):
         text += ["", part] if isinstance(part, pd.DataFrame) else [part]
+    document["caveat"] = caveat = stored_sweep(ds).about.caveat
+    text += remarks("note", caveat)
     left_out = [note_on_ends(stored_sweep(ds))]
     if kind is Kind.SAMPLES:
         document |= _tell_basis(fields(ds), text)

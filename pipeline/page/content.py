@@ -54,7 +54,7 @@ from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.codec import content_hash
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.severity import above_colder, rise_limit, worst_moment
+from pipeline.sweep.severity import above_colder, critical_errors, rise_limit, worst_moment
 from tribo import Criterion
 from tribo.types import Array, Indices, Mask
 
@@ -98,6 +98,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         **_page_facts(ds, sweep),
         **_point_states(ds),
         "conditions": _conditions(ds, conditions),
+        "critical_errors": critical_errors(conditions),
         "controls": [
             asdict(control)
             for control in controls(

@@ -53,10 +53,13 @@ function marginAt([k, j], conditions) {
   const places = surfaces().map((surface) => indexOf(surface, k, j));
   const error = Math.max(...places.map((place) => content.errors[place]));
   const share = (/** @type {number} */ place) => below(Math.log(place / velocity[j]));
+  const [{ limitOf }, critical] = [heatOf(conditions), conditions.critical_temperature ?? NaN];
+  const limits = content.critical_errors.map((kelvin) => limitOf(critical + kelvin));
   const probabilities = [1 / (1 + error), 1, 1 + error].map((factor) => sum(places.map((place) => {
     const row = plane.subarray(place - j, place - j + velocity.length);
-    const severe = rangesAbove(velocity, row, heatOf(conditions).limit / factor);
-    return sum(severe.map(([begin, end]) => share(end) - share(begin))) / places.length;
+    const severe = limits.flatMap((limit) => rangesAbove(velocity, row, limit / factor));
+    const shares = severe.map(([begin, end]) => share(end) - share(begin));
+    return sum(shares) / limits.length / places.length;
   })));
   const [lowest, likely, highest] = Number.isNaN(error) ? [0, probabilities[1], 1] : probabilities;
   const isMild = highest <= content.decided[0];

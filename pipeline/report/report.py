@@ -130,6 +130,7 @@ def body_of(ds: xr.Dataset, points: OperatingPoints | None) -> str:
         "Citation": citation(),
     }
     parts = [f"<h1>{html.escape(sweep.about.title)}</h1>"]
+    parts += [f"<p>{html.escape(sweep.about.caveat)}</p>"] if sweep.about.caveat else []
     for heading, section in sections.items():
         if body := [_html(part, heading) for part in _or_reason(section)]:
             parts += [f"<h2>{heading}</h2>", *body]

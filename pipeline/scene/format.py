@@ -363,6 +363,9 @@ TEMPERATURES = Table({
     })), "Temperature far from the contact, of both bodies, or of `pin` and `disk`."),
     "critical": Optional(CRITICAL,
         "Contact temperature above which the lubricant fails; needed to judge wear."),
+    "critical_sd": Optional(Quantity("a difference", "8 K", ends=("0.001 K", "200 K")),
+        "Standard deviation of `critical`, which counts in each verdict. With `sweep.samples` give "
+        "`critical` as one of their `unknown` inputs instead."),
     "failing_share": Optional(Share(at_least=0, below=1),
         "Wear is severe if a larger share of the contact area is above the critical temperature; "
         "0 if the highest temperature decides.", default=0.1),
@@ -466,6 +469,7 @@ FORMAT = Table({
         'Paths of entries not to take from the other scene, such as ["wear", "friction.band"].',
         example=["wear", "friction.band"]),
     "title": Optional(Text(), "Title of figures and summaries; by default the name of the file."),
+    "caveat": Optional(Text(), "What a reader of each verdict must know of this scene, in a line."),
     "materials": Optional(Tables(MATERIAL),
         "A material, whose NAME `[pin]` and `[disk]` use. Materials of the "
         "[library](../pipeline/scene/library.toml) need no table."),

@@ -155,6 +155,8 @@ class _Reader:
             lambda: loading_of(tables["loading"], self.document, faults, stops),
         )
         check_tables(tables, fidelity, roughness, faults)
+        if tables["caveat"]:
+            faults.note("caveat", tables["caveat"])
         oil = oil_of(tables["oil"], faults)
         wear = laws.get("wear") or wear_of(tables["wear"], faults)
         if faults or loading is None:
@@ -179,6 +181,7 @@ class _Reader:
                 title=tables["title"] or name,
                 measured=tuple(map(Measurement.of, tables["measured"])),
                 tested=tuple(map(Measurement.of, tables["tested"])),
+                caveat=tables["caveat"],
                 friction_band=tables["friction"]["band"],
                 same_rig=tables["friction"]["same_rig"],
                 model_scatter=tables["model"] and tables["model"]["scatter"],
@@ -304,6 +307,7 @@ def _conditions_of(
     return Conditions(
         friction=tables["friction"]["coefficient"],
         critical_temperature=temperature["critical"],
+        critical_sd=temperature["critical_sd"],
         failing_share=temperature["failing_share"],
         criterion=name_of(rule) if rule else temperature["criterion"],
         rule=rule,

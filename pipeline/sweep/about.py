@@ -84,6 +84,7 @@ class About:
 
     name: str  # that of the file, without its ending
     title: str  # a line for people
+    caveat: str | None = None  # what a reader of each verdict must know
     measured: tuple[Measurement, ...] = ()  # transitions
     tested: tuple[Measurement, ...] = ()  # tests that stayed mild or turned severe
     friction_band: tuple[float, float] | None = None  # lowest and highest friction measured
@@ -140,14 +141,14 @@ def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Itera
     if conditions.corrections:
         yield "corrections", conditions.corrections.worded
     if conditions.critical_temperature is not None:
-        yield "severe", _severe(conditions, drawn)
+        yield "severe", severe_words(conditions, drawn)
 
 
 def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
     """Say in a line when wear is severe under some conditions, each part of them once."""
     each = [
         (
-            _severe(one, drawn),
+            severe_words(one, drawn),
             " ".join(next(condition_rows(one, drawn))),
             one.corrections.worded if one.corrections else "no correction",
         )
@@ -157,11 +158,14 @@ def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str
     return f"severe wear: {'; '.join(part for part in parts if part != 'no correction')}"
 
 
-def _severe(conditions: Conditions, drawn: Collection[str]) -> str:
+def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
+    """When wear is severe; of paths that are drawn, that they are those of each sample."""
     severe = conditions.decisive.severe
     if PATHS["share"] in drawn:
         severe = "more than the share of each sample of its contact above"
     critical = display(conditions.known_critical_temperature(), "°C")
+    if conditions.critical_sd:
+        critical = f"{critical} ± {display(conditions.critical_sd, 'K', 3)}"
     if PATHS["critical_temperature"] in drawn:
         critical = "the critical temperature of each sample"
     return f"{severe} {critical}"

@@ -46,6 +46,8 @@ class Conditions(Judging):
         Or the name of a rule.
     rule : Rule, Law or None
         A criterion of your own; from a store what that keeps of it.
+    critical_sd : float or None
+        Standard deviation of the critical temperature [K]; None if that is taken as exact.
 
     Raises
     ------
@@ -66,6 +68,7 @@ class Conditions(Judging):
     failing_share: float = 0.1
     criterion: str = "share"
     rule: Rule | Law | None = None
+    critical_sd: float | None = None
 
     def __post_init__(self) -> None:
         if self.rule and name_of(self.rule) != self.criterion:
@@ -83,6 +86,8 @@ class Conditions(Judging):
             value = getattr(self, name)
             if value is not None and value <= 0:
                 raise InputError(f"{name} is {celsius_text(value)}; it must be above 0 K")
+        if self.critical_sd is not None and not 0 < self.critical_sd < math.inf:
+            raise InputError(f"critical_sd is {self.critical_sd!r} K; it must be above 0")
         critical = self.critical_temperature
         if critical is not None and critical <= warmest:
             raise InputError(
@@ -110,6 +115,7 @@ class Conditions(Judging):
         del plain["rule"]
         rare = {
             "disk_temperature": self.disk_temperature,
+            "critical_sd": self.critical_sd,
             "corrections": self.corrections and self.corrections.as_dict(),
         }
         return {k: v for k, v in (plain | rare).items() if v is not None or k not in rare}

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Mapping
 from dataclasses import replace
+from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
 
 MELTS = 1700.0  # K, where a carbon steel of 1 % begins to
 
+_SCORES = tuple(NormalDist().inv_cdf((k + 0.5) / 64) for k in range(64))
+"""Equally likely normal scores, by which the critical temperature may be off."""
+
 MOLTEN = (
     f"the deciding temperature is above {display(MELTS, '°C', '.0f')}, where steel melts: the "
     "bodies of the model do not melt, so it says only that wear is severe; if tests were made "
@@ -41,6 +45,21 @@ def rise_limit(conditions: Conditions) -> float:
     """Decisive rise at friction 1 above which wear is severe [K]; infinite without friction."""
     conditions.known_critical_temperature()
     return tribo_verdict.rise_limit(conditions)
+
+
+def rise_limits(conditions: Conditions) -> Array:
+    """Equally likely limits of the rise [K], by the error of the critical temperature (n,).
+
+    Where the critical temperature is below the bulk, its limit is negative.
+    """
+    critical = conditions.known_critical_temperature()
+    return np.array([conditions.limit(critical + error) for error in critical_errors(conditions)])
+
+
+def critical_errors(conditions: Conditions) -> list[float]:
+    """Equally likely errors of the critical temperature [K]; 0 alone where it is exact."""
+    sd = conditions.critical_sd
+    return [0.0] if sd is None else [sd * score for score in _SCORES]
 
 
 def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:

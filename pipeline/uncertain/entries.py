@@ -109,6 +109,11 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
         number = "1 input" if len(inputs) == 1 else f"{len(inputs)} inputs"
         faults.note("unknown", f"{number} not known exactly; give sweep.samples to draw them")
         return sweep
+    if sweep.conditions.critical_sd:
+        raise InputError(
+            "temperature.critical_sd: sweep.samples do not count it; leave it out, and give "
+            '"temperature.critical" with mean and sd in [unknown]'
+        )
     design = _design(inputs, layers, tables["sweep"]["sample_seed"], sweep)
     if any(column.is_drawn for column in sweep.variants.columns):
         raise InputError(

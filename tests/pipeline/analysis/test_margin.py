@@ -2,17 +2,22 @@
 
 import itertools
 import json
+import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
+from scipy import integrate, stats
 
 import pipeline
 from pipeline.analysis.margin import probabilities_alone
 from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.rise_error import BETWEEN, RiseError, error_of_point
+from pipeline.analysis.tables import notes_of
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
+from pipeline.sweep.severity import rise_limits
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tests.pipeline.analysis.test_boundary import falling
@@ -48,13 +53,62 @@ def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
         assert result.load_factor == pytest.approx(critical / load, rel=1e-9)
 
 
+SDS = [4.0, 14.0, 60.0]
+"""Standard deviations of the critical temperature [K], which is 120 K above the bulk."""
+
+
+def likely_severe(rise, sd, exponent=1.0):
+    """Probability at a rise [K] by quadrature: normal critical temperature, Student's t of 4."""
+
+    def severe(score):
+        limit = LIMIT + 10.0 * sd * score
+        distance = -math.log(limit / rise) / exponent if limit > 0 else math.inf
+        return stats.norm.pdf(score) * stats.t.cdf(distance / 0.1, 4)
+
+    edge = [] if 80 * sd < LIMIT else [-LIMIT / 10 / sd]
+    return integrate.quad(severe, -8, 8, points=edge or None, limit=400)[0]
+
+
+@pytest.mark.parametrize("sd", SDS)
+def test_an_uncertain_critical_temperature_counts_in_the_probability(sd):
+    """Within 0.007, the error of 64 equally likely critical temperatures."""
+    judged = synthetic.CONDITIONS | {"critical_sd": sd}
+    uncertain = synthetic.sweep(measured=(), conditions=judged)
+    for velocity in (0.9, 1.7, 2.1, 2.6, 3.9):
+        here = pipeline.margin(uncertain, 400.0, velocity)
+        rise = synthetic.rise(400.0, velocity, 0.9)
+        expected = likely_severe(rise, sd, synthetic.VELOCITY_EXPONENT)
+        assert here.probability == pytest.approx(expected, abs=0.007)
+        exact = margin(synthetic.sweep(measured=()), 400.0, velocity)
+        assert here.distance == exact.distance
+        assert abs(here.probability - 0.5) < abs(exact.probability - 0.5)
+        assert here.caveats == (f"the critical temperature is 145 °C ± {sd:g} K, which is counted",)
+
+
+@pytest.mark.parametrize("sd", SDS)
+def test_a_point_alone_counts_an_uncertain_critical_temperature(sd):
+    limits = rise_limits(replace(synthetic.conditions(), critical_sd=sd)).tolist()
+    for rise in (500.0, 1000.0, 1200.0, 2000.0):
+        found = probabilities_alone(rise, limits, ModelError(), RiseError(0.0, 0.0, 0.0))[1]
+        assert found == pytest.approx(likely_severe(rise, sd), abs=0.007)
+
+
+def test_the_caveat_of_a_scene_stands_beside_each_verdict():
+    ds = synthetic.sweep(caveat="Not validated: no test of gears.")
+    assert pipeline.margin(ds, 400.0, 2.0).caveats == ("Not validated: no test of gears.",)
+    table = pipeline.margin(ds, {"load": ["400 N", "500 N"], "velocity": ["1 m/s", "2 m/s"]})
+    assert table["notes"].tolist() == ["Not validated: no test of gears."] * 2
+    assert notes_of(table) == ["Not validated: no test of gears."]
+
+
 def test_a_point_alone_decides_nothing_where_its_error_is_unknown_and_else_within_it():
     for rise in (300.0, 1100.0, 1200.0, 3000.0):
-        likely = probabilities_alone(rise, LIMIT, ModelError(), RiseError(0.0, 0.0, 0.0))[1]
-        unknown = probabilities_alone(rise, LIMIT, ModelError(), RiseError(0.0, None, 0.0))
+        likely = probabilities_alone(rise, [LIMIT], ModelError(), RiseError(0.0, 0.0, 0.0))[1]
+        unknown = probabilities_alone(rise, [LIMIT], ModelError(), RiseError(0.0, None, 0.0))
         assert unknown == (0.0, likely, 1.0)
-        hotter = probabilities_alone(1.05 * rise, LIMIT, ModelError(), RiseError(0.0, 0.0, 0.0))[1]
-        known = probabilities_alone(rise, LIMIT, ModelError(), RiseError(0.0, 0.05, 0.0))
+        exact = RiseError(0.0, 0.0, 0.0)
+        hotter = probabilities_alone(1.05 * rise, [LIMIT], ModelError(), exact)[1]
+        known = probabilities_alone(rise, [LIMIT], ModelError(), RiseError(0.0, 0.05, 0.0))
         assert known[0] < known[1] == likely < known[2] == pytest.approx(hotter)
 
 

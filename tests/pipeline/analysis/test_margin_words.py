@@ -251,15 +251,15 @@ class Normal:
     ],
 )
 def test_a_point_alone_is_severe_by_the_ratio_of_its_rise_to_the_limit(rise, limit, expected):
-    found = probabilities_alone(rise, limit, Normal(), NONE)
+    found = probabilities_alone(rise, [limit], Normal(), NONE)
     assert found == pytest.approx((expected,) * 3, abs=1e-12)
 
 
 def test_a_point_alone_turns_where_its_known_friction_turns_wear():
     """Beyond the point friction falls as 1/V², so that the rise has its top there."""
-    found = probabilities_alone(99.0, 100.0, Normal(), NONE, lambda v: np.where(v > 1, v**-2, 1))
+    found = probabilities_alone(99.0, [100.0], Normal(), NONE, lambda v: np.where(v > 1, v**-2, 1))
     assert found == pytest.approx((0.0,) * 3, abs=1e-12)
-    found = probabilities_alone(110.0, 100.0, Normal(), NONE, lambda v: np.where(v > 1, v**-2, 1))
+    found = probabilities_alone(110.0, [100.0], Normal(), NONE, lambda v: np.where(v > 1, v**-2, 1))
     below = [Normal().below(np.log(ratio)) for ratio in (100 / 110, 110 / 100)]
     assert found == pytest.approx((below[1] - below[0],) * 3, abs=2e-3)
 
@@ -425,7 +425,7 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
         *("load [N]", "velocity [m/s]", "verdict", "probability", "decisive temperature [°C]"),
         *("temperature error [K]", "distance [K]", "distance low [K]", "distance high [K]"),
         *("velocity factor", "critical velocity [m/s]", "velocity outcome", "load factor"),
-        *("critical load [N]", "load outcome", "note"),
+        *("critical load [N]", "load outcome", "notes"),
     ]
     assert found["verdict"].tolist() == ["mild", "severe", "not known"]
     assert found["load [N]"].tolist() == [400.0, 600.0, 9000.0]
@@ -436,15 +436,15 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
     assert first["probability"] == pytest.approx(max(one.probability, 1e-4))
     assert first["critical load [N]"] == pytest.approx(one.critical_load)
     assert np.isnan(first["distance low [K]"])
-    assert pd.isna(first["note"])
-    assert "9000 N" in found.iloc[2]["note"] or "9 kN" in found.iloc[2]["note"]
+    assert pd.isna(first["notes"])
+    assert "9000 N" in found.iloc[2]["notes"] or "9 kN" in found.iloc[2]["notes"]
     assert found.iloc[2, 3:-1].isna().all()
     assert {*LONG} < {*found}
 
 
 def test_a_note_says_why_a_place_is_not_known_before_it_doubts_a_condition():
     points = {"load": ["400 N"], "velocity": ["1 m/s"], "bulk temperature": ["333 degC"]}
-    (note,) = pipeline.margin(synthetic.sweep(), points)["note"]
+    (note,) = pipeline.margin(synthetic.sweep(), points)["notes"]
     assert note.startswith("critical_temperature is 145 °C")
     assert note.endswith("the bulk temperature is 333 °C, where -50 °C to 250 °C are usual: check "
                          "its unit")  # fmt: skip

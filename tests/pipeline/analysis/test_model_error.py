@@ -120,7 +120,7 @@ def test_a_test_at_a_velocity_beyond_the_sweep_counts_where_the_line_is_known(ve
     assert scatter_of(ds).residuals == pytest.approx([math.log(velocity / CRITICAL)], abs=0.01)
     (row,) = compared(ds).to_dict("records")
     assert row["agrees"] == "no"
-    assert "where the points end" in row["note"]
+    assert "where the points end" in row["notes"]
 
 
 MILD, SEVERE = (

@@ -27,9 +27,9 @@ def store(monkeypatch):
 
 
 def test_a_further_column_of_a_name_of_the_results_is_kept(store):
-    points = {"load": [400.0], "velocity": [1.6], "note": ["gear 3"], "verdict": ["it held"]}
+    points = {"load": [400.0], "velocity": [1.6], "notes": ["gear 3"], "verdict": ["it held"]}
     (row,) = pipeline.margin(store, points).to_dict("records")
-    assert (row["note (given)"], row["verdict (given)"]) == ("gear 3", "it held")
+    assert (row["notes (given)"], row["verdict (given)"]) == ("gear 3", "it held")
     assert row["verdict"] == "mild"
     with pytest.raises(InputError, match="or columns by heading"):
         pipeline.margin(store, [(400.0, 1.6)])
@@ -49,7 +49,7 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
         assert row["verdict"] == margin.verdict
     assert (first["gear"], first["remark"]) == ("1", "cold start")
     assert beyond["verdict"] == "not known"
-    assert "load is 9000 N; the sweep has" in beyond["note"]
+    assert "load is 9000 N; the sweep has" in beyond["notes"]
 
 
 def test_a_margin_of_a_sweep_that_is_not_finished_says_how_many_points_are_missing(

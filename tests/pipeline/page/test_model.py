@@ -147,6 +147,16 @@ def test_the_verdict_at_a_node_is_that_of_the_command(kind):
     assert len(verdicts) == 3
 
 
+def test_an_uncertain_critical_temperature_counts_as_in_the_command():
+    ds = synthetic.sweep(conditions=synthetic.CONDITIONS | {"critical_sd": 14.0})
+    places = [[400.0, velocity] for velocity in (0.75, 1.5, 2.0, 2.25, 2.5, 3.0, 4.0)]
+    (told,) = run(ds, MARGINS, [{"conditions": {}, "places": places}])
+    for page in told:
+        here = pipeline.margin(ds, *page["place"])
+        likely = here.lowest, here.probability, here.highest
+        assert page["probabilities"] == pytest.approx(likely, abs=1e-3)
+
+
 def test_beyond_the_points_a_run_is_as_likely_severe_as_the_command_says():
     ds = sweeps.along_boundary()
     places = [[float(load), float(v)] for load in ds["load"] for v in ds["velocity"]]

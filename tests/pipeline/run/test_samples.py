@@ -157,7 +157,7 @@ def test_the_commands_say_risk_causes_and_inputs(sampled, tmp_path, irg, irg_bot
     low, high = there["intervals"]["distance"]
     assert ends == [low, there["distance"], high]
     assert table["verdict"][1] == "not known"
-    assert "the samples have" in table["note"][1]
+    assert "the samples have" in table["notes"][1]
     hot = said("margin", store, *place, "--friction", "0.2")
     assert hot["probability"] > there["probability"]
     unweighed, crossings = irg_both("boundary", store)

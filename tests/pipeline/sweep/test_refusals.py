@@ -65,6 +65,7 @@ REFUSALS = {
     "bulk": (conditions(bulk_temperature=-1.0), "it must be above 0 K"),
     "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 25 °C"),
     "disk above": (conditions(disk_temperature=420.0), "must lie above the bulk temperature, 146"),
+    "critical sd": (conditions(critical_sd=0.0), "critical_sd is 0.0 K; it must be above 0"),
     "share": (conditions(failing_share=1.0), "share is 1.0"),
     "share nan": (conditions(failing_share=math.nan), "failing_share is nan"),
     "curve": (conditions(corrections=CURVE, disk_temperature=350.0), "friction.by_velocity: "),

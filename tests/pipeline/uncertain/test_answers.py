@@ -178,7 +178,7 @@ def test_conditions_of_rows_that_samples_cannot_take_are_refused():
     weighed = pipeline.at(dataset(ensemble(tests=(test,))), given_measured=True)
     (row,) = pipeline.margin(weighed, points).to_dict("records")
     assert row["verdict"] == "not known"
-    assert "friction: the tests weigh conditions as they were drawn" in row["note"]
+    assert "friction: the tests weigh conditions as they were drawn" in row["notes"]
     samples = ensemble()
     disk = dataclasses.replace(samples.conditions, disk_temperature=320.0)
     unlike = field(dataclasses.replace(samples, conditions=disk))

@@ -97,7 +97,7 @@ def bent():
 def weighed_rows():
     test = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1}
     judged = pipeline.at(dataset(ensemble(tests=[test])), given_measured=True)
-    return pipeline.margin(judged, DUTY)["note"].item()
+    return pipeline.margin(judged, DUTY)["notes"].item()
 
 
 def many():
@@ -150,6 +150,10 @@ def joint(other, *more, inner=""):
 
 REFUSALS = {
     # the scene
+    "critical twice": (
+        scene(FRICTIONS, overrides={"temperature.critical_sd": "8 K"}),
+        "temperature.critical_sd: sweep.samples do not count it",
+    ),
     "all known": (scene(), "sweep.samples: 8 does not fit a scene in which all is known"),
     "form": (scene('"friction.coefficient" = 0.1'), "0.1 is not a distribution"),
     "bulks": (scene(RATES, overrides=TWO_BULKS), "two temperatures do not go with [unknown]"),

@@ -77,6 +77,8 @@ type Content = {
   nodes: { velocity: number[]; load: number[] };
   beside: [number, number][];
   friction_factors: number[];
+  /** Equally likely errors of the critical temperature [K]. */
+  critical_errors: number[];
   /** Temperatures of the contact [K], and the factor of friction at each. */
   friction_by_temperature: [number[], number[]];
   plane: Float32Array;
