@@ -7,6 +7,7 @@ together.
 from __future__ import annotations
 
 import functools
+import re
 import tomllib
 from importlib import resources
 from typing import Any
@@ -16,6 +17,7 @@ from pipeline.scene.format import MATERIAL
 from pipeline.sweep.about import FromLibrary
 
 Entries = dict[str, Any]
+_NUMBER = re.compile(r"\d+")
 _VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
 """Entries of which one's own leaves out all that the library knows by temperature."""
 _BY_TEMPERATURE = (*_VISCOSITY, "viscosity_index")
@@ -72,7 +74,9 @@ def _filled(
         return table
     known = library()[kind]
     if like not in known:
-        hint = did_you_mean(like, known) or f" ({', '.join(map(quoted, known))})"
+        # Another number is another steel or oil, and no slip.
+        alike = [name for name in known if _NUMBER.findall(name) == _NUMBER.findall(like)]
+        hint = did_you_mean(like, alike) or f" ({', '.join(map(quoted, known))})"
         faults.refuse(
             f"{place}.like", f"{quoted(like)} is not in the library{hint}; give one of it"
         )

@@ -62,6 +62,14 @@ def test_a_misspelt_name_is_told_with_the_nearest(fault):
     assert '"tungsten"' in fault(NO_TABLE.replace('material = "AISI 52100"', 'material = "zzz"', 1))
 
 
+@pytest.mark.parametrize(("name", "near"), [("ISO VG 22", ""), ("ISOVG 220", "ISO VG 220")])
+def test_another_number_is_another_oil_and_no_slip(fault, name, near):
+    said = fault(f'oil = "{name}"\n{TEXT}')
+    assert f'"{name}" is not in the library' in said
+    assert ("did you mean" in said) == bool(near)
+    assert near in said
+
+
 def test_every_entry_of_the_library_is_a_sound_material_or_oil(read):
     for name in library()["materials"]:
         sweep = read(text=NO_TABLE.replace("AISI 52100", name))
