@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -15,7 +15,7 @@ from pipeline.sweep.physics import columns_in_closed_form, note_on_ends, note_on
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
-from tribo import Corrections, Ramp, SelfAffineRoughness, Wear
+from tribo import Corrections, Material, Ramp, SelfAffineRoughness, Wear
 from tribo.simulation.pins import sizes_of
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,
@@ -25,7 +25,7 @@ from tribo.simulation.point_warnings import (
     WIDEST,
 )
 
-_MATERIAL: dict[str, tuple[Any, ...]] = {
+_MATERIAL = {
     "elastic_modulus": (1, 1200, "GPa"),
     "hardness": (0.01, 100, "GPa"),
     "thermal_conductivity": (0.05, 2500, "W/(m K)"),
@@ -33,13 +33,16 @@ _MATERIAL: dict[str, tuple[Any, ...]] = {
     "specific_heat": (100, 5000, "J/(kg K)"),
 }
 """Usual range of a constant, in a unit."""
-_USUAL_BULK = 223.15, 523.15  # −50 to 250 °C, where oils are used
+USUAL_BULK = 223.15, 523.15
+"""Bulk temperatures at which oils are used, −50 to 250 °C [K]."""
 _LONGEST = 1 / 3  # correlation length in sides of the window
 _REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
 _MOST_RISE = 2.0  # rise of the mean plane over the window, in Rq
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 _Doubt = tuple[str, str]
 """Path of the entry that is in doubt, empty if it is none alone, and words."""
+Usual = tuple[str, float | None, float, float, str]
+"""Place with what is there, the value in SI, the usual range in a unit, and the unit."""
 
 
 def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
@@ -59,33 +62,43 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
 
 def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     """Quantities outside their usual ranges."""
-    for name, value, low, high, unit in _quantities(sweep, facts):
-        shown = math.nan if value is None else shown_in(value, unit)
-        if math.isfinite(shown) and not low <= shown <= high:
-            (place, _, part), of = name.partition(": "), f" {unit}" if unit else ""
-            words = f"{part} {shown:.3g}{of}, where {low:g} to {high:g}{of} are usual".lstrip()
-            yield place, f"{words}: check the number and its unit"
+    yield from beyond_usual(_quantities(sweep, facts))
     band, friction = sweep.about.friction_band, sweep.conditions.friction
     if band and not min(band) <= friction <= max(band):
         outside = f"{min(band):g} to {max(band):g} does not hold friction.coefficient, {friction:g}"
         yield "friction.band", f"{outside}: give a band that does"
 
 
-def _quantities(sweep: Sweep, facts: Facts) -> Iterator[tuple[Any, ...]]:
-    """Place with what is there, the value in SI, the usual range in a unit, and the unit."""
+def beyond_usual(quantities: Iterable[Usual]) -> Iterator[_Doubt]:
+    """Those of some quantities that are outside their usual ranges."""
+    for name, value, low, high, unit in quantities:
+        shown = math.nan if value is None else shown_in(value, unit)
+        if math.isfinite(shown) and not low <= shown <= high:
+            (place, _, part), of = name.partition(": "), f" {unit}" if unit else ""
+            words = f"{part} {shown:.3g}{of}, where {low:g} to {high:g}{of} are usual".lstrip()
+            yield place, f"{words}: check the number and its unit"
+
+
+def material_quantities(place: str, material: Material) -> Iterator[Usual]:
+    """Constants of a material with their usual ranges."""
+    for name, usual in _MATERIAL.items():
+        yield f"{place}: {name.replace('_', ' ')}", getattr(material, name), *usual
+    share = material.hardness / material.elastic_modulus
+    yield f"{place}: hardness", share, *USUAL_HARDNESS, "times the elastic modulus"
+
+
+def _quantities(sweep: Sweep, facts: Facts) -> Iterator[Usual]:
+    """Quantities of a sweep with their usual ranges."""
     scene, pin, plane, conditions = sweep.scene, sweep.scene.pin, sweep.plane, sweep.conditions
     bodies = {"disk": scene.disk} | ({"pin": pin.material} if pin.material != scene.disk else {})
     for body, material in bodies.items():
-        for name, usual in _MATERIAL.items():
-            yield f"{body}.material: {name.replace('_', ' ')}", getattr(material, name), *usual
-        share = material.hardness / material.elastic_modulus
-        yield f"{body}.material: hardness", share, *USUAL_HARDNESS, "times the elastic modulus"
+        yield from material_quantities(f"{body}.material", material)
     for size in sizes_of(pin):
         longest = 1000 if size in ("radius", "length") else 100_000
         yield f"pin.{size}", getattr(pin, size), 0.1, longest, "mm"
     yield "friction", max([conditions.friction, *(sweep.about.friction_band or [])]), 0, 1, ""
     yield "sweep.velocities", max(plane.velocities), 0, 100, "m/s"
-    yield "temperature.bulk", conditions.bulk_temperature, *_USUAL_BULK, "K"
+    yield "temperature.bulk", conditions.bulk_temperature, *USUAL_BULK, "K"
     for body, track in tracks_of(sweep).items():
         yield f"{body}: track", track.length, 20, 10_000, "mm"
     kept = conditions.corrections or Corrections()
@@ -227,7 +240,7 @@ def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
     """Conditions of a test or an operating point that are probably in another unit, in words."""
     if (own.get("friction") or 0.0) > 1:
         yield f"friction is {own['friction']:g}, where 0 to 1 is usual: is it in per cent?"
-    bulk, (coldest, hottest) = own.get("bulk_temperature"), _USUAL_BULK
+    bulk, (coldest, hottest) = own.get("bulk_temperature"), USUAL_BULK
     if bulk is not None and not coldest <= bulk <= hottest:
         yield (
             f"the bulk temperature is {display(bulk, '°C')}, where {display(coldest, '°C')} to "
