@@ -87,7 +87,7 @@ def point(options: argparse.Namespace) -> Result:
     }
     values = document | {"load": options.load, "distance": distance}
     frame = frame_of([*_COLUMNS.values()], [[values[name] for name in _COLUMNS]])
-    text = [*_point_lines(sweep, result, document, error), "", upright(frame)]
+    text = [*_point_lines(sweep, result, document, error), "", upright(frame.drop(columns="notes"))]
     text += [f"would decide it: {decided_by}"] if decided_by else []
     text += [error_in_words(sweep)] if has_unknown_error(sweep) else []
     return Result(document, text, frames=[frame])
@@ -101,7 +101,7 @@ _COLUMNS = {
     "contact_width": "contact width [µm]", "contact_fraction": "contact area [%]",
     "mean_pressure": "mean pressure [GPa]", "max_pressure": "highest pressure [GPa]",
     "wear_depth_max": "wear depth [µm]", "wear_volume": "wear volume [mm³]", "time": "time [s]",
-    "sliding_distance": "sliding distance [m]", "wall_time": "computed in [s]",
+    "sliding_distance": "sliding distance [m]", "wall_time": "computed in [s]", "caveat": "notes",
 }  # fmt: skip
 """Heads of the table of a point, by names in its document."""
 

@@ -5,7 +5,6 @@ from .contact import load_share as load_share
 from .contact import mesh as mesh
 from .figure import draw_mesh as draw_mesh
 from .fzg import Critical as Critical
-from .fzg import Prediction as Prediction
 from .fzg import critical_temperature as critical_temperature
 from .fzg import predict_stages as predict_stages
 from .involute import Involutes as Involutes

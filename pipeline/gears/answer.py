@@ -6,25 +6,21 @@ import argparse
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict
-from functools import partial
 from operator import attrgetter
 from typing import Any, TypeVar
 
 import pandas as pd
 
 import pipeline.gears
+from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.tables import as_dict, frame_of, short, writable_path, write_text
 from pipeline.cli import output
 from pipeline.cli.given import settings_in
 from pipeline.cli.output import Result
 from pipeline.gears.contact import Mesh, mesh
-from pipeline.gears.fzg import (
-    Critical,
-    critical_temperature,
-    predict_stages,
-    stage_duty,
-)
-from pipeline.gears.pair import Pair
+from pipeline.gears.doubts import doubts
+from pipeline.gears.fzg import critical_temperature, predict_stages, stage_duty
+from pipeline.gears.pair import UNTESTED, Pair
 from pipeline.gears.reading import read_pair
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import judge_spectrum
@@ -35,9 +31,8 @@ from tribo import InputError, lubrication_regime
 T = TypeVar("T")
 
 LIMITS = (
-    "Not validated: no scuffing test of gears was compared with this. The simulated contact is in "
-    "boundary lubrication, while gears run mixed; what a film carries is not counted, nor tip "
-    "relief. Pressure, flash and film are of smooth flanks, in closed form."
+    f"{UNTESTED.capitalize()}. What a film carries is not counted, nor tip relief. Pressure, flash "
+    "and film are of smooth flanks, in closed form."
 )
 _PLACES = {
     "letter": "place", "position": "position [mm]", "radius_1": "radius 1 [mm]",
@@ -52,21 +47,15 @@ _CRITICAL = {
     "passed": "passed [°C]", "failed": "failed [°C]",
     "integral": "scuffing integral temperature [°C]",
 }  # fmt: skip
-_STAGES = {
-    "mesh.duty.torque": "torque [N m]", "mesh.duty.bulk": "bulk temperature [°C]",
-    "place.position": "hottest place [mm]", "temperature": "decisive temperature [°C]",
-    "error": "temperature error [K]", "integral": "integral temperature [°C]",
-}  # fmt: skip
-_ROWS = {
-    "number": "row", "simulated.mesh.duty.torque": "torque [N m]",
-    "simulated.mesh.duty.turns": "speed [rpm]", "hours": "hours",
-    "simulated.mesh.duty.bulk": "bulk temperature [°C]",
-    "simulated.place.position": "hottest place [mm]", "verdict": "verdict",
-    "simulated.temperature": "decisive temperature [°C]", "distance": "distance [K]",
-    "error": "error [K]",
+_JUDGED = {
+    "mesh.duty.torque": "torque [N m]", "mesh.duty.turns": "speed [rpm]",
+    "mesh.duty.bulk": "bulk temperature [°C]", "place.position": "worst place [mm]",
+    "verdict": "verdict", "told": "probability",
+    "temperature": "decisive temperature [°C]", "error": "temperature error [K]",
+    "distance": "distance [K]", "integral": "integral temperature [°C]", "notes": "notes",
 }  # fmt: skip
 _DRAWN = 400  # places of the figure, so that the load steps where it steps
-_WIDE = ("reduced radius [mm]", "half-width [µm]")
+_WIDE = ("reduced radius [mm]", "half-width [µm]", "temperature error [K]", "notes")
 """Columns for which a terminal is too narrow."""
 
 
@@ -78,22 +67,34 @@ def gears(options: argparse.Namespace) -> Result:
     _check(options, pair)
     if options.stage:
         pair = pair.changed(duty=stage_duty(pair, options.stage))
+    answers, text, table = dict[str, Any](), list[str | pd.DataFrame](), pd.DataFrame()
+    if options.failure_stage:
+        critical = _simulated(options, critical_temperature, pair, options.failure_stage)
+        pair = pair.changed(critical=critical.value, critical_sd=critical.doubt)
+        answers["critical_temperature"] = asdict(critical)
+        text, table = [*critical.words], _frame(_CRITICAL, [critical]).assign(notes=pair.caveat)
     one = mesh(pair, options.places)
-    document: dict[str, Any] = {"title": pair.title, "limits": LIMITS, **_document(one)}
-    if options.failure_stage or options.stages or options.points:
-        answers, text, table = _simulated(options, pair)
-        document |= answers
-    else:
-        table = _frame(_PLACES, one.places)
+    meshes = [one]
+    if options.stages or options.points:
+        told, lines, table, meshes = (_stages if options.stages else _spectrum)(options, pair)
+        answers, text = answers | told, [*text, *lines]
+    if not text:
+        table = _frame(_PLACES, one.places).assign(notes=pair.caveat)
         text = [frame_of(("subject", "value"), [*_facts(one)]), "", short(table, _WIDE)]
     if options.new_scene:
         note = f"Written by irg gears {options.pair}."
-        document["scene"] = str(write_text(scene_toml([one], note), options.new_scene))
+        answers["scene"] = str(write_text(scene_toml([one], note), options.new_scene))
         store = options.new_scene.with_suffix(".zarr").name
         text += ["", f"{options.new_scene} is written; its margins, place by place:"]
         text += [f"  irg run {options.new_scene} -o {store}", f"  irg margin {store}"]
-    draw = partial(_draw, pair)
-    return Result(document, [pair.title, LIMITS, "", *text], frames=[table], draw=draw)
+    slips = [*map(str, doubts(meshes))]
+    document = {"title": pair.title, "limits": LIMITS, "notes": pair.caveat, "doubts": slips}
+    return Result(
+        document | _document(one) | answers,
+        [pair.title, LIMITS, "", *text, *slips],
+        frames=[table],
+        draw=lambda: pipeline.gears.draw_mesh(mesh(pair, _DRAWN)),
+    )
 
 
 def _frame(heads: Mapping[str, str], answers: Iterable[object]) -> pd.DataFrame:
@@ -121,47 +122,47 @@ def _check(options: argparse.Namespace, pair: Pair) -> None:
         writable_path(options.new_scene, (".toml",))
 
 
-def _simulated(
-    options: argparse.Namespace, pair: Pair
-) -> tuple[dict[str, Any], list[str | pd.DataFrame], pd.DataFrame]:
-    """What is answered by simulation: as plain data, in words, and as a table."""
-
-    def found(simulate: Callable[..., T], *given: Any, **named: Any) -> T:
-        with output.run_line() as progress:
-            chosen = {"preset": options.preset, "workers": options.workers, "progress": progress}
-            return simulate(*given, **chosen, **named)
-
-    critical = Critical(pair.critical or 0.0, 0.0)
-    document, text, table = dict[str, Any](), list[str | pd.DataFrame](), pd.DataFrame()
-    if options.failure_stage:
-        critical = found(critical_temperature, pair, options.failure_stage)
-        document["critical_temperature"] = asdict(critical)
-        text, table = [*critical.words], _frame(_CRITICAL, [critical])
-    if options.stages:
-        predicted = found(predict_stages, pair, critical)
-        table = _frame(_STAGES, predicted.stages)
-        table.insert(0, "stage", range(1, len(table) + 1))
-        ends = {name: getattr(predicted, name) for name in ("fails", "soonest", "latest")}
-        document["stages"] = ends | as_dict(table)
-        text += [*predicted.words(critical), "", table]
-    if options.points:
-        judged = found(judge_spectrum, pair, options.points, critical, sheet=options.sheet)
-        table = short(_frame(_ROWS, judged.rows))
-        document["spectrum"] = {
-            "verdict": judged.verdict,
-            "binding_row": judged.binding.number,
-            "sentence": judged.sentence,
-            "columns_not_used": [*judged.unused],
-            "rows_read": judged.counted,
-            "rows": as_dict(table),
-        }
-        text += [*filter(None, [judged.counted]), judged.sentence, "", table, *judged.remarks]
-    return document, text, table
+def _simulated(options: argparse.Namespace, simulate: Callable[..., T], *given: Any) -> T:
+    """Call what simulates, with the options of a run and a line of progress."""
+    with output.run_line() as progress:
+        return simulate(*given, preset=options.preset, workers=options.workers, progress=progress)
 
 
-def _draw(pair: Pair) -> Any:
-    """The figure, with Matplotlib, which takes its time."""
-    return pipeline.gears.draw_mesh(mesh(pair, _DRAWN))
+_Told = tuple[dict[str, Any], list[str | pd.DataFrame], pd.DataFrame, list[Mesh]]
+"""What is simulated as plain data, in words, as a table, and at which duties."""
+
+
+def _stages(options: argparse.Namespace, pair: Pair) -> _Told:
+    """All load stages of the test, and those in which the pair fails, or may fail."""
+    found = _simulated(options, predict_stages, pair)
+    table = _frame(_JUDGED, found)
+    table.insert(0, "stage", range(1, len(found) + 1))
+    fails = next((k for k, one in enumerate(found, 1) if one.probability > 0.5), None)
+    said = f"fails in load stage {fails}" if fails else "passes all load stages"
+    text = [f"{said}, by a critical temperature of {pair.critical_words}"]
+    if open_ones := [str(k) for k, one in enumerate(found, 1) if one.verdict == NOT_DECIDED]:
+        text += [f"not decided, by all errors together: stage {', '.join(open_ones)}"]
+    told = {"stages": {"fails": fails} | as_dict(table)}
+    return told, [*text, "", short(table, _WIDE)], table, [one.mesh for one in found]
+
+
+def _spectrum(options: argparse.Namespace, pair: Pair) -> _Told:
+    """The rows of a duty spectrum, and one verdict."""
+    judged = _simulated(options, judge_spectrum, pair, options.points, options.sheet)
+    table = _frame(_JUDGED, [row.simulated for row in judged.rows])
+    table.insert(0, "row", [row.number for row in judged.rows])
+    table.insert(3, "hours", [row.hours for row in judged.rows])
+    told = {
+        "verdict": judged.verdict,
+        "binding_row": judged.binding.number,
+        "sentence": judged.sentence,
+        "columns_not_used": [*judged.unused],
+        "rows_read": judged.counted,
+        "rows": as_dict(table),
+    }
+    text = [judged.sentence, "", short(table, _WIDE), *judged.remarks]
+    meshes = [row.simulated.mesh for row in judged.rows]
+    return {"spectrum": told}, [*filter(None, [judged.counted]), *text], table, meshes
 
 
 def _alone(one: Mesh) -> float:
@@ -198,6 +199,8 @@ def _facts(one: Mesh) -> Iterator[tuple[str, str]]:
         low, high = min(parameters), max(parameters)
         regimes = dict.fromkeys(map(lubrication_regime, (low, high)))
         yield "film", f"Λ {low:.2g} to {high:.2g}: {' to '.join(regimes)}"
+    if pair.critical is not None:
+        yield "critical", pair.critical_words
     if rule := one.integral:
         said = f"{display(rule.integral, '°C', '.0f')}, by the rule of ISO/TR 13989-2 for this bulk"
         yield "integral", said
@@ -209,7 +212,10 @@ def _sharing(one: Mesh) -> str:
     """The rule by which pairs of teeth share the load, in words."""
     gears = one.pair.gears
     if gears.overlap_ratio:
-        return "helical: shared as lines of contact are long, 1/εα from an overlap of 1 on"
+        return (
+            "helical: shared as lines of contact are long, 1/εα from an overlap of 1 on, and up to "
+            "1.3 times that at A and E, ISO/TR 13989-1"
+        )
     if gears.contact_ratio >= 2:
         return "shared equally by the pairs in mesh"
     return "all on one pair from B to D, beyond from a third at A and E to two thirds, AGMA 925-A03"
@@ -218,13 +224,11 @@ def _sharing(one: Mesh) -> str:
 def _document(one: Mesh) -> dict[str, Any]:
     """The mesh as plain data in SI."""
     gears = one.pair.gears
+    names = "contact_ratio", "overlap_ratio", "centre_distance", "base_pitch"
     return {
         "duty": asdict(one.duty),
-        "contact_ratio": gears.contact_ratio,
-        "overlap_ratio": gears.overlap_ratio,
+        **{name: getattr(gears, name) for name in names},
         "working_pressure_angle": gears.working_angle,
-        "centre_distance": gears.centre_distance,
-        "base_pitch": gears.base_pitch,
         "normal_load": one.normal_load,
         "load_sharing": _sharing(one),
         "friction": one.friction,

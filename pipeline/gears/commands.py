@@ -12,7 +12,7 @@ COMMANDS = (
         "gears", "pipeline.gears.answer:gears",
         "follow the contact of a pair of gears along its mesh, write its scene, simulate FZG's "
         "test or a duty spectrum",
-        'fzg_a --set "duty.torque=302 N m" --scene mesh.toml',
+        'fzg_a --set "pinion.roughness=0.8 um" --scene mesh.toml',
         (
             Option(
                 "pair", metavar="PAIR.toml",
@@ -21,7 +21,7 @@ COMMANDS = (
             ),
             Option(
                 "--set", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
-                help='change an entry of the pair, like "duty.torque=302 N m"; may be repeated',
+                help='change an entry of the pair, like "pinion.roughness=0.8 um"; may be repeated',
             ),
             Option(
                 "--places", metavar="N", type=values.count, default=25,

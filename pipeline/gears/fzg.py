@@ -24,9 +24,9 @@ class Critical:
 
     value: float  #: In the middle between both.
     doubt: float  #: Standard deviation: even between both, and the simulation's error.
-    passed: float | None = None  #: Temperature of its hottest place, in the last stage passed.
-    failed: float | None = None  #: The same in the stage that failed.
-    stage: int | None = None  #: That failed.
+    passed: float  #: Temperature of its hottest place, in the last stage passed.
+    failed: float  #: The same in the stage that failed.
+    stage: int  #: That failed.
     integral: float | None = None  #: Scuffing integral temperature of the rule of the standard.
 
     @property
@@ -36,35 +36,15 @@ class Critical:
             f"critical temperature: {shown_in(self.value, '°C'):.0f} ± {self.doubt:.0f} °C by this "
             f"model, of an oil that fails in load stage {self.stage} of FZG A/8.3/90"
         )
-        if self.passed is not None and self.failed is not None:
-            yield (
-                f"the hottest place was at {display(self.passed, '°C', '.0f')} in the stage "
-                f"before, and at {display(self.failed, '°C', '.0f')} in that stage"
-            )
+        yield (
+            f"the hottest place was at {display(self.passed, '°C', '.0f')} in the stage before, "
+            f"and at {display(self.failed, '°C', '.0f')} in that stage"
+        )
         if self.integral is not None:
             yield (
                 f"scuffing integral temperature: {display(self.integral, '°C', '.0f')} by the rule "
                 "of ISO/TR 13989-2, Eq. 94, for that rule alone, not for this model"
             )
-
-
-@dataclass(frozen=True, slots=True)
-class Prediction:
-    """Load stages of the test, simulated for a pair, and those in which it fails."""
-
-    stages: tuple[Simulated, ...]
-    fails: int | None  #: First stage above the critical temperature; None if none is.
-    soonest: int | None  #: The same, with the critical temperature less its doubt.
-    latest: int | None  #: The same, with it and its doubt.
-
-    def words(self, critical: Critical) -> Iterator[str]:
-        """The stage that fails in lines, and what the doubt moves it by."""
-        beyond, limit = f"beyond {len(STAGES)}", display(critical.value, "°C", ".0f")
-        said = f"fails in load stage {self.fails}" if self.fails else "passes all load stages"
-        yield f"{said}, by a critical temperature of {limit}"
-        if critical.doubt and self.soonest != self.latest:
-            ends = f"{self.soonest or beyond} to {self.latest or beyond}"
-            yield f"by its doubt of {critical.doubt:.0f} K in stage {ends}"
 
 
 def stage_duty(pair: Pair, stage: int) -> Duty:
@@ -85,6 +65,7 @@ def rig_pair(pair: Pair) -> Pair:
         )
     return rig.changed(
         oil=pair.oil,
+        friction=pair.friction,
         lubricant_factor=pair.lubricant_factor,
         written={**rig.written, "oil": pair.written["oil"]},
         correlation_length=pair.correlation_length,
@@ -120,7 +101,7 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> Critical:
             f"passes stage {len(STAGES)} has no failure stage: --failure-stage {len(STAGES)} is "
             "then a lower bound"
         )
-    gears = rig_pair(pair)
+    gears = rig_pair(pair).changed(critical=None, critical_sd=None)
     meshes = [mesh(gears, duty=stage_duty(gears, number)) for number in (stage - 1, stage)]
     passed, failed = simulate(meshes, **choices)
     error, oil = max(passed.error, failed.error), gears.oil
@@ -136,25 +117,16 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> Critical:
     )
 
 
-def predict_stages(pair: Pair, critical: Critical, **choices: Any) -> Prediction:
-    """Simulate a pair in all load stages of the test, and find the first one in which it fails.
+def predict_stages(pair: Pair, **choices: Any) -> list[Simulated]:
+    """Simulate and judge a pair in all load stages of the test.
 
     Parameters
     ----------
     pair : Pair
-        The test gears, with any oil and roughness, or other gears.
-    critical : Critical
-        Critical temperature.
+        The test gears, with any oil and roughness, or other gears; with a critical temperature.
     **choices
         Preset, workers and progress of `simulate`.
     """
     stages = range(1, len(STAGES) + 1)
     meshes = [mesh(pair, duty=stage_duty(pair, number)) for number in stages]
-    found = simulate(meshes, **choices)
-
-    def first(limit: float) -> int | None:
-        pairs = zip(stages, found, strict=True)
-        return next((number for number, one in pairs if one.temperature > limit), None)
-
-    low, high = critical.value - critical.doubt, critical.value + critical.doubt
-    return Prediction((*found,), first(critical.value), first(low), first(high))
+    return simulate(meshes, **choices)

@@ -7,26 +7,51 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path
+from typing import Any
 
 import pipeline
+from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.margin import NOT_DECIDED, told
+from pipeline.analysis.margin_frame import Judged, judged
 from pipeline.gears.contact import Mesh, MeshPlace
 from pipeline.gears.scene import scene_toml
-from pipeline.quantities import si_of
 from pipeline.sweep.stages import Report, silent
+
+MILD, SEVERE = "mild", "severe"
+_WORSE = ("", MILD, NOT_DECIDED, SEVERE)
 
 
 @dataclass(frozen=True, slots=True)
 class Simulated:
-    """The hottest simulated place of a mesh, by the temperature that decides."""
+    """A simulated place of a mesh; of all the worst one."""
 
     mesh: Mesh
     place: MeshPlace
     temperature: float  #: That decides about severe wear [K].
-    error: float  #: Error of that temperature [K]; infinite where it is not known.
+    error: float  #: Numerical error of that temperature [K]; infinite where it is not known.
+    verdict: str = ""  #: That of `pipeline.margin`; empty without a critical temperature.
+    probability: float = 0.0  #: Probability that the next run is severe.
+    notes: str = ""  #: What a reader of the verdict must know.
+
+    @property
+    def distance(self) -> float:
+        """Critical less deciding temperature [K]."""
+        critical = self.mesh.pair.critical
+        return math.nan if critical is None else critical - self.temperature
+
+    @property
+    def told(self) -> float:
+        """The probability as a number, which is not told nearer to 0 or 1 than is known."""
+        return told(self.probability)
+
+    @property
+    def rank(self) -> tuple[int, float, float]:
+        """Key by which a worse place or duty is the larger one."""
+        return _WORSE.index(self.verdict), self.probability, self.temperature
 
     @property
     def integral(self) -> float | None:
@@ -36,12 +61,17 @@ class Simulated:
 
 
 def decisive_places(one: Mesh) -> Mesh:
-    """The mesh at the places that may decide: letters with sliding, and the hottest place.
+    """The mesh at the places that may decide: letters with sliding, and the hottest of its range.
 
-    It has no critical temperature, which moves none of theirs, and may lie below the bulk.
+    Rough flanks are hotter than smooth ones, by a factor that changes slowly along the path.
     """
-    kept = (at for at in one.places if at.sliding and (at.letter or at is one.hottest))
-    return replace(one, places=tuple(kept), pair=one.pair.changed(critical=None))
+    heat = [at.temperature for at in one.places]
+    kept = (
+        at
+        for k, at in enumerate(one.places)
+        if at.sliding and (at.letter or at.temperature == max(heat[max(k - 1, 0) : k + 2]))
+    )
+    return replace(one, places=tuple(kept))
 
 
 def simulate(
@@ -50,7 +80,10 @@ def simulate(
     workers: int | None = None,
     progress: Report = silent,
 ) -> list[Simulated]:
-    """Simulate the places that may decide, and take the hottest of each mesh.
+    """Simulate the places that may decide, and take the worst of each mesh.
+
+    Without a critical temperature of the pair it is the hottest. A mesh whose teeth alone are above
+    the critical temperature is severe, and is not simulated.
 
     Parameters
     ----------
@@ -68,7 +101,9 @@ def simulate(
     TriboError
         If a place cannot be simulated.
     """
-    chosen = [decisive_places(one) for one in meshes]
+    chosen = [decisive_places(one) for one in meshes if not _is_too_hot(one)]
+    if not chosen:
+        return [*map(_unsimulated, meshes)]
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "mesh.toml"
         file.write_text(scene_toml(chosen), encoding="utf-8")
@@ -77,19 +112,34 @@ def simulate(
         outcome = pipeline.run_sweep(sweep, store, workers, progress=progress)
         if outcome.failed:
             raise pipeline.ExecutionError(f"a place of mesh failed: {outcome.failed[0]}")
-        found = _decisive(store)
-    return [
-        max(
-            (Simulated(one, place, *next(found)) for place in one.places),
-            key=attrgetter("temperature"),
-        )
-        for one in chosen
-    ]
+        rows = judged(pipeline.open_sweep(store), None)
+        found = [[_simulated(one, place, next(rows)) for place in one.places] for one in chosen]
+    worst = (max(places, key=attrgetter("rank")) for places in found)
+    return [_unsimulated(one) if _is_too_hot(one) else next(worst) for one in meshes]
 
 
-def _decisive(store: Path) -> Iterator[tuple[float, float]]:
-    """Temperatures that decide and their errors [K], of the rows of a store."""
-    table = pipeline.margin(pipeline.at(store, critical_temperature=1000.0))
-    temperatures = (si_of(one, "°C") for one in table["decisive temperature [°C]"].astype(float))
-    errors = table["temperature error [K]"].astype(float).fillna(math.inf)
-    return zip(temperatures, errors.tolist(), strict=True)
+def _simulated(one: Mesh, place: MeshPlace, found: Judged) -> Simulated:
+    """A place by its simulation; without a critical temperature it has no verdict."""
+    field = found.field
+    temperature = field.conditions.contact_temperature(
+        decisive_rise(field.source, field.conditions).item()
+    )
+    error = field.error(*found.place).times(field.conditions.temperature_error(temperature)).total
+    verdict: tuple[Any, ...] = ()
+    if one.pair.critical is not None:
+        margin = found.known()
+        notes = *margin.caveats, f"the model's own error: {margin.model_error}"
+        verdict = margin.verdict, margin.probability, "; ".join(notes)
+    return Simulated(one, place, temperature, math.inf if error is None else error, *verdict)
+
+
+def _is_too_hot(one: Mesh) -> bool:
+    """True if the teeth alone are as hot as the critical temperature."""
+    return one.pair.critical is not None and one.duty.bulk >= one.pair.critical
+
+
+def _unsimulated(one: Mesh) -> Simulated:
+    """A mesh whose teeth alone are too hot, with the temperature of smooth flanks."""
+    notes = f"{one.pair.caveat}; the teeth alone are above the critical temperature: not simulated"
+    hot = one.hottest
+    return Simulated(one, hot, hot.temperature, math.nan, SEVERE, 1.0, notes)

@@ -8,9 +8,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from pipeline.gears.involute import Involutes
+from pipeline.quantities import display
 from pipeline.sweep.about import FromLibrary
 from tribo import Material, Oil
 
+UNTESTED = (
+    "not validated: no scuffing test of gears was compared with this model of boundary "
+    "lubrication, while gears run mixed"
+)
+"""What a reader of each answer must know."""
 _RQ_OF_RA = math.sqrt(math.pi / 2)  # where heights are distributed normally
 
 
@@ -41,6 +47,7 @@ class Pair:
     duty: Duty
     quality: int = 6
     critical: float | None = None  #: Critical temperature of the lubricant [K].
+    critical_sd: float | None = None  #: Its standard deviation [K]; None if it is not known.
     friction: float | None = None  #: None by the rule of the standard.
     lubricant_factor: float = 1.0
     oil: Oil | None = None
@@ -55,6 +62,18 @@ class Pair:
     def rms_roughness(self) -> float:
         """Rq of both flanks together, of heights distributed normally [m]."""
         return _RQ_OF_RA * math.hypot(*self.roughness)
+
+    @property
+    def critical_words(self) -> str:
+        """The critical temperature, and how exactly it is known; empty if it is not given."""
+        doubt = f" ± {self.critical_sd:.3g} K" if self.critical_sd else ", taken as exact"
+        return display(self.critical, "°C", 3) + doubt if self.critical is not None else ""
+
+    @property
+    def caveat(self) -> str:
+        """What a reader of each answer must know, in a line."""
+        critical = f"; the critical temperature is {self.critical_words}" if self.critical else ""
+        return UNTESTED + critical
 
     def changed(self, **fields: Any) -> Pair:
         """The pair with some fields replaced."""

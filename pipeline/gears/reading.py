@@ -16,7 +16,16 @@ from pipeline.paths import user_path
 from pipeline.scene.compounds import Entry, List, Optional, Table, Tables
 from pipeline.scene.document import override_entries, read_document
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, quoted
-from pipeline.scene.format import ANY_WEAR_RATE, BULK, CRITICAL, FRICTION, MATERIAL, OIL, length
+from pipeline.scene.format import (
+    ANY_WEAR_RATE,
+    BULK,
+    CRITICAL,
+    CRITICAL_SD,
+    FRICTION,
+    MATERIAL,
+    OIL,
+    length,
+)
 from pipeline.scene.kinds import Number, Quantity, Text, UnfitError, Whole
 from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import oil_of
@@ -82,6 +91,7 @@ PAIR = Table({
         "oil": Optional(BULK,
             "Temperature of the oil; `bulk` then follows by ISO/TR 13989-2, Eq. 20."),
         "critical": Optional(CRITICAL, "Contact temperature above which the lubricant fails."),
+        "critical_sd": Optional(CRITICAL_SD, "Its standard deviation, which counts in verdicts."),
     })),
     "friction": Optional(Table({
         "coefficient": Optional(FRICTION, "Mean coefficient; by default by ISO/TR 13989-2, Eq. 1."),
@@ -113,7 +123,8 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     path : str or path
         TOML file, or the name of a shipped pair, such as ``"fzg_a"``. It may extend another file.
     overrides : mapping, optional
-        Entries by their paths in place of the file's, such as ``{"duty.torque": "302 N m"}``.
+        Entries by their paths in place of the file's, such as ``{"pinion.roughness": "0.8 um"}``.
+        Another duty needs its temperature, too.
 
     Raises
     ------
@@ -123,9 +134,9 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     Examples
     --------
     >>> import pipeline.gears
-    >>> pair = pipeline.gears.read_pair("fzg_a", {"duty.torque": "302 N m"})
+    >>> pair = pipeline.gears.read_pair("fzg_a", {"pinion.roughness": "0.8 um"})
     >>> pair.gears.teeth, pair.duty.torque
-    ((16, 24), 302.0)
+    ((16, 24), 372.6)
     """
     given = file = user_path(path)
     if not file.exists():
@@ -153,6 +164,13 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     temperature = tables["temperature"]
     if temperature and not faults and (temperature["bulk"] is None) == (temperature["oil"] is None):
         faults.refuse("temperature", "give one of bulk, that of the teeth, and oil")
+    has_own = {key.partition(".")[0] for key in overrides or {}}
+    if temperature and temperature["bulk"] and "duty" in has_own and "temperature" not in has_own:
+        faults.refuse(
+            "temperature.bulk",
+            "that of the file is for its own duty; give temperature.bulk of the other duty, too, "
+            "or without=temperature.bulk and temperature.oil, from which it follows",
+        )
     oil = oil_of(tables["oil"], faults) if not faults else None
     if faults:
         raise SceneFileError(given, [*map(document.line, faults)])
@@ -206,6 +224,7 @@ def _make_pair(
         duty=Duty(*load, bulk or warm_oil, duty["load_factor"]),
         quality=mesh["quality"],
         critical=temperature["critical"],
+        critical_sd=temperature["critical_sd"],
         friction=friction["coefficient"],
         lubricant_factor=friction["lubricant_factor"],
         oil=oil,

@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass, replace
 
 from pipeline.gears.pair import Duty, Pair
+from pipeline.quantities import display
 from pipeline.scene.library import library
 from tribo import InputError, contact_modulus
 
@@ -159,12 +160,13 @@ def warm_duty(
     speed: float,
     bulk: float | None = None,
     load_factor: float | None = None,
+    oil: float | None = None,
 ) -> Duty:
     """A duty of a pair, with the bulk temperature that is given, or else found.
 
-    If the pair gives the temperature θ of the oil into which its teeth dip, their bulk is θ + 0.7
-    mean flash, Eq. (20); friction, by the viscosity there, is found together with it. Otherwise it
-    is the pair's own.
+    If the oil into which the teeth dip has the temperature θ, their bulk is θ + 0.7 mean flash,
+    Eq. (20); friction, by the viscosity there, is found together with it. Without θ it is that of
+    the pair, which holds for its own duty.
 
     Parameters
     ----------
@@ -176,13 +178,27 @@ def warm_duty(
         Bulk temperature of the teeth [K].
     load_factor : float, optional
         Factor of the load, in place of the pair's.
+    oil : float, optional
+        Temperature of the oil, in place of the pair's [K].
+
+    Raises
+    ------
+    InputError
+        If another duty than the pair's own has neither.
     """
     duty = Duty(torque, speed, bulk or pair.duty.bulk, load_factor or pair.duty.load_factor)
-    if bulk or pair.oil_temperature is None:
+    oil = oil or pair.oil_temperature
+    if bulk or (oil is None and duty == pair.duty):
         return duty
+    if oil is None:
+        raise InputError(
+            f"the bulk temperature of the file, {display(duty.bulk, '°C', 4)}, is that of its own "
+            "duty, and another duty heats the teeth otherwise; give the bulk temperature of this "
+            "duty, or the temperature of the oil"
+        )
     for _ in range(_ROUNDS):
         warmer = _BULK_SHARE * integral_temperature(pair, duty).mean_flash
-        duty = replace(duty, bulk=pair.oil_temperature + warmer)
+        duty = replace(duty, bulk=oil + warmer)
     return duty
 
 

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from pipeline.gears.contact import Mesh, MeshPlace
+from pipeline.gears.pair import UNTESTED
 from pipeline.quantities import display
 from pipeline.scene.document import as_toml
 from tribo import InputError
@@ -25,7 +26,6 @@ _PIXELS_A_LENGTH = 4  # pixels in a correlation length of the roughness
 _PIXELS_A_WIDTH = 80  # at least, of the widest contact of Hertz
 _HEAD = (
     "# Places of mesh of a pair of gears: the margin of the rough, worn contact at each.",
-    "# Gears run mixed; this contact is in boundary lubrication.",
     "# Chosen   the load of each place grows in 10 s, while the pinion wears; what no drawing",
     "#          gives (correlation length, Hurst exponent, wear rate) is that of [surface].",
 )
@@ -83,6 +83,8 @@ def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
     temperature: dict[str, Any] = {"bulk": display(meshes[0].duty.bulk, "degC", 7)}
     if pair.critical is not None:
         temperature["critical"] = display(pair.critical, "degC", 7)
+    if pair.critical_sd:
+        temperature["critical_sd"] = display(pair.critical_sd, "K", 7)
     rough = math.hypot(*pair.roughness)
     wear_rate = display(pair.specific_wear_rate, "mm^3/(N m)", 7)
     tables: dict[str, dict[str, Any]] = {
@@ -108,6 +110,8 @@ def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
         tables["oil"] = {k: v for k, v in pair.written["oil"].items() if k != "like"}
     lines = [f"# {note}"] if note else []
     lines += [*_HEAD, "", f"title = {as_toml(f'{pair.title}: places of mesh')}"]
+    # Verdicts on a scene tell a standard deviation themselves.
+    lines += [f"caveat = {as_toml(UNTESTED if pair.critical_sd else pair.caveat)}"]
     for name, table in tables.items():
         lines += ["", f"[{name}]", *(f"{key} = {as_toml(value)}" for key, value in table.items())]
     lines += ["", "[sweep]", "along = [", *(f"  {as_toml(row)}," for row in rows), "]"]

@@ -8,19 +8,20 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from pipeline.analysis.margin import NOT_DECIDED, percent
 from pipeline.gears.contact import mesh
-from pipeline.gears.fzg import Critical
-from pipeline.gears.model import Simulated, simulate
+from pipeline.gears.model import MILD, SEVERE, Simulated, simulate
 from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.reading import SPEED, TORQUE
 from pipeline.gears.rules import warm_duty
 from pipeline.quantities import display
 from pipeline.scene.along import columns_of, lines_of
 from pipeline.scene.compounds import Entry, Optional, Table
-from pipeline.scene.faults import Faults
+from pipeline.scene.faults import Fault, Faults, listed_faults
 from pipeline.scene.format import BULK
 from pipeline.scene.kinds import Number, Quantity
 from pipeline.scene.sheet import Sheet, read_sheet
+from tribo import InputError
 
 
 class _Hours(Quantity):
@@ -38,71 +39,60 @@ _ROW = Table(
         "speed": Entry(SPEED),
         "hours": Optional(_Hours("a duration", "100 h", zero=True)),
         "bulk_temperature": Optional(BULK),
+        "oil_temperature": Optional(BULK),
         "load_factor": Optional(Number(above=0)),
     }
 )
 _UNITS = {"torque": "N m", "speed": "rpm", "hours": "s", "bulk_temperature": "K",
-          "load_factor": ""}  # fmt: skip
-_DUTY = "torque", "speed", "bulk_temperature", "load_factor"
-SEVERE, MILD, NOT_DECIDED = "severe", "mild", "not decided"
+          "oil_temperature": "K", "load_factor": ""}  # fmt: skip
+_DUTY = "torque", "speed", "bulk_temperature", "load_factor", "oil_temperature"
 
 
 @dataclass(frozen=True, slots=True)
 class SpectrumRow:
-    """A row of the spectrum, its hottest place, and the verdict there."""
+    """A row of the spectrum, and the place that is its worst."""
 
     number: int  #: Row of the file, in which the headings are the first; of columns, from 1 on.
     hours: float | None
     simulated: Simulated
-    distance: float  #: Critical less deciding temperature [K].
-    error: float  #: Of that distance [K].
-
-    @property
-    def verdict(self) -> str:
-        """``"mild"`` or ``"severe"`` beyond the error, else ``"not decided"``."""
-        if abs(self.distance) <= self.error:
-            return NOT_DECIDED
-        return MILD if self.distance > 0 else SEVERE
 
 
 @dataclass(frozen=True, slots=True)
 class Spectrum:
-    """Rows of a spectrum, and the verdict on all: that of the row with the least distance."""
+    """Rows of a spectrum, and the verdict on all: that of the worst row."""
 
     rows: tuple[SpectrumRow, ...]
-    critical: Critical
     unused: tuple[str, ...] = ()  #: Columns that no answer depends on.
     counted: str = ""  #: Rows used and left out, with the reasons, if any is left out.
 
     @property
     def binding(self) -> SpectrumRow:
         """The row that decides: scuffing has no memory, so the worst one does."""
-        return min(self.rows, key=lambda row: row.distance)
+        return max(self.rows, key=lambda row: row.simulated.rank)
 
     @property
     def verdict(self) -> str:
         """Verdict on the spectrum: severe if any row is, mild if all are."""
-        said = [row.verdict for row in self.rows]
-        return next((one for one in (SEVERE, NOT_DECIDED) if one in said), MILD)
+        return self.binding.simulated.verdict
 
     @property
     def sentence(self) -> str:
         """The verdict in one sentence, for those who decide."""
-        row = self.binding
-        duty, place = row.simulated.mesh.duty, row.simulated.place
-        share = self._share()
+        row, share = self.binding, self._share()
+        worst = row.simulated
+        duty, place, critical = worst.mesh.duty, worst.place, worst.mesh.pair.critical_words
         begin = {
             SEVERE: f"Scuffing is predicted {share}",
             NOT_DECIDED: f"Whether the gears scuff is not decided {share}",
             MILD: f"No scuffing is predicted {share}",
         }[self.verdict]
-        beyond = "below" if row.distance >= 0 else "above"
+        beyond = "below" if worst.distance >= 0 else "above"
         towards = "pinion" if place.position > 0 else "wheel"
         return (
             f"{begin}. Row {row.number}, {duty.torque:.4g} N m at {duty.turns:.4g} rpm, binds: "
-            f"{abs(row.distance):.0f} ± {row.error:.0f} K {beyond} the critical temperature of "
-            f"{display(self.critical.value, '°C', '.0f')}, {display(abs(place.position), 'mm', 3)} "
-            f"from the pitch point towards the {towards}'s tip."
+            f"severe with {percent(worst.probability)}, {abs(worst.distance):.0f} K {beyond} the "
+            f"critical temperature ({critical}), {display(abs(place.position), 'mm', 3)} from the "
+            f"pitch point towards the {towards}'s tip."
         )
 
     @property
@@ -118,7 +108,7 @@ class Spectrum:
 
     def _share(self) -> str:
         """Rows and hours with the verdict, in words."""
-        rows = [row for row in self.rows if row.verdict == self.verdict]
+        rows = [row for row in self.rows if row.simulated.verdict == self.verdict]
         said = f"in {len(rows)} of {len(self.rows)} rows"
         hours = [row.hours for row in self.rows]
         if None in hours or not (total := sum(filter(None, hours))):
@@ -132,21 +122,30 @@ def read_spectrum(
 ) -> tuple[list[tuple[float | None, Duty]], Sheet]:
     """Read a table of duties, each with its hours, and what became of its rows and columns.
 
-    Columns are ``torque``, ``speed`` and, if they are there, ``hours``, ``bulk temperature`` and
-    ``load factor``, in place of those of the pair; see `warm_duty`.
+    Columns are ``torque``, ``speed`` and, if they are there, ``hours``, ``load factor``, and
+    ``bulk temperature`` or ``oil temperature``, in place of those of the pair; see `warm_duty`.
     """
     given = Path(source) if isinstance(source, str | PathLike) else lines_of(columns_of(source))
     read = read_sheet(given, _UNITS, _DUTY[:2], _DUTY[:2], sheet)
     _, rows = read.entries(_ROW)
-    read.refuse_faults("torque [N m],speed [rpm],hours")
-    duties = [(row["hours"], warm_duty(pair, *(row[name] for name in _DUTY))) for row in rows]
+    if {"bulk_temperature", "oil_temperature"} <= {*read.places}:
+        read.faults.append("there are bulk and oil temperatures; give one of both columns")
+    first_line = "torque [N m],speed [rpm],hours"
+    read.refuse_faults(first_line)
+    duties, faults = [], list[Fault]()
+    for number, row in zip((row.number for row in read.rows), rows, strict=True):
+        try:
+            duties.append((row["hours"], warm_duty(pair, *(row[name] for name in _DUTY))))
+        except InputError as error:
+            faults.append(Fault("bulk_temperature", str(error), row=number))
+    read.faults += listed_faults(faults)
+    read.refuse_faults(first_line)
     return duties, read
 
 
 def judge_spectrum(
     pair: Pair,
     points: str | PathLike[str] | Mapping[str, Sequence[Any]],
-    critical: Critical,
     sheet: str | None = None,
     **choices: Any,
 ) -> Spectrum:
@@ -155,11 +154,9 @@ def judge_spectrum(
     Parameters
     ----------
     pair : Pair
-        The pair.
+        The pair, with a critical temperature.
     points : path or mapping of str to sequence
         A .csv or .xlsx file of duties, or columns by heading; see `read_spectrum`.
-    critical : Critical
-        Critical temperature, whose doubt counts in each verdict.
     sheet : str, optional
         Sheet of a workbook.
     **choices
@@ -173,9 +170,7 @@ def judge_spectrum(
     duties, table = read_spectrum(points, pair, sheet)
     found = simulate([mesh(pair, duty=duty) for _, duty in duties], **choices)
     rows = (
-        SpectrumRow(
-            row.number, hours, one, critical.value - one.temperature, critical.doubt + one.error
-        )
+        SpectrumRow(row.number, hours, one)
         for row, (hours, _), one in zip(table.rows, duties, found, strict=True)
     )
-    return Spectrum((*rows,), critical, tuple(table.unused), table.counted)
+    return Spectrum((*rows,), tuple(table.unused), table.counted)

@@ -60,6 +60,7 @@ OIL_WORKS = "-53 degC", "627 degC"
 """Bulk temperatures between which an oil may work."""
 BULK = Quantity("a temperature", "25 degC", ends=OIL_WORKS)
 CRITICAL = Quantity("a temperature", "145 degC")
+CRITICAL_SD = Quantity("a difference", "8 K", ends=("0.001 K", "200 K"))
 CONDUCTIVITY = Quantity("a conductivity", "45 W/(m K)")
 HEAT_TRANSFER = Quantity("a heat transfer coefficient", "50 W/(m^2 K)")
 FRICTION = Number(at_least=0)
@@ -363,7 +364,7 @@ TEMPERATURES = Table({
     })), "Temperature far from the contact, of both bodies, or of `pin` and `disk`."),
     "critical": Optional(CRITICAL,
         "Contact temperature above which the lubricant fails; needed to judge wear."),
-    "critical_sd": Optional(Quantity("a difference", "8 K", ends=("0.001 K", "200 K")),
+    "critical_sd": Optional(CRITICAL_SD,
         "Standard deviation of `critical`, which counts in each verdict. With `sweep.samples` give "
         "`critical` as one of their `unknown` inputs instead."),
     "failing_share": Optional(Share(at_least=0, below=1),

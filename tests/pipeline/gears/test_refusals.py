@@ -9,7 +9,7 @@ from pipeline import gears
 from pipeline.gears.contact import mesh
 from pipeline.gears.fzg import critical_temperature, rig_pair
 from pipeline.gears.pair import Duty
-from pipeline.gears.rules import friction_coefficient, stage_torque
+from pipeline.gears.rules import friction_coefficient, stage_torque, warm_duty
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import read_spectrum
 from pipeline.scene.faults import SceneFileError
@@ -100,6 +100,14 @@ REFUSALS = {
     "fine": (lambda: scene_toml([mesh(gears.read_pair("fzg_a", {
         "surface.correlation_length": ["1 nm", "4 um"]}))]), "surface.correlation_length is 0.001"),
     "no duty": (duties("torque [N m],speed [rpm]\n"), "there are no rows"),
+    "bulk of a duty": (duties("torque [N m],speed [rpm]\n372.6,2170\n534.5,2170\n"),
+                       "row 3, bulk_temperature: the bulk temperature of the file, 165.7 °C, is "),
+    "bulk of another": (lambda: warm_duty(gears.read_pair("fzg_a"), 534.5, 227.2),
+                        "give the bulk temperature of this duty, or the temperature of the oil"),
+    "bulk of a file": (partial(gears.read_pair, "fzg_a", {"duty.torque": "534.5 N m"}),
+                       "temperature.bulk: that of the file is for its own duty"),
+    "bulk and oil": (duties("torque [N m],speed [rpm],oil temperature [degC],bulk temperature "
+                            "[degC]\n534.5,2170,90,203\n"), "give one of both columns"),
     "duty": (duties("torque [N m],speed [rpm]\nx,3\n"), "row 2, torque"),
     # options
     "stages": (fzg("--stages"), "need a critical temperature"),
