@@ -19,6 +19,7 @@ from pipeline.analysis.dataset import (
     count_missing,
     dataset_of,
     entry_dims,
+    moving_points,
     read_conditions,
     require_kind,
     require_lists,
@@ -135,6 +136,7 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
 def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.Dataset:
     """The boundary of one scene, under given conditions or its own."""
     require_lists(ds, *PLANE)
+    ds = moving_points(ds)
     found = point_field(ds, conditions)
     coords = {name: ds[name].variable for name in ("realization", *PLANE) if name in ds.indexes}
     result = xr.Dataset(coords=coords, attrs=_condition_attributes(found.conditions))
@@ -230,9 +232,9 @@ _BEYOND = 3.0  # factor beyond the velocities computed to which they are
 def _add_errors(boundaries: xr.Dataset, field: Field, ds: xr.Dataset) -> xr.Dataset:
     """Add the ends of the band that the errors leave, by load."""
     loads, scatter = boundaries["load"].values.tolist(), model_error(ds, field)
-    velocities = ds["velocity"].values[ds["velocity"].values > 0]
+    velocities = ds["velocity"].values
     bands = np.full((len(loads), 2), math.nan)
-    if velocities.size:
+    if velocities.max() > 0:
         grid = np.geomspace(velocities.min() / _BEYOND, velocities.max() * _BEYOND, _STEPS)
         bands = np.array([error_band(field, load, grid, scatter) for load in loads])
     for name, ends, words in (

@@ -19,7 +19,6 @@ from tribo import Criterion
 from tribo.types import Array
 
 _NEAR = 1.01  # ratio of abscissae over which an exponent is taken
-_FLAT = 0.25  # least exponent of a power law that is continued down to 0
 
 
 class Curve:
@@ -33,14 +32,6 @@ class Curve:
         is_known = np.isfinite(y.reshape(len(y), -1)[:, 0])
         self.x, self.y = x[is_known], y[is_known]
         self._is_log = bool((self.x > 0).all() and (self.y > 0).all())
-        # From the first point down to 0 the power law goes on with which the others begin, unless
-        # it is flat: that would leap up at 0.
-        self._foot = 0.0
-        if len(self.x) > 2 and self.x[0] == 0 and self.y[0] == 0 and (self.y[1:] > 0).all():
-            rest = Curve(self.x[1:], self.y[1:])
-            slope = float(rest._cubic(np.log(self.x[1]), 1))
-            if slope > _FLAT:
-                self._foot, self._rest = slope, rest
 
     @functools.cached_property
     def _cubic(self) -> Any:
@@ -70,10 +61,6 @@ class Curve:
         return result
 
     def _inside(self, places: Array) -> Array:
-        if self._foot:
-            first = self.x[1]
-            foot = self.y[1] * (np.minimum(places, first) / first) ** self._foot
-            return np.where(places < first, foot, self._rest._inside(np.maximum(places, first)))
         values = self._cubic(self._scaled(places))
         return np.exp(values) if self._is_log else np.asarray(values)
 
@@ -110,10 +97,6 @@ class Curve:
         x, y = self.x[k : k + 2].tolist(), self.y[k : k + 2].tolist()
         if limit in y:
             return float(x[y.index(limit)])
-        if self._foot:
-            if k:
-                return self._rest._crossing(k - 1, limit)
-            return float(x[1] * (limit / y[1]) ** (1 / self._foot))
         below, above = x
         if (self._inside(np.array(below)) > limit) != (y[0] > limit):  # by rounding
             return float(below)

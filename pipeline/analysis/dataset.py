@@ -290,6 +290,15 @@ def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     return keep_steps(ds, "status", "normal_load", "rise_quantile", "cooler_share")
 
 
+def moving_points(ds: xr.Dataset) -> xr.Dataset:
+    """Points that slide; all of them where none does.
+
+    At rest there is no heat, and the rise is no power of the velocity.
+    """
+    slides = ds["velocity"] > 0
+    return ds.sel(velocity=slides) if ds["velocity"].ndim and slides.any() else ds
+
+
 class Kind(Enum):
     """What the rows of a sweep are, which decides how it answers."""
 

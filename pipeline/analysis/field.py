@@ -22,6 +22,7 @@ from pipeline.analysis.curve import Curve, certain
 from pipeline.analysis.dataset import (
     Kind,
     dataset_of,
+    moving_points,
     read_conditions,
     stored_sweep,
     sweep_kind,
@@ -139,6 +140,7 @@ class PointField:
     entries: Mapping[str, Any] = field(default_factory=dict)
     shown: Mapping[str, Any] = field(default_factory=dict)
     place: tuple[float, float] | None = None
+    from_rest: bool = False  # the sweep has points at rest, below its lowest velocity
     misfit: str = ""
     basis: tuple[Mapping[str, Any], Sequence[str]] = ({}, ())
     counts_inputs = False
@@ -192,6 +194,7 @@ class PointField:
         axes = self.planes[0].loads, self.planes[0].velocities
         for name, x, value in zip(PLANE, axes, (load, velocity), strict=True):
             lowest, highest = min(x[0], self.ends[name][0]), max(x[-1], self.ends[name][1])
+            lowest = 0.0 if self.from_rest and name == "velocity" else lowest
             if not (lowest <= value <= highest and value > 0):
                 raise InputError(
                     f"{name} is {value:g} {UNITS[name]}; the sweep has {lowest:g} to {highest:g} "
@@ -314,8 +317,7 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
 
 def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve | None:
     """Rises [K] far beyond the velocities [m/s] that are known: only the heat is a power there."""
-    is_moving = velocities > 0
-    heat = Curve(velocities[is_moving], (rises / factor(velocities))[is_moving])
+    heat = Curve(velocities, rises / factor(velocities))
     if not (heat.x.size and (heat.y > 0).all()):
         return None
     if len(heat.x) == 1:  # as the velocity, at most
@@ -345,7 +347,8 @@ def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> Poin
     coords = {str(name): label for name, label in scene.coords.items() if name not in _USUAL}
     shown = {name: label.item() for name, label in coords.items() if not label.ndim}
     entries = {path: scene[path].item() for path in taken_entries(scene)}
-    scene, sweep = scene.expand_dims(placed if place else []), stored_sweep(scene)
+    whole, sweep = scene.expand_dims(placed if place else []), stored_sweep(scene)
+    scene = moving_points(whole)
     rise = decisive_rise(scene, conditions)
     ends = {
         name: (at, at) if place else range_of(scene, name)
@@ -360,6 +363,7 @@ def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> Poin
         entries=entries,
         shown=shown,
         place=place,
+        from_rest=0.0 in whole["velocity"].values and scene.sizes != whole.sizes,
     )
 
 

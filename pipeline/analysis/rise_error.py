@@ -233,7 +233,7 @@ def _interpolation(
     if gaps and all(0 < gap[0] < velocity < gap[-1] for gap in gaps):
         parts.append(_gap_error(grid, "velocity", max(gaps, key=lambda gap: gap[-1] / gap[0])))
     elif gaps:
-        parts.append(max(_extrapolation_error(grid, gap[gap > 0], velocity) for gap in gaps))
+        parts.append(max(_extrapolation_error(grid, gap, velocity) for gap in gaps))
     return None if None in parts else math.hypot(*filter(None, parts))
 
 

@@ -163,11 +163,11 @@ def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> st
 
 
 def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
-    """Lowest and highest velocity [m/s] or load [N] of a scene, without a 0 that has no point."""
+    """Lowest and highest velocity [m/s] or load [N] of a scene, above 0."""
     present = ds[axis].values.tolist()
     plane = stored_sweep(ds).plane
     of_scene = plane.loads if axis == "load" else plane.velocities
-    asked = [value for value in of_scene if value or 0.0 in present] or present
+    asked = [value for value in of_scene if value > 0] or present
     return float(min(asked)), float(max(asked))
 
 

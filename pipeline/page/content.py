@@ -22,6 +22,7 @@ from pipeline.analysis.dataset import (
     asked,
     corrected_sweep,
     end_of_point,
+    moving_points,
     ordered,
     plane_of,
     read_conditions,
@@ -78,7 +79,7 @@ _NUMBERS = (
 
 def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     """What a page shows, as plain data, with the fields of the points nearest to the transition."""
-    ds = ordered(plane_of(ds))
+    ds = moving_points(ordered(plane_of(ds)))
     sweep, conditions = stored_sweep(ds), read_conditions(ds)
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
@@ -489,24 +490,21 @@ def rows_along(
     """Rises along velocity at each load [K], and the nodes that they are at [m/s].
 
     Nodes beyond the velocities have the power laws by which the heat goes on, and the friction as
-    it is known there; the outermost lie far beyond. A velocity of 0 stands far below.
+    it is known there; the outermost lie far beyond.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     if len(velocities) == 1:
         return rises, fine
-    positive = fine[fine > 0]
     told = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)
-    known = np.union1d(positive[[0, -1]], told[(velocities[0] > 0) | (told > positive[0])])
+    known = np.union1d(fine[[0, -1]], told)
     beyond = divided(known, _PARTS_BEYOND)
     nodes = np.concatenate(
         [
-            [known[0] / _FAR], beyond[beyond < positive[0]], positive,
-            beyond[beyond > positive[-1]], [known[-1] * _FAR],
+            [known[0] / _FAR], beyond[beyond < fine[0]], fine,
+            beyond[beyond > fine[-1]], [known[-1] * _FAR],
         ]
     )  # fmt: skip
     heat = rises / factor(velocities)[:, None, None]
-    if not velocities[0] > 0:
-        heat, velocities = along(heat, velocities, fine, -3)[..., fine > 0, :, :], positive
     return along(heat, velocities, nodes, -3, continued=True) * factor(nodes)[:, None, None], nodes
 
 

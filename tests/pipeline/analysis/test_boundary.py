@@ -60,14 +60,6 @@ def test_boundary_of_a_bent_rise_is_found_between_points_every_quarter_metre_per
     assert np.abs(error).max() < 6e-5  # measured 3.2e-5; straight lines give 3.2e-3
 
 
-def test_velocity_0_may_be_in_the_sweep():
-    ds = synthetic.sweep(velocities=[0.0, 0.5, 1.0, 2.0, 4.0])
-    for velocity in (0.1, 0.5, 0.7, 3.0):
-        critical = 298.15 + 0.1 * synthetic.rise(400.0, velocity, 0.9)
-        crossings = boundary(at(ds, critical_temperature=critical))["critical_velocity"]
-        assert float(crossings.sel(load=400.0)) == pytest.approx(velocity, rel=1e-13)
-
-
 def test_only_warming_over_friction_counts(sweep):
     friction = 0.3
     critical = 350.0 + 120.0 * friction / 0.1

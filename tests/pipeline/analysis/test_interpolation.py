@@ -79,13 +79,6 @@ def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, 
         assert (np.diff(Curve(x, y)(fine)) >= -1e-9).all()  # as the points do
 
 
-def test_from_rest_values_rise_by_the_power_law_with_which_the_first_points_begin():
-    x, y = np.array([0.0, 0.5, 1.0, 2.0]), np.array([0.0, 10.0, 18.0, 26.0])
-    slope = PchipInterpolator(np.log(x[1:]), np.log(y[1:]))(np.log(0.5), nu=1)
-    assert Curve(x, y)(np.array([0.25])) == pytest.approx([10.0 * 0.5**slope], rel=1e-12)
-    assert Curve(x, y).crossings(10.0 * 0.5**slope) == pytest.approx((0.25,), rel=1e-12)
-
-
 def test_rises_go_on_beyond_the_points_only_where_that_cannot_cross_the_limit():
     x, y, places = np.array([1.0, 4.0]), np.array([10.0, 20.0]), np.array([0.25, 1.0, 4.0, 16.0])
     for limit, beyond in ((30.0, np.nan), (15.0, 40.0)):

@@ -281,11 +281,6 @@ def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocit
     assert json.loads(json.dumps(result.as_dict()))["verdict"] == "mild"
 
 
-def test_from_rest_to_the_first_velocity_the_error_is_that_of_continuing():
-    here = margin(synthetic.sweep(velocities=(0.0, 0.5, 1.0, 2.0, 4.0)), 400.0, 0.25)
-    assert 0 < here.error.interpolation < 0.1 * (here.decisive_temperature - 298.15)
-
-
 def test_interpolation_errs_in_proportion_to_the_gap():
     def uneven(load, velocity, quantile=1.0):
         return synthetic.rise(load, velocity, quantile) * (1 + 0.01 * np.cos(9 * velocity))

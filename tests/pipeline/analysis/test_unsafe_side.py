@@ -7,13 +7,16 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pipeline import margin
+from pipeline import boundary, margin
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import compared, model_error
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.sweep.about import Measurement
 from tests.helpers import synthetic
-from tribo import Corrections, WarningKind
+from tribo import Corrections, Friction, InputError, WarningKind
+
+FALLING = Corrections(friction=Friction(by_velocity=((0.5, 1.0), (4.0, 0.8))))
+TESTS = (Measurement(600.0, 1.5), Measurement(400.0, 1.2, outcome="severe"))
 
 
 def critical(load):
@@ -29,6 +32,33 @@ def test_severe_wear_goes_on_below_the_lowest_velocity_that_was_computed():
     )
     assert cut.probability == pytest.approx(whole.probability, rel=1e-3)
     assert cut.probability > 0.95
+
+
+@pytest.mark.parametrize("corrections", [None, FALLING])
+def test_a_velocity_of_0_in_a_sweep_changes_no_answer_from_the_lowest_moving_one_on(corrections):
+    law = replace(synthetic.conditions(), corrections=corrections)
+    moving, rest = (
+        synthetic.sweep(velocities=v, measured=TESTS, conditions=law, preset="draft")
+        for v in ((1.0, 1.6, 2.5), (0.0, 1.0, 1.6, 2.5))
+    )
+    for load in (200.0, 310.0, 600.0):
+        for velocity in (1.0, 1.3, 2.5):
+            one, other = (margin(ds, load, velocity).as_dict() for ds in (moving, rest))
+            np.testing.assert_equal(one, other)
+    both = [boundary(ds).drop_attrs() for ds in (moving, rest)]
+    xr.testing.assert_identical(*both)
+
+
+def test_below_the_lowest_moving_velocity_of_a_sweep_from_rest_the_error_holds():
+    ds = synthetic.sweep(velocities=(0.0, 1.0, 1.6, 2.5), measured=(), preset="draft")
+    for velocity in (0.1, 0.5, 0.9):
+        found = margin(ds, 400.0, velocity)
+        true = 298.15 + 0.1 * synthetic.rise(400.0, velocity, 0.9)
+        assert abs(found.decisive_temperature - true) < found.temperature_error
+        assert found.error.interpolation > 0
+        assert found.is_continued
+    with pytest.raises(InputError, match="the sweep has 1 to 2.5 m/s"):
+        margin(synthetic.sweep(velocities=(1.0, 1.6, 2.5)), 400.0, 0.5)
 
 
 def test_an_error_that_one_surface_does_not_know_decides_nothing():

@@ -32,7 +32,7 @@ def test_where_nothing_crosses_it_is_said_how_far_was_computed(limit, ends, said
     assert in_words(outcomes("velocity")[found.outcome], found.computed, "velocity") == said
 
 
-def test_velocity_zero_belongs_to_the_range_of_a_scene_only_where_it_is_computed():
+def test_the_range_of_a_scene_begins_at_its_lowest_velocity_above_0():
     ds = with_fields(synthetic.sweep(), velocities=(0.0, 1.0, 4.0))
     assert range_of(ds, "velocity") == (1.0, 4.0)
 

@@ -515,8 +515,7 @@ def test_nodes_of_a_plane_know_the_points_and_rows_that_they_lie_at_or_between()
         assert {below, above} <= {*at["load"]}
         assert (above - below) == (0 if k in at["load"] else 15)
     rest = content(synthetic.sweep(loads=SPARSE[0], velocities=(0.0, 1.0, 2.0)))
-    assert rest["first"] == 0
-    assert (rest["inner"][0], rest["inner"][-1]) == (rest["fine"]["velocity"][0], 2.0)
+    assert (rest["first"], rest["inner"][0], rest["inner"][-1]) == (1, 1.0, 2.0)
     one = content(synthetic.sweep(loads=SPARSE[0], velocities=(2.0,)))
     assert (one["first"], one["fine"]["velocity"], one["inner"]) == (0, [2.0], [2.0])
 
