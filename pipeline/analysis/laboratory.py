@@ -17,7 +17,7 @@ import xarray as xr
 from pipeline.analysis.dataset import Kind, scene_sweep, stored_sweep, sweep_kind
 from pipeline.analysis.field import Field, Here, PointField, point_field, quantile
 from pipeline.analysis.margin import NOT_DECIDED
-from pipeline.analysis.model_error import USUAL, ModelError, Scatter
+from pipeline.analysis.model_error import AGREED, USUAL, ModelError, Scatter
 from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import frame_of, notes_of, short
 from pipeline.quantities import display
@@ -63,18 +63,12 @@ def model_error(ds: xr.Dataset, field: Field) -> Scatter:
     if not isinstance(field, PointField):
         untold = "the scene's tests count with --given-measured"
         return replace(plain, untold=untold) if laboratory_tests(ds) else plain
-    if field.place:
-        return plain
-    runs = dict[Any, list[tuple[str | None, float, bool]]]()
-    for number, test in enumerate(laboratory_tests(ds)):
-        if found := _distance(ds, field, test):
-            runs.setdefault(test.run or number, []).append((test.outcome, *found))
-    told = map(_residual, runs.values())
-    return replace(plain, residuals=tuple(r for r in told if r is not None))
+    found = [(test, one) for test in laboratory_tests(ds) if (one := _known(ds, field, test))]
+    return replace(_counted(plain, found), untold=AGREED if found else plain.untold)
 
 
-def _distance(ds: xr.Dataset, field: PointField, test: Measurement) -> tuple[float, bool] | None:
-    """ln(measured/computed) of a test at its own conditions, and if its outcome is wrong there.
+def _known(ds: xr.Dataset, field: PointField, test: Measurement) -> Comparison | None:
+    """A test beside what is computed at its own conditions.
 
     None beyond the loads of the sweep, and where velocities that were not computed may agree.
     """
@@ -82,9 +76,23 @@ def _distance(ds: xr.Dataset, field: PointField, test: Measurement) -> tuple[flo
         found = comparison(field.under(own_conditions(ds, test)), test)
     except InputError:
         return None
-    if not (found.is_known and found.critical > 0):
-        return None
-    return math.log(test.velocity / found.critical), not found.is_right
+    return found if found.is_known and 0 < found.critical < math.inf else None
+
+
+def _counted(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]]) -> ModelError:
+    """The error with tests: of each run the farthest transition, and wrong outcome on each side.
+
+    A transition where no turn is computed contradicts the model, as a wrong outcome does.
+    """
+    transitions, wrong = dict[Any, float](), dict[Any, float]()
+    for number, (test, one) in enumerate(found):
+        distance, key = math.log(test.velocity / one.critical), test.run or number
+        if test.outcome is None and 0 < one.turn < math.inf:
+            transitions[key] = max(transitions.get(key, 0.0), distance, key=abs)
+        elif not one.is_right:
+            side = key, distance > 0
+            wrong[side] = max(wrong.get(side, 0.0), distance, key=abs)
+    return replace(plain, residuals=(*transitions.values(),), wrong=(*wrong.values(),))
 
 
 class Comparison(NamedTuple):
@@ -93,7 +101,7 @@ class Comparison(NamedTuple):
     place: tuple[float, float]  # load [N] and velocity [m/s], or the last one computed before it
     here: Here  # what is computed there
     turn: float  # where wear turns; see `critical_velocity`
-    critical: float  # the same, but the end of what was computed where it lies beyond [m/s]
+    critical: float  # the same, by the power law of the line's ends where none is computed [m/s]
     is_severe: bool  # on more than half of the surfaces
     is_right: bool  # the test has the computed outcome
     is_known: bool  # no velocity beyond the computed ones may make it right
@@ -115,38 +123,23 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
     if math.isnan(end):
         end = float(np.clip(test.velocity, *own.ends["velocity"]))
     here = own.temperatures(test.normal_load, end)
-    turn = critical_velocity(own, test)
+    turn, critical = (critical_velocity(own, test, continued) for continued in (False, True))
     is_severe = bool(np.mean(here.is_severe) > 0.5)
     is_right = test.outcome is not None and (test.outcome == "severe") == is_severe
     has_turn = test.outcome is None and 0 < turn < math.inf
     may_turn = own.conditions.has_friction_curve or is_severe == (test.velocity < end)
     is_known = is_right or has_turn or test.velocity == end or not may_turn
-    critical = min(max(turn, low), high)
     return Comparison((test.normal_load, end), here, turn, critical, is_severe, is_right, is_known)
 
 
-def _residual(run: Sequence[tuple[str | None, float, bool]]) -> float | None:
-    """Residual of a run, by outcomes and distances of its tests; None where it tells nothing.
-
-    A run has its transition in the middle between its last mild test and the severe one. Of tests
-    with one outcome the worst counts that the model has wrong.
-    """
-    mild = [distance for outcome, distance, _ in run if outcome == "mild"]
-    severe = [distance for outcome, distance, _ in run if outcome == "severe"]
-    if mild and severe:
-        return (max(mild) + min(severe)) / 2
-    return max((distance for _, distance, is_wrong in run if is_wrong), key=abs, default=None)
-
-
-def critical_velocity(own: PointField, test: Measurement) -> float:
+def critical_velocity(own: PointField, test: Measurement, continued: bool = False) -> float:
     """Velocity nearest to a test at which wear turns in its own field: the median of the surfaces.
 
-    For a transition, and for a test in a run, wear turns severe there. The velocity is infinite,
-    or -infinite, if wear is mild, or severe, at all computed points [m/s].
+    For a transition wear turns severe there. The velocity is infinite, or -infinite, if wear is
+    mild, or severe, at all computed points [m/s], and their line is not continued.
     """
-    to_severe = test.outcome is None or test.run is not None
     lines = own.lines("velocity", test.normal_load, test.velocity)
-    nearest = [line.nearest(test.velocity, to_severe) for line in lines]
+    nearest = [line.nearest(test.velocity, test.outcome is None, continued) for line in lines]
     return quantile(np.array(nearest), own.weights, 0.5)
 
 

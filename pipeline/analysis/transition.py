@@ -97,9 +97,17 @@ class Line:
             return -math.inf
         return self.places[0] if self.places else math.inf
 
-    def nearest(self, here: float, to_severe: bool = False) -> float:
-        """The turn nearest by its ratio, or the nearest to severe wear; without one as `first`."""
-        counted = self.places[self.begins_severe :: 2] if to_severe else self.places
+    def nearest(self, here: float, to_severe: bool = False, continued: bool = False) -> float:
+        """The turn nearest by its ratio, or the nearest to severe wear; without one as `first`.
+
+        If continued, a line without a turn has those of `severe`.
+        """
+        counted: Sequence[float] = (
+            self.places[self.begins_severe :: 2] if to_severe else self.places
+        )
+        if continued and not counted:
+            ends = [place for ends in self.severe() for place in ends[: 1 if to_severe else 2]]
+            counted = [place for place in ends if 0 < place < math.inf]
         return min(counted, key=lambda place: abs(math.log(place / here)), default=self.first)
 
     def severe(self) -> list[tuple[float, float]]:

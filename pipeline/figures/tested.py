@@ -44,7 +44,7 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     for test in held:
         with suppress(InputError):  # as warm as the critical temperature
             one = comparison(field.under(own_conditions(ds, test)), test)
-            if one.is_known and one.critical > 0:
+            if one.is_known and 0 < one.critical < np.inf:
                 found.append((test, one))
     if not found:
         if (asked(ds) & (ds["status"] == PENDING)).any():
@@ -86,7 +86,7 @@ def _draw_band(axes: Axes, ends: tuple[float, float], scatter: Scatter) -> None:
     """The line on which a test is as computed, and where a run is neither mild nor severe."""
     ratios = np.geomspace(ends[0] / ends[1], ends[1] / ends[0], 801)
     line = np.array(ends)
-    low, high = np.interp([DECIDED[0], DECIDED[-1]], scatter.below(np.log(ratios)), ratios)
+    low, high = np.interp([DECIDED[0], DECIDED[-1]], 1 - scatter.below(-np.log(ratios)), ratios)
     if low < high:
         axes.fill_between(
             line, low * line, high * line, label="next run not decided",

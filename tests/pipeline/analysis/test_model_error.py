@@ -53,6 +53,12 @@ def scatter_of(ds):
     return model_error(ds, point_field(ds))
 
 
+def counted(ds):
+    """ln(measured/computed) of transitions and of wrong outcomes."""
+    found = scatter_of(ds)
+    return [*found.residuals, *found.wrong]
+
+
 CRITICAL = float(synthetic.critical_velocity(600.0, synthetic.limit()))
 
 
@@ -85,8 +91,15 @@ def test_without_tests_and_with_them_the_answer_says_what_its_own_error_rests_on
     scale = math.sqrt((4 * 0.01 + math.log(1.3) ** 2) / 5)
     said = pipeline.margin(one, 600.0, 1.0).model_error
     assert said == f"± {100 * scale:.2g} % in velocity, from 1 test and a prior of 10 %"
+    right = swept_with((600.0, 0.8 * CRITICAL, "mild"))
+    said = pipeline.margin(right, 600.0, 1.0).model_error
+    assert said == "± 10 % in velocity, a prior; no test contradicts it"
+    wrong = swept_with((600.0, 0.6 * CRITICAL, "severe"))
+    scale = math.sqrt((4 * 0.01 + math.log(0.6) ** 2) / 5)
+    said = pipeline.margin(wrong, 600.0, 1.0).model_error
+    assert said == f"−{100 * scale:.2g} to +10 % in velocity, from 1 test and a prior of 10 %"
     own = synthetic.sweep(measured=(), model_scatter=0.03)
-    assert scatter_of(own).scale == pytest.approx(0.03)
+    assert scatter_of(own).scales == pytest.approx((0.03, 0.03))
     none = pipeline.margin(synthetic.sweep(measured=(), model_scatter=0.0), 600.0, 1.0)
     assert (none.model_error, none.probability) == ("none, as the scene says", 0.0)
 
@@ -94,11 +107,11 @@ def test_without_tests_and_with_them_the_answer_says_what_its_own_error_rests_on
 def test_a_wrong_outcome_counts_with_its_distance_and_a_right_one_does_not():
     right = (600.0, 0.7 * CRITICAL, "mild"), (600.0, 1.4 * CRITICAL, "severe")
     wrong = (600.0, 0.8 * CRITICAL, "severe"), (600.0, 1.1 * CRITICAL, "mild")
-    assert scatter_of(swept_with(*right)).residuals == ()
+    assert counted(swept_with(*right)) == []
     expected = [math.log(0.8), math.log(1.1)]
-    assert scatter_of(swept_with(*right, *wrong)).residuals == pytest.approx(expected)
-    fewer = scatter_of(swept_with(wrong[0])).scale
-    assert fewer > scatter_of(swept_with()).scale
+    assert counted(swept_with(*right, *wrong)) == pytest.approx(expected)
+    scales = scatter_of(swept_with(*right, *wrong)).scales
+    assert scales == pytest.approx((math.sqrt((0.04 + math.log(0.8) ** 2) / 5), 0.1))
 
 
 def test_a_transition_counts_at_its_own_conditions():
@@ -108,16 +121,22 @@ def test_a_transition_counts_at_its_own_conditions():
     assert scatter_of(ds).residuals == pytest.approx([math.log(1.2 / critical)])
 
 
-def test_a_line_beyond_the_sweep_counts_with_its_end_and_a_load_beyond_it_not_at_all():
+def beyond(load, velocity, **at):
+    """ln(measured/computed) where the computed velocity lies beyond the sweep."""
+    limit = synthetic.limit(critical=at["critical_temperature"])
+    return math.log(velocity / float(synthetic.critical_velocity(load, limit)))
+
+
+def test_a_line_beyond_the_sweep_counts_as_it_goes_on_and_a_load_beyond_it_not_at_all():
     cold = {"critical_temperature": 1200.0}  # nothing is severe up to 4 m/s
     ds = pipeline.at(swept_with((600.0, 2.0, "severe"), (9e3, 2.0, None)), **cold)
-    assert scatter_of(ds).residuals == pytest.approx([math.log(2.0 / 4.0)])
+    assert counted(ds) == pytest.approx([beyond(600.0, 2.0, **cold)])
 
 
 @pytest.mark.parametrize(("velocity", "outcome"), [(0.1, "severe"), (30.0, "mild"), (30.0, None)])
 def test_a_test_at_a_velocity_beyond_the_sweep_counts_where_the_line_is_known(velocity, outcome):
     ds = swept_with((600.0, velocity, outcome))
-    assert scatter_of(ds).residuals == pytest.approx([math.log(velocity / CRITICAL)], abs=0.01)
+    assert counted(ds) == pytest.approx([math.log(velocity / CRITICAL)], abs=0.01)
     (row,) = compared(ds).to_dict("records")
     assert row["agrees"] == "no"
     assert "where the points end" in row["notes"]
@@ -131,28 +150,29 @@ FALLING = Corrections(friction=Friction(by_velocity=((1.0, 1.0), (4.0, 0.9))))
 
 
 @pytest.mark.parametrize(
-    ("everywhere", "velocity", "outcome", "end"),
+    ("everywhere", "velocity", "outcome", "is_wrong"),
     [
-        (MILD, 5.0, "severe", None),
-        (MILD, 5.0, "mild", None),  # right
-        (MILD, 0.1, "severe", 4.0),
-        (MILD, 5.0, None, None),
-        (MILD, 0.1, None, 4.0),
-        (SEVERE, 0.1, "mild", None),
-        (SEVERE, 0.1, "severe", None),  # right
-        (SEVERE, 5.0, "mild", 0.5),
-        (SEVERE, 0.1, None, None),
-        (SEVERE, 5.0, None, 0.5),
+        (MILD, 5.0, "severe", False),
+        (MILD, 5.0, "mild", False),  # right
+        (MILD, 0.1, "severe", True),
+        (MILD, 5.0, None, False),
+        (MILD, 0.1, None, True),
+        (SEVERE, 0.1, "mild", False),
+        (SEVERE, 0.1, "severe", False),  # right
+        (SEVERE, 5.0, "mild", True),
+        (SEVERE, 0.1, None, False),
+        (SEVERE, 5.0, None, True),
     ],
 )
 def test_a_test_that_velocities_beyond_the_computed_ones_may_make_right_does_not_count(
-    everywhere, velocity, outcome, end
+    everywhere, velocity, outcome, is_wrong
 ):
     ds = pipeline.at(swept_with((600.0, velocity, outcome)), **everywhere)
-    expected = [] if end is None else [math.log(velocity / end)]
-    assert scatter_of(ds).residuals == pytest.approx(expected)
+    expected = [beyond(600.0, velocity, **everywhere)] if is_wrong else []
+    assert counted(ds) == pytest.approx(expected)
+    assert scatter_of(ds).residuals == ()  # so that a transition out of reach narrows nothing
     told = "yes" if outcome == ("mild" if everywhere is MILD else "severe") else NOT_KNOWN
-    assert compared(ds)["agrees"].to_list() == [told if end is None else "no"]
+    assert compared(ds)["agrees"].to_list() == ["no" if is_wrong else told]
 
 
 def test_a_test_beyond_the_points_that_are_done_is_judged_at_their_end():
@@ -186,8 +206,8 @@ def test_of_a_band_of_severe_wear_the_runs_within_it_are_counted(velocity):
     [
         ([(2.3, None, None)], math.log(2.3 / 1.1)),  # not beside 2.4 m/s, where wear turns mild
         ([(2.3, "mild", None)], math.log(2.3 / 2.4)),
-        ([(1.0, "mild", "a"), (2.0, "severe", "a")], (math.log(1 / 1.1) + math.log(2 / 1.1)) / 2),
-        ([(2.7, "mild", "a"), (3.5, "severe", "a")], math.log(2.7 * 3.5) / 2 - math.log(1.1)),
+        ([(1.05, "severe", "a"), (2.0, "severe", "a")], math.log(1.05 / 1.1)),
+        ([(2.7, "mild", "a"), (3.5, "severe", "a")], math.log(3.5 / 2.4)),
     ],
 )
 def test_a_transition_is_measured_against_a_turn_to_severe_wear(tests, residual):
@@ -196,7 +216,7 @@ def test_a_transition_is_measured_against_a_turn_to_severe_wear(tests, residual)
         for velocity, outcome, run in tests
     )
     ds = synthetic.sweep(rise=falling, measured=(), tested=tested, preset="reference")
-    assert scatter_of(ds).residuals == pytest.approx([residual], abs=5e-3)
+    assert counted(ds) == pytest.approx([residual], abs=5e-3)
 
 
 def test_tests_beside_a_place_are_named_and_those_farther_away_are_not():

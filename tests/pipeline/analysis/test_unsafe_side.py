@@ -57,7 +57,7 @@ def test_below_the_lowest_moving_velocity_of_a_sweep_from_rest_the_error_holds()
         assert abs(found.decisive_temperature - true) < found.temperature_error
         assert found.error.interpolation > 0
         assert found.is_continued
-    with pytest.raises(InputError, match="the sweep has 1 to 2.5 m/s"):
+    with pytest.raises(InputError, match="the sweep has 1 to"):
         margin(synthetic.sweep(velocities=(1.0, 1.6, 2.5)), 400.0, 0.5)
 
 
@@ -103,8 +103,67 @@ def test_of_outcomes_of_one_run_that_are_wrong_the_farthest_counts():
     wrong = [share * critical(load) for share in (0.9, 0.6, 0.8)]
     tests = tuple(Measurement(load, v, outcome="severe", run="a") for v in wrong)
     ds = synthetic.sweep(measured=tests)
-    (residual,) = model_error(ds, point_field(ds)).residuals
+    (residual,) = model_error(ds, point_field(ds)).wrong
     assert residual == pytest.approx(math.log(0.6), abs=1e-3)
+
+
+PLACES = {
+    "load": np.repeat([200.0, 380.0, 700.0], 9),
+    "velocity": np.tile(np.geomspace(0.6, 3.9, 9), 3),
+}
+
+
+def drawn_test(rng, outcome):
+    """A test at random conditions of its own, and ln(velocity/computed)."""
+    load, friction = rng.uniform(200.0, 750.0), rng.choice([None, 0.07, 0.12])
+    bulk, run = rng.choice([None, 320.0]), rng.choice([None, "a", "b"])
+    limit = synthetic.limit(friction or 0.1, bulk or 298.15)
+    velocity = rng.uniform(0.5, 4.0)
+    distance = math.log(velocity / synthetic.critical_velocity(load, limit))
+    own = {"bulk_temperature": bulk, "outcome": outcome, "run": run}
+    return Measurement(load, velocity, friction, **own), distance
+
+
+def drawn_outcome(rng, is_right):
+    """A test whose outcome is right, or wrong."""
+    while True:
+        outcome = rng.choice(["mild", "severe"])
+        held, distance = drawn_test(rng, outcome)
+        if ((distance > 0) == (outcome == "severe")) is is_right and abs(distance) > 1e-2:
+            return held
+
+
+def chances(tests):
+    ds = synthetic.sweep(
+        loads=[200.0, 400.0, 750.0], velocities=[0.5, 1.0, 2.0, 4.0], measured=tuple(tests)
+    )
+    return margin(ds, PLACES)["probability"].values
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_no_wrong_outcome_narrows_the_error_or_makes_the_other_outcome_likelier(seed):
+    rng = np.random.default_rng(seed)
+    held = [drawn_test(rng, rng.choice([None, "mild", "severe"]))[0] for _ in range(seed % 8)]
+    wrong, right = (drawn_outcome(rng, is_right) for is_right in (False, True))
+    before, after = chances(held), chances([*held, wrong])
+    towards = 1 if wrong.outcome == "severe" else -1
+    assert (towards * (after - before)).min() > -1e-12  # rounding
+    np.testing.assert_array_equal(chances([*held, right]), before)  # a right one counts nothing
+
+
+@pytest.mark.parametrize("outcome", ["mild", "severe"])
+@pytest.mark.parametrize("distance", [0.02, 0.5])
+def test_ten_tests_that_contradict_the_model_leave_at_least_the_error_without_tests(
+    outcome, distance
+):
+    sign = 1 if outcome == "mild" else -1
+    ten = [
+        Measurement(load, critical(load) * math.exp(sign * distance), outcome=outcome)
+        for load in np.linspace(250.0, 700.0, 10)
+    ]
+    moved = -sign * (chances(ten) - chances([]))
+    assert moved.min() > -1e-12
+    assert (moved.max() > 0.1) == (distance > 0.1)
 
 
 def test_a_test_within_the_numerical_error_neither_agrees_nor_contradicts():
