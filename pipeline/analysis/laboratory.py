@@ -23,6 +23,7 @@ from pipeline.analysis.tables import frame_of, notes_of, short
 from pipeline.quantities import display
 from pipeline.sweep.about import Measurement, own_tests
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import rise_limit
 from tribo import InputError
 
@@ -31,6 +32,7 @@ USUAL_SCATTER = 0.05
 """Relative standard deviation of the velocity of a transition that gives none."""
 _DEVIATIONS = 2.0  # standard deviations of a measured velocity within which a transition agrees
 _BESIDE = 0.1  # relative distance in load and velocity of a test that is beside a place
+_SAME = 1e-6  # relative difference of loads and velocities that are the same but for rounding
 _NEAR = 0.02  # relative difference of the limit that is not worth a word or a mark
 _HEADS = (
     "test", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]", "hold [s]",
@@ -46,7 +48,10 @@ def laboratory_tests(ds: xr.Dataset) -> tuple[Measurement, ...]:
 
 def own_conditions(ds: xr.Dataset, test: Measurement) -> Conditions:
     """Conditions of a test: its friction and bulk, or the scene's, not those judged at."""
-    judged, scene = stored_sweep(ds).conditions, scene_sweep(ds).conditions
+    return _tested_conditions(stored_sweep(ds).conditions, scene_sweep(ds).conditions, test)
+
+
+def _tested_conditions(judged: Conditions, scene: Conditions, test: Measurement) -> Conditions:
     bulks = {body: getattr(scene, body) for body in ("bulk_temperature", "disk_temperature")}
     if test.bulk_temperature is not None:
         bulks = {"bulk_temperature": test.bulk_temperature, "disk_temperature": None}
@@ -56,15 +61,38 @@ def own_conditions(ds: xr.Dataset, test: Measurement) -> Conditions:
 def model_error(ds: xr.Dataset, field: Field) -> Scatter:
     """The model's own error in a scene, by its tests."""
     scatter: Scatter | None = getattr(field, "scatter", None)  # that samples have inferred
-    usual = stored_sweep(ds).about.model_scatter
     if scatter is not None:
         return scatter
-    plain = ModelError(usual=USUAL if usual is None else usual)
+    plain = _untested(stored_sweep(ds))
     if not isinstance(field, PointField):
         untold = "the scene's tests count with --given-measured"
         return replace(plain, untold=untold) if laboratory_tests(ds) else plain
     found = [(test, one) for test in laboratory_tests(ds) if (one := _known(ds, field, test))]
     return replace(_counted(plain, found), untold=AGREED if found else plain.untold)
+
+
+def _untested(sweep: Sweep) -> ModelError:
+    usual = sweep.about.model_scatter
+    return ModelError(usual=USUAL if usual is None else usual)
+
+
+def point_error(sweep: Sweep, place: Point, rise: float) -> ModelError:
+    """The model's own error of a point by itself, by the scene's tests at that very point.
+
+    Its rise [K] grows with the velocity to the power of 1 at most: so distances are the least that
+    they can be, and tests narrow nothing.
+    """
+    plain, conditions, about = _untested(sweep), sweep.conditions, sweep.about
+    limit, distances = rise_limit(conditions), list[float]()
+    tests = own_tests((*about.measured, *about.tested))
+    for test in tests if rise > 0 and limit < math.inf else ():
+        is_there = np.allclose((test.normal_load, test.velocity), place[:2], rtol=_SAME, atol=0)
+        own = _tested_conditions(conditions, conditions, test)
+        if is_there and are_near(own, conditions, test.velocity):
+            is_right = test.outcome == ("severe" if rise > limit else "mild")
+            distances.append(0.0 if is_right else math.log(rise / limit))
+    wrong = tuple(distance for distance in distances if distance)
+    return replace(plain, wrong=wrong, untold=AGREED if distances else plain.untold)
 
 
 def _known(ds: xr.Dataset, field: PointField, test: Measurement) -> Comparison | None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import pipeline
+from pipeline.analysis.laboratory import point_error
 from pipeline.analysis.margin import (
     NOT_DECIDED,
     percent,
@@ -14,7 +15,6 @@ from pipeline.analysis.margin import (
     verdict_between,
     what_decides,
 )
-from pipeline.analysis.model_error import USUAL, ModelError
 from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
 from pipeline.analysis.tables import frame_of, upright
 from pipeline.cli.given import one_scene_in, selected
@@ -52,11 +52,10 @@ def point(options: argparse.Namespace) -> Result:
     error = relative.times(scale)
     judged, decided_by = None, None
     distance = None if critical is None else critical - decisive
-    usual = sweep.about.model_scatter
-    model = ModelError(usual=USUAL if usual is None else usual)
-    chances = None
+    rise = conditions.limit(decisive) if conditions.rise_factor else 0.0
+    model, chances = None, None
     if distance is not None:
-        rise = conditions.limit(decisive) if conditions.rise_factor else 0.0
+        model = point_error(sweep, place, rise)
         here = abs(options.velocity)
         chances = probabilities_alone(
             rise, rise_limits(conditions).tolist(), model, relative,
@@ -76,7 +75,8 @@ def point(options: argparse.Namespace) -> Result:
         "verdict": judged,
         "temperature_error": error.total,
         "probability": chances and chances[1],
-        "model_error": model.worded,
+        "probability_bound": chances and ("at least" if chances[1] > 0.5 else "at most"),
+        "model_error": model and model.worded,
         "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
         "molten": decisive > MELTS,
         "not_counted": note_on_turns(sweep, options.load, options.velocity),
@@ -125,9 +125,9 @@ def _point_lines(
     yield f"{severe}the decisive temperature is {decisive.temperature}, its error {error.worded}"
     if (chance := document["probability"]) is not None:
         law = ", with friction by velocity" if conditions.has_friction_curve else ""
-        most = "" if law else " at most"
+        bound = "" if law else f" {document['probability_bound']}"
         yield (
-            f"the next run is severe with {percent(chance)} probability{most}, if the rise "
+            f"the next run is severe with {percent(chance)} probability{bound}, if the rise "
             f"grows as the velocity{law}; the model's own error: {document['model_error']}"
         )
     block = sweep.scene.pixels.shape[0] // len(result.state.pressure)

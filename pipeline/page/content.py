@@ -42,7 +42,7 @@ from pipeline.analysis.laboratory import (
     own_conditions,
 )
 from pipeline.analysis.margin import DECIDED
-from pipeline.analysis.model_error import USUAL, ModelError
+from pipeline.analysis.model_error import AGREED, USUAL, WORTH, ModelError
 from pipeline.analysis.tables import html_of
 from pipeline.analysis.transition import LEAST_SLOPE, outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, reachable_tests
@@ -367,22 +367,23 @@ def _slots(points: Array, nodes: Array) -> Indices:
 def _model_facts(ds: xr.Dataset) -> dict[str, Any]:
     """The distribution of the model's own error, and by what a verdict is decided.
 
-    Cumulative probabilities by the number of tests that count, at distances in units of the scale.
+    Cumulative probabilities by the number of transitions, at distances in units of the scale.
     """
     usual = stored_sweep(ds).about.model_scatter
     usual = USUAL if usual is None else usual
     distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))
     counts = range(len(laboratory_tests(ds)) + 1)
-    plain = [ModelError((0.0,) * n, 1.0) for n in counts]
-    own = [ModelError((0.0,) * n, usual) for n in counts]
+    plain = [ModelError((0.0,) * n, usual=1.0) for n in counts]
+    own = [ModelError((0.0,) * n, usual=usual) for n in counts]
     words = [one.worded.partition(" % ")[2] for one in own]
     return {
         "model": {
             "distances": distances.tolist(),
-            "below": [one.below(distances * one.scale).round(7).tolist() for one in plain],
-            "base": [one.scale**2 for one in own],
-            "weight": [0.0, *(ModelError((1.0,) * n, 0.0).scale ** 2 / n for n in counts[1:])],
+            "below": [one.below(distances * one.scales[0]).round(7).tolist() for one in plain],
+            "prior": usual,
+            "worth": WORTH,
             "words": [own[0].worded, *words[1:]],
+            "agreed": replace(own[0], untold=AGREED).worded,
         },
         "misfit": point_field(ds).misfit,
         "decided": [DECIDED[0], DECIDED[-1]],

@@ -5,44 +5,65 @@ function judgedTests() {
   return content.measured.map((test) => {
     const [own, [k]] = [{ ...chosen.conditions, ...test.own }, test.node];
     const [all, limit] = [transitions("velocity", k, own), heatOf(own).limit];
-    const toSevere = !test.outcome || test.run !== undefined;
-    const expected = medianTurn(all, (one) => nearestTurn(one, test.velocity, toSevere));
+    const turnOf = (/** @type {Transition} */ one) => nearestTurn(one, test.velocity, !test.outcome);
+    const expected = medianTurn(all, turnOf);
+    const whole = all.map((one, n) => (isFinite(turnOf(one)) ? one : goneOn(one, n, k, own)));
+    const critical = medianTurn(whole, turnOf);
     const [from, to] = [0, 1].map((end) => all.map(({ computed }) => computed[end]));
-    const within = (/** @type {number} */ x) => Math.min(Math.max(x, Math.min(...from)), Math.max(...to));
-    const [critical, velocity] = [within(expected), within(test.velocity)];
+    const velocity = Math.min(Math.max(test.velocity, Math.min(...from)), Math.max(...to));
     const at = surfaces().map((one) => indexOf(one, ...nearestNode({ load: test.load, velocity })));
     const isHot = at.filter((node) => planeOf(own)[node] > limit).length > at.length / 2;
     const isRight = test.outcome && (test.outcome === "severe") === isHot;
     const mayTurn = (hasFrictionCurve && !own.strip_friction) || isHot === test.velocity < velocity;
-    const isTold = isRight || (!test.outcome && expected > 0 && expected < Infinity) || !mayTurn;
+    const isTurn = !test.outcome && expected > 0 && expected < Infinity;
     const isKnown = test.isInside && limit > Math.abs(heatOf(own).ratio) && critical > 0 &&
-      (isTold || test.velocity === velocity);
+      critical < Infinity && (isRight || isTurn || !mayTurn || test.velocity === velocity);
     const distance = isKnown ? Math.log(test.velocity / critical) : NaN;
-    return { expected, distance, isWrong: !isRight, outcome: test.outcome, run: test.run };
+    const side = isTurn ? "turn" : isRight ? "right" : distance > 0 ? "above" : "below";
+    return { expected, distance, side, run: test.run };
   });
 }
 
-/** Residuals of runs: in the middle of two outcomes, else of the worst test that is wrong. */
+/** A line without a turn, with those beyond what is known. @param {Transition} one @param {number} surface
+ * @param {number} k of the load @param {Conditions} conditions @returns {Transition} */
+function goneOn(one, surface, k, conditions) {
+  const { velocity } = content.fine;
+  const begin = indexOf(surface, k, 0);
+  const row = planeOf(conditions).subarray(begin, begin + velocity.length);
+  const severe = rangesAbove(velocity, row, heatOf(conditions).limit);
+  const places = severe.flat().filter((place) => place > 0 && place < Infinity);
+  return places.length ? { ...one, severe, places } : one;
+}
+
+/** Distances of the tests of runs that are transitions, or wrong below or above the computed velocity: the
+ * farthest of each run. */
 function residuals() {
   const known = judgedTests().filter(({ distance }) => !Number.isNaN(distance));
-  return [...new Set(known.map((one) => one.run ?? one))].flatMap((key) => {
-    const run = known.filter((one) => (one.run ?? one) === key);
-    const [mild, severe] = ["mild", "severe"].map((outcome) =>
-      run.filter((one) => one.outcome === outcome).map(({ distance }) => distance));
-    if (mild.length && severe.length) return (Math.max(...mild) + Math.min(...severe)) / 2;
-    const wrong = run.filter(({ isWrong }) => isWrong).map(({ distance }) => distance);
-    return wrong.sort((a, b) => Math.abs(b) - Math.abs(a)).slice(0, 1);
-  });
+  const farthest = (/** @type {string} */ side) => {
+    const all = known.filter((one) => one.side === side);
+    return [...new Set(all.map((one) => one.run ?? one))].map((key) =>
+      all.filter((one) => (one.run ?? one) === key).map(({ distance }) => distance)
+        .sort((a, b) => Math.abs(b) - Math.abs(a))[0]);
+  };
+  return { turn: farthest("turn"), below: farthest("below"), above: farthest("above"), known: known.length };
 }
 
 /** The model's own error under the present conditions: its distribution, and in words. */
 function modelError() {
-  const [all, { distances, below, base, weight, words }] = [residuals(), content.model];
-  const n = all.length;
-  const scale = Math.sqrt(base[n] + weight[n] * sum(all.map((one) => one * one)));
+  const { distances, below, prior, worth, words, agreed } = content.model;
+  const { turn, ...wrong } = residuals();
+  const squares = (/** @type {number[]} */ of) => of.map((one) => one * one).sort((a, b) => b - a);
+  const [told, degrees] = [worth * prior ** 2 + sum(squares(turn)), worth + turn.length];
+  const scaleOf = (/** @type {number[]} */ others) => Math.sqrt(Math.max(...[0, ...others].map((_, k) =>
+    (told + sum(squares(others).slice(0, k))) / (degrees + k))));
+  const [low, high] = [scaleOf(wrong.below), scaleOf(wrong.above)];
+  const [lower, upper] = [low, high].map((scale) => shown(100 * scale, 2));
+  const size = lower === upper ? `± ${lower}` : `−${lower} to +${upper}`;
+  const n = turn.length + wrong.below.length + wrong.above.length;
   return {
-    below: (/** @type {number} */ distance) => linear(distances, below[n], distance / Math.max(scale, 1e-9)),
-    words: n ? `± ${shown(100 * scale, 2)} % ${words[n]}` : words[0],
+    below: (/** @type {number} */ distance) =>
+      linear(distances, below[turn.length], distance / Math.max(distance > 0 ? low : high, 1e-9)),
+    words: n ? `${size} % ${words[n]}` : wrong.known ? agreed : words[0],
   };
 }
 

@@ -17,7 +17,7 @@ from tribo import Corrections, Friction
 SWEEP = tiny.sweep()
 TOLD = {
     "time": 2.66667, "sliding_distance": 5.33333, "verdict": "mild", "probability": 0.123,
-    "model_error": "5 %", "molten": False, "not_counted": None,
+    "probability_bound": "at most", "model_error": "5 %", "molten": False, "not_counted": None,
 }  # fmt: skip
 
 

@@ -572,20 +572,13 @@ def test_the_error_at_a_node_is_that_of_a_margin_there(missing):
 
 def test_the_model_s_error_is_told_by_the_number_of_tests():
     held = content(sparse(measured=synthetic.MEASURED[:2]))["model"]
-    assert len(held["below"]) == len(held["weight"]) == len(held["base"]) == 3
-    assert held["weight"][0] == 0.0
+    assert len(held["below"]) == len(held["words"]) == 3
     distances, below = np.array(held["distances"]), np.array(held["below"])
     assert (distances[0], distances[-1]) == pytest.approx((-np.sinh(7.0), np.sinh(7.0)))
     assert distances[120] == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(below[:, 120], 0.5)
     np.testing.assert_allclose(below + below[:, ::-1], 1.0, atol=1e-6)
-    residuals = (0.1, -0.3)
-    whole = ModelError(residuals, 0.1)  # from 10 % and two tests
-    usual = [ModelError((0.0,) * n).scale for n in range(3)]
-    np.testing.assert_allclose(held["base"], np.square(usual))
-    assert held["weight"][2] * (0.1**2 + 0.3**2) == pytest.approx(
-        whole.scale**2 - ModelError((0.0, 0.0), 0.1).scale ** 2
-    )
+    assert (held["prior"], held["worth"]) == (0.1, 4)
     assert held["words"][0] == ModelError().worded
 
 

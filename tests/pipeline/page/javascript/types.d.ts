@@ -112,15 +112,16 @@ type Content = {
 };
 
 /**
- * Distribution of the model's own error by the number of tests that count: cumulative probability at
- * distances in units of its scale, whose square is a base and a weight times that of each residual.
+ * Distribution of the model's own error by the number of transitions: cumulative probability at distances
+ * in units of its scale; the prior and the tests that it is worth; words by the number of tests that count.
  */
 type Model = {
   distances: number[];
   below: number[][];
-  base: number[];
-  weight: number[];
+  prior: number;
+  worth: number;
   words: string[];
+  agreed: string;
 };
 
 /** Result of pipeline.page.content.content_of_samples, by load and velocity or probability. */
