@@ -75,7 +75,7 @@ function showTables() {
   showSide("loads", "velocity [m/s]", content.velocities, "critical load", "N", load);
   const missing = sum(surfaces().map((surface) => content.missing[surface]));
   const note = missing ? ` ${missing} points are pending or failed and left out.` : "";
-  element("summary").textContent = crossingText(velocity) + note;
+  element("summary").textContent = crossingText(velocity) + severeText(velocity) + note;
 }
 
 /** @param {Summary[]} rows by load */
@@ -94,6 +94,13 @@ function crossingText(rows) {
     return `No transition at any load: ${words.join(", or ")}.`;
   }
   return `Wear turns severe at ${[...new Set([places[0], places[places.length - 1]])].join(", at ")}.`;
+}
+
+/** Loads at which wear is severe at every velocity, in words. @param {Summary[]} rows by load */
+function severeText(rows) {
+  const isHot = (/** @type {Transition} */ { outcome }) => outcome === SEVERE || outcome === BELOW;
+  const loads = content.loads.filter((_, i) => rows[i].transitions.every(isHot)).map((load) => shown(load, 6));
+  return loads.length && isJudged() ? ` Severe throughout at ${loads.join(", ")} N.` : "";
 }
 
 /** Offer a table as CSV, as it is shown. @param {string} id @param {string} name */

@@ -32,7 +32,7 @@ from pipeline.analysis.tables import (
     writable_path,
     write_text,
 )
-from pipeline.analysis.transition import outcomes, severe_ranges
+from pipeline.analysis.transition import CROSSES, outcomes, severe_ranges
 from pipeline.analysis.warned_points import warned
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import fit_to_width, svg_of
@@ -59,6 +59,8 @@ _QUESTION = (
     "severe adhesive wear (scuffing)"
 )
 _MOST_VALUES = 12  # values of an entry that are listed
+_LISTED = 6  # loads, likewise
+_TURNING = {CROSSES: "severe from some velocity on"}
 _MODEL = (
     "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law while "
     "the load grows, and heated by friction; after Bosman and de Rooij. A lubricating film that "
@@ -211,30 +213,36 @@ def _question_of_rows(ds: xr.Dataset) -> Iterator[Part]:
 
 
 def _answer(boundaries: xr.Dataset) -> str:
-    """Velocities at which wear turns severe at the lowest and the highest load."""
+    """Where wear is severe at the lowest and the highest load with a turn, and at all others."""
     is_band = "realization" in boundaries.dims
     turns, begins = boundaries["turns_at_load"], boundaries["begins_severe_at_load"]
     if is_band:
         turns = boundaries["critical_velocity_quantile"].sel(quantile=[0.5])
     turns = turns.dropna("load", how="all")
     loads = turns["load"].values.tolist()
-    if not loads:
-        codes = sorted(set(boundaries["outcome_at_load"].values.ravel().tolist()))
-        whose = " of half of the surfaces" if is_band else ""
-        reasons = " or ".join(outcomes("velocity")[code] for code in codes)
-        return f"no transition{whose} is known among the points computed: {reasons}"
 
     def describe(load: float) -> str:
         begins_severe = not is_band and begins.sel(load=load).item()
         words = severe_ranges(turns.sel(load=load).values, begins_severe, "velocity")
         return f"{words} at {load:g} N"
 
-    text = "; ".join(map(describe, dict.fromkeys((loads[0], loads[-1]))))
-    whose = f", on half of {boundaries.sizes['realization']} surfaces" if is_band else ""
-    count = boundaries.sizes["load"]
-    others = count - len(loads)
-    untold = f"; at {others} of {count} loads no transition is known" if others else ""
-    return f"wear is {text}{whose}{untold}"
+    said = [*map(describe, dict.fromkeys((*loads[:1], *loads[-1:])))]
+    if is_band and said:
+        said[-1] += f", on half of {boundaries.sizes['realization']} surfaces"
+    others = dict[str, list[float]]()
+    for load in boundaries["load"].values.tolist():
+        codes = np.unique(boundaries["outcome_at_load"].sel(load=load)).tolist()
+        words = " or ".join({**outcomes("velocity"), **_TURNING}[code] for code in codes)
+        if load not in loads:
+            others.setdefault(words, []).append(load)
+    said += [f"{words} at {_loads_in_words(at)}" for words, at in others.items()]
+    return f"wear is {'; '.join(said)}"
+
+
+def _loads_in_words(loads: Sequence[float]) -> str:
+    if len(loads) > _LISTED:
+        return f"{len(loads)} loads from {loads[0]:g} to {loads[-1]:g} N"
+    return f"{', '.join(f'{load:g}' for load in loads)} N"
 
 
 def _numbers(ds: xr.Dataset) -> Iterator[Part]:

@@ -66,8 +66,14 @@ def test_the_answer_is_the_velocity_at_the_lowest_and_at_the_highest_load():
         answer(synthetic.sweep(*PLANE, conditions=synthetic.CONDITIONS | {"friction": friction}))
         for friction in (1e-3, 5.0)
     )
-    assert never == "no transition is known among the points computed: mild throughout"
-    assert always == "no transition is known among the points computed: severe throughout"
+    loads = [f"{load:g}" for load in PLANE[0]]
+    assert never == f"wear is mild throughout at {', '.join(loads)} N"
+    assert always == f"wear is severe throughout at {', '.join(loads)} N"
+    hot = synthetic.sweep(PLANE[0], [1.3, 2.0, 4.0])
+    assert answer(hot) == (
+        f"wear is severe from {low:.3g} m/s on at 200 N; severe from "
+        f"{critical(400.0):.3g} m/s on at 400 N; severe throughout at 750 N"
+    )
 
 
 def test_the_answer_over_surfaces_is_that_of_half_of_them():
@@ -80,14 +86,13 @@ def test_the_answer_over_surfaces_is_that_of_half_of_them():
     # At half the rise the two lower loads have no transition, so that one of two is no majority.
     cold = synthetic.critical_velocity(750.0, 2 * synthetic.limit())
     assert answer(over_surfaces(1.0, 0.5)) == (
-        f"wear is severe from {(high + cold) / 2:.3g} m/s on at 750 N, on half of 2 surfaces; at 2 "
-        "of 3 loads no transition is known"
+        f"wear is severe from {(high + cold) / 2:.3g} m/s on at 750 N, on half of 2 surfaces; "
+        "severe from some velocity on or mild throughout at 200, 400 N"
     )
     # Of three, the second to turn is half of them.
     assert answer(over_surfaces(1.0, 0.5, 1.0)).startswith(f"wear is severe from {low:.3g} m/s on")
     assert answer(over_surfaces(1.0, 1e-3, 1e-3)) == (
-        "no transition of half of the surfaces is known among the points computed: crosses or mild "
-        "throughout"
+        "wear is severe from some velocity on or mild throughout at 200, 400, 750 N"
     )
 
 

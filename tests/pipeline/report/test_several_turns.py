@@ -70,4 +70,4 @@ def test_a_report_of_surfaces_says_at_how_many_loads_half_of_them_does_not_turn(
         [synthetic.sweep(rise=rise)] * 2, xr.Variable("realization", range(2)),
         combine_attrs="override",
     )  # fmt: skip
-    assert "at 3 of 12 loads no transition is known" in answer(both, tmp_path)
+    assert "mild throughout at 200, 250, 300 N" in answer(both, tmp_path)
