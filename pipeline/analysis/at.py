@@ -19,12 +19,14 @@ from scipy.special import ndtr
 
 from pipeline.analysis.dataset import (
     GIVEN_MEASURED,
+    OIL,
     RULES,
     Kind,
     dataset_of,
     entry_dims,
     judged_values,
     read_conditions,
+    scene_sweep,
     sweep_kind,
     taken_entries,
     whole_sweep,
@@ -37,6 +39,7 @@ from pipeline.scene.reference import acts_later, all_keys, find_entry, needed_be
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
+from pipeline.sweep.about import oils_of
 from pipeline.sweep.conditions import FIELDS, PATHS, UNITS, Bulk
 from pipeline.sweep.judged import open_inputs
 from pipeline.sweep.laws import name_of
@@ -62,6 +65,7 @@ def at(
     # Any, so that a type checker lets entries through that have texts by their paths.
     given_measured: Any = False,
     scatter: Any = None,
+    oil: str | None = None,
     **entries: Any,
 ) -> xr.Dataset:
     """Judge a sweep otherwise, without a new simulation.
@@ -92,6 +96,9 @@ def at(
     scatter : float, optional
         Relative standard deviation of measured velocities, where the scene gives none. See
         `pipeline.posterior`.
+    oil : str, optional
+        Oil whose tests count, by its name in them. Needed where tests name several and none is
+        without a name; the critical temperature must be that of this oil.
     **entries
         Values by the paths of entries [SI], or text with a unit: of an entry with several values
         (``[sweep] over``), the one or those to take; of an unknown input of samples, the one to fix
@@ -131,6 +138,8 @@ def at(
         raise InputError(f"{path} is given twice, also as {_NAMES[path]}; give it once")
     if given_measured or scatter is not None:
         ds = _weighed(ds, given_measured, scatter, [_NAMES[path] for path in wanted])
+    if oil is not None:
+        ds = _of_oil(ds, oil)
     ds, wanted = _taken(ds, wanted | entries)
     known = _NAMES.keys() | open_inputs(whole_sweep(ds)).keys()
     if others := [path for path in wanted if path not in known]:
@@ -170,6 +179,18 @@ def _weighed(
         )
     values = judged_values(ds) | {GIVEN_MEASURED: scatter or 0.0}
     return ds.assign_attrs(at=json.dumps(values))
+
+
+def _of_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
+    """The dataset in which the tests of an oil count."""
+    about = scene_sweep(ds).about
+    names = [
+        name for name in oils_of(t.as_dict() for t in (*about.measured, *about.tested)) if name
+    ]
+    if oil not in names:
+        known = f"give one of {', '.join(names)}" if names else "they name none, so leave it out"
+        raise InputError(f"oil is {oil!r}, which no test of the scene names; {known}")
+    return ds.assign_attrs(at=json.dumps(judged_values(ds) | {OIL: oil}))
 
 
 def _si_value(path: str, value: Any) -> Any:

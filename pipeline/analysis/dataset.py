@@ -81,6 +81,10 @@ GIVEN_MEASURED = "given_measured"
 """Among the values that a dataset is judged at: the scatter of tests that weigh its samples."""
 
 
+OIL = "oil"
+"""Among the same: the oil whose tests count."""
+
+
 def judged_values(ds: xr.Dataset) -> dict[str, Any]:
     """Values that a dataset is judged at, by the paths of entries [SI]."""
     try:
@@ -159,6 +163,13 @@ def _judged_at(text: str, source: _Source, at: str, rule: str) -> Sweep:
     if rule in RULES and name_of(RULES[rule]) == given.get("criterion"):
         given["criterion"] = RULES[rule]
     changes = changes_of(**given)
+    if oil := values.get(OIL):
+        about = sweep.about
+        measured, tested = (
+            tuple(test.under_oil(oil) for test in tests) for tests in (about.measured, about.tested)
+        )
+        title = f"{about.title}, oil {oil}"
+        sweep = sweep.changed(measured=measured, tested=tested, tested_oil=oil, title=title)
     return fix_inputs(replace_conditions(sweep, changes), values) if values else sweep
 
 

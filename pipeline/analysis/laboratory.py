@@ -21,7 +21,7 @@ from pipeline.analysis.model_error import AGREED, USUAL, ModelError, Scatter
 from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import frame_of, notes_of, short
 from pipeline.quantities import display
-from pipeline.sweep.about import Measurement, own_tests
+from pipeline.sweep.about import About, Measurement, oils_of, own_tests
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import rise_limit
@@ -41,9 +41,32 @@ _HEADS = (
 
 
 def laboratory_tests(ds: xr.Dataset) -> tuple[Measurement, ...]:
-    """Measured transitions of a sweep, and then its tests, of the scene's own oil."""
-    about = stored_sweep(ds).about
-    return own_tests((*about.measured, *about.tested))
+    """Measured transitions of a sweep, and then its tests, of the oil that it is judged for.
+
+    All of them where that is not told.
+    """
+    return _tests_of(stored_sweep(ds).about)
+
+
+def _tests_of(about: About) -> tuple[Measurement, ...]:
+    tests = (*about.measured, *about.tested)
+    return tests if len(untold_oils(about)) > 1 else own_tests(tests)
+
+
+def untold_oils(about: About) -> list[str]:
+    """Oils that the tests of a scene name, if it is not told whose tests count."""
+    names = oils_of(test.as_dict() for test in (*about.measured, *about.tested))
+    return [] if "" in names or about.tested_oil else names
+
+
+def require_one_oil(ds: xr.Dataset) -> None:
+    """Raise an `InputError` if tests name several oils, and it is not told whose count."""
+    names = untold_oils(stored_sweep(ds).about)
+    if len(names) > 1:
+        raise InputError(
+            f"the tests are of {len(names)} oils, and the answer is for one: {', '.join(names)}; "
+            "give its name with --oil (in Python oil), and its critical temperature"
+        )
 
 
 def own_conditions(ds: xr.Dataset, test: Measurement) -> Conditions:
@@ -61,9 +84,10 @@ def _tested_conditions(judged: Conditions, scene: Conditions, test: Measurement)
 def model_error(ds: xr.Dataset, field: Field) -> Scatter:
     """The model's own error in a scene, by its tests."""
     scatter: Scatter | None = getattr(field, "scatter", None)  # that samples have inferred
+    require_one_oil(ds)
     if scatter is not None:
         return scatter
-    plain = _untested(stored_sweep(ds))
+    plain = untested_error(stored_sweep(ds))
     if not isinstance(field, PointField):
         untold = "the scene's tests count with --given-measured"
         return replace(plain, untold=untold) if laboratory_tests(ds) else plain
@@ -71,9 +95,12 @@ def model_error(ds: xr.Dataset, field: Field) -> Scatter:
     return replace(_counted(plain, found), untold=AGREED if found else plain.untold)
 
 
-def _untested(sweep: Sweep) -> ModelError:
-    usual = sweep.about.model_scatter
-    return ModelError(usual=USUAL if usual is None else usual)
+def untested_error(sweep: Sweep) -> ModelError:
+    """The model's own error in a scene, without its tests."""
+    about = sweep.about
+    names = untold_oils(about)
+    oil = about.tested_oil or (names[0] if len(names) == 1 else "")
+    return ModelError(usual=USUAL if about.model_scatter is None else about.model_scatter, oil=oil)
 
 
 def point_error(sweep: Sweep, place: Point, rise: float) -> ModelError:
@@ -82,9 +109,11 @@ def point_error(sweep: Sweep, place: Point, rise: float) -> ModelError:
     Its rise [K] grows with the velocity to the power of 1 at most: so distances are the least that
     they can be, and tests narrow nothing.
     """
-    plain, conditions, about = _untested(sweep), sweep.conditions, sweep.about
+    plain, conditions, about = untested_error(sweep), sweep.conditions, sweep.about
     limit, distances = rise_limit(conditions), list[float]()
-    tests = own_tests((*about.measured, *about.tested))
+    if len(names := untold_oils(about)) > 1:
+        return replace(plain, untold=f"tests of {len(names)} oils do not count: {', '.join(names)}")
+    tests = _tests_of(about)
     for test in tests if rise > 0 and limit < math.inf else ():
         is_there = np.allclose((test.normal_load, test.velocity), place[:2], rtol=_SAME, atol=0)
         own = _tested_conditions(conditions, conditions, test)

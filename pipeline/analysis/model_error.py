@@ -49,6 +49,7 @@ class ModelError:
     wrong: tuple[float, ...] = ()  #: The same of outcomes that the model has wrong.
     usual: float = USUAL  #: Relative scatter that stands in for tests.
     untold: str = "no test here"  #: Why no test counts, where none does.
+    oil: str = ""  #: Oil whose tests count, if they name it.
 
     @property
     def degrees(self) -> int:
@@ -80,14 +81,15 @@ class ModelError:
     def worded(self) -> str:
         """See `Scatter`."""
         if n := len(self.residuals) + len(self.wrong):
-            tests = "1 test" if n == 1 else f"{n} tests"
+            tests = f"{'1 test' if n == 1 else f'{n} tests'}{self.oil and f' of oil {self.oil}'}"
             prior = f"a prior of {100 * self.usual:g} %"
             low, high = (f"{100 * scale:.2g}" for scale in self.scales)
             size = f"± {low}" if low == high else f"−{low} to +{high}"
             return f"{size} % in velocity, from {tests} and {prior}"
         if self.usual == 0:
             return "none, as the scene says"
-        return f"± {100 * self.usual:g} % in velocity, a prior; {self.untold}"
+        untold = f"{self.untold}{self.oil and f', of oil {self.oil}'}"
+        return f"± {100 * self.usual:g} % in velocity, a prior; {untold}"
 
 
 Ranges = Sequence[tuple[float, float]]

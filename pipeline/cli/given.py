@@ -157,5 +157,5 @@ def dataset_in(
     """The store, or another one, judged as the user asked for, without some entries of --at."""
     ds = pipeline.open_sweep(store or options.store)
     entries = {path: at for path, at in judged_entries(options).items() if path not in without}
-    weighing = values_in(options, "given_measured", "scatter")
+    weighing = values_in(options, "given_measured", "scatter", "oil")
     return pipeline.at(ds, **conditions_in(options), **weighing, **entries)

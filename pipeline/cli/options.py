@@ -211,7 +211,8 @@ SCATTER = Option(
     help="{at.scatter}; default: 5%%",
 )  # fmt: skip
 GIVEN_MEASURED = flag("--given-measured", "{at.given_measured}")
-WEIGHED = (GIVEN_MEASURED, SCATTER)
+OIL = Option("--oil", metavar="NAME", help="{at.oil}")
+WEIGHED = (GIVEN_MEASURED, SCATTER, OIL)
 JUDGED = (AT, CONDITIONS)
 
 OF_PLOT = (

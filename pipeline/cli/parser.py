@@ -66,7 +66,7 @@ COMMANDS = (
         "diff", "stores:diff",
         "differences between two stores: of scenes, boundaries and points",
         "results/scene.zarr results/other.zarr",
-        (o.STORE, o.OTHER_STORE, o.AT, o.TABLE, o.CRITERION),
+        (o.STORE, o.OTHER_STORE, o.AT, o.OIL, o.TABLE, o.CRITERION),
     ),
     Command(
         "vary", "studies:vary",

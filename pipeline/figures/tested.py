@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.analysis.dataset import asked, plane_of
+from pipeline.analysis.dataset import asked, plane_of, stored_sweep
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import (
     USUAL_SCATTER,
@@ -17,6 +17,7 @@ from pipeline.analysis.laboratory import (
     laboratory_tests,
     model_error,
     own_conditions,
+    untold_oils,
 )
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import Scatter
@@ -53,7 +54,8 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     figure, axes = style.canvas(ax)
     places = np.array([(one.critical, test.velocity) for test, one in found])
     ends = places.min() / _ROOM, places.max() * _ROOM
-    scatter = model_error(ds, field)
+    oils = untold_oils(stored_sweep(ds).about)
+    scatter = model_error(ds, field) if len(oils) < 2 else None  # one error is of one oil
     _draw_band(axes, ends, scatter)
     labels = set[str]()
     for test, one in found:
@@ -77,16 +79,20 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     axes.set(xlabel="critical velocity computed at the test's own conditions [m/s]")
     axes.set_ylabel("velocity of the test [m/s]")
     style.write_title(axes, f"{style.title_of(ds)}\ncomputed against measured")
-    title = f"the model's own error: {scatter.worded}"
+    title = f"tests of {len(oils)} oils: {', '.join(oils)}"
+    title = f"the model's own error: {scatter.worded}" if scatter else title
     style.legend_below(figure, ax, ncols=2, title=title)
     return figure
 
 
-def _draw_band(axes: Axes, ends: tuple[float, float], scatter: Scatter) -> None:
+def _draw_band(axes: Axes, ends: tuple[float, float], scatter: Scatter | None) -> None:
     """The line on which a test is as computed, and where a run is neither mild nor severe."""
     ratios = np.geomspace(ends[0] / ends[1], ends[1] / ends[0], 801)
     line = np.array(ends)
-    low, high = np.interp([DECIDED[0], DECIDED[-1]], 1 - scatter.below(-np.log(ratios)), ratios)
+    low = high = 1.0
+    if scatter:
+        shares = 1 - scatter.below(-np.log(ratios))
+        low, high = np.interp([DECIDED[0], DECIDED[-1]], shares, ratios)
     if low < high:
         axes.fill_between(
             line, low * line, high * line, label="next run not decided",

@@ -40,9 +40,11 @@ from pipeline.analysis.laboratory import (
     laboratory_tests,
     model_error,
     own_conditions,
+    require_one_oil,
+    untested_error,
 )
 from pipeline.analysis.margin import DECIDED
-from pipeline.analysis.model_error import AGREED, USUAL, WORTH, ModelError
+from pipeline.analysis.model_error import AGREED, WORTH, ModelError
 from pipeline.analysis.tables import html_of
 from pipeline.analysis.transition import LEAST_SLOPE, outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, reachable_tests
@@ -80,6 +82,7 @@ _NUMBERS = (
 def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     """What a page shows, as plain data, with the fields of the points nearest to the transition."""
     ds = moving_points(ordered(plane_of(ds)))
+    require_one_oil(ds)
     sweep, conditions = stored_sweep(ds), read_conditions(ds)
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
@@ -369,18 +372,17 @@ def _model_facts(ds: xr.Dataset) -> dict[str, Any]:
 
     Cumulative probabilities by the number of transitions, at distances in units of the scale.
     """
-    usual = stored_sweep(ds).about.model_scatter
-    usual = USUAL if usual is None else usual
+    untested = untested_error(stored_sweep(ds))
     distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))
     counts = range(len(laboratory_tests(ds)) + 1)
     plain = [ModelError((0.0,) * n, usual=1.0) for n in counts]
-    own = [ModelError((0.0,) * n, usual=usual) for n in counts]
+    own = [replace(untested, residuals=(0.0,) * n) for n in counts]
     words = [one.worded.partition(" % ")[2] for one in own]
     return {
         "model": {
             "distances": distances.tolist(),
             "below": [one.below(distances * one.scales[0]).round(7).tolist() for one in plain],
-            "prior": usual,
+            "prior": untested.usual,
             "worth": WORTH,
             "words": [own[0].worded, *words[1:]],
             "agreed": replace(own[0], untold=AGREED).worded,

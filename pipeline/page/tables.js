@@ -99,8 +99,9 @@ function crossingText(rows) {
 /** Loads at which wear is severe at every velocity, in words. @param {Summary[]} rows by load */
 function severeText(rows) {
   const isHot = (/** @type {Transition} */ { outcome }) => outcome === SEVERE || outcome === BELOW;
-  const loads = content.loads.filter((_, i) => rows[i].transitions.every(isHot)).map((load) => shown(load, 6));
-  return loads.length && isJudged() ? ` Severe throughout at ${loads.join(", ")} N.` : "";
+  const loads = content.loads.filter((_, i) => rows[i].transitions.every(isHot));
+  const words = loads.map((load) => shown(load, 6)).join(", ");
+  return words && isJudged() ? ` Severe throughout at ${words} N.` : "";
 }
 
 /** Offer a table as CSV, as it is shown. @param {string} id @param {string} name */

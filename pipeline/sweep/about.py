@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 from pipeline.quantities import display, display_sides
@@ -15,6 +15,7 @@ from tribo import MeasuredRoughness, Oil, Ramp, Scene, SelfAffineRoughness, Wear
 from tribo.simulation import PointWarning
 from tribo.types import Array
 
+_UNNAMED = "without a name"  # oil of tests that name none, in a scene of another
 OUTCOMES = ("mild", "severe")
 """Outcomes of a test; a transition has none."""
 
@@ -42,6 +43,11 @@ class Measurement:
         names = {k: str(entry[k]) for k in ("number", "run", "oil") if entry.get(k) is not None}
         return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 
+    def under_oil(self, oil: str) -> Measurement:
+        """The test in a scene of an oil, which its tests do not name."""
+        name = self.oil or _UNNAMED
+        return replace(self, oil=None if name == oil else name)
+
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data, of those after the friction only what is known."""
         always = ("normal_load", "velocity", "friction")
@@ -49,13 +55,12 @@ class Measurement:
 
 
 def oils_of(tests: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Oils of tests, the scene's first: that of tests without one, empty, or the first named."""
-    found = dict.fromkeys(test.get("oil") or "" for test in tests)
-    return sorted(found, key=bool)
+    """Oils of tests in the order of their names, first the scene's: empty, of tests without one."""
+    return sorted({test.get("oil") or "" for test in tests})
 
 
 def own_tests(tests: Sequence[Measurement]) -> tuple[Measurement, ...]:
-    """Tests of the scene's own oil."""
+    """Tests of the scene's own oil; of the first by name where all name theirs."""
     first, *_ = [*oils_of(test.as_dict() for test in tests), ""]
     return tuple(test for test in tests if (test.oil or "") == first)
 
@@ -90,6 +95,7 @@ class About:
     friction_band: tuple[float, float] | None = None  # lowest and highest friction measured
     model_scatter: float | None = None  # how runs scatter about the model; what is usual if None
     same_rig: bool = True  # the friction that tests measured is that of the scene's machine
+    tested_oil: str | None = None  # whose tests count; the scene's own if None
     oil: Oil | None = None  # tells the regime of lubrication; enters no simulation
     preset: str | None = None  # that the fidelity equals
     selection: Selection | None = None  # reasons of a fidelity picked for its accuracy

@@ -9,8 +9,9 @@ import xarray as xr
 from scipy import integrate, stats
 
 import pipeline
+from pipeline import plot
 from pipeline.analysis.dataset import read_conditions
-from pipeline.analysis.field import point_field
+from pipeline.analysis.field import fields, point_field
 from pipeline.analysis.laboratory import (
     NOT_KNOWN,
     compared,
@@ -217,6 +218,47 @@ def test_a_transition_is_measured_against_a_turn_to_severe_wear(tests, residual)
     )
     ds = synthetic.sweep(rise=falling, measured=(), tested=tested, preset="reference")
     assert counted(ds) == pytest.approx([residual], abs=5e-3)
+
+
+def test_the_tests_of_the_chosen_oil_alone_count_in_any_order_and_answers_name_it():
+    tests = [
+        Measurement(600.0, CRITICAL * share, outcome=outcome, oil=oil)
+        for share, outcome, oil in (
+            (0.6, "severe", "A"), (0.8, "mild", "A"), (1.5, "mild", "B"), (0.7, "mild", None)
+        )
+    ]  # fmt: skip
+    for held in (tests[:3], tests[2::-1]):
+        ds = synthetic.sweep(measured=tuple(held))
+        said = [
+            pipeline.margin(pipeline.at(ds, oil=oil), 600.0, 1.0).model_error for oil in ("A", "B")
+        ]
+        scale = math.sqrt((0.04 + math.log(0.6) ** 2) / 5)
+        high = math.sqrt((0.04 + math.log(1.5) ** 2) / 5)
+        rest = "from 1 test of oil"
+        assert said == [
+            f"−{100 * scale:.2g} to +10 % in velocity, {rest} A and a prior of 10 %",
+            f"−10 to +{100 * high:.2g} % in velocity, {rest} B and a prior of 10 %",
+        ]
+        assert plot(ds, "tests").axes[0].get_ylabel() == "velocity of the test [m/s]"
+    alone = synthetic.sweep(measured=tuple(tests[:2]))  # one oil needs no choice
+    assert "of oil A" in pipeline.boundary(alone).attrs["model_error"]
+    of_scene = synthetic.sweep(measured=tuple(tests))  # the tests without a name
+    said = pipeline.margin(of_scene, 600.0, 1.0).model_error
+    assert said == "± 10 % in velocity, a prior; no test contradicts it"
+    assert "of oil A" in pipeline.margin(pipeline.at(of_scene, oil="A"), 600.0, 1.0).model_error
+
+
+def test_at_a_row_with_its_own_place_a_test_of_that_place_counts():
+    hot = Measurement(600.0, 0.7 * CRITICAL, outcome="severe")
+    far = Measurement(400.0, 1.0, outcome="severe")
+    ds = synthetic.sweep(measured=(hot, far))
+    row = ds.isel(velocity=[3]).sel(load=[600.0])
+    place = 600.0, float(row["velocity"][0])
+    (there,) = fields(row.isel(load=0, velocity=0))
+    assert there.place == place
+    held = model_error(there.source, there)
+    assert held.scales[0] > 0.1
+    assert len(held.wrong) == 1
 
 
 def test_tests_beside_a_place_are_named_and_those_farther_away_are_not():

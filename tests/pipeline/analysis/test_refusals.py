@@ -10,6 +10,7 @@ import pipeline
 from pipeline.analysis.dataset import read_conditions, select_surface
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.store.create import writing
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import Law
 from pipeline.sweep.unknown import Unknown
@@ -47,6 +48,10 @@ def places():
 
 def pins():
     return made(variants=rows("pin", {"a": {}, "b": {"pin.radius": 6e-3}}))
+
+
+def oils():
+    return synthetic.sweep(measured=tuple(Measurement(600.0, 1.5, oil=oil) for oil in "BA"))
 
 
 def at(**values):
@@ -157,6 +162,11 @@ REFUSALS = {
     "renamed": (lambda: pipeline.boundary(plane().rename(load="F")), "the dataset has no load;"),
     "emptied": (lambda: pipeline.boundary(plane().isel(velocity=[])), "has no velocity left"),
     "doubled": (lambda: pipeline.boundary(plane().isel(load=[0, 1, 1])), "has a load twice"),
+    # oils
+    "an oil": (lambda: pipeline.boundary(oils()), "answer is for one: A, B; give its name"),
+    "no such oil": (lambda: pipeline.at(oils(), oil="C"),
+                    "oil is 'C', which no test of the scene names; give one of A, B"),
+    "no oil": (at(oil="C"), "which no test of the scene names; they name none, so leave it out"),
     # places
     "load": (margin(900.0, 2.0), "load is 900 N; the sweep has 200 to 750 N"),
     "velocity": (margin(400.0, 0.1), "velocity is 0.1 m/s; the sweep has 0.5 to 4 m/s"),

@@ -35,6 +35,8 @@ def test_a_point_has_its_verdict_what_decides_it_and_its_probability():
         "the next run is severe with 12 % probability at most, if the rise grows as the velocity; "
         "the model's own error: 5 %",
     ]
+    above = lines(probability=0.76, probability_bound="at least")
+    assert above[2].startswith("the next run is severe with 76 % probability at least, if")
     assert lines(verdict="not decided")[0].endswith(" m: not decided")
     curve = Corrections(friction=Friction(by_velocity=((0.5, 1.2), (5.0, 0.8))))
     curved = SWEEP.changed(conditions=replace(SWEEP.conditions, corrections=curve))

@@ -144,14 +144,14 @@ def test_the_end_of_a_point_is_said_in_usual_units():
     assert rows[0] == ("after", "4 s and 6 m")
 
 
-def test_tests_are_of_the_scene_s_oil_if_they_name_none_or_the_first_named():
+def test_tests_are_of_the_scene_s_oil_if_they_name_none_or_the_first_by_name():
     plain, mineral, ester = (
         Measurement(400.0, velocity, oil=oil)
         for velocity, oil in ((1.0, None), (2.0, "mineral"), (3.0, "ester"))
     )
-    assert oils_of(test.as_dict() for test in (mineral, plain, ester)) == ["", "mineral", "ester"]
+    assert oils_of(test.as_dict() for test in (mineral, plain, ester)) == ["", "ester", "mineral"]
     assert own_tests((mineral, plain, ester)) == (plain,)
-    assert own_tests((mineral, ester)) == (mineral,)
+    assert own_tests((mineral, ester)) == own_tests((ester, mineral)) == (ester,)
     assert own_tests(()) == ()
     assert Measurement.of({"load": 400.0, "velocity": 1.0, "number": 7, "run": None}) == (
         Measurement(400.0, 1.0, number="7")
