@@ -24,6 +24,7 @@ from pipeline.analysis.dataset import (
     Kind,
     dataset_of,
     entry_dims,
+    identified,
     judged_values,
     read_conditions,
     scene_sweep,
@@ -178,7 +179,7 @@ def _weighed(
             f"{', '.join(others)}: the tests weigh conditions as they were drawn; leave this out"
         )
     values = judged_values(ds) | {GIVEN_MEASURED: scatter or 0.0}
-    return ds.assign_attrs(at=json.dumps(values))
+    return identified(ds.assign_attrs(at=json.dumps(values)))
 
 
 def _of_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
@@ -250,7 +251,7 @@ def _changed(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     attributes["at"] = json.dumps(both)
     # A label of a condition that holds no more goes; inputs of samples are those that were drawn.
     labels = [path for path in values if path in ds.coords and path in _NAMES]
-    return ds.drop_vars(labels).assign_attrs(attributes)
+    return identified(ds.drop_vars(labels).assign_attrs(attributes))
 
 
 def _drawn_value(unknown: Unknown, value: float | str) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import json
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any
@@ -14,12 +15,14 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis import accessor as accessor  # ds.irg
+from pipeline.analysis.scene_id import identify, require_one_sweep
+from pipeline.scene.units import to_si
 from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
-from pipeline.store.schema import AT_END, COORDINATES, DONE, INPUTS, MADE, PLANE, STEPPED
+from pipeline.store.schema import AT_END, COORDINATES, DONE, INPUTS, MADE, PLANE, STEPPED, VARIABLES
 from pipeline.sweep.codec import text_sweep
-from pipeline.sweep.conditions import PATHS, Conditions, changes_of
+from pipeline.sweep.conditions import PATHS, UNITS, Conditions, changes_of
 from pipeline.sweep.judged import fix_inputs, replace_conditions
 from pipeline.sweep.laws import Law, name_of
 from pipeline.sweep.model import Sweep
@@ -30,7 +33,8 @@ from pipeline.sweep.severity import (
     require_bulks,
     rises_above_colder,
 )
-from pipeline.sweep.variants import VARIANT, Column, Label, Variant, written_of
+from pipeline.sweep.stored import scene_ids
+from pipeline.sweep.variants import VARIANT, Column, Label, Variant, Variants, written_of
 from tribo import InputError, Rule
 from tribo.types import Array
 
@@ -191,6 +195,10 @@ def _label(column: Column, value: Any) -> Label:
 
 
 _USUAL = {*COORDINATES}
+_UNITS = {name: variable.units for name, variable in VARIABLES.items()} | {
+    path: UNITS.get(name) for name, path in PATHS.items()
+}
+"""Units of variables and of conditions."""
 _ORDER = (*PLANE, "step", "bulk_ratio", "cooler_share")
 
 
@@ -229,7 +237,15 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     ds = ordered(open_store(path))
     ds = ds.drop_vars("checksum")
     words = [name for name, values in ds.coords.items() if values.dtype.kind == "T"]
-    return ds.assign_coords({name: ds[name].astype(object) for name in words})  # as netCDF has text
+    ds = ds.assign_coords({name: ds[name].astype(object) for name in words})  # as netCDF has text
+    return identified(ds)
+
+
+def identified(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset whose points have the id of the scene that it is of, as `pipeline.at` says."""
+    scatter = judged_values(ds).get(GIVEN_MEASURED)
+    ids = scene_ids(whole_sweep(ds), scatter)
+    return identify(ds, ids, scene_sweep(ds).variants)
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
@@ -239,9 +255,11 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     """
     if not isinstance(source, xr.Dataset):
         return _per_point(open_sweep(source))
-    _text(source)
+    table = scene_sweep(source).variants
     for name in PLANE:
         _require_axis(source, name)
+    _require_known_axes(source, table)
+    require_one_sweep(source, table)
     lazy = {
         name: source[name].compute()
         for name, held in source.variables.items()
@@ -261,6 +279,34 @@ def _require_axis(ds: xr.Dataset, name: str) -> None:
             f"the dataset has a {name} twice; keep each once, such as by "
             f"ds.drop_duplicates({name!r})"
         )
+
+
+def _require_known_axes(ds: xr.Dataset, table: Variants) -> None:
+    """Raise an `InputError` at dimensions, labels or units that no sweep has."""
+    units = _UNITS | {column.name: column.unit for column in table.columns}
+    dims = entry_dims(ds["status"]) if "status" in ds else ()
+    if unknown := [dim for dim in dims if dim not in units]:
+        raise InputError(
+            f"the dataset has a dimension {unknown[0]}, which its sweep does not have; take one of "
+            f"its values, such as ds.isel({unknown[0]}=0)"
+        )
+    for name in [one.name for one in table.chosen if one.name not in judged_values(ds)]:
+        if name not in ds.coords or ds[name].dims not in ((), (name,)):
+            raise InputError(
+                f"the dataset has lost its coordinate {name}, or has it along another dimension; "
+                "keep it, and take each of its values by itself"
+            )
+    for label, held in ds.coords.items():
+        given, unit = held.attrs.get("units"), units.get(str(label))
+        if given and unit and not _is_same_unit(given, unit):
+            raise InputError(f"{label} of the dataset is in {given}; convert it to {unit}")
+
+
+def _is_same_unit(given: str, unit: str) -> bool:
+    """True if a unit is another way to write one of SI."""
+    with suppress(ValueError):
+        return given == unit or to_si(f"1 {given}", like=f"1 {unit}") == 1
+    return False
 
 
 def _per_point(ds: xr.Dataset) -> xr.Dataset:

@@ -21,7 +21,7 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.scenes import map_scenes
 from pipeline.store.place import PathLike
-from pipeline.store.schema import DONE, PLANE
+from pipeline.store.schema import DONE, PLANE, SCENE_ID
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import columns_needed, failed_fraction, rise_limit, worst_rises
 from tribo import QUANTILES, Criterion, InputError
@@ -142,7 +142,8 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     463.0
     """
     # No temperature depends on the criterion.
-    return map_scenes(ds, lambda scene: _temperatures(scene, read_conditions(scene, False)))
+    found = map_scenes(ds, lambda scene: _temperatures(scene, read_conditions(scene, False)))
+    return found.drop_vars(SCENE_ID, errors="ignore")  # so that it merges with any dataset
 
 
 def _temperatures(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:

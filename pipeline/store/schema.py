@@ -74,6 +74,9 @@ MADE = {
     "sliding_distance": Variable(_STEP, "m", "sliding distance since the start of the ramp"),
 }
 """Coordinates of steps, which are made from the scene."""
+SCENE_ID = "scene_id"
+IDS = {SCENE_ID: Variable(PLANE, "1", "digest of the scene that the point is of", "int32")}
+"""Coordinate of points, which is made when a store is opened."""
 COLUMNS = {
     "own_grid": Variable(
         _STEP, "1", "true on the grid of the point, false on that of its history", "bool"

@@ -18,7 +18,7 @@ from pipeline.store import schema
 from tests.helpers.campaigns import table
 
 _VARIABLES = {
-    "Coordinates": schema.COORDINATES | schema.MADE,
+    "Coordinates": schema.COORDINATES | schema.MADE | schema.IDS,
     "Variables of each point": schema.RECORDS,
     "Variables at each step": schema.COLUMNS,
     "Variables of bodies that differ in bulk temperature": schema.BULK_COLUMNS | schema.BULK_FIELDS,

@@ -5,6 +5,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline.analysis.dataset import read_conditions, select_surface
@@ -30,11 +31,13 @@ def samples():
     return dataset(ensemble(ALL, 32))
 
 
-def made(**values):
+def made(friction=0.1, **values):
     """Dataset of a store without any point."""
-    with writing("some.zarr", tiny.sweep(**values)):
+    path = Path(f"some_{len([*Path().glob('some_*')])}.zarr")
+    conditions = Conditions(friction, 298.15, 418.15)
+    with writing(path, tiny.sweep(conditions=conditions, **values)):
         pass
-    return pipeline.open_sweep("some.zarr")
+    return pipeline.open_sweep(path)
 
 
 def warming():
@@ -44,6 +47,28 @@ def warming():
 
 def places():
     return made(variants=placed_rows([()], [], [250.0], [1.0]))
+
+
+def joined(sweeps, dim="load"):
+    return xr.concat(
+        sweeps, dim, data_vars="all", coords="different", compat="equals", join="outer"
+    )
+
+
+def fast():
+    velocities = plane()["velocity"] * 3.6
+    return plane().assign_coords(velocity=velocities.assign_attrs(units="km/h"))
+
+
+def unidentified():
+    ds = made()
+    del ds.attrs["scene_id"]
+    return ds
+
+
+def raw():
+    made()
+    return xr.open_zarr("some_0.zarr", chunks=None)
 
 
 def pins():
@@ -140,6 +165,16 @@ REFUSALS = {
     "no rise": (lambda: pipeline.boundary(warming().drop_vars("mean_rise")),
                 "the dataset has no mean_rise; take all of its variables"),
     "no sweep": (lambda: pipeline.boundary(plane().drop_attrs()), "has no attribute sweep"),
+    "dimension": (lambda: pipeline.margin(joined([plane()] * 2, "k"), 400.0, 2.0),
+                  "a dimension k, which its sweep does not have; take one of its values"),
+    "km/h": (lambda: pipeline.boundary(fast()), "velocity of the dataset is in km/h; convert it"),
+    "row": (lambda: pipeline.boundary(pins().isel(pin=0, drop=True)),
+            "has lost its coordinate pin"),
+    "mixed": (lambda: pipeline.boundary(joined([made(), made(loads=(700.0,), friction=0.2)])),
+              "points at load 700 N are of another one than its attributes describe, by scene_id"),
+    "ids": (lambda: pipeline.boundary(unidentified()), "has lost its attribute scene_id"),
+    "loads": (lambda: pipeline.boundary(raw().assign_coords(load=[150.0, 250.0, 700.0])),
+              "has load 700 N, which the store of its attributes does not have, and no scene_id"),
     "one load": (lambda: pipeline.boundary(plane().isel(load=0)), "the dataset has a single load"),
     "one point": (lambda: pipeline.boundary(plane().isel(load=0, velocity=0)),
                   "the dataset has a single load"),

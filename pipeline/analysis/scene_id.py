@@ -1,0 +1,124 @@
+"""The scene of each point of a dataset, by which points of several scenes are told apart.
+
+xarray joins datasets of different scenes without a word, and keeps the attributes of the first.
+So each point has the coordinate ``scene_id``, and the attribute of this name has the ids of the
+rows of the scene that answers are about.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from pipeline.store.schema import DONE, IDS, PLANE, SCENE_ID, VARIABLES
+from pipeline.sweep.variants import Label, Variants
+from tribo import InputError
+from tribo.types import Array
+
+_NAMED = 6  # values of an axis that a message names
+_ROUNDING = 1e-9  # relative
+
+
+def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
+    """The dataset of a sweep with the ids of its rows, as a coordinate and as an attribute."""
+    about, rows = IDS[SCENE_ID], _row_ids(ds, ids, table)
+    rows = rows.isel(dict.fromkeys(set(rows.dims) - set(ds["status"].dims), 0))
+    here = xr.zeros_like(ds["status"].variable, about.dtype) + rows
+    attributes = {"long_name": about.long_name, "units": about.units}
+    coordinate = xr.Variable(here.dims, here.values.astype(about.dtype), attributes)
+    return ds.assign_coords({SCENE_ID: coordinate}).assign_attrs({SCENE_ID: json.dumps(ids)})
+
+
+def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
+    """Raise an `InputError` at points of another scene than that of the attributes."""
+    if SCENE_ID not in ds.variables:
+        _require_places(ds)
+        return
+    if SCENE_ID not in ds.attrs:
+        raise InputError(
+            f"the dataset has lost its attribute {SCENE_ID}, as datasets of several scenes do that "
+            "are joined; answer each scene by itself"
+        )
+    ids, wanted = ds[SCENE_ID].variable, _row_ids(ds, _parsed(ds.attrs[SCENE_ID]), table)
+    is_same = np.rint(ids) == wanted  # interpolation leaves a float
+    for dim in set(is_same.dims) - set(ids.dims):  # the one row that a dataset was cut to
+        matches = is_same.sum([other for other in is_same.dims if other != dim])
+        is_same = is_same.isel({dim: int(np.argmax(matches.values))})
+    not_computed = np.isnan(ids)
+    if "status" in ds:
+        not_computed = not_computed & (ds["status"].variable != DONE)
+    if (wrong := ~(is_same | not_computed)).any():
+        raise InputError(
+            f"the dataset mixes scenes: points at {_places_in_words(ds, wrong)} are of another one "
+            f"than its attributes describe, by {SCENE_ID}; answer each scene by itself"
+        )
+
+
+def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable:
+    """Id by the labels of rows that a dataset has, and by the dimensions that it has lost."""
+    axes = table.axes
+    whole = xr.Variable([*axes], np.reshape(ids, [len(values) for values in axes.values()]))
+    return whole.isel(
+        {
+            name: xr.Variable(ds[name].dims, _numbers(values, ds[name].values))
+            for name, values in axes.items()
+            if name in ds.coords
+        }
+    )
+
+
+def _numbers(values: Sequence[Label], labels: Any) -> Array:
+    """Number of the value that each label stands for, which may have lost its last digits."""
+    held, flat = pd.Index(values), np.ravel(labels)
+    if held.dtype.kind in "if":
+        order = held.argsort()
+        numbers = order[held[order].get_indexer(flat, method="nearest")]
+    else:
+        numbers = held.get_indexer(flat)
+    return np.reshape(numbers, np.shape(labels))
+
+
+@functools.lru_cache(maxsize=64)
+def _parsed(text: str) -> tuple[int, ...]:
+    return tuple(json.loads(text))
+
+
+def _require_places(ds: xr.Dataset) -> None:
+    """Raise an `InputError` at loads or velocities that the store of a dataset has not."""
+    if "store" not in ds.attrs:
+        return
+    axes = json.loads(ds.attrs["store"])["axes"]
+    for name in PLANE:
+        labels, held = np.ravel(ds[name]), np.array(axes[name])
+        is_held = np.isclose(labels[:, None], held, rtol=_ROUNDING, atol=0).any(1)
+        if not is_held.all():
+            raise InputError(
+                f"the dataset has {name} {_listed(labels[~is_held])} {VARIABLES[name].units}, "
+                f"which the store of its attributes does not have, and no {SCENE_ID}, which tells "
+                "scenes apart; open stores by pipeline.open_sweep"
+            )
+
+
+def _places_in_words(ds: xr.Dataset, wrong: xr.Variable) -> str:
+    """Loads of points, and velocities and rows where these are not all."""
+    words = []
+    for dim in sorted(map(str, wrong.dims), key=lambda dim: dim != "load"):
+        among = wrong.any([other for other in wrong.dims if other != dim]).values
+        if dim == "load" or not among.all():
+            unit = ds[dim].attrs.get("units", "")
+            words.append(
+                f"{dim} {_listed(ds[dim].values[among])} {unit}".removesuffix(" 1").strip()
+            )
+    return ", ".join(words) or "its place"
+
+
+def _listed(values: Array) -> str:
+    """Values of an axis [SI]."""
+    shown = [f"{value:g}" if isinstance(value, float) else str(value) for value in values.tolist()]
+    return ", ".join(shown[:_NAMED]) + (", …" if len(shown) > _NAMED else "")

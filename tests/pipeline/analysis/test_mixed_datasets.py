@@ -1,0 +1,166 @@
+"""Points of several scenes in one dataset are refused; points of one scene are answered."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import pipeline
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.variants import rows, surfaces
+from tests.helpers import tiny
+from tests.helpers.stores import commit
+from tests.pipeline.conftest import commit_all
+from tribo import InputError
+
+PINS = {"a": {"pin.radius": 8e-3}, "b": {"pin.radius": 6e-3}}
+
+
+@pytest.fixture(scope="module")
+def stores(tmp_path_factory):
+    """Two parts of one scene, a part with another friction, and a table of two pins."""
+    folder = tmp_path_factory.mktemp("mixed")
+    sweeps = {
+        "low": tiny.sweep(loads=(150.0, 250.0)),
+        "high": tiny.sweep(loads=(600.0,)),
+        "rubbing": tiny.sweep(loads=(600.0,), conditions=Conditions(0.2, 298.15, 418.15)),
+        "pins": tiny.sweep(variants=rows("pin", PINS)),
+    }
+    for name, sweep in sweeps.items():
+        commit_all(folder / f"{name}.zarr", sweep)
+    return folder
+
+
+@pytest.fixture
+def parts(stores):
+    return lambda *names: [pipeline.open_sweep(stores / f"{name}.zarr") for name in names]
+
+
+def joined(parts, dim="load", **options):
+    usual = {"data_vars": "all", "coords": "different", "compat": "equals", "join": "outer"}
+    return xr.concat(parts, dim, **usual | options)
+
+
+def crossings(ds):
+    return pipeline.boundary(ds)["critical_velocity"].values
+
+
+def test_parts_of_one_scene_answer_as_its_own_store(parts, tmp_path):
+    commit(tmp_path / "whole.zarr", tiny.full())
+    whole = crossings(pipeline.open_sweep(tmp_path / "whole.zarr"))
+    np.testing.assert_array_equal(crossings(joined(parts("low", "high"))), whole)
+
+
+def test_points_of_another_scene_are_refused_with_their_loads(parts):
+    both = joined(parts("low", "rubbing"))
+    asks = (
+        crossings,
+        pipeline.temperatures,
+        pipeline.end_of_point,
+        lambda ds: pipeline.margin(ds, 200.0, 1.0),
+        lambda ds: pipeline.at(ds, friction=0.15),
+    )
+    for ask in asks:
+        with pytest.raises(InputError, match="points at load 600 N are of another one"):
+            ask(both)
+    assert crossings(both.sel(load=[150.0, 250.0])).shape == (2,)
+
+
+def test_one_point_of_another_scene_is_named_by_its_velocity_too(parts):
+    (ds,) = parts("low")
+    is_other = (ds["load"] == 250) & (ds["velocity"] == 1.5)
+    other = ds["scene_id"].where(~is_other, 7).assign_attrs(ds["scene_id"].attrs)
+    with pytest.raises(InputError, match=r"at load 250 N, velocity 1\.5 m/s are of another"):
+        crossings(ds.assign_coords(scene_id=other))
+
+
+def test_rows_of_a_table_are_told_apart(parts):
+    (pins,) = parts("pins")
+    one, other = pins.isel(pin=0, load=[0, 1]), pins.isel(pin=1, load=[2])
+    with pytest.raises(InputError, match="points at load 600 N are of another one"):
+        crossings(joined([one, other], coords="minimal", compat="override"))
+    for lost in (joined([one, other]), joined([x.drop_vars("pin") for x in (one, other)])):
+        with pytest.raises(InputError, match="has lost its coordinate pin"):
+            crossings(lost)
+    swapped = pins.assign_coords(pin=("pin", ["b", "a"]))
+    with pytest.raises(InputError, match="mixes scenes"):
+        crossings(swapped)
+
+
+def test_surfaces_without_their_seeds_are_not_mixed(stores):
+    path = stores / "surfaces.zarr"
+    table = surfaces((1, 2))
+    commit_all(path, tiny.sweep(variants=table))
+    ds = pipeline.open_sweep(path)
+    first, second = (ds.isel(realization=k, drop=True) for k in (0, 1))
+    np.testing.assert_array_equal(crossings(second), crossings(ds.isel(realization=[1]))[0])
+    mixed = joined([first.isel(load=[0, 1]), second.isel(load=[2])])
+    with pytest.raises(InputError, match="mixes scenes"):
+        crossings(mixed)
+
+
+def test_missing_points_are_not_computed_and_interpolated_ids_are_rounded(parts):
+    (ds,) = parts("low")
+    wider = ds.reindex(load=[150.0, 200.0, 250.0])
+    np.testing.assert_array_equal(crossings(wider)[[0, 2]], crossings(ds))
+    assert np.isnan(crossings(wider)[1])
+    between = ds.drop_vars(["message"]).interp(load=[150.0, 200.0, 250.0])
+    np.testing.assert_allclose(crossings(between)[[0, 2]], crossings(ds), rtol=1e-12)
+    lost = ds.assign_coords(scene_id=ds["scene_id"].where(ds["load"] > 200))
+    with pytest.raises(InputError, match="points at load 150 N"):  # done, but of no known scene
+        crossings(lost)
+
+
+def test_interpolation_between_scenes_makes_a_third_one(stores):
+    table = rows("pin.radius", {8e-3: {"pin.radius": 8e-3}, 6e-3: {"pin.radius": 6e-3}})
+    commit_all(stores / "radii.zarr", tiny.sweep(variants=table))
+    ds = pipeline.open_sweep(stores / "radii.zarr").drop_vars("message")
+    with pytest.raises(InputError, match="mixes scenes"):
+        crossings(ds.interp({"pin.radius": [7e-3]}))
+
+
+def test_other_conditions_make_another_scene(parts):
+    low, high = parts("low", "high")
+    judged = [pipeline.at(ds, friction=0.15) for ds in (low, high)]
+    assert judged[0].attrs["scene_id"] != low.attrs["scene_id"]
+    assert (judged[0]["scene_id"] != low["scene_id"]).all()
+    assert crossings(joined(judged)).shape == (3,)
+    unlike = joined([judged[0], pipeline.at(high, friction=0.1)])
+    with pytest.raises(InputError, match="at load 600 N are of another"):
+        crossings(unlike)
+
+
+def test_a_scene_without_simulation_is_told_by_its_conditions_alone(parts):
+    high, rubbing = parts("high", "rubbing")
+    same = pipeline.at(high, friction=0.2)
+    np.testing.assert_array_equal(same["scene_id"], rubbing["scene_id"])
+
+
+def test_a_dimension_of_the_users_own_is_refused_by_its_name(parts):
+    low = parts("low")
+    for ask in (crossings, lambda ds: pipeline.margin(ds, 200.0, 1.0)):
+        with pytest.raises(InputError, match="has a dimension k, which its sweep does not have"):
+            ask(joined(low * 2, "k"))
+    assert crossings(joined(low * 2, "k").isel(k=0)).shape == (2,)
+
+
+def test_a_dataset_that_plain_zarr_opened_has_the_places_of_its_store(stores):
+    low, rubbing = (xr.open_zarr(stores / f"{k}.zarr", chunks=None) for k in ("low", "rubbing"))
+    assert crossings(low).shape == (2,)
+    with pytest.raises(InputError, match="has load 600 N, which the store of its attributes"):
+        crossings(joined([low, rubbing]))
+
+
+def test_a_coordinate_in_another_unit_is_refused(parts):
+    (ds,) = parts("low")
+    fast = (ds["velocity"] * 3.6).assign_attrs(units="km/h")
+    with pytest.raises(InputError, match="velocity of the dataset is in km/h; convert it to m/s"):
+        crossings(ds.assign_coords(velocity=fast))
+    spelt = ds.assign_coords(velocity=ds["velocity"].assign_attrs(units="meter / second"))
+    np.testing.assert_array_equal(crossings(spelt), crossings(ds))
+
+
+def test_ids_pass_through_netcdf(parts, tmp_path):
+    (ds,) = parts("low")
+    ds.to_netcdf(tmp_path / "low.nc")
+    with xr.open_dataset(tmp_path / "low.nc") as read:
+        np.testing.assert_array_equal(crossings(read), crossings(ds))
