@@ -10,8 +10,16 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.laboratory.exports import Export
-from pipeline.laboratory.reading import Read, add_hints, read_table, require
+from pipeline.laboratory.reading import (
+    OF_TRACE,
+    Read,
+    add_hints,
+    goes_on,
+    read_table,
+    require,
+)
 from pipeline.laboratory.tables import vocabulary
+from pipeline.laboratory.trace import LEAST_ROWS
 from pipeline.scene.compounds import Table
 from pipeline.scene.faults import numbered
 from pipeline.scene.format import STAGES, TEST, TRANSITION
@@ -94,7 +102,12 @@ def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> 
 
     The key is the list of a scene for which tests are wanted; without one the log decides.
     """
-    return log_of(read_table(path, options), options.get("words") or {}, key)
+    read = read_table(path, options)
+    is_long = len(read.sheet.rows) >= LEAST_ROWS
+    if is_long and goes_on(read_table(path, options, OF_TRACE).sheet):
+        read.sheet.faults.append("a record of friction over time is one run, and no row is a test")
+        return Log(read.sheet, read.export, TEST)
+    return log_of(read, options.get("words") or {}, key)
 
 
 def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:

@@ -28,6 +28,7 @@ OF_TRACE = *_NEEDED, "friction_force", "friction_torque", "bulk_temperature", "o
 _ENDS = "mild_up_to", "severe_at"
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\d\S*.*)|(\d[\d.]*)\s*\+")
 _NEAR = re.compile(r" \(did you mean [^)]*\)")  # of several words, which may mean the contrary
+_MOST = 0.95  # share of the rows in which the time of one run rises
 _OF_SINE = 2 / np.pi  # mean of a sine, of its highest value
 
 
@@ -194,6 +195,14 @@ def is_trace(sheet: Sheet) -> bool:
     """True of a record of friction over time."""
     has_friction = {"friction", "friction_force", "friction_torque"} & sheet.places.keys()
     return "time" in sheet.places and bool(has_friction) and len(sheet.rows) >= LEAST_ROWS
+
+
+def goes_on(sheet: Sheet) -> bool:
+    """True of a trace whose time rises, which is one run, whatever its rows say of outcomes."""
+    before = len(sheet.faults)
+    steps = np.diff(sheet.numbers("time")) if is_trace(sheet) else np.zeros(1)
+    del sheet.faults[before:]  # a log needs no time
+    return bool(np.mean(steps > 0) > _MOST)
 
 
 def read_trace(read: Read) -> Trace:

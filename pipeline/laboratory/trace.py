@@ -238,7 +238,12 @@ def _command(column: Array) -> Array:
     crossings = np.count_nonzero(np.diff(np.sign(off[np.abs(off) > _SWING])))
     is_held = np.mean(np.abs(column - np.median(column)) <= 2 * _NEAR * np.median(column)) > 0.5
     if is_held or crossings < max(20, len(column) / 40):
-        still: Array = median_filter(column, size=5, mode="nearest")
+        # Four steps of five are within 1.28 standard deviations, where the load is high, too.
+        noise = float(np.quantile(np.abs(np.diff(column)), 0.8)) / 1.28 / math.sqrt(2)
+        # The median of n readings is 1.25/√n as scattered as one; four of that are no other level.
+        needed = (5 * noise / max(_APART * float(column.max()), 1e-300)) ** 2
+        size = int(min(max(5, needed), max(5, len(column) // 20)))
+        still: Array = median_filter(column, size=size + 1 - size % 2, mode="reflect")
         return still
     mean: Array = uniform_filter1d(column, max(5, 20 * len(column) // crossings), mode="reflect")
     return mean
@@ -256,8 +261,14 @@ def _cut(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
         else:
             away, count = 0, count + 1
             level += (now - level) / count
-    pieces = [slice(a, b) for a, b in zip(ends, [*ends[1:], len(commands)], strict=True)]
-    levels = [np.median(commands[piece], axis=0) for piece in pieces]
+    cuts = [slice(a, b) for a, b in zip(ends, [*ends[1:], len(commands)], strict=True)]
+    pieces, levels = cuts[:1], [np.median(commands[cuts[0]], axis=0)]
+    for piece in cuts[1:]:
+        if np.abs(np.median(commands[piece], axis=0) - levels[-1]).max() <= _APART:
+            piece = slice(pieces.pop().start, piece.stop)  # noise parted them
+            levels.pop()
+        pieces.append(piece)
+        levels.append(np.median(commands[piece], axis=0))
     merged = [(pieces[0], levels[0], _is_ramp(commands, pieces, levels, 0))]
     for k, piece in enumerate(pieces[1:], 1):
         is_ramp = _is_ramp(commands, pieces, levels, k)
@@ -329,6 +340,8 @@ def _rises(
         low, high = float(lowest[row]), float(np.median(own[row:]))
         if least[row] > limit[row]:
             is_sudden = _is_sudden(np.concatenate([[low], own]), row + 1, (high - low) / 2)
+            if not is_sudden:  # it may still go on
+                high = max(high, float(np.median(own[-max(3, (len(own) - row) // 4) :])))
             is_sure = is_sudden or high > low * (1 + _SURE_RISE)
             yield skipped + row, low, high, "" if is_sure else "comes slowly"
             return

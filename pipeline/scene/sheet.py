@@ -140,10 +140,9 @@ class Sheet:
     def numbers(self, name: str) -> Array:
         """Values of a quantity in SI, shape (rows,), NaN in empty cells; notes faulty cells."""
         place, unit, like = self.places[name], self.heading(name).unit, self.units[name] or ""
-        share = 0.01 if unit == "%" else 1.0
-        zero, one = (
-            to_si(f"{k} {unit}", f"1 {like}") if like and unit else k * share for k in (0, 1)
-        )
+        zero, one = 0.0, 0.01 if unit == "%" else 1.0
+        if like and unit:
+            zero, one = (to_si(f"{k} {unit}", f"1 {like}") for k in (0, 1))
         values, faults = np.full(len(self.rows), np.nan), list[Fault]()
         is_clock = name == "time" and any(":" in row.cells[place] for row in self.rows[:1])
         for k, (number, cells) in enumerate(self.rows):
@@ -197,9 +196,8 @@ class Sheet:
         if self.faults:
             hint = f'; write the unit in the heading, as in "{first_line}"'
             faults = [fault + hint * ("has no unit" in fault) for fault in self.faults]
-            raise InputError(
-                fault_lines(", ".join(filter(None, [self.name, self.other_sheets])), faults)
-            )
+            place = ", ".join(filter(None, [self.name, self.other_sheets]))
+            raise InputError(fault_lines(place, faults))
 
 
 def decoded(content: bytes) -> tuple[str, list[str]]:
@@ -262,8 +260,7 @@ def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
     """Headings of a row, with units that stand below them, and the number of rows of both."""
     first, *others = rows[k].cells
     is_mark = first == "#" and any(len(row.cells) == len(others) for row in rows[k + 1 : k + 4])
-    cells = others if is_mark else [first.lstrip("# "), *others]
-    heads = [Heading.of(cell) for cell in cells]
+    heads = [*map(Heading.of, others if is_mark else [first.lstrip("# "), *others])]
     for taken, row in enumerate(rows[k + 1 : k + 3], 2):
         if any(map(NUMBER.fullmatch, row.cells)):
             break

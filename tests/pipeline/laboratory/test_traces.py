@@ -57,6 +57,14 @@ CASES = {
     "a peak of running-in": (
         SIX, 1.5, LEVEL + 0.1 * np.exp(-np.arange(COUNT) / 5), {"mild_up_to": 600},
     ),
+    "a slow rise to more than twice": (
+        300.0, 1.5, np.linspace(0.08, 0.22, COUNT) + noise(COUNT),
+        {"load": 300, "outcome": "severe"},
+    ),
+    "loads that scatter by 3 %": (
+        SIX * (1 + noise(COUNT, 0.03, seed=8)), 1.5, risen(530),
+        {"mild_up_to": 500, "severe_at": 600},
+    ),
     "a rise that falls back": (SIX, 1.5, risen(230, end=240), {"mild_up_to": 600}),
     "spikes": (SIX, 1.5, LEVEL + 0.2 * (np.arange(COUNT) % 37 == 0), {"mild_up_to": 600}),
     "the last rows": (SIX, 1.5, risen(590), {"mild_up_to": 500, "severe_at": 600}),
@@ -270,6 +278,18 @@ def test_a_log_of_tests_with_their_times_is_no_trace(tmp_path, irg):
     document = irg("tests", tmp_path / "log.csv", "--json")
     assert len(document["tests"]) == len(rows)
     assert "transition_time" not in document
+
+
+def test_a_status_in_each_row_of_one_run_makes_no_tests_of_its_rows(tmp_path, irg):
+    path = write(tmp_path, **{"Load [N]": SIX, "Speed [m/s]": SIX * 0 + 1.5, "COF": risen(430)})
+    (right,) = irg("tests", path, "--json")["tests"]
+    head, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([f"{head},Status", *(f"{row},OK" for row in rows)]) + "\n")
+    assert irg("tests", path, "--json")["tests"] == [right]
+    scene = 'extends = "first_try"\n[[tested]]\nfile = "trace.csv"\n'
+    (tmp_path / "scene.toml").write_text(scene)
+    with pytest.raises(pipeline.SceneFileError, match="irg tests"):
+        pipeline.load_scene(tmp_path / "scene.toml")
 
 
 def test_many_rows_without_an_outcome_never_become_transitions(tmp_path, irg):
