@@ -55,7 +55,11 @@ DUTIES = {
     "powers of ten": HEADS + "3e2,2E0\n4.0e+02,1.5\n650,300e-2\n",
     "a unit behind a number": HEADS.replace(" [N]", "") + "300 N,2\n400 N,1.5\n650 N,3\n",
     "quotes": '"load [N]","velocity [m/s]"\n"300","2"\n"400","1.5"\n"650","3"\n',
+    "blanks": "# load [N] velocity [m/s]\n300 2\n400 1.5\n650 3\n",
+    "numbers below a hash": "#;load;velocity\n;N;m/s\n1;300;2\n2;400;1,5\n3;650;3\n",
     "words of a laboratory": "Normalkraft F_N / N;Gleitgeschw. v in m/s\n300;2\n400;1,5\n650;3\n",
+    "a track's diameter": "load [N],speed [rpm],diameter of track [mm]\n300,954.93,40\n"
+    "400,716.197,40\n650,1432.39,40\n",
     "a track": "load [N],speed [rpm],track radius [mm]\n300,954.93,20\n400,716.197,20\n"
     "650,1432.39,20\n",
 }  # fmt: skip
@@ -219,6 +223,8 @@ RECORDS = {
     "crlf": "\ufefftime [s],load [N]\r\n0,0\r\n0.5,1e2\r\n1.5,3e2\r\n",
     "german": "Zeit [s];Last [kgf]\n0;0\n0,5;10,1971621\n1,5;30,5914864\n",
     "a clock": "time;load [N]\n10:00:00.0;0\n10:00:00.5;100\n10:00:01.5;300\n",
+    "another zone": "time;load [N]\n2026-03-04T10:00:00Z;0\n2026-03-04T10:00:00.5Z;100\n"
+    "2026-03-04T10:00:01.5Z;300\n",
     "three columns": "time [s],load [N],friction force [N]\n0,0,0\n0.5,100,9\n1.5,300,31\n",
     "slash": "time/s,load/N\n0,0\n0.5,100\n1.5,300\n",
 }

@@ -24,6 +24,8 @@ from tests.house.measure import ROOT
         *[("1.2e-6 mm^3/(N m)", 1.2e-15), ("1.2e-6 mm³/(N·m)", 1.2e-15)],
         *[("1.2e-6 mm**3/N/m", 1.2e-15), ("0.1 m/s", 0.1), ("9 km/h", 2.5)],
         *[("25 degC", 298.15), ("25 °C", 298.15), ("77 degF", 298.15), ("298 K", 298.0)],
+        *[("25 ℃", 298.15), ("25 Deg. C", 298.15), ("210·10³ MPa", 2.1e11)],
+        *[("1·10⁻⁶ mm³/Nm", 1e-15), ("700 HV 10", 6864655000.0)],
     ],
 )
 def test_a_quantity_is_the_double_nearest_to_its_value_in_si(text, value):
