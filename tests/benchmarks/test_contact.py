@@ -34,6 +34,8 @@ PATCH = 512e-6**2
 LIGHT, HEAVY = (share * CONTACT_MODULUS * PATCH for share in (1.27e-3, 5.6e-3))
 CASES = {
     "rough, 5 % in contact, 256²": lambda name: rough(name, 256, LIGHT),
+    "rough, 20 % in contact, 64²": lambda name: rough(name, 64, HEAVY),
+    "rough, 20 % in contact, 128²": lambda name: rough(name, 128, HEAVY),
     "rough, 20 % in contact, 256²": lambda name: rough(name, 256, HEAVY),
     "rough, 15 % in contact, 512²": lambda name: rough(name, 512, HEAVY),
     "rough, capped, 256²": lambda name: rough(name, 256, HEAVY, HARDNESS / 2),

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.contact.problem import Iterate, Judgement, Problem
-from tribo.numerics import Preconditioner
+from tribo.numerics import Preconditioner, largest
 from tribo.types import Array, Nodes
 
 Stencil = Callable[[Array, Array], Array]
@@ -88,7 +88,7 @@ def _conjugate_gradients(
     residual -= residual.mean()
     # In units of the first residual, and directions in those of the stencil's middle, all
     # numbers are near 1, which single precision can hold.
-    scale = float(np.abs(residual).max()) or 1.0
+    scale = largest(residual) or 1.0
     residual /= scale
     goal = max(reduction, enough / scale)
     direction, square = np.zeros(nodes.size), math.inf
@@ -108,7 +108,7 @@ def _conjugate_gradients(
         problem.fast(field, out=response_field, rows=rows)
         iterations += 1
         response = response_field.take(nodes)
-        response -= response.mean()
+        response -= float(response.sum()) / response.size
         curvature = float((response * direction).sum())
         if not curvature > 0:  # only rounding is left
             break
@@ -116,7 +116,7 @@ def _conjugate_gradients(
         pressure -= scale * length * direction
         response *= length
         residual -= response
-        if float(np.abs(residual).max()) <= goal:
+        if largest(residual) <= goal:
             break
     return pressure, iterations
 
@@ -124,7 +124,8 @@ def _conjugate_gradients(
 def _preconditioner(problem: Problem, nodes: Nodes, stencil: Stencil) -> Preconditioner:
     middle = problem.near.inverse[1, 0]
     inverse = functools.partial(stencil, problem.near.inverse / middle)
-    return Preconditioner(inverse, problem.rows_of(nodes), problem.coupling * middle)
+    rows = problem.rows_of(nodes) if problem.coupling else nodes
+    return Preconditioner(inverse, rows, problem.coupling * middle)
 
 
 def _clipped(problem: Problem, pressure: Array, stencil: Stencil) -> Array:

@@ -23,7 +23,7 @@ def corrected(problem: Problem, separation: Array, guess: Array, displacement: A
     near, hardness = problem.near, problem.hardness
     gap = displacement + separation
     loaded = guess > 0
-    gap -= level_of(gap, loaded, loaded & (guess < hardness))
+    gap -= level_of(gap, loaded, np.flatnonzero(loaded & (guess < hardness)))
     nodes = np.flatnonzero((guess != 0) | (gap < 0))
     stencil = near.on(nodes)
     known_pressure, known_gap = guess.take(nodes), gap.take(nodes)
@@ -32,7 +32,7 @@ def corrected(problem: Problem, separation: Array, guess: Array, displacement: A
         gap = known_gap + stencil(near.influence, pressure - known_pressure)
         loaded, elastic = pressure > 0, pressure < hardness
         free = loaded & elastic
-        gap -= level_of(gap, loaded, free)
+        gap -= level_of(gap, loaded, np.flatnonzero(free))
         wrong = free | (elastic & (gap < 0)) | (loaded & (gap > 0))
         gap -= float((gap * wrong).sum()) / max(1, int(np.count_nonzero(wrong)))
         change = wrong * stencil(near.inverse, wrong * gap)

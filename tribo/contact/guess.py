@@ -7,10 +7,12 @@ wear.
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
 
+from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.contact.iteration import Limits, iterate
 from tribo.contact.problem import Problem
 from tribo.types import Array, Mask
@@ -32,9 +34,10 @@ def coarser_guess(problem: Problem) -> tuple[Array, float]:
     heights = problem.heights
     if heights.size <= _COARSEST or any(n % 2 and n > 1 for n in heights.shape):
         return _springs(heights, problem.total, problem.hardness), 0.0
-    (nx, ny), (fx, fy) = heights.shape, (min(n, 2) for n in heights.shape)
+    fx, fy = (min(n, 2) for n in heights.shape)
     blocks = fx * fy
-    means = heights.reshape(nx // fx, fx, ny // fy, fy).mean(axis=(1, 3))
+    means = heights if fy == 1 else heights[:, ::2] + heights[:, 1::2]
+    means = (means if fx == 1 else means[::2] + means[1::2]) / blocks
     solid, total = problem.solid.coarsened(), problem.total / blocks
     coarse = Problem.of(solid, means, total, problem.hardness)
     guess, work = coarser_guess(coarse)
@@ -57,11 +60,16 @@ def window_guess(problem: Problem, guess: Array, limits: Limits) -> tuple[Array,
     part = heights[window]
     if part.size >= _WINDOW * heights.size or total >= hardness * part.size:
         return guess, 0.0
-    cropped = Problem.of(problem.solid.cropped(part.shape), part, total, hardness)
+    cropped = Problem.of(_cropped(problem.solid, part.shape), part, total, hardness)
     outcome = iterate(cropped, guess[window], limits)
     pressure = np.zeros(heights.shape)
     pressure[window] = outcome.pressure
     return pressure, outcome.convolutions * part.size / heights.size
+
+
+@functools.lru_cache(maxsize=2)  # of many contacts of one solid, as at positions of the disk
+def _cropped(solid: ElasticHalfSpace, shape: tuple[int, int]) -> ElasticHalfSpace:
+    return solid.cropped(shape)
 
 
 def _extent(loaded: Mask) -> slice:

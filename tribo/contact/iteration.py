@@ -20,8 +20,9 @@ from tribo.contact.active_set import ActiveSet, active_set_step
 from tribo.contact.correction import corrected
 from tribo.contact.gradient import Gradient, first_length, gradient_step
 from tribo.contact.problem import Iterate, Judgement, Problem, judge
-from tribo.contact.rounding import LowestResidual, largest, lost_by_transform, restored
+from tribo.contact.rounding import LowestResidual, lost_by_transform, restored
 from tribo.contact.simplex import scaled_to_load
+from tribo.numerics import largest
 from tribo.types import Array
 
 _SETTLED = 0.3  # share of the contact's nodes on the wrong side at which active-set steps start

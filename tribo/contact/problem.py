@@ -6,6 +6,7 @@ Find the pressure p with 0 ≤ p ≤ H and Σp = F/dA whose gap g = Dp + z − �
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -15,7 +16,7 @@ import numpy as np
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.contact.rows import RowMetric, SoftRows
 from tribo.contact.simplex import shifted_to_load
-from tribo.numerics import Neighbourhood
+from tribo.numerics import Neighbourhood, largest
 from tribo.types import Array, Mask, Nodes
 
 # Conjugate gradients go by single precision, in two thirds of the time: they only lead the way to a
@@ -39,11 +40,7 @@ class Problem:
     @classmethod
     def of(cls, solid: ElasticHalfSpace, heights: Array, total: float, hardness: float) -> Problem:
         """Set up the problem of pressing `heights` into a solid."""
-        soft, unit = SoftRows.of(solid), solid.self_influence
-        coupling = soft.coupling if soft.matter else 0.0
-        fast = solid.faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid
-        near = Neighbourhood(solid, soft.axis, coupling)
-        return cls(solid, heights, total, hardness, soft, near, fast)
+        return cls(solid, heights, total, hardness, *_prepared(solid))
 
     @property
     def coupling(self) -> float:
@@ -72,6 +69,20 @@ class Problem:
         if metric:
             changed = metric.nearest(changed, load, self.hardness)
         return shifted_to_load(changed, load, self.hardness)
+
+
+def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
+    """The rows of a solid that yield most."""
+    return _prepared(solid)[0]
+
+
+@functools.lru_cache(maxsize=4)  # of many contacts of one solid, as at positions of the disk
+def _prepared(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
+    """What a problem takes from its solid alone."""
+    soft, unit = SoftRows.of(solid), solid.self_influence
+    coupling = soft.coupling if soft.matter else 0.0
+    fast = solid.faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid
+    return soft, Neighbourhood(solid, soft.axis, coupling), fast
 
 
 class Iterate(NamedTuple):
@@ -120,23 +131,23 @@ def judge(problem: Problem, iterate: Iterate) -> Judgement:
     unit = problem.solid.self_influence * highest
     elastic = pressure < problem.hardness if highest >= problem.hardness else None
     free = loaded if elastic is None else loaded & elastic
-    level = level_of(gap, loaded, free)
+    free_nodes = np.flatnonzero(free)
+    level = level_of(gap, loaded, free_nodes)
     gap -= level
     moving = loaded | (gap < 0)
     if elastic is not None:
         moving &= elastic | (gap > 0)
     nodes = np.flatnonzero(moving)
-    residual = float(np.abs(gap.take(nodes)).max(initial=0.0)) / unit
-    touching = int(np.count_nonzero(loaded))
-    wrong = nodes.size - int(np.count_nonzero(free))
+    residual = largest(gap.take(nodes)) / unit
+    touching = free_nodes.size if elastic is None else int(np.count_nonzero(loaded))
+    wrong = nodes.size - free_nodes.size
     return Judgement(gap, level, unit, residual, nodes, touching, wrong)
 
 
-def level_of(gap: Array, loaded: Mask, free: Mask) -> float:
-    """Approach for which the gap vanishes on average where a contact is free to move [m]."""
-    nodes = np.flatnonzero(free)
-    if nodes.size:
-        return float(gap.take(nodes).mean())
+def level_of(gap: Array, loaded: Mask, free: Nodes) -> float:
+    """Approach for which the gap vanishes on average at the nodes that are free to move [m]."""
+    if free.size:
+        return float(gap.take(free).sum()) / free.size
     lowest = float(gap[loaded].max(initial=-math.inf))
     highest = float(gap[~loaded].min(initial=math.inf))
     return lowest if highest == math.inf else (lowest + highest) / 2

@@ -9,11 +9,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from tribo.contact.problem import Iterate, Judgement, Problem
 from tribo.contact.simplex import LOAD_ERROR, scaled_to_load
-from tribo.types import Array
+from tribo.numerics import largest
 
 # What updates may cost of the displacement, once and each, in rounding errors of its largest
 # value: observed are 8 for all updates of a solution together, and 70 where it began far off.
@@ -24,11 +22,6 @@ _STALLED = 40  # iterations without progress at the level of rounding after whic
 _LOST, _MOST_IDLE = 1000, 20  # the same at any level, and gradient steps without a way down
 _FARTHEST_DATUM = 4.0  # largest displacements from the surface, beyond which heights lose digits
 _MOST_SHIFTS = 3  # moves of the datum; one does unless heights have no digits left
-
-
-def largest(field: Array) -> float:
-    """Largest absolute value of a field, in its unit."""
-    return float(np.abs(field).max())
 
 
 def lost_by_updates(updates: int, rounding: float, displacement: float) -> float:

@@ -58,11 +58,11 @@ def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
     carried = float(clipped.sum())
     if abs(carried - total) <= 0.1 * LOAD_ERROR * total:
         return clipped
-    between = (clipped > 0) & (clipped < hardness)
-    moving = clipped[between]
+    between = np.flatnonzero((clipped > 0) & (clipped < hardness))
+    moving = clipped.take(between)
     rest = total - carried + float(moving.sum())
     if 0 < rest < hardness * moving.size:
-        clipped[between] = nearest(moving, rest, hardness)
+        clipped.reshape(-1)[between] = nearest(moving, rest, hardness)
         return clipped
     return nearest(pressure, total, hardness)
 

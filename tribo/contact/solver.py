@@ -16,8 +16,7 @@ import numpy as np
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.contact.guess import coarser_guess, window_guess
 from tribo.contact.iteration import IterationResult, Limits, iterate
-from tribo.contact.problem import Problem
-from tribo.contact.rows import SoftRows
+from tribo.contact.problem import Problem, soft_rows
 from tribo.contact.simplex import LARGEST, SMALLEST
 from tribo.errors import ConvergenceError, InputError, finite_field, require_positive
 from tribo.types import Array
@@ -197,7 +196,7 @@ def _check(
             f"normal_load is {normal_load:g} N on a patch of {area:g} m²; it must be finite and "
             f"between 0 and {capacity:g} N, the most at a hardness of {hardness:g} Pa"
         )
-    softness = SoftRows.of(solid).coupling / solid.self_influence
+    softness = soft_rows(solid).coupling / solid.self_influence
     lost = solid.rounding * softness
     if softness > _VERY_SOFT and lost > 10 * tolerance:
         raise InputError(

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tribo.numerics.convolution import Convolution, padded_shape
+from tribo.numerics.sizes import largest
 from tribo.types import Array, Nodes
 
 # Coupling within rows, in units of an element's own influence, beyond which to undo it exactly
@@ -85,10 +86,10 @@ class Neighbourhood:
 
         def apply(stencil: Array, values: Array) -> Array:
             before, here, after = (stencil / stencil[1, 0]).astype(np.float32)
-            largest = float(np.abs(values).max(initial=0.0))
-            if largest == 0.0:
+            scale = largest(values)
+            if scale == 0.0:
                 return np.zeros(values.size)
-            flat[places] = (values / largest).astype(np.float32)  # faster than to cast on the way
+            flat[places] = (values / scale).astype(np.float32)  # faster than to cast on the way
             if along_y:
                 field[:, 0], field[:, -1] = field[:, -2], field[:, 1]
             if along_x:
@@ -101,7 +102,7 @@ class Neighbourhood:
             np.multiply(sides, here[1], out=sides)
             np.add(ahead[: -2 * row], behind[2 * row :], out=total[row:-row])
             np.add(total, sides, out=total)
-            result: Array = total.take(places) * np.float64(largest)
+            result: Array = total.take(places) * np.float64(scale)
             result += values
             result *= stencil[1, 0]
             return result

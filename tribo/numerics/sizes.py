@@ -1,0 +1,18 @@
+"""Sizes of fields."""
+
+from __future__ import annotations
+
+from tribo.types import Array
+
+
+def largest(field: Array) -> float:
+    """Largest absolute value of a field, in its unit; 0 of one without elements.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> largest(np.array([1.0, -3.0])), largest(np.empty(0))
+    (3.0, 0.0)
+    """
+    # Both ends take half the time of the absolute values.
+    return max(float(field.max(initial=0.0)), -float(field.min(initial=0.0)))
