@@ -39,7 +39,7 @@ def check_tables(
 
     for misfit in itertools.chain(
         _body_faults(sound), _motion_faults(sound), _track_faults(sound), _condition_faults(sound),
-        _step_faults(sound, fidelity.increments), _test_faults(tables),
+        _step_faults(sound, fidelity), _test_faults(tables),
     ):  # fmt: skip
         faults.refuse(*misfit)
 
@@ -221,7 +221,7 @@ def _condition_faults(sound: Sound) -> Misfits:
             )
 
 
-def _step_faults(sound: Sound, increments: int) -> Misfits:
+def _step_faults(sound: Sound, fidelity: tribo.Fidelity) -> Misfits:
     """Loads and holds that take more steps than anybody waits for."""
     loading, loads, measured, tested = sound("loading", "sweep.loads", "measured", "tested")
     if not loading or "rate" not in loading:
@@ -235,7 +235,8 @@ def _step_faults(sound: Sound, increments: int) -> Misfits:
                 ways.append((f"{name}[{number}].hold", held, test["load"]))
     for key, way, load in ways:
         try:
-            deque(way.stations(load, increments), maxlen=0)
+            stations = way.stations(load, fidelity.increments, fidelity.hold_increments)
+            deque(stations, maxlen=0)
         except tribo.InputError as error:
             yield key, str(error)
             return

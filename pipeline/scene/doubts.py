@@ -16,11 +16,10 @@ from pipeline.sweep.remarks import Remark
 from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
 from tribo import Corrections, Material, Ramp, SelfAffineRoughness, Wear
+from tribo.simulation.element_size import FEWEST_ACROSS, FEWEST_ROWS
 from tribo.simulation.pins import sizes_of
 from tribo.simulation.point_warnings import (
-    FEWEST_ACROSS,
     FEWEST_PIXELS,
-    FEWEST_ROWS,
     FEWEST_TURNS,
     WIDEST,
 )

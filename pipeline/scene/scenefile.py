@@ -266,9 +266,10 @@ def _fidelity(table: Mapping[str, Any], faults: Faults) -> tuple[tribo.Fidelity,
     """Fidelity of a table, and the name of its preset if it equals that."""
     name = table.get("preset") or USUAL_PRESET
     fidelity = tribo.PRESETS[name]
-    for key, value in table.items():
-        if key == "preset" or value is None:
-            continue
+    given = {key: value for key, value in table.items() if key != "preset" and value is not None}
+    if "increments" in given:  # instead of steps by the wear
+        given = {"hold_increments": 0, "imprint": 0.0} | given
+    for key, value in given.items():
         with faults.at(f"fidelity.{key}"):
             fidelity = replace(fidelity, **{key: value})
     return fidelity, name if fidelity == tribo.PRESETS[name] else None

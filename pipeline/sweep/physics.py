@@ -80,7 +80,7 @@ def columns_in_closed_form(
 ) -> dict[str, Array]:
     """Columns that corrections need, of a smooth contact with a rise at its end [K]."""
     scene, pin = sweep.scene, sweep.scene.pin
-    stations = list(scene.loading.stations(load, scene.fidelity.increments))
+    stations = list(scene.way(load))
     times = np.array([station.time for station in stations])
     part_of_pin, part_of_disk = (
         body.thermal_effusivity * math.sqrt(abs(speed))

@@ -28,7 +28,7 @@ class Stations:
 
         The load is reached, and the loading ends, with a temperature in any case.
         """
-        way = list(scene.loading.stations(load, scene.fidelity.increments))
+        way = list(scene.way(load))
         held = [step for step in way if step.holding]
         if self.steps == "course":
             is_own = isinstance(scene.loading, MeasuredLoad) or not scene.remembers_steps
@@ -46,19 +46,17 @@ class Stations:
         """Steps of a point at a load that are stored, its end last."""
         asked = self.asked(scene, load)
         steps = list(scene.stations(load, asked))
-        keeps_heat = scene.remembers_heat and not scene.fidelity.fewest_elements
         return [
             step
             for step in steps
             if step is steps[-1]
             or step.index in asked
-            or (step.normal_load >= load and (not step.holding or keeps_heat))
+            or (step.normal_load >= load and (not step.holding or scene.remembers_heat))
             or self.steps == "course"
         ]
 
 
 def ramp_of(scene: Scene) -> Hashable:
     """What the steps of a scene's points depend on."""
-    fewest = scene.fidelity.fewest_elements
-    memory = scene.remembers_steps, scene.remembers_heat, fewest > 0
-    return scene.loading, scene.fidelity.increments, *memory
+    memory = scene.remembers_steps, scene.remembers_heat
+    return scene.loading, scene.fidelity.increments, scene.fidelity.hold_increments, *memory

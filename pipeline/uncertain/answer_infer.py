@@ -133,7 +133,7 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     if options.load is None or options.velocity is None:
         raise InputError("--contact-width is that of a test; give its --load and --velocity, too")
     sweep = _slid_for(sweep, options.load, options.duration)
-    *_, end = sweep.scene.loading.stations(options.load, sweep.scene.fidelity.increments)
+    *_, end = sweep.scene.way(options.load)
     with working("seeking the wear rate, one simulation after the other"):
         rate = specific_wear_rate(
             sweep.scene, options.contact_width, options.load, options.velocity

@@ -62,10 +62,10 @@ class FaultyRamp(tribo.Ramp):
 
     faulty_load: float = math.nan
 
-    def stations(self, normal_load, increments):
+    def stations(self, normal_load, increments, hold_increments=0):
         if normal_load == self.faulty_load and _on_a_worker():
             self.fault()
-        return tribo.Ramp.stations(self, normal_load, increments)
+        return tribo.Ramp.stations(self, normal_load, increments, hold_increments)
 
 
 class DeadlyRamp(FaultyRamp):
@@ -81,10 +81,10 @@ class DivergingRamp(FaultyRamp):
 class SlowRamp(FaultyRamp):
     """Takes its time at every load, as a large scene does."""
 
-    def stations(self, normal_load, increments):
+    def stations(self, normal_load, increments, hold_increments=0):
         if _on_a_worker():
             time.sleep(0.2)
-        return tribo.Ramp.stations(self, normal_load, increments)
+        return tribo.Ramp.stations(self, normal_load, increments, hold_increments)
 
 
 class EndlessRamp(FaultyRamp):

@@ -280,7 +280,12 @@ REFUSALS = {
     "coarse tolerance": (lambda: Fidelity(contact_tolerance=1.1), "above 0 and at most 1"),
     **{
         name: (lambda name=name: Fidelity(**{name: -1}), f"{name} is -1")
-        for name in ("pixels_per_element", "history_coarsening", "fewest_elements", "increments")
+        for name in ("pixels_per_element", "history_coarsening", "fewest_summits",
+                     "fewest_elements", "increments", "hold_increments")
+    },
+    **{
+        name: (lambda name=name: Fidelity(**{name: -1.0}), f"{name} is -1.0")
+        for name in ("elements_per_summit", "imprint")
     },
     **{
         f"track {name}": (lambda name=name: replace(TRACK, **{name: 0.0}), f"{name} is 0.0")
@@ -370,7 +375,7 @@ ELSEWHERE = {
     "solver.solve_contact ConvergenceError": "contact/test_solver.py",
     "partition.partition_heat ConvergenceError": "thermal/test_partition.py",
     "inverse._crossing InputError": "no width within the window needs so high a rate",
-    "verdict.judge InputError": "a point always touches; for the type checker",
+    "judge.judge InputError": "a point always touches; for the type checker",
     "errors.law_errors": "an error of tribo, passed on as it is",
 }
 """Refusals, by function and class, that are not in the table: where they are tested, or why not."""

@@ -120,16 +120,31 @@ class Ramp:
             halvings = math.ceil(math.log2(_FEWEST_SHARE) - math.log2(share))
         return math.ldexp(self.reference_load / increments, -halvings)
 
-    def stations(self, normal_load: float, increments: int) -> Iterator[Station]:
+    def lowest(self, normal_load: float) -> float:
+        """Lowest load that shares its trunk with a load, about [N].
+
+        Examples
+        --------
+        >>> ramp = Ramp(rate=150.0, reference_load=800.0)
+        >>> [ramp.lowest(load) for load in (800.0, 200.0, 199.0)]
+        [200.0, 200.0, 100.0]
+        """
+        return _FEWEST_SHARE * self.increment(normal_load, increments=1)
+
+    def stations(
+        self, normal_load: float, increments: int, hold_increments: int = 0
+    ) -> Iterator[Station]:
         """Stations up to `normal_load` [N] and through its hold.
 
-        The increments are the steps of the trunk up to the reference load.
+        The increments are the steps of the trunk up to the reference load; a hold has steps as if
+        there were others, if these are given.
         """
         require_positive(normal_load=normal_load)
         require_integer(1, increments=increments)
         for station in self._rise(normal_load, increments):
             yield station  # `yield from` would not keep the last one
-        for number, held in enumerate(self._held(station.time / 2, increments), 1):
+        ends = self._held(station.time / 2, hold_increments or increments)
+        for number, held in enumerate(ends, 1):
             yield Station(
                 normal_load,
                 station.time + held,

@@ -109,8 +109,13 @@ class MeasuredLoad:
         (t0, t1), (F0, F1) = self.times[row - 1 : row + 1], self.loads[row - 1 : row + 1]
         return float(t0 + (load - F0) / (F1 - F0) * (t1 - t0))
 
-    def stations(self, normal_load: float, increments: int) -> Iterator[Station]:
-        """Every station of a point; times count from the record's first row."""
+    def stations(
+        self, normal_load: float, increments: int, hold_increments: int = 0
+    ) -> Iterator[Station]:
+        """Every station of a point; times count from the record's first row.
+
+        A record has no hold of its own.
+        """
         require_positive(normal_load=normal_load)
         begin, scale = float(self.times[0]), normal_load / self.peak
         times = self._cut(increments)

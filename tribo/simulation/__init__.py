@@ -9,11 +9,17 @@ from tribo.simulation.contact_ramp import wear_number as wear_number
 from tribo.simulation.corrections import Corrections as Corrections
 from tribo.simulation.corrections import Track as Track
 from tribo.simulation.corrections import moment_of as moment_of
+from tribo.simulation.coupled_friction import UNSOLVED as UNSOLVED
+from tribo.simulation.coupled_friction import CoupledRise as CoupledRise
+from tribo.simulation.element_size import suited as suited
 from tribo.simulation.expected import expect_contacts as expect_contacts
 from tribo.simulation.fidelity import PRESETS as PRESETS
 from tribo.simulation.fidelity import Fidelity as Fidelity
 from tribo.simulation.friction import FRICTIONS as FRICTIONS
 from tribo.simulation.friction import Friction as Friction
+from tribo.simulation.friction import SolvedFriction as SolvedFriction
+from tribo.simulation.judge import judge as judge
+from tribo.simulation.judge import solve_friction as solve_friction
 from tribo.simulation.loading_step import advance as advance
 from tribo.simulation.loading_step import start as start
 from tribo.simulation.lubrication import Lubrication as Lubrication
@@ -28,6 +34,7 @@ from tribo.simulation.point import heated as heated
 from tribo.simulation.point import simulate as simulate
 from tribo.simulation.point_warnings import PointWarning as PointWarning
 from tribo.simulation.point_warnings import WarningKind as WarningKind
+from tribo.simulation.point_warnings import warn_friction as warn_friction
 from tribo.simulation.point_warnings import warnings as warnings
 from tribo.simulation.scene import Scene as Scene
 from tribo.simulation.state import Heat as Heat
@@ -38,4 +45,3 @@ from tribo.simulation.trunks import Note as Note
 from tribo.simulation.trunks import Trunks as Trunks
 from tribo.simulation.verdict import Conditions as Conditions
 from tribo.simulation.verdict import Verdict as Verdict
-from tribo.simulation.verdict import judge as judge

@@ -10,19 +10,20 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
-from typing import Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
 from tribo.contact import ElasticHalfSpace
 from tribo.material import contact_modulus
-from tribo.numerics import Grid, forget_buffers
+from tribo.numerics import Convolution, Grid, forget_buffers
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.thermal import Conductor, conducted_spectrum
 from tribo.types import Array, Spectrum
 
 _MOST_BODIES = 8  # a scene needs up to three of them, one for each of its grids
+_MOST_MAPS = 4  # of both bodies, for a contact and the next one
 _MOST_BYTES = 2**28  # for thermal kernels, and as many for contacts
 
 Value = TypeVar("Value")
@@ -71,16 +72,24 @@ class ElasticBodies(NamedTuple):
 
     solid: ElasticHalfSpace
     separation: Array  # between the unworn, undeformed surfaces [m]
-    heights: Array | None = None  # the disk's about their mean, if swept along x and y [m]
+    heights: Array | None = None  # the disk's about their mean, if an imprint counts [m]
     yielding: float = 0.0  # Σ u·z of the displacement u by z · 1 Pa/m, z these heights [m²]
 
 
 _bodies = Kept[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
 _heights = Kept[Array | None](size_of=lambda _: 1, limit=1)  # all grids of a scene
+_summits = Kept[Any](size_of=lambda _: 1, limit=_MOST_BODIES)
 _spectra = Kept[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MOST_BYTES)
+_maps = Kept[Convolution](size_of=lambda _: 1, limit=_MOST_MAPS)
 _contacts = Kept[State](
     size_of=lambda state: (4 + len(state.passing)) * state.pressure.nbytes, limit=_MOST_BYTES
 )
+
+
+def kept_summits(scene: Scene, compute: Callable[[], Value]) -> Value:
+    """Summits of a scene's surface, which are the same for all fidelities."""
+    found: Value = _summits.get((scene.roughness, scene.pixels), compute)
+    return found
 
 
 def elastic_bodies(scene: Scene) -> ElasticBodies:
@@ -95,6 +104,12 @@ def heat_spectrum(
     return _spectra.get(
         (grid, body, ages, strengths), lambda: conducted_spectrum(grid, body, ages, strengths)
     )
+
+
+def heat_map(grid: Grid, body: Conductor, time: float) -> Convolution:
+    """Map from a flux into a body since a time [s], the same object for the next contacts."""
+    spectrum = heat_spectrum(grid, body, (0.0, time), (1.0, 1.0))
+    return _maps.get((grid, body, time), lambda: Convolution(grid, spectrum))
 
 
 def unworn_contact(key: Hashable, compute: Callable[[], State]) -> State:
@@ -116,7 +131,9 @@ def forget_kernels() -> None:
     """
     _bodies.clear()
     _heights.clear()
+    _summits.clear()
     _spectra.clear()
+    _maps.clear()
     _contacts.clear()
     forget_buffers()
 
@@ -126,7 +143,7 @@ def _elastic_bodies(scene: Scene) -> ElasticBodies:
     solid = ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel)
     heights = _heights.get((scene.roughness, scene.pixels), scene.heights)
     separation = scene.separation(heights)
-    if not scene.sweeps_over:
+    if not (scene.sweeps_over or scene.fidelity.imprint):
         return ElasticBodies(solid, separation)
     swept = scene.pin.profile(scene.grid) - separation
     swept -= swept.mean()

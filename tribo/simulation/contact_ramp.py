@@ -12,7 +12,7 @@ once for all of them. `heat` acts on contacts, and the conditions of wear on hea
 
 Where nothing wears, w is 0 at every velocity, and the contact at a load is kept for the next ones.
 No choice on the way asks for a temperature: neither larger elements before the last step, nor a
-step's short end, nor smaller elements where few touch.
+step's short end. How large elements are is chosen before, see `element_size`.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ import numpy as np
 from tribo.errors import InputError, require_positive
 from tribo.loading import Station
 from tribo.simulation.cache import unworn_contact
-from tribo.simulation.fidelity import Fidelity
+from tribo.simulation.element_size import suited
 from tribo.simulation.finer_grids import refine_step
 from tribo.simulation.implicit_end import ended
 from tribo.simulation.loading_step import advance, start
+from tribo.simulation.parts_of_steps import parts_of
 from tribo.simulation.passing import position_means
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
-from tribo.simulation.step_measures import touching_elements
 from tribo.simulation.trunks import Note, Trunks
 from tribo.wear import Wear
 
@@ -58,7 +58,7 @@ def wear_number(scene: Scene, velocity: float) -> float:
 
 
 def mechanics(scene: Scene) -> Scene:
-    """The scene with a wear rate and thermal constants of 1: the same for all that share contacts.
+    """The scene with a wear rate and thermal constants of 1, without friction: that of contacts.
 
     Contacts of one such scene are the same at one load and `wear_number`.
 
@@ -74,6 +74,7 @@ def mechanics(scene: Scene) -> Scene:
     parts = {field.name: getattr(scene, field.name) for field in fields(Scene)}
     parts["pin"] = replace(scene.pin, material=replace(scene.pin.material, **athermal))
     parts["disk"] = replace(scene.disk, **athermal)
+    parts["solved_friction"] = None
     if isinstance(scene.wear, Wear) and scene.wears:
         parts["wear"] = replace(scene.wear, specific_wear_rate=1.0)
     return Scene(**parts)
@@ -140,13 +141,13 @@ def contacts(
     """
     _check(scene, normal_load, velocity)
     trunks = Trunks() if trunks is None else trunks
+    scene = suited(scene, normal_load)
     levels = tuple(scene.levels())
     stations = list(scene.stations(normal_load, asked))
     if not scene.remembers_steps:
         for station in stations:
-            yield _unworn(levels, normal_load, velocity, station, asked)
+            yield _unworn(levels, normal_load, velocity, station)
         return
-    more_elements = _MoreElements(scene, normal_load, velocity, trunks, asked, note)
     way = list(
         itertools.takewhile(
             lambda one: one.on_trunk and one.normal_load < normal_load and one.index not in asked,
@@ -155,29 +156,20 @@ def contacts(
     )
     key = scene, velocity, scene.trunk(normal_load)
     advanced = partial(_advanced, levels, velocity)
-    keeps_heat = not scene.fidelity.fewest_elements
     new = trunks.reach(key, start(scene), way, advanced, note)
-    while True:
-        try:
-            state = next(new)
-        except StopIteration as end:
-            state, course = end.value
-            break
-        yield state if keeps_heat else replace(state, heat=None)
+    state, course = yield from new
     is_worn, reached = velocity != 0, None
     for station in stations[len(way) :]:
         if station.holding and reached and not (is_worn or scene.remembers_heat):
             is_asked = station is stations[-1] or station.index in asked
             yield replace(_still(reached, station, velocity), is_asked=is_asked)
             continue
-        before, state = state, advanced(state, station)
+        before, state = _last_part(levels, velocity, state, station)
         is_reached = station.normal_load == normal_load and not station.holding
         if station is stations[-1] or is_reached or station.index in asked:
-            shown = _shown(levels, more_elements, before, state, station, velocity, course)
+            shown = _shown(levels, before, state, station, velocity, course)
             reached = shown if is_reached else reached
             yield shown
-        elif state.heat is not None and not keeps_heat:
-            yield replace(state, heat=None)  # that might be of other elements than the last
         else:
             yield state
 
@@ -196,30 +188,37 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 
 def _advanced(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
     """State at a station from which the ramp goes on, on the grid of the history."""
-    after = advance(levels[0], before, station, velocity, observed=len(levels) == 1)
-    if not levels[0].remembers_heat:
-        return after
-    # The heat of all steps acts on the last, and so each has to know its own pressure.
-    return replace(ended(levels[0], before, after, station, velocity), history=None)
+    return _last_part(levels, velocity, before, station)[1]
+
+
+def _last_part(
+    levels: tuple[Scene, ...], velocity: float, before: State, station: Station
+) -> tuple[State, State]:
+    """States at both ends of the last part of a step, on the grid of the history."""
+    scene, after, iterations, work = levels[0], before, 0, 0
+    for part in parts_of(scene, before, station, velocity):
+        begin, after = after, advance(scene, after, part, velocity, observed=len(levels) == 1)
+        if scene.remembers_heat:
+            # The heat of all steps acts on the last, and so each has to know its own pressure.
+            after = replace(ended(scene, begin, after, part, velocity), history=None)
+        iterations, work = iterations + after.iterations, work + after.work
+    return begin, replace(after, iterations=iterations, work=work)
 
 
 def _shown(
     levels: tuple[Scene, ...],
-    more_elements: _MoreElements,
     before: State,
     after: State,
     station: Station,
     velocity: float,
     course: tuple[Any, ...] = (),
 ) -> State:
-    """State of which the temperature is asked, on the finest grid and with enough elements."""
+    """State of which the temperature is asked, on the finest grid."""
     if not after.pressure.any():
         return after
     finest = refine_step(levels, before, after, station, velocity)
-    shown = more_elements.instead_of(finest)
-    if shown is finest:  # others come with their own positions
-        shown = replace(position_means(levels[-1], before, shown, velocity), course=course)
-    return replace(shown, is_asked=True)
+    shown = position_means(levels[-1], before, finest, velocity)
+    return replace(shown, course=course, is_asked=True)
 
 
 def _unworn(
@@ -227,7 +226,6 @@ def _unworn(
     normal_load: float,
     velocity: float,
     station: Station,
-    asked: Container[int],
 ) -> State:
     """State at a station where nothing remembers the way there; kept for other velocities."""
     scene = levels[-1]
@@ -235,10 +233,8 @@ def _unworn(
     def compute() -> State:
         # From the start at each station: not even a first guess may remember the way, or results
         # would depend on the stations at which a temperature is asked for.
-        more_elements = _MoreElements(scene, normal_load, velocity, Trunks(), asked, None)
-        before = start(scene)
-        after = _advanced(levels, velocity, before, station)
-        return _shown(levels, more_elements, before, after, station, velocity)
+        ends = _last_part(levels, velocity, start(scene), station)
+        return _shown(levels, *ends, station, velocity)
 
     # What bears a load is the same whenever it does.
     contact = unworn_contact((mechanics(scene), station.normal_load, normal_load), compute)
@@ -255,53 +251,3 @@ def _still(contact: State, station: Station, velocity: float) -> State:
         on_trunk=station.on_trunk,
         sliding_distance=abs(velocity) * station.time,
     )
-
-
-class _MoreElements:
-    """The point once more from its start on smaller elements, and on one grid, if few touch.
-
-    Few elements know neither their hottest, nor, on a coarse grid, the summits that wear. Of 70
-    random scenes `draft` and `standard` were up to 60 and 20 % off without this, up to 2.7 and
-    0.5 % with it; `fine` was up to 12 % off with its history on a coarser grid.
-    """
-
-    def __init__(
-        self,
-        scene: Scene,
-        normal_load: float,
-        velocity: float,
-        trunks: Trunks,
-        asked: Container[int],
-        note: Note | None,
-    ) -> None:
-        self._scene = scene
-        self._to = normal_load, velocity, trunks, asked, note
-        self._ramps: dict[Fidelity, Iterator[State]] = {}
-
-    def instead_of(self, state: State) -> State:
-        """The same moment with more elements in contact, or as many as the pixels allow."""
-        fidelity = self._fidelity_for(state)
-        if fidelity is None:
-            return state
-        if fidelity not in self._ramps:
-            finer_scene = replace(self._scene, fidelity=fidelity)
-            self._ramps[fidelity] = contacts(finer_scene, *self._to)
-        work = state.work
-        for finer in self._ramps[fidelity]:  # computed as far as it is asked for
-            work += finer.work
-            if finer.index == state.index:
-                return replace(finer, work=work, history=state.history or state)
-        return state
-
-    def _fidelity_for(self, state: State) -> Fidelity | None:
-        """Fidelity with which enough elements touch; None if the scene's own is to be kept."""
-        scene, fidelity = self._scene, self._scene.fidelity
-        touching, fewest = touching_elements(scene, state), fidelity.fewest_elements
-        if touching >= fewest:
-            return None
-        block = fidelity.pixels_per_element
-        sizes = [size for size in range(1, block) if block % size == 0]
-        enough = [size for size in sizes if touching * (block / size) ** 2 >= fewest]
-        if not sizes and not (scene.wears and scene.coarsening > 1):
-            return None
-        return replace(fidelity, pixels_per_element=max(enough, default=1), history_coarsening=1)

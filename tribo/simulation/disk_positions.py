@@ -61,19 +61,24 @@ def parts(scene: Scene, wear: Wear, distance: float) -> int:
     amplitude of kS/λ for small ones: the wear along the distance S [m] by the pressure that
     flattens it, λ the compliance of the half-space to it. Here it is the mean over the waves.
     """
-    heights, yielding = elastic_bodies(scene).heights, elastic_bodies(scene).yielding
-    if heights is None or not yielding > 0:
-        return 1
-    imprint = float(np.sum(wear.depth(heights, distance) * heights)) / yielding
+    imprint = imprint_of(scene, wear, distance)
     finer = _finer(scene)
     return math.ceil(min(max(finer * imprint / _IMPRINT, 1.0), finer * _MOST_PARTS))
+
+
+def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
+    """Imprint of the disk's roughness in a pin after a distance [m], see `parts`; 0 if unknown."""
+    heights, yielding = elastic_bodies(scene).heights, elastic_bodies(scene).yielding
+    if heights is None or not yielding > 0:
+        return 0.0
+    return float(np.sum(wear.depth(heights, distance) * heights)) / yielding
 
 
 def _finer(scene: Scene) -> int:
     """Parts of a step of wear, for each one where many elements touch."""
     loading = scene.loading
     highest = loading.peak if isinstance(loading, MeasuredLoad) else loading.reference_load
-    return _MORE_PARTS if _positions(scene, highest) >= _FEW else 1
+    return _MORE_PARTS if positions(scene, highest) >= _FEW else 1
 
 
 def passes(
@@ -131,10 +136,10 @@ def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]
         return []
     block = scene.fidelity.pixels_per_element
     units = [math.lcm(math.gcd(n, _SHIFT), block) // block for n in scene.pixels.shape]
-    return [_position(scene, n, units) for n in range(1, _positions(scene, normal_load))]
+    return [_position(scene, n, units) for n in range(1, positions(scene, normal_load))]
 
 
-def _positions(scene: Scene, normal_load: float) -> int:
+def positions(scene: Scene, normal_load: float) -> int:
     """Number of positions over which the temperature at a load is a mean."""
     modulus = contact_modulus(scene.pin.material, scene.disk)
     mean_pressure = scene.pin.hertz(normal_load, modulus).peak_pressure / 1.5

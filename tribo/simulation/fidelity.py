@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -22,7 +23,8 @@ class Fidelity:
     Parameters
     ----------
     pixels_per_element : int
-        Pixels of the surface, along each axis, that make up one element.
+        Pixels of the surface, along each axis, that make up one element; at most, where
+        `elements_per_summit` is more than 0.
     averaging : {"mean", "sample"}
         An element's height: the mean of its pixels, as measured surfaces are coarsened in the
         paper, or that of one pixel in its middle. A sample keeps the distribution of heights and
@@ -32,12 +34,24 @@ class Fidelity:
         last step is then repeated on the scene's own grid. The past acts through the wear alone,
         which a coarse grid knows well where it is swept and many elements touch. Local wear keeps
         the roughness, and the grid with it.
+    elements_per_summit : float
+        Least width of the summits of the surface in elements. Where it is more than 0, elements
+        are so small, down to the pixels; see `tribo.simulation.element_size`.
+    fewest_summits : int
+        Least number of summits that are expected to touch for elements larger than the pixels,
+        which are taken where fewer do, if `elements_per_summit` is more than 0.
     fewest_elements : int
-        Least number of elements in contact when a temperature is asked for. A point at which
-        fewer touch is computed from its start on smaller elements, down to the pixels, and on one
-        grid; 0 to take the scene's in any case.
+        Least number of elements that are expected to touch on the grid of the history, which is as
+        fine as that needs, if `elements_per_summit` is more than 0.
     increments : int
-        Steps of the ramp up to its reference load.
+        Steps of the ramp up to its reference load. Given in a scene, it replaces the preset's
+        `hold_increments` and `imprint`, too.
+    hold_increments : int
+        The same of a hold, whose steps grow with the time; 0 for as many as `increments`.
+    imprint : float
+        Share of a wave of the roughness that a part of a step may wear into the pin. Steps that
+        leave more are cut into parts, at most 4; 0 to cut none. Local wear leaves an imprint, and
+        ridges along y do.
     kernel : {"periodic", "nearest-image"}
         Influence of the images of a periodic patch. See `tribo.contact.elastic_influence`.
     contact_tolerance : float
@@ -75,8 +89,12 @@ class Fidelity:
     pixels_per_element: int = 2
     averaging: Averaging = "mean"
     history_coarsening: int = 1
+    elements_per_summit: float = 0.0
+    fewest_summits: int = 0
     fewest_elements: int = 0
     increments: int = 100
+    hold_increments: int = 0
+    imprint: float = 0.0
     kernel: ElasticKernel = "periodic"
     contact_tolerance: float = 1e-3
     contact_criterion: ContactCriterion = "gap"
@@ -90,10 +108,16 @@ class Fidelity:
         for name, lowest in (
             ("pixels_per_element", 1),
             ("history_coarsening", 1),
+            ("fewest_summits", 0),
             ("fewest_elements", 0),
             ("increments", 1),
+            ("hold_increments", 0),
         ):
             require_integer(lowest, **{name: getattr(self, name)})
+        for name in ("elements_per_summit", "imprint"):
+            if not 0 <= getattr(self, name) < math.inf:
+                value = getattr(self, name)
+                raise InputError(f"{name} is {value!r}; it must be finite and at least 0")
         if not 0 < self.contact_tolerance <= 1:
             raise InputError(
                 f"contact_tolerance is {self.contact_tolerance!r}; it must be above 0 and at most 1"
@@ -124,33 +148,45 @@ class Fidelity:
 
 PRESETS: dict[str, Fidelity] = {
     "draft": Fidelity(
-        pixels_per_element=4,
+        pixels_per_element=2,
         averaging="sample",
         history_coarsening=4,
-        fewest_elements=400,
-        increments=5,
-        contact_tolerance=0.1,
+        elements_per_summit=0.75,
+        fewest_summits=40,
+        fewest_elements=40,
+        increments=4,
+        hold_increments=8,
+        imprint=25.0,
+        contact_tolerance=0.25,
         wear_scheme="sdirk2",
         heat_tolerance=1e-2,
     ),
     "standard": Fidelity(
         pixels_per_element=2,
         averaging="sample",
-        history_coarsening=2,
-        fewest_elements=1000,
-        increments=25,
-        contact_tolerance=3e-2,
+        history_coarsening=4,
+        elements_per_summit=1.7,
+        fewest_summits=300,
+        fewest_elements=100,
+        increments=6,
+        hold_increments=25,
+        imprint=3.0,
+        contact_tolerance=0.15,
         wear_scheme="sdirk2",
-        heat_tolerance=1e-3,
+        heat_tolerance=3e-3,
     ),
     "fine": Fidelity(
         pixels_per_element=1,
-        history_coarsening=2,
-        fewest_elements=2500,
-        increments=50,
-        contact_tolerance=1e-2,
+        averaging="sample",
+        history_coarsening=4,
+        elements_per_summit=1.7,
+        fewest_elements=300,
+        increments=16,
+        hold_increments=25,
+        imprint=3.0,
+        contact_tolerance=0.05,
         wear_scheme="sdirk2",
-        heat_tolerance=1e-4,
+        heat_tolerance=1.5e-3,
     ),
     "reference": Fidelity(
         pixels_per_element=1,

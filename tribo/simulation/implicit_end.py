@@ -12,6 +12,7 @@ import numpy as np
 
 from tribo.loading import Station
 from tribo.simulation.loading_step import advance
+from tribo.simulation.parts_of_steps import between
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.types import Mask
@@ -32,7 +33,7 @@ def ended(scene: Scene, before: State, after: State, station: Station, velocity:
     if not _comes_into_contact(scene, before, after, velocity):
         return after
     near = after.pressure
-    middle = advance(scene, before, _end_start(before, station), velocity, near)
+    middle = advance(scene, before, between(before, station, 1 - _END), velocity, near)
     end = advance(scene, middle, station, velocity, near, scheme="implicit")
     states = (after, middle, end)
     return replace(
@@ -65,18 +66,3 @@ def _worn(scene: Scene, state: State) -> Mask:
     if scene.contact_pattern == "swept":
         touched = touched | touched.any(axis=1, keepdims=True)
     return touched
-
-
-def _end_start(before: State, station: Station) -> Station:
-    """Start of the end; the load has its share of the impulse as if it changed linearly."""
-    share = 1 - _END
-    begin, end = before.normal_load, station.normal_load
-    load = begin + share * (end - begin)
-    impulse = share * (begin + load) / (begin + end) * (station.impulse - before.impulse)
-    return replace(
-        station,
-        normal_load=load,
-        time=before.time + share * (station.time - before.time),
-        on_trunk=False,
-        impulse=before.impulse + impulse,
-    )

@@ -10,7 +10,9 @@ import numpy as np
 
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
+from tribo.simulation.coupled_friction import CoupledRise
 from tribo.simulation.disk_positions import parts
+from tribo.simulation.element_size import FEWEST_ACROSS, FEWEST_ROWS, summit_width
 from tribo.simulation.pins import Ball
 from tribo.simulation.present_heat import excess_of_present_heat, stations_so_far
 from tribo.simulation.scene import Scene
@@ -27,14 +29,11 @@ FEW_NODES = 400  # below which `draft` errs by over 8 % and `standard` by over 3
 # positions of the disk. Of heavy wear it differs with the steps by up to 2.1 % where 50 elements
 # touch or more, by up to 7.5 % where fewer do: `python -m tests.promises.worn`.
 _FEW_SWEPT = 1000
-# Elements across a smooth contact. With 12 under a ball its rise was up to 2 % low, with 8 up to
-# 3 %, with 4 up to 5 %, with 3 up to 15 %; with 6 rows under a cylinder up to 4 %, with 4 up to
-# 8 %, with 2 up to 28 %.
-FEWEST_ACROSS, FEWEST_ROWS = 12, 6
 FEWEST_PIXELS = 2.0  # in a correlation length, to know the slopes of the roughness
 FEWEST_TURNS = 10  # turns of a rolling pin over which its wear is even around it to about a tenth
 WIDEST = 0.3  # half-width in radii up to which a pin is a parabola and a half-space, about
-_TOO_WARM, _ON_PIXELS = 0.01, 0.005  # error of the rise from which the present heat warns
+_TOO_WARM = 0.01  # error of the rise from which the present heat warns
+_NARROW = 0.7  # elements across a summit, below which the rise was up to 16 % too low
 SLOWEST = 0.3
 """Exponent of the rise over the velocity down to which presets keep what they promise."""
 SLOW = (
@@ -64,6 +63,8 @@ class WarningKind(IntFlag):
     SLOW_RISE = 256
     """Told by a whole sweep, and of a ball by each point."""
     MOLTEN = 512
+    IGNITION = 1024
+    UNSOLVED_FRICTION = 2048
 
     @property
     def label(self) -> str:
@@ -122,6 +123,31 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
     return [PointWarning(*reason) for rule in rules for reason in rule(scene, state)]
 
 
+def warn_friction(coupled: CoupledRise) -> list[PointWarning]:
+    """Reasons for care in relying on friction by temperature at a point.
+
+    Examples
+    --------
+    >>> [str(one)[:20] for one in warn_friction(CoupledRise(np.inf, "ignites"))]
+    ['the contact ignites:']
+    """
+    match coupled.outcome:
+        case "ignites":
+            text = (
+                "the contact ignites: friction rises so steeply with the temperature that the "
+                "contact warms itself; it is judged at the highest friction of "
+                "friction.by_temperature, and its temperature is at most the one printed"
+            )
+            return [PointWarning(WarningKind.IGNITION, text)]
+        case "not converged":
+            text = (
+                "friction.by_temperature did not converge; each part of the contact is taken to "
+                "have the friction of its own temperature alone: give a smoother table"
+            )
+            return [PointWarning(WarningKind.UNSOLVED_FRICTION, text)]
+    return []
+
+
 def _warn_edge(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where a wider window would carry load as well."""
     touched = [
@@ -149,6 +175,14 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
             f"the contact is {across} elements across at {state.normal_load:g} N; with fewer than "
             f"{fewest} the rise is mostly too low, by 5 to 70 %, whatever the fidelity: give "
             f"smaller {smaller}",
+        )
+    block = scene.pixels.shape[0] // len(state.pressure)
+    wide = summit_width(scene) / block
+    if block > 1 and wide < _NARROW and not scene.sweeps_over:
+        yield (
+            WarningKind.COARSE_PIXELS,
+            f"what touches of a summit is {wide:.2g} elements wide; below {_NARROW:g} the rise is "
+            f"too low, by up to 16 %: take pixels_per_element = 1, or elements_per_summit = 1",
         )
     if isinstance(scene.roughness, SelfAffineRoughness):
         lengths = zip("xy", scene.roughness.correlation_length, scene.pixels.spacing, strict=True)
@@ -236,6 +270,8 @@ def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where the decisive temperature is that of a few elements."""
     smallest = elements_are_pixels(scene, state)
     few = _FEW_SWEPT if smallest and scene.sweeps_over else FEW_NODES
+    if not smallest and scene.fidelity.elements_per_summit:  # as large as the surface allows
+        few //= (scene.pixels.shape[0] // len(state.pressure)) ** 2
     if not 0 < touching_elements(scene, state) < few or (smallest and not scene.roughness):
         return
     text = f"only {np.count_nonzero(state.pressure)} elements touch at {state.normal_load:g} N; "
@@ -248,8 +284,7 @@ def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
     else:
         text += (
             "with so few, boundaries of random scenes were 0.4 to 100 % off, in the median 10 %; "
-            f"take smaller elements (fewest_elements = {FEW_NODES}, or pixels_per_element = 1), "
-            "or ask for an accuracy"
+            "take a preset, or pixels_per_element = 1"
         )
     yield WarningKind.FEW_NODES, text
 
@@ -283,7 +318,7 @@ def _present_heat(scene: Scene, state: State) -> Iterator[Reason]:
     if scene.remembers_heat:
         return
     excess = excess_of_present_heat(scene, state)
-    if excess < (_ON_PIXELS if scene.fidelity.pixels_per_element == 1 else _TOO_WARM):
+    if excess < _TOO_WARM:
         return
     yield (
         WarningKind.PRESENT_HEAT,

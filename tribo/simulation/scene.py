@@ -12,6 +12,7 @@ from tribo.loading import MeasuredLoad, Ramp, Station
 from tribo.material import Material
 from tribo.numerics import Grid
 from tribo.simulation.fidelity import Fidelity
+from tribo.simulation.friction import SolvedFriction
 from tribo.simulation.motion import Motion, Velocities
 from tribo.simulation.pins import Pin
 from tribo.surface import (
@@ -61,6 +62,8 @@ class Scene:
     unequal_bulks : bool
         True if the bodies may differ in bulk temperature. If so, the response of the contact to a
         difference is solved for besides the rise.
+    solved_friction : SolvedFriction, optional
+        What friction by temperature is solved for at each point whose verdict hangs on it.
     fidelity : Fidelity
         Numerical choices.
 
@@ -85,6 +88,7 @@ class Scene:
     friction_heat: bool = True
     motion: Motion | None = None
     unequal_bulks: bool = False
+    solved_friction: SolvedFriction | None = None
     fidelity: Fidelity = field(default_factory=Fidelity)
 
     def __post_init__(self) -> None:
@@ -278,7 +282,7 @@ class Scene:
         All steps if a state depends on those before, else only the last, that at which a hold
         begins, and those whose indices are asked for.
         """
-        stations = self.loading.stations(normal_load, self.fidelity.increments)
+        stations = self.way(normal_load)
         if self.remembers_steps:
             yield from stations
             return
@@ -291,6 +295,11 @@ class Scene:
                 shown = station.index
         if station.index != shown:
             yield replace(station, on_trunk=False)
+
+    def way(self, normal_load: float) -> Iterator[Station]:
+        """All steps that lead to a load [N] and through its hold."""
+        fidelity = self.fidelity
+        return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def trunk(self, normal_load: float) -> float:
         """Increment of the trunk that leads to a load [N]; loads of one increment share it."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tribo.numerics import Convolution, Grid
-from tribo.simulation.cache import heat_spectrum
+from tribo.simulation.cache import heat_map, heat_spectrum
 from tribo.simulation.invariants import check_heat, guard_range
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import Heat, State
@@ -45,7 +45,7 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
     >>> f"{0.1 * heat(scene, state, velocity=0.13).max_rise:.1f} K at friction 0.1"
     '13.8 K at friction 0.1'
     """
-    scene = _refined_scene(scene, state)
+    scene = refined_scene(scene, state)
     passing = (replace(state, pressure=pressure) for pressure in state.passing)
     return mean_heat([_present_heat(scene, one, velocity) for one in (state, *passing)])
 
@@ -80,7 +80,7 @@ def _present_heat(scene: Scene, state: State, velocity: float) -> Heat:
     return _responding(scene, summary, _response(scene, state, velocity, contact), contact)
 
 
-def _refined_scene(scene: Scene, state: State) -> Scene:
+def refined_scene(scene: Scene, state: State) -> Scene:
     """The scene with the elements of a state, which are smaller where few touch."""
     block = scene.pixels.shape[0] // len(state.pressure)
     if block == scene.fidelity.pixels_per_element:
@@ -112,7 +112,7 @@ def heated_since(scene: Scene, before: State, state: State, velocity: float) -> 
             spectrum_of=heat_spectrum,
         )
 
-    friction = _friction_heat(scene, state, velocity)
+    friction = friction_heat(scene, state, velocity)
     split, heat_history = since(before.heat_history, friction, 0.0)
     _check_split(scene, friction, contact, split)
     summary = _summary(scene, split, contact) if contact.any() else None
@@ -154,10 +154,8 @@ def _responding(scene: Scene, summary: Heat, response: HeatPartition, contact: M
 
 def _response(scene: Scene, state: State, velocity: float, contact: Mask) -> HeatPartition:
     """Heat that flows where the disk's bulk is 1 K warmer than the pin's since time 0."""
-    pin, disk = (_conductor(scene.grid, body, state.time) for body in _bodies(scene, velocity))
     return partition_heat(
-        pin,
-        disk,
+        *bodies_at(scene, state, velocity),
         np.zeros(scene.grid.shape),
         contact,
         method=scene.fidelity.partition,
@@ -167,13 +165,11 @@ def _response(scene: Scene, state: State, velocity: float, contact: Mask) -> Hea
 
 
 def _partition(scene: Scene, state: State, velocity: float, contact: Mask) -> HeatPartition:
-    grid, friction = scene.grid, _friction_heat(scene, state, velocity)
+    grid, friction = scene.grid, friction_heat(scene, state, velocity)
     if not friction.any():
         return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), np.nan, 0, 0.0)
-    pin, disk = (_conductor(grid, body, state.time) for body in _bodies(scene, velocity))
     split = partition_heat(
-        pin,
-        disk,
+        *bodies_at(scene, state, velocity),
         friction,
         contact,
         method=scene.fidelity.partition,
@@ -183,7 +179,7 @@ def _partition(scene: Scene, state: State, velocity: float, contact: Mask) -> He
     return split
 
 
-def _friction_heat(scene: Scene, state: State, velocity: float) -> Array:
+def friction_heat(scene: Scene, state: State, velocity: float) -> Array:
     """Heat made at friction coefficient 1 [W/m²]; 0 in a scene without friction heat."""
     return abs(velocity) * state.pressure * scene.friction_heat
 
@@ -203,7 +199,13 @@ def _bodies(scene: Scene, velocity: float) -> tuple[Conductor, Conductor]:
     )
 
 
+def bodies_at(scene: Scene, state: State, velocity: float) -> tuple[Convolution, Convolution]:
+    """The thermal maps of pin and disk for the heat that has acted since time 0."""
+    pin, disk = _bodies(scene, velocity)
+    return _conductor(scene.grid, pin, state.time), _conductor(scene.grid, disk, state.time)
+
+
 def _conductor(grid: Grid, body: Conductor, time: float) -> Convolution:
     """The thermal map of a body, which after a while no longer depends on the time."""
     settled = min(time, settling_time(grid, body.material, body.velocity))
-    return Convolution(grid, heat_spectrum(grid, body, (0.0, settled), (1.0, 1.0)))
+    return heat_map(grid, body, settled)

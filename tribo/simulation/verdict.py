@@ -16,13 +16,9 @@ from typing import Any
 import numpy as np
 
 from tribo.errors import InputError
-from tribo.loading import Ramp
 from tribo.simulation.corrections import Corrections
-from tribo.simulation.friction import Friction
-from tribo.simulation.point import simulate
-from tribo.simulation.scene import Scene
-from tribo.simulation.step_measures import measures
-from tribo.simulation.trunks import Trunks
+from tribo.simulation.coupled_friction import UNSOLVED, CoupledRise, Outcome
+from tribo.simulation.friction import STEEP, Friction, SolvedFriction
 from tribo.thermal import BULK_RATIOS, Criterion, add_bulk_ratio, failed_share
 from tribo.types import Array, Indices
 
@@ -82,13 +78,39 @@ class Judging(ABC):
         present = self.corrections.friction if self.corrections else Friction()
         return replace(present, coefficient=self.rise_factor)
 
+    @property
+    def solved_friction(self) -> SolvedFriction | None:
+        """What friction by temperature is solved for; None without it, and for a rule of one's own.
+
+        Bodies of unequal bulk temperatures have no friction by temperature.
+        """
+        law = self.friction_law
+        if not (law.by_temperature and law.coefficient):
+            return None
+        decisive = self.decisive
+        if decisive.rule:
+            return None
+        return SolvedFriction(law, self.bulk_temperature, decisive.name, decisive.share)
+
+    def may_ignite(self, rise: float) -> bool:
+        """True if a rise at friction 1 [K] is mild, and severe at the highest friction.
+
+        Only where friction rises so steeply with the temperature that a contact may ignite.
+        """
+        law, bulk, critical = self.friction_law, self.bulk_temperature, self.critical_temperature
+        if critical is None or not law.by_temperature:
+            return False
+        hottest = float(law.hottest(rise, bulk))
+        is_mild = rise <= self.limit(critical) and hottest > critical
+        return is_mild and law.steepness(bulk, hottest) >= STEEP
+
     def contact_temperature(self, rise: Any) -> Any:
         """Temperature of the contact [K], from its rise at friction 1 [K], or rises."""
         return self.friction_law.temperature(rise, self.coldest_bulk_temperature)
 
     def limit(self, temperature: float) -> float:
         """Rise at friction 1 above which the contact is hotter than a temperature [K]."""
-        return self.friction_law.limit(temperature, self.coldest_bulk_temperature)
+        return float(self.friction_law.limit(temperature, self.coldest_bulk_temperature))
 
     def temperature_error(self, temperature: float) -> float:
         """Change of a temperature over the relative one of its rise at friction 1 [K]."""
@@ -174,6 +196,9 @@ class Verdict:
         Second part: the rise between two half-spaces [K].
     added_rise : float
         Third part: what bodies that warm, stem, film and friction by velocity add [K].
+    friction : {"solved", "ignites", "not converged"} or None
+        How friction by temperature was solved, see `coupled_friction`; None where it was not. Where
+        the contact ignites, temperatures are those at the highest friction of the law.
 
     Examples
     --------
@@ -189,6 +214,7 @@ class Verdict:
     bulk_temperature: float
     contact_rise: float
     added_rise: float
+    friction: Outcome | None = None
 
 
 def rise_limit(conditions: Judging) -> float:
@@ -214,11 +240,31 @@ def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, 
     return {**above_pin, **{name: above_pin[name] + pin for name in RISES if name in above_pin}}
 
 
-def verdict(columns: Mapping[str, Array], load: float, conditions: Judging) -> Verdict:
+def equivalent_rise(rise: Any, coupled: Any, conditions: Judging) -> Any:
+    """Deciding rises at friction 1 that have, by Eq. (1) of `friction`, the solved temperatures.
+
+    `coupled` is `CoupledRise.rise`: where it is NaN the rise stays, where it is infinite the
+    temperature is that at the highest friction of the law [K].
+    """
+    if not np.isfinite(coupled).any() and not np.isinf(coupled).any():
+        return rise
+    law, bulk = conditions.friction_law, conditions.coldest_bulk_temperature
+    solved = bulk + law.coefficient * np.asarray(coupled)
+    temperature = np.where(np.isinf(solved), law.hottest(rise, bulk), solved)
+    return np.where(np.isnan(solved), rise, law.limit(temperature, bulk))
+
+
+def verdict(
+    columns: Mapping[str, Array],
+    load: float,
+    conditions: Judging,
+    coupled: CoupledRise = UNSOLVED,
+) -> Verdict:
     """Mild or severe wear at a point, by its columns and the load that it is named after [N].
 
     Columns are ``rise_quantile`` (n_step, n_quantile), ``mean_rise`` and ``max_rise`` (n_step)
-    above the pin's bulk at friction 1 [K], and those that corrections need.
+    above the pin's bulk at friction 1 [K], and those that corrections need; `coupled` is what
+    `solve_friction` found.
     """
     ratio, bulk = conditions.bulk_ratio, conditions.coldest_bulk_temperature
     alone = above_colder(columns, ratio)
@@ -226,8 +272,13 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Judging) -> V
     together = above_colder(parts.applied(columns), ratio) if parts else alone
     rises = conditions.decisive.rise(together)
     worst = int(worst_moment(rises, together["normal_load"], load))
-    rise, quantiles = float(rises[worst]), together["rise_quantile"][worst]
-    of_contact = float(conditions.contact_temperature(conditions.decisive.rise(alone)[worst]))
+    rise = float(equivalent_rise(rises[worst], coupled.rise, conditions))
+    factor = rise / rises[worst] if rises[worst] else 1.0
+    quantiles = factor * together["rise_quantile"][worst]
+    if coupled.rise_quantile is not None:
+        quantiles = equivalent_rise(quantiles, coupled.rise_quantile, conditions)
+    contact_rise = factor * conditions.decisive.rise(alone)[worst]
+    of_contact = float(conditions.contact_temperature(contact_rise))
     known = conditions.critical_temperature is not None
     decisive = float(conditions.contact_temperature(rise))
     return Verdict(
@@ -239,71 +290,5 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Judging) -> V
         bulk_temperature=bulk,
         contact_rise=of_contact - bulk,
         added_rise=decisive - of_contact,
+        friction=coupled.outcome,
     )
-
-
-def judge(
-    scene: Scene,
-    load: float,
-    velocity: float,
-    conditions: Conditions,
-    trunks: Trunks | None = None,
-) -> Verdict:
-    """Simulate one point, and judge its wear.
-
-    Parameters
-    ----------
-    scene : Scene
-        System to simulate.
-    load, velocity : float
-        Load on the whole pin [N] and sliding velocity [m/s].
-    conditions : Conditions
-        Friction, temperatures and criterion.
-    trunks : Trunks, optional
-        Ramps of other points, from which to go on.
-
-    Returns
-    -------
-    Verdict
-        Mild or severe at the worst moment from when the load is reached on: of a hold in which
-        bodies warm that of all its steps.
-
-    Raises
-    ------
-    InputError, ConvergenceError
-        As `tribo.simulate` does.
-
-    Examples
-    --------
-    >>> import tribo
-    >>> steel = tribo.Material(elastic_modulus=210e9, poisson_ratio=0.3, hardness=6.6e9,
-    ...                        thermal_conductivity=45.0, density=7800.0, specific_heat=470.0)
-    >>> scene = tribo.Scene(pin=tribo.Cylinder(2e-3, 3.4e-3, steel), disk=steel,
-    ...                     pixels=tribo.Grid((192, 2), (2e-6, 228e-6)),
-    ...                     loading=tribo.Ramp(rate=150.0, reference_load=750.0))
-    >>> oil = tribo.Conditions(friction=0.1, bulk_temperature=298.0, critical_temperature=418.0)
-    >>> found = judge(scene, load=600.0, velocity=1.25, conditions=oil)
-    >>> found.is_severe, f"{found.decisive_temperature:.0f} K = 298 + {found.contact_rise:.0f}"
-    (True, '422 K = 298 + 124')
-    """
-    if conditions.disk_temperature is not None and not scene.unequal_bulks:
-        scene = replace(scene, unequal_bulks=True)
-    parts = conditions.corrections and conditions.corrections.under(scene.loading)
-    if parts:
-        parts = replace(parts, motion=scene.motion)
-        if parts.stem and scene.velocities_at(velocity).pin:
-            raise InputError("corrections.stem holds a pin that turns; leave out one of them")
-    conditions = replace(conditions, corrections=parts)
-    asked: list[int] = []
-    if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):
-        way = scene.loading.stations(load, scene.fidelity.increments)
-        asked = [station.index for station in way if station.holding]
-    records = [
-        {**measures(scene, state), **state.heat.columns}
-        for state in simulate(scene, load, velocity, trunks, asked)
-        if state.heat is not None and state.normal_load >= load
-    ]
-    if not records:
-        raise InputError(f"load is {load:g} N, at which nothing is in contact")
-    columns = {name: np.array([one[name] for one in records]) for name in records[0]}
-    return verdict(columns, load, conditions)

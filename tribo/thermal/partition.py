@@ -142,8 +142,7 @@ def partition_heat(
     if method == "uniform":
         return _uniform(pin(heat_flux), target, delta, heat_flux, contact)
 
-    both = pin + disk
-    near = Neighbourhood(both)
+    both, near = _joined(pin, disk)
     if not near.influence[1, 0] > 0:
         raise InputError(
             "bulk_difference is not 0; it must be, since the bodies have had no time to conduct"
@@ -170,6 +169,18 @@ def partition_heat(
             partition,
         )
     return partition
+
+
+@functools.lru_cache(maxsize=2)  # of many contacts, one after the other
+def _joined(pin: Convolution, disk: Convolution) -> tuple[Convolution, Neighbourhood]:
+    """The map of both bodies, and its stencils."""
+    both = pin + disk
+    return both, Neighbourhood(both)
+
+
+@functools.lru_cache(maxsize=2)
+def _faster(both: Convolution, influence: float) -> Convolution:
+    return both.faster_precision(influence)
 
 
 def _check_choices(method: str, tolerance: float) -> None:
@@ -210,7 +221,7 @@ def _iterated(
 ) -> tuple[Array, int]:
     """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations."""
     if tolerance >= _SINGLE_TOLERANCE:
-        both = both.faster_precision(near.influence[1, 0])
+        both = _faster(both, float(near.influence[1, 0]))
     precondition = functools.partial(near.on(nodes), near.inverse)
     return _iterate(
         _node_map(both, nodes), precondition, target, _RESERVE * tolerance, max_iterations

@@ -193,7 +193,7 @@ ENTRIES = {
     "short pin": (entry("pin.length", "0.455 mm"), "0.455 mm is shorter than the window, 480 pix"),
     "material": (entry("disk.material", "stell"), 'disk.material: "stell" is neither'),
     "like": (entry("oil", "vg33"), '"vg33" is not in the library'),
-    "pixels": (entry("window.pixels", [480, 481]), "[480, 481] cannot be averaged 4 × 4; give"),
+    "pixels": (entry("window.pixels", [480, 481]), "[480, 481] cannot be averaged 2 × 2; give"),
     "one pixel": (entry("window.pixels", [1, 1], **{"fidelity.pixels_per_element": 1}),
                   "[1, 1] cannot be rough"),
     "pixel": (entry("window.pixel_size", ["1e10 um", "2 um"]), "one side must be at most 1e+06"),

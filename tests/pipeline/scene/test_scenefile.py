@@ -138,15 +138,17 @@ def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(
     entries = ('preset = "draft"', 'preset = "draft"\nincrements = 30\npartition = "uniform"')
     assert read().about.preset == "draft"
     sweep = read(entries)
-    assert sweep.scene.fidelity == replace(
-        tribo.PRESETS["draft"], increments=30, partition="uniform"
-    )
+    steps = {"increments": 30, "hold_increments": 0, "imprint": 0.0}
+    assert sweep.scene.fidelity == replace(tribo.PRESETS["draft"], **steps, partition="uniform")
     assert sweep.about.preset is None
     sweep = read(entries, preset="standard")
     assert (sweep.about.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
     sweep = read(entries, preset="standard", overrides={"increments": 40})
     assert (sweep.about.preset, sweep.scene.fidelity.increments) == (None, 40)
-    assert read(overrides={"increments": tribo.PRESETS["draft"].increments}).about.preset == "draft"
+    sweep = read(entries, overrides={"increments": 30, "imprint": 2.0})
+    assert sweep.scene.fidelity.imprint == 2.0
+    same = tribo.PRESETS["draft"].contact_tolerance
+    assert read(overrides={"contact_tolerance": same}).about.preset == "draft"
 
 
 def test_any_entry_may_be_given_in_place_of_the_files(read, faults):

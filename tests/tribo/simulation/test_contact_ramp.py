@@ -24,7 +24,8 @@ def ball():
 FAMILY = {
     "local": small_scene("local"),
     "coarse history": small_scene("swept", history_coarsening=2, wear_scheme="sdirk2"),
-    "few elements": small_scene("swept", pixels_per_element=4, fewest_elements=500),
+    "narrow summits": small_scene("swept", pixels_per_element=4, elements_per_summit=2.0),
+    "cut steps": small_scene("local", imprint=0.5),
     "held": replace(small_scene("swept"), loading=Ramp(150.0, 750.0, hold=2.0)),
     "ball": ball(),
     "twin disc": replace(small_scene("swept"), motion=Motion(slide_roll_ratio=0.5)),

@@ -167,7 +167,7 @@ def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
 def test_heavy_wear_is_averaged_to_a_hundredth():
     """The pin wears by 35 times the roughness, against three times as many steps."""
     scene = replace(
-        ball(pixels=240, side=1e-3 / 240),
+        ball("standard", pixels=240, side=1e-3 / 240),
         wear=Wear(1.2e-14),
         roughness=SelfAffineRoughness(0.27e-6, 0.8, (16e-6, 16e-6), 3),
     )

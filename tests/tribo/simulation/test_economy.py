@@ -15,7 +15,6 @@ from tribo import (
     Wear,
     measures,
     simulate,
-    warnings,
 )
 from tribo.simulation import forget_contacts, loading_step
 
@@ -54,34 +53,6 @@ def test_a_coarse_history_saves_work_and_hardly_moves_the_temperature():
     # Few summits touch at a time on so small a patch; on the shipped scene it is 0.02 %.
     decisive = [states[-1].heat.rise_quantile[DECISIVE] for states in (full, coarse)]
     assert decisive[1] == pytest.approx(decisive[0], rel=0.01)
-
-
-def test_where_few_elements_touch_the_history_is_on_their_own_grid():
-    scene = rough_scene()
-    heavily_worn = replace(scene, wear=Wear(1e-13, "swept"), pixels=Grid((96, 24), (4e-6, 4e-6)))
-    fidelity = replace(heavily_worn.fidelity, history_coarsening=2, fewest_elements=400)
-    coarse = replace(heavily_worn, fidelity=fidelity)
-    alone, on_own_grid = (
-        list(simulate(scene, 300.0, 1.25, asked=range(0, 100, 2)))
-        for scene in (coarse, heavily_worn)
-    )
-    assert alone[0].pressure.shape != alone[-1].pressure.shape
-    for state, exact in zip(alone, on_own_grid, strict=True):
-        if state.heat:
-            assert np.array_equal(state.heat.rise, exact.heat.rise)
-            assert np.array_equal(state.wear_depth, exact.wear_depth)
-    assert total_work(alone) > total_work(on_own_grid)
-
-
-def test_where_few_elements_touch_they_are_smaller():
-    scene = rough_scene(pixels_per_element=4, fewest_elements=400, increments=8)
-    pixels = replace(scene, fidelity=replace(scene.fidelity, pixels_per_element=1))
-    alone, exact = (list(simulate(variant, 300.0, 1.25)) for variant in (scene, pixels))
-    assert np.array_equal(alone[-1].heat.rise, exact[-1].heat.rise)
-    assert alone[0].pressure.shape == (48, 24)
-    assert [state.heat is None for state in alone] == [True] * (len(alone) - 1) + [False]
-    assert measures(scene, alone[-1]) == measures(pixels, exact[-1])
-    assert warnings(scene, alone[-1]) == []
 
 
 # No wear.
@@ -173,12 +144,3 @@ def test_no_friction_needs_no_heat():
     assert state.heat_history is None
     warm = last(small_scene(heat_model="history"), 300.0, 1.25)
     assert np.array_equal(state.pressure, warm.pressure)
-
-
-@pytest.mark.parametrize(("fewest", "shape"), [(1.5, (96, 48)), (2.1, (96, 48)), (4.1, (192, 96))])
-def test_elements_are_no_smaller_than_enough_of_them_need(fewest, shape):
-    """Elements of half the size are four times as many."""
-    few = rough_scene(pixels_per_element=4, increments=4)
-    touching = np.count_nonzero(last(few, 300.0, 1.25).pressure)
-    enough = replace(few.fidelity, fewest_elements=round(fewest * touching))
-    assert last(replace(few, fidelity=enough), 300.0, 1.25).pressure.shape == shape

@@ -1,0 +1,236 @@
+"""Friction by temperature as one equation: the friction of each element heats all of them.
+
+Each element of the contact C has the friction of its own temperature,
+
+    T = T_b + A q + r µ̄,   q(x) = µ(V, T(x)) V p(x)   on C,                               (1)
+
+with A the partition of heat between the bodies (`tribo.thermal.partition_heat`), which is linear,
+and r the rise at friction 1 that bodies which warm, a stem and a film add evenly, at the mean
+friction µ̄ = Σq/ΣVp.
+It is solved from cold: the first heat is that at the friction of the bulk temperature, and each
+partition adds what the last temperature has changed of it. So where friction rises, temperatures
+only rise on the way, and reach the lowest solution, as a contact that warms up does.
+
+Near a steep rise of friction there may be no solution close to the cold one: the contact ignites.
+That is said where its rise has grown by a quarter, and a round adds more than the one before. Where
+friction rises more slowly than T − T_b to the power of 0.7 that cannot be, and where it falls the
+plain iteration would oscillate: there the last few rounds are combined (Anderson, J. ACM 12, 1965).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from tribo.errors import ConvergenceError
+from tribo.simulation.friction import STEEP, Friction
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
+from tribo.simulation.temperature import bodies_at, friction_heat, refined_scene
+from tribo.thermal import contact_quantiles, partition_heat
+from tribo.types import Array
+
+Outcome = Literal["solved", "ignites", "not converged"]
+
+_MOST_ROUNDS = 60
+_CLOSE = 2e-4  # change of a temperature in a round, in the highest rise, at which it is solved
+_TOLERANCE = 1e-3  # of the partitions, where that of the fidelity is larger
+_LOOSEST = 0.1  # of one that adds little
+_GROWN = 1.25  # mean rise over the cold one from which a contact that gains ever more ignites
+_KEPT = 4  # rounds that are combined
+
+
+class CoupledRise(NamedTuple):
+    """Rise by friction that depends on temperature, and how it was found.
+
+    Rises are over the coefficient of friction: NaN where they are not solved, infinite where the
+    contact ignites [K].
+    """
+
+    rise: float
+    outcome: Outcome | None = None
+    rise_quantile: Array | None = None  # of all of the contact, where it is solved [K]
+
+
+UNSOLVED = CoupledRise(math.nan)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CoupledHeat:
+    """Rise of a contact whose elements have the friction of their own temperatures.
+
+    Attributes
+    ----------
+    outcome : {"solved", "ignites", "not converged"}
+        Without a solution the rises are NaN.
+    partitions : int
+        Heat partitions that it took.
+    rise_quantile : ndarray, shape (len(QUANTILES),)
+        Quantiles of the rise over the contact area [K].
+    max_rise, mean_rise : float
+        Largest and mean rise over the contact area [K].
+
+    Examples
+    --------
+    >>> import tribo
+    >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
+    >>> falling = tribo.Friction(0.1, by_temperature=((298.0, 1.0), (398.0, 0.8)))
+    >>> found = coupled_heat(scene, state, 0.065, falling, bulk=298.0)
+    >>> f"{found.max_rise:.2f} K for {0.1 * state.heat.max_rise:.2f} with one friction"
+    '7.36 K for 7.45 with one friction'
+    """
+
+    outcome: Outcome
+    partitions: int
+    rise_quantile: Array
+    max_rise: float
+    mean_rise: float
+
+    @property
+    def columns(self) -> dict[str, Any]:
+        """The rises by which a criterion judges, by the names of a sweep's variables."""
+        names = "rise_quantile", "max_rise", "mean_rise"
+        return {name: getattr(self, name) for name in names}
+
+
+def coupled_heat(
+    scene: Scene, state: State, velocity: float, law: Friction, bulk: float, added: float = 0.0
+) -> CoupledHeat:
+    """Solve Eq. (1) of this module for a state of a simulation.
+
+    Parameters
+    ----------
+    scene : Scene
+        System that was simulated, whose bodies have one bulk temperature and no history of heat.
+    state : State
+        State of a simulation, in contact.
+    velocity : float
+        Sliding velocity [m/s].
+    law : Friction
+        Friction by velocity and temperature.
+    bulk : float
+        Temperature of both bodies far from the contact [K].
+    added : float, optional
+        Rise at friction 1 that is added evenly, r of Eq. (1) [K].
+
+    Returns
+    -------
+    CoupledHeat
+        Rises, as means over the positions of the disk over which the state's temperature is one.
+    """
+    scene = refined_scene(scene, state)
+    passing = (replace(state, pressure=pressure) for pressure in state.passing)
+    frictions = _Frictions(law, velocity, bulk)
+    found = [_at_position(scene, one, frictions, added) for one in (state, *passing)]
+    outcomes = {one.outcome for one in found}
+    worst = next(one for one in ("ignites", "not converged", "solved") if one in outcomes)
+    return CoupledHeat(
+        outcome=worst,
+        partitions=sum(one.partitions for one in found),
+        rise_quantile=np.mean([one.rise_quantile for one in found], axis=0),
+        max_rise=float(np.mean([one.max_rise for one in found])),
+        mean_rise=float(np.mean([one.mean_rise for one in found])),
+    )
+
+
+def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float) -> CoupledHeat:
+    """Solve with the disk where the state's pressure has it."""
+    contact = state.pressure > 0
+    nodes = np.flatnonzero(contact)
+    pin, disk = bodies_at(scene, state, frictions.velocity)
+    tolerance = min(scene.fidelity.heat_tolerance, _TOLERANCE)
+    heat = friction_heat(scene, state, frictions.velocity).take(nodes)
+
+    def rise_by(flux: Array, whole: Array) -> Array:
+        """Rise on the contact by a flux, which is exact enough for that of the whole heat."""
+        size = float(np.linalg.norm(flux))
+        if not size:
+            return np.zeros(nodes.size)
+        field = np.zeros(contact.shape)
+        field.reshape(-1)[nodes] = flux
+        share = min(tolerance * float(np.linalg.norm(whole)) / size, _LOOSEST)
+        method = scene.fidelity.partition
+        split = partition_heat(pin, disk, field, contact, method, max(share, tolerance))
+        evenly = added * float(flux.sum()) / float(heat.sum())
+        return split.rise.take(nodes) + evenly
+
+    rise, outcome, rounds = _solved(heat, frictions, rise_by)
+    if outcome != "solved":
+        rise = np.full(rise.shape, np.nan)
+    field = np.zeros(contact.shape)
+    field.reshape(-1)[nodes] = rise
+    rows = scene.rows_per_element
+    return CoupledHeat(
+        outcome=outcome,
+        partitions=rounds,
+        rise_quantile=contact_quantiles(field.repeat(rows, 1), contact.repeat(rows, 1)),
+        max_rise=float(rise.max()),
+        mean_rise=float(rise.mean()),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Frictions:
+    """Friction at rises above a bulk temperature, at one velocity."""
+
+    law: Friction
+    velocity: float
+    bulk: float
+
+    def __call__(self, rise: Array) -> Array:
+        return np.asarray(self.law.at(self.velocity, self.bulk + rise))
+
+    def may_ignite(self, cold_rise: Array) -> bool:
+        """True if friction rises steeply below the highest temperature that it may cause."""
+        highest = self.law.highest(self.bulk) / self.law.at(temperature=self.bulk)
+        hottest = self.bulk + float(highest * cold_rise.max())
+        return self.law.steepness(self.bulk, hottest) >= STEEP
+
+
+def _solved(
+    heat: Array, frictions: _Frictions, rise_by: Callable[[Array, Array], Array]
+) -> tuple[Array, Outcome, int]:
+    """Rise, how the iteration ended, and its rounds, by the heat of elements at friction 1."""
+    flux = frictions(np.zeros(heat.size)) * heat
+    rise = guess = rise_by(flux, flux)
+    may_ignite, cold = frictions.may_ignite(rise), float(rise.mean())
+    rounds, grown = 1, math.inf
+    mixed = _Mixed()
+    while rounds < _MOST_ROUNDS:
+        changed = frictions(guess) * heat
+        try:
+            rise = rise + rise_by(changed - flux, changed)
+        except ConvergenceError:
+            break
+        flux, rounds = changed, rounds + 1
+        step = rise - guess
+        if float(np.abs(step).max()) <= _CLOSE * float(rise.max()):
+            return rise, "solved", rounds
+        only_rises = may_ignite and float(step.min()) >= -_CLOSE * float(rise.max())
+        before, grown = grown, float(step.mean())
+        if only_rises and grown >= before and float(rise.mean()) > _GROWN * cold:
+            return rise, "ignites", rounds
+        guess = rise if only_rises else mixed(guess, step)
+    return rise, "not converged", rounds
+
+
+class _Mixed:
+    """The next guess of a fixed point by the last ones and what each was off by."""
+
+    def __init__(self) -> None:
+        self._guesses: list[Array] = []
+        self._steps: list[Array] = []
+
+    def __call__(self, guess: Array, step: Array) -> Array:
+        self._guesses = [*self._guesses[-_KEPT:], guess]
+        self._steps = [*self._steps[-_KEPT:], step]
+        following = guess + step
+        if len(self._steps) > 1:
+            moved, changed = (np.diff(one, axis=0) for one in (self._guesses, self._steps))
+            weights = np.linalg.lstsq(changed.T, step, rcond=1e-8)[0]
+            following -= weights @ (moved + changed)
+        return following.clip(0.0)

@@ -1,0 +1,149 @@
+"""One point simulated and judged, with its friction by temperature solved where that decides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from tribo.errors import InputError
+from tribo.loading import Ramp
+from tribo.simulation.coupled_friction import UNSOLVED, CoupledRise, coupled_heat
+from tribo.simulation.point import simulate
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
+from tribo.simulation.step_measures import measures
+from tribo.simulation.trunks import Trunks
+from tribo.simulation.verdict import (
+    Conditions,
+    Judging,
+    Verdict,
+    rise_limit,
+    verdict,
+    worst_moment,
+)
+from tribo.types import Array
+
+_NEAR = 0.3
+"""Distance of a rise from its limit, over that, up to which friction by temperature is solved."""
+
+
+def solve_friction(
+    scene: Scene,
+    states: Sequence[State],
+    columns: Mapping[str, Array],
+    load: float,
+    conditions: Judging,
+) -> CoupledRise:
+    """Solve friction by temperature at the worst moment of a point, if its verdict hangs on it.
+
+    It does where the rise by Eq. (1) of `friction` is within 30 % of the limit, where the limit is
+    not known, and where friction may make a contact ignite that would be mild.
+
+    Parameters
+    ----------
+    scene : Scene
+        System that was simulated.
+    states : sequence of State
+        States of the last steps, those at the full load among them.
+    columns : mapping
+        Columns of all steps, as `verdict` takes them.
+    load : float
+        Load that the point is named after [N].
+    conditions : Judging
+        Friction, temperatures and criterion.
+    """
+    solved, parts = conditions.solved_friction, conditions.corrections
+    if not solved or not parts or scene.remembers_heat:
+        return UNSOLVED
+    together = parts.applied(columns)
+    rises = conditions.decisive.rise(together)
+    worst = int(worst_moment(rises, together["normal_load"], load))
+    state = states[worst - len(rises)]
+    if state.heat is None or not _hangs_on_friction(conditions, rises[worst]):
+        return UNSOLVED
+    velocity = state.sliding_distance / state.time
+    added = float(parts.added_rise(columns)[worst])
+    law = solved.law
+    heat = coupled_heat(scene, state, velocity, law, solved.bulk_temperature, added)
+    rise = math.inf if heat.outcome == "ignites" else conditions.decisive.rise(heat.columns)
+    quantiles = heat.rise_quantile / law.coefficient if heat.outcome == "solved" else None
+    return CoupledRise(float(rise) / law.coefficient, heat.outcome, quantiles)
+
+
+def _hangs_on_friction(conditions: Judging, rise: float) -> bool:
+    """True if the verdict on a rise at friction 1 may change once its friction is solved."""
+    if conditions.critical_temperature is None:
+        return True
+    return abs(rise / rise_limit(conditions) - 1) <= _NEAR or conditions.may_ignite(rise)
+
+
+def judge(
+    scene: Scene,
+    load: float,
+    velocity: float,
+    conditions: Conditions,
+    trunks: Trunks | None = None,
+) -> Verdict:
+    """Simulate one point, and judge its wear.
+
+    Parameters
+    ----------
+    scene : Scene
+        System to simulate.
+    load, velocity : float
+        Load on the whole pin [N] and sliding velocity [m/s].
+    conditions : Conditions
+        Friction, temperatures and criterion.
+    trunks : Trunks, optional
+        Ramps of other points, from which to go on.
+
+    Returns
+    -------
+    Verdict
+        Mild or severe at the worst moment from when the load is reached on: of a hold in which
+        bodies warm that of all its steps.
+
+    Raises
+    ------
+    InputError, ConvergenceError
+        As `tribo.simulate` does.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> steel = tribo.Material(elastic_modulus=210e9, poisson_ratio=0.3, hardness=6.6e9,
+    ...                        thermal_conductivity=45.0, density=7800.0, specific_heat=470.0)
+    >>> scene = tribo.Scene(pin=tribo.Cylinder(2e-3, 3.4e-3, steel), disk=steel,
+    ...                     pixels=tribo.Grid((192, 2), (2e-6, 228e-6)),
+    ...                     loading=tribo.Ramp(rate=150.0, reference_load=750.0))
+    >>> oil = tribo.Conditions(friction=0.1, bulk_temperature=298.0, critical_temperature=418.0)
+    >>> found = judge(scene, load=600.0, velocity=1.25, conditions=oil)
+    >>> found.is_severe, f"{found.decisive_temperature:.0f} K = 298 + {found.contact_rise:.0f}"
+    (True, '422 K = 298 + 124')
+    """
+    if conditions.disk_temperature is not None and not scene.unequal_bulks:
+        scene = replace(scene, unequal_bulks=True)
+    parts = conditions.corrections and conditions.corrections.under(scene.loading)
+    if parts:
+        parts = replace(parts, motion=scene.motion)
+        if parts.stem and scene.velocities_at(velocity).pin:
+            raise InputError("corrections.stem holds a pin that turns; leave out one of them")
+    conditions = replace(conditions, corrections=parts)
+    asked: list[int] = []
+    if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):
+        way = scene.way(load)
+        asked = [station.index for station in way if station.holding]
+    states = [
+        state
+        for state in simulate(scene, load, velocity, trunks, asked)
+        if state.heat is not None and state.normal_load >= load
+    ]
+    if not states:
+        raise InputError(f"load is {load:g} N, at which nothing is in contact")
+    records = [{**measures(scene, state), **state.heat.columns} for state in states if state.heat]
+    columns = {name: np.array([one[name] for one in records]) for name in records[0]}
+    coupled = solve_friction(scene, states, columns, load, conditions)
+    return verdict(columns, load, conditions, coupled)

@@ -1,0 +1,54 @@
+"""Steps cut into parts, where each would leave too deep an imprint of the roughness in the pin.
+
+A pin that wears point by point takes the negative of the patch that it faces, and one that ridges
+of the disk sweep along takes that of the ridges, most of it within a few steps. How deep the
+imprint of a step is depends on the wear rate and the velocity alone, and so all loads have the same
+parts of their common ramp.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from tribo.loading import Station
+from tribo.simulation.disk_positions import imprint_of
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
+
+_MOST = 4  # parts
+ENOUGH_STEPS = 25  # of a ramp, with which the worn pin is known without parts
+
+
+def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> Iterator[Station]:
+    """The station, and before it those at the ends of the parts of its step."""
+    count = _count(scene, abs(velocity) * (station.time - before.time), velocity)
+    for part in range(1, count):
+        yield between(before, station, part / count)
+    yield station
+
+
+def _count(scene: Scene, distance: float, velocity: float) -> int:
+    if not (scene.fidelity.imprint and distance) or scene.sweeps_over:
+        return 1
+    wear = scene.wear_at(velocity, (0.0, distance))
+    if wear is None:
+        return 1
+    most = min(_MOST, math.ceil(ENOUGH_STEPS / scene.fidelity.increments))
+    imprint = imprint_of(scene, wear, distance) / scene.fidelity.imprint
+    return math.ceil(min(max(imprint, 1.0), most))
+
+
+def between(before: State, station: Station, share: float) -> Station:
+    """A moment within a step; the load has its share of the impulse as if it changed linearly."""
+    begin, end = before.normal_load, station.normal_load
+    load = begin + share * (end - begin)
+    impulse = share * (begin + load) / (begin + end) * (station.impulse - before.impulse)
+    return replace(
+        station,
+        normal_load=load,
+        time=before.time + share * (station.time - before.time),
+        on_trunk=False,
+        impulse=before.impulse + impulse,
+    )
