@@ -1,6 +1,7 @@
 """What campaigns conclude, and which figures on the page are older than the code."""
 
 import ast
+import json
 import re
 import subprocess
 
@@ -9,11 +10,15 @@ import pandas as pd
 import pytest
 from scipy import stats
 
+from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers.campaigns import PAGE, ROOT, older
 from tests.mutants.changes import changes
+from tests.promises import front, truth
 from tests.promises.errors import are_covered, covered, places
+from tests.promises.families import FAMILIES, cases
 from tests.promises.report import are_right, kept
 from tests.promises.runs import SAID, comes_true, reported, true_probabilities
+from tribo import PRESETS
 
 
 def test_figures_are_older_than_later_changes_of_their_rooms_alone(tmp_path):
@@ -136,3 +141,40 @@ def test_a_mutant_differs_at_one_place_of_what_runs():
         assert sum(text in mutant for mutant in mutants) == 1, text
     for text in ("pass", "max(a, -c)", "min(a, c)"):
         assert sum(text in mutant for mutant in mutants) == 1, text
+
+
+# The front of the presets
+
+
+def test_the_truth_is_that_of_the_scenes_of_all_families_and_of_no_other():
+    scenes = cases(range(front.NUMBERS))
+    assert len(FAMILIES) == 10
+    known = {case.digest: truth.known(case) for case in scenes}
+    assert known == json.loads(truth.TRUTH.read_text())
+    for case in scenes:
+        rises = known[case.digest]
+        assert [float(one) for one in rises] == [float(v.split()[0]) for v in case.velocities]
+        assert {len(row) for row in rises.values()} == {len(case.loads)}
+    judged = {case.digest: case for case in scenes if case.number % 2}
+    assert sum(len(case.loads) * len(case.velocities) for case in judged.values()) >= 300
+
+
+@pytest.mark.parametrize("name", front.PROMISED)
+@pytest.mark.parametrize("family", ["lay", "coarse pixels", "wide summits"])
+def test_presets_keep_their_promises_on_scenes_on_which_none_was_chosen(family, name):
+    case = next(case for case in cases([1]) if case.family == family)
+    found = front.errors(case, PRESETS[name])
+    errors, warned = (np.array(found[key]) for key in ("errors", "warned"))
+    assert np.abs(errors[~warned]).max() <= PRESET_BOUNDS[name]
+    assert warned.mean() < 0.5
+
+
+def test_a_preset_is_beaten_by_a_choice_a_tenth_cheaper_at_no_larger_quantile():
+    def row(name, quantile, seconds, warned=0.0):
+        return name, 100, warned, 0.001, quantile, quantile, seconds
+
+    rows = [row("draft", 0.04, 10.0), row("a", 0.04, 8.9), row("b", 0.04, 9.1), row("c", 0.05, 1.0)]
+    assert list(front.beaten(rows)) == ["draft: a"]
+    assert front.are_kept([row("draft", PRESET_BOUNDS["draft"], 1.0)])
+    assert not front.are_kept([row("draft", 1.01 * PRESET_BOUNDS["draft"], 1.0)])
+    assert not front.are_kept([row("draft", 0.01, 1.0, warned=0.06)])

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import operator
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from pipeline.sweep.shown import shown
 from tribo import PRESETS, Fidelity
+from tribo.simulation.element_size import TIGHTEST
+from tribo.simulation.parts_of_steps import ENOUGH_STEPS
 
 KEPT_FIELDS = ("heat_model",)
 """Fields of a scene's own fidelity that it keeps: how heat acts."""
 
-PRESET_BOUNDS = {"draft": 0.08, "standard": 0.03, "fine": 0.01, "reference": 0.01}
+PRESET_BOUNDS = {"draft": 0.05, "standard": 0.015, "fine": 0.005, "reference": 0.005}
 """Relative error of the boundary velocity that a preset is to keep to, see CHOOSING.md.
 
 Judged by `make promises`.
@@ -22,8 +25,12 @@ Judged by `make promises`.
 _FINER = {
     "pixels_per_element": operator.le,
     "history_coarsening": operator.le,
+    "elements_per_summit": operator.ge,
+    "fewest_summits": operator.ge,
     "fewest_elements": operator.ge,
     "increments": operator.ge,
+    "hold_increments": operator.ge,
+    "imprint": operator.le,
     "contact_tolerance": operator.le,
     "heat_tolerance": operator.le,
 }
@@ -40,14 +47,24 @@ def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
     """True if no field is coarser than that of a preset, except those that a scene keeps."""
     without_effect = {*KEPT_FIELDS}
     if fidelity.pixels_per_element == 1:
-        without_effect.add("averaging")
-        if fidelity.history_coarsening == 1:  # no smaller elements could be taken
-            without_effect.add("fewest_elements")
+        without_effect |= {"averaging", "fewest_summits"}
+        if fidelity.history_coarsening == 1 and fidelity.contact_tolerance <= TIGHTEST:
+            without_effect |= {"elements_per_summit", "fewest_elements"}
+    own, least = (_acting(one) for one in (fidelity, preset))
     return all(
-        _FINER.get(one.name, operator.eq)(getattr(fidelity, one.name), getattr(preset, one.name))
-        for one in fields(Fidelity)
-        if one.name not in without_effect
+        _FINER.get(name, operator.eq)(value, least[name])
+        for name, value in own.items()
+        if name not in without_effect
     )
+
+
+def _acting(fidelity: Fidelity) -> dict[str, Any]:
+    """Fields as they act: steps of a hold are those of the ramp if 0, and no step is cut if 0."""
+    whole = 0.0 if fidelity.increments >= ENOUGH_STEPS else math.inf
+    return asdict(fidelity) | {
+        "hold_increments": fidelity.hold_increments or fidelity.increments,
+        "imprint": fidelity.imprint or whole,
+    }
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,8 @@ from scipy.interpolate import PchipInterpolator
 import pipeline
 from pipeline.analysis.rise_error import BETWEEN, RisePlane, rise_error
 from pipeline.analysis.warned_points import exponents
-from pipeline.sweep.plan import run_point
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import run_points
 from pipeline.sweep.selection import PRESET_BOUNDS
 from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.variants import Variants
@@ -32,6 +33,7 @@ from tests.helpers.campaigns import conclude, table
 from tests.promises.scenes import random_sweep
 from tests.promises.wide import random_wide_sweep
 from tribo import PRESETS, TriboError, WarningKind
+from tribo.simulation import Trunks
 from tribo.simulation.point_warnings import SLOWEST
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
@@ -100,17 +102,15 @@ def rises(sweep, fidelity, loads, velocities):
     kinds = [replace(sweep.conditions, criterion="share", failing_share=one) for one in SHARES]
     shape = len(loads), len(velocities)
     found = {str(share): np.full(shape, np.nan) for share in SHARES}
-    found |= {name: np.zeros(shape) for name in ("flags", "durations", "fractions")}
+    found |= {name: np.zeros(shape) for name in ("flags", "durations")}
     for column, velocity in enumerate(velocities):
-        trunk = None
+        trunks = Trunks()
         for row, load in enumerate(loads):
-            point = run_point(sweep, load, velocity, (), trunk)
-            trunk = point.trunk
+            (point,) = run_points(sweep, (Point(load, velocity),), trunks)
             for share, conditions in zip(SHARES, kinds, strict=True):
                 found[str(share)][row, column] = worst_rises(point.columns, load, conditions)
             found["flags"][row, column] = sum({int(one.kind) for one in point.warnings})
             found["durations"][row, column] = point.columns["time"].max()
-            found["fractions"][row, column] = point.columns["contact_fraction"][-1]
     return {name: values.tolist() for name, values in found.items()}
 
 
@@ -184,12 +184,11 @@ def read(path):
 def plane_of(row, preset, share):
     """Plane of a scene by a preset, as an opened store gives it; of `fine` its points alone."""
     here = np.ix_(*(np.isin(row[f"all_{name}"], row[name]) for name in ("loads", "velocities")))
-    names = str(share), "flags", "durations", "fractions"
+    names = str(share), "flags", "durations"
     parts = (np.array(row[preset][name]) for name in names)
-    rises, flags, durations, fractions = (x[here] if preset == "fine" else x for x in parts)
-    velocities, fidelity = np.array(row["velocities"]), PRESETS[preset]
+    rises, flags, durations = (x[here] if preset == "fine" else x for x in parts)
+    velocities = np.array(row["velocities"])
     slow = [exponents(velocities, line) < SLOWEST for line in rises]
-    elements = math.prod(n // fidelity.pixels_per_element for n in row["pixels"])
     return RisePlane(
         loads=np.array(row["loads"]),
         velocities=velocities,
@@ -198,7 +197,7 @@ def plane_of(row, preset, share):
         flags=flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
         | np.array(slow) * int(WarningKind.SLOW_RISE),
         durations=durations,
-        is_refined=fractions * elements < fidelity.fewest_elements,
+        is_solved=np.zeros(rises.shape, bool),
     )
 
 
@@ -229,7 +228,6 @@ def places(row, preset, share):
                 "preset": preset,
                 "share": share,
                 "is_point": is_point,
-                "is_refined": plane.is_refined[beneath].all(),
                 "flags": np.bitwise_or.reduce(plane.flags[beneath]),
                 "error": float(interpolated(plane.loads, column, load)) / true[i, j] - 1,
                 "between": (stated.interpolation or 0.0) / BETWEEN,
@@ -289,9 +287,8 @@ def constants(rows, places):
     """Errors by which each constant of `pipeline.analysis.rise_error` is found, by its name."""
     points = places[places["is_point"]]
     clean = points[points["flags"] == 0]
-    for (preset, is_refined), group in clean.groupby(["preset", "is_refined"]):
-        name = f"share, {preset}" + ", refined" * is_refined
-        yield name, group["error"] / PROMISED[preset]
+    for preset, group in clean.groupby("preset"):
+        yield f"share, {preset}", group["error"] / PROMISED[preset]
     if apart := [fine_apart(row) / PROMISED["fine"] for row in rows if "reference" in row]:
         yield "share, fine", np.concatenate(apart)
     between = places[(places["preset"] == "fine") & (places["between"] > 0)]

@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers.campaigns import conclude, table
 
 ACCURACIES = (0.05, 0.02, 0.01)
-PROMISED = {"draft": 0.08, "standard": 0.03, "fine": 0.01}
+PROMISED = {name: PRESET_BOUNDS[name] for name in ("draft", "standard", "fine")}
 COLUMNS = ("promise", "scenes", "kept", "broken in silence", "median", "90 % below", "largest")
 LEAST = {"cylinders": 0.98, "wide": 0.9}
 """Share of scenes that keep a promise, as workflows/MEASURED.md says: all but one in eleven."""

@@ -1,0 +1,175 @@
+"""Judge the presets on scenes of ten families, and what else was tried on others.
+
+The error at a place is that of the critical velocity, ln(rise/true rise) over the exponent with
+which the rise grows with the velocity, against `reference` as `truth` has it. A preset promises the
+99 % quantile of its errors at places without a warning. Scenes of an odd number judge the presets.
+With ``--search`` those of an even number show what other choices would give: a preset is on the
+front if none takes a tenth less time at no larger quantile.
+
+    python -m tests.promises.front
+    python -m tests.promises.front --search
+"""
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.sweep.selection import PRESET_BOUNDS
+from tests.helpers.campaigns import commit, conclude, table
+from tests.promises.families import cases
+from tests.promises.truth import deciding_rises, known
+from tribo import PRESETS, TriboError, simulate, warnings
+from tribo.simulation import Trunks, forget_kernels
+from tribo.simulation.point_warnings import SLOWEST
+
+PROMISED = "draft", "standard", "fine"
+NUMBERS = 16
+_QUANTILE, _WARNED = 0.99, 0.05
+_CHEAPER = 0.9
+_COLUMNS = "choice", "promise", "places", "warned", "median", "99 %", "largest", "CPU [s]"
+
+
+def varied():
+    """The presets, and each with one of its choices changed."""
+    changes = {
+        "pixels_per_element": (1, 2, 4),
+        "elements_per_summit": (0.5, 1.0, 1.5, 2.5),
+        "fewest_elements": (0.25, 4.0),
+        "history_coarsening": (1, 2, 8),
+        "increments": (0.5, 2.0),
+        "hold_increments": (0.5, 2.0),
+        "imprint": (0.4, 2.5),
+        "contact_tolerance": (0.3, 3.0),
+        "heat_tolerance": (0.1, 10.0),
+    }
+    factors = {"fewest_elements", "increments", "hold_increments", "imprint"}
+    factors |= {"contact_tolerance", "heat_tolerance"}
+    choices = {name: PRESETS[name] for name in PROMISED}
+    for name in PROMISED:
+        preset = PRESETS[name]
+        for field, values in changes.items():
+            own = getattr(preset, field)
+            for value in values:
+                new = type(own)(own * value) if field in factors else value
+                if new not in (own, 0):
+                    choices[f"{name}, {field} = {new:g}"] = replace(preset, **{field: new})
+    return choices
+
+
+def dividing(scene, fidelity):
+    """The fidelity with elements that divide the pixels of a scene."""
+    shape, most = scene.pixels.shape, fidelity.pixels_per_element
+    block = next(n for n in range(most, 0, -1) if not any(size % n for size in shape))
+    return replace(fidelity, pixels_per_element=block)
+
+
+def errors(case, fidelity):
+    """Errors of the velocity, warnings and processor time of a scene; None without its truth."""
+    true = known(case)
+    with tempfile.TemporaryDirectory() as folder:
+        sweep = case.sweep(Path(folder))
+    velocities = sweep.plane.velocities
+    if any(f"{one:g}" not in true for one in velocities):
+        return None
+    true = np.array([true[f"{one:g}"] for one in velocities])
+    sweep = sweep.changed(fidelity=dividing(sweep.scene, fidelity))
+    forget_kernels()
+    began = time.process_time()
+    rises = np.array([list(deciding_rises(sweep, one)) for one in velocities])
+    seconds = time.process_time() - began
+    exponents = np.gradient(np.log(true), np.log(velocities), axis=0)
+    found = np.expm1(-np.log(rises / true) / np.maximum(exponents, SLOWEST))
+    is_warned = np.array([list(warned(sweep, one)) for one in velocities]) | (exponents < SLOWEST)
+    return {"errors": found.tolist(), "warned": is_warned.tolist(), "seconds": seconds}
+
+
+def warned(sweep, velocity):
+    """True for each load at which a point carries a warning."""
+    trunks = Trunks()
+    for load in sweep.plane.loads:
+        *_, state = simulate(sweep.scene, load, velocity, trunks)
+        yield bool(warnings(sweep.scene, state))
+
+
+def computed(path, choices, numbers, ends):
+    """Compute what a file has not, and return all of it by choice and scene."""
+    rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+    known_rows = {(row["choice"], row["digest"]): row for row in rows}
+    for case in cases(numbers):
+        for name, fidelity in choices.items():
+            key = json.dumps(asdict(fidelity)), case.digest
+            if key in known_rows or time.monotonic() > ends:
+                continue
+            try:
+                found = errors(case, fidelity)
+            except TriboError as error:
+                print(f"{case.name}, {name}: {error}", file=sys.stderr, flush=True)
+                continue
+            if found:
+                row = {"choice": key[0], "digest": key[1], "commit": commit(), **found}
+                known_rows[key] = row
+                with path.open("a") as file:
+                    print(json.dumps(row), file=file)
+        print(case.name, file=sys.stderr, flush=True)
+    return known_rows
+
+
+def summary(name, fidelity, rows, digests):
+    """Row of a choice over all scenes: number of places, warned, errors and time."""
+    text = json.dumps(asdict(fidelity))
+    own = [rows[text, digest] for digest in digests if (text, digest) in rows]
+    found = np.abs(np.concatenate([np.ravel(row["errors"]) for row in own]))
+    is_warned = np.concatenate([np.ravel(row["warned"]) for row in own])
+    kept = found[~is_warned]
+    quantiles = *np.quantile(kept, [0.5, _QUANTILE]), kept.max()
+    return name, len(found), is_warned.mean(), *quantiles, sum(row["seconds"] for row in own)
+
+
+def worded(row):
+    name, places, share, *sizes, seconds = row
+    promise = f"{PRESET_BOUNDS[name]:.2g}" if name in PRESET_BOUNDS else ""
+    return name, promise, places, f"{share:.1%}", *(f"{one:.2%}" for one in sizes), f"{seconds:.1f}"
+
+
+def are_kept(rows):
+    """True if each preset keeps its promise, and few places are warned of."""
+    return all(row[4] <= PRESET_BOUNDS[row[0]] and row[2] <= _WARNED for row in rows)
+
+
+def beaten(rows):
+    """Names of presets that a choice beats: a tenth less time at no larger quantile."""
+    for row in rows:
+        better = [other[0] for other in rows if other[6] < _CHEAPER * row[6] and other[4] <= row[4]]
+        if row[0] in PROMISED and better:
+            yield f"{row[0]}: {', '.join(better)}"
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="python -m tests.promises.front", description=__doc__)
+    parser.add_argument("--search", action="store_true", help="what else was tried")
+    parser.add_argument("--numbers", type=int, default=NUMBERS, help="scenes of each family")
+    parser.add_argument("--minutes", type=float, default=120.0, help="begin no scene later")
+    options = parser.parse_args()
+    np.seterr(all="raise", under="ignore")
+    path = Path("results/front.jsonl")
+    path.parent.mkdir(exist_ok=True)
+    numbers = range(0 if options.search else 1, options.numbers, 2)
+    choices = varied() if options.search else {name: PRESETS[name] for name in PROMISED}
+    rows = computed(path, choices, numbers, time.monotonic() + 60 * options.minutes)
+    digests = [case.digest for case in cases(numbers)]
+    found = [summary(name, fidelity, rows, digests) for name, fidelity in choices.items()]
+    if options.search:
+        worse = list(beaten(found))
+        lines = [table(_COLUMNS, map(worded, sorted(found, key=lambda row: row[6]))), "", *worse]
+        return conclude("front_search", "\n".join(lines), not worse)
+    return conclude("front", table(_COLUMNS, map(worded, found)), are_kept(found))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,81 @@
+"""Rises by `reference` at places of the campaign's scenes, computed once and kept.
+
+``truth.json`` has a line for each scene, by the digest of its entries: whoever changes a scene
+computes it anew. A velocity is written when its loads are done.
+
+    python -m tests.promises.truth --minutes 60
+"""
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from tests.promises.families import cases
+from tribo import TriboError, judge
+from tribo.simulation import Trunks
+
+TRUTH = Path(__file__).with_name("truth.json")
+
+
+def deciding_rises(sweep, velocity, loads=None):
+    """Deciding rise at loads of a sweep and one velocity, at friction 1 [K]; they share a ramp."""
+    trunks, conditions = Trunks(), sweep.conditions
+    for load in loads or sweep.plane.loads:
+        verdict = judge(sweep.scene, load, velocity, conditions, trunks)
+        rise = verdict.decisive_temperature - verdict.bulk_temperature
+        yield rise / conditions.friction
+
+
+def known(case):
+    """Rises of a scene by its velocities, as far as they are known [K]."""
+    return _read().get(case.digest, {})
+
+
+def _read():
+    return json.loads(TRUTH.read_text()) if TRUTH.exists() else {}
+
+
+def _write(case, rises):
+    """Write a scene, in a line of its own."""
+    scenes = _read() | {case.digest: rises}
+    lines = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in sorted(scenes.items())]
+    TRUTH.write_text("{\n" + ",\n".join(lines) + "\n}\n")
+
+
+def compute(case, ends):
+    """Compute what is missing of a scene, until a time."""
+    rises = known(case)
+    with tempfile.TemporaryDirectory() as folder:
+        sweep = case.sweep(Path(folder))
+    for velocity in sweep.plane.velocities:
+        key = f"{velocity:g}"
+        if key in rises or time.monotonic() > ends:
+            continue
+        began = time.process_time()
+        rises[key] = [float(f"{rise:.8g}") for rise in deciding_rises(sweep, velocity)]
+        _write(case, rises)
+        took = time.process_time() - began
+        print(f"{case.name}, {velocity:g} m/s: {took:.0f} s", file=sys.stderr, flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="python -m tests.promises.truth", description=__doc__)
+    parser.add_argument("--numbers", type=int, default=16, help="scenes of each family")
+    parser.add_argument("--minutes", type=float, default=600.0, help="begin no velocity later")
+    options = parser.parse_args()
+    np.seterr(all="raise", under="ignore")
+    ends = time.monotonic() + 60 * options.minutes
+    for case in cases(range(options.numbers)):
+        try:
+            compute(case, ends)
+        except TriboError as error:
+            print(f"{case.name} failed: {error}", file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    main()
