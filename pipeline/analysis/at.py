@@ -120,10 +120,10 @@ def at(
     >>> import pipeline
     >>> warmer = pipeline.at("results/first_try.zarr", friction=0.09, bulk_temperature="40 degC")
     >>> pipeline.boundary(warmer)["critical_velocity"].sel(load=600).round(2).item()
-    1.48
+    1.5
     >>> several = pipeline.at("results/first_try.zarr", **{"friction.coefficient": (0.09, 0.103)})
     >>> pipeline.boundary(several)["critical_velocity"].sel(load=600).round(2).values
-    array([1.89, 1.48])
+    array([1.92, 1.49])
     """
     ds = dataset_of(ds)
     given = {

@@ -112,14 +112,14 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
     >>> ds = pipeline.open_sweep("results/first_try.zarr")
     >>> pipeline.boundary(ds)["critical_velocity"].round(2).to_series()
     load
-    200.0    3.53
-    400.0    2.23
-    600.0    1.56
-    750.0    1.24
+    200.0    3.74
+    400.0    2.33
+    600.0    1.58
+    750.0    1.26
     Name: critical_velocity, dtype: float64
     >>> warmer = pipeline.at(ds, friction=0.09, bulk_temperature="40 degC")
     >>> pipeline.boundary(warmer)["critical_velocity"].sel(load=600).round(2).item()
-    1.48
+    1.5
     """
     ds = dataset_of(ds)
     require_kind(ds, Kind.PLANE, Kind.SAMPLES)

@@ -232,7 +232,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     ('load', 'velocity', 'step')
     >>> end = pipeline.end_of_point(ds)
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
-    0.00029
+    0.000292
     """
     ds = ordered(open_store(path))
     ds = ds.drop_vars("checksum")
@@ -544,7 +544,7 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     >>> import pipeline
     >>> end = pipeline.end_of_point("results/first_try.zarr")
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
-    0.00029
+    0.000292
     """
     end = keep_steps(dataset_of(ds)).isel(step=-1).drop_vars("step", errors="ignore")
     return end.set_coords([name for name in (*MADE, "own_grid") if name in end])

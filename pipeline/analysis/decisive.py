@@ -16,14 +16,22 @@ from pipeline.analysis.dataset import (
     read_conditions,
     require_lists,
     require_variables,
+    scene_sweep,
     sweep_at_bulks,
+    taken_at,
     values_of,
 )
 from pipeline.analysis.scenes import map_scenes
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, PLANE, SCENE_ID
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import columns_needed, failed_fraction, rise_limit, worst_rises
+from pipeline.sweep.severity import (
+    columns_needed,
+    equivalent_rise,
+    failed_fraction,
+    rise_limit,
+    worst_rises,
+)
 from tribo import QUANTILES, Criterion, InputError
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array, Mask
@@ -48,6 +56,7 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     columns = {name: values_of(ds, name) for name in dict.fromkeys(names) if name in ds}
     columns["quantile"] = ds["cooler_share"].values
     rises = worst_rises(columns, ds["load"].values[:, None, None], conditions)
+    rises = equivalent_rise(rises, solved_rises(ds, conditions), conditions)
     dims = [*(str(name) for name in ds["status"].dims if name not in PLANE), *PLANE]
     is_done = values_of(ds, "status") == DONE
     rises = np.where(is_done, rises, np.nan)
@@ -58,6 +67,17 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
         "decisive_rise",
         {"units": "K", "long_name": "decisive rise at friction 1"},
     )
+
+
+def solved_rises(ds: xr.Dataset, conditions: Conditions) -> Array:
+    """Rises by solved friction over its coefficient [K], NaN at points not solved for conditions.
+
+    The order of points is that of `decisive_rise`.
+    """
+    solved = scene_sweep(ds).variant(taken_at(ds)).scene.solved_friction
+    if solved is None or solved != conditions.solved_friction or "coupled_rise" not in ds:
+        return np.array(np.nan)
+    return np.asarray(values_of(ds, "coupled_rise"))
 
 
 def strip_friction(rise: xr.DataArray, conditions: Conditions) -> xr.DataArray:
@@ -128,7 +148,9 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     Dataset
         ``max_temperature`` and ``mean_temperature`` of the contact, ``temperature_quantile`` that a
         share ``cooler_share`` of the contact area stays below [K]; and, where there is a critical
-        temperature, ``failed_fraction``, the share of the contact area above it.
+        temperature, ``failed_fraction``, the share of the contact area above it. Where friction
+        depends on temperature each part has that of its own; the run solves the deciding
+        temperature alone.
 
     Examples
     --------
@@ -139,7 +161,7 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     436.0
     >>> hotter = pipeline.at(end, friction=0.12)
     >>> pipeline.temperatures(hotter)["max_temperature"].round().item()
-    463.0
+    464.0
     """
     # No temperature depends on the criterion.
     found = map_scenes(ds, lambda scene: _temperatures(scene, read_conditions(scene, False)))

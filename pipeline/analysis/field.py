@@ -161,10 +161,11 @@ class PointField:
 
     def under(self, conditions: Conditions) -> PointField:
         """The field under other conditions."""
-        if conditions.bulk_ratio == self.conditions.bulk_ratio:  # rises at friction 1 are the same
-            return replace(self, conditions=conditions)
+        names = "bulk_ratio", "solved_friction"
+        if all(getattr(conditions, name) == getattr(self.conditions, name) for name in names):
+            return replace(self, conditions=conditions)  # rises at friction 1 are the same
         rise = decisive_rise(self.source, conditions)
-        planes = tuple(grids_of(self.source, strip_friction(rise, conditions)))
+        planes = tuple(grids_of(self.source, strip_friction(rise, conditions), conditions))
         return replace(self, planes=planes, conditions=conditions)
 
     @functools.cached_property
@@ -219,7 +220,9 @@ class PointField:
         """See `Field`."""
         errors = [rise_error(plane, load, velocity, self.promised) for plane in self.planes]
         worst = max(errors, key=lambda one: math.inf if one.total is None else one.total)
-        return add_counted(worst, self.conditions)
+        is_solved = all(plane.rests_on_solved(load, velocity) for plane in self.planes)
+        rises = [self._rise(number, load, velocity)[0] for number in range(len(self.planes))]
+        return add_counted(worst, self.conditions, max(rises), is_solved)
 
     def transitions(self, axis: str, load: float, velocity: float) -> Transitions:
         """See `Field`."""
@@ -355,7 +358,7 @@ def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> Poin
         for name, at in zip(PLANE, place or (np.nan, np.nan), strict=True)
     }
     return PointField(
-        planes=tuple(grids_of(scene, strip_friction(rise, conditions))),
+        planes=tuple(grids_of(scene, strip_friction(rise, conditions), conditions)),
         conditions=conditions,
         promised=velocity_error(sweep),
         ends=ends,

@@ -81,7 +81,7 @@ def margin(
     >>> import pipeline
     >>> here = pipeline.margin("results/first_try.zarr", "400 N", "1.4 m/s")
     >>> here.verdict, f"{here.distance:.0f} K"
-    ('mild', '28 K')
+    ('mild', '30 K')
     >>> points = {"load": ["400 N", "600 N"], "velocity": ["1.4 m/s", "2.4 m/s"]}
     >>> pipeline.margin("results/first_try.zarr", points)[["load [N]", "verdict"]]
        load [N] verdict

@@ -1,8 +1,9 @@
-"""Error of the deciding rise at a place of a sweep, in three parts that belong together.
+"""Error of the deciding rise at a place of a sweep, in parts that belong together.
 
 - Interpolation: 0 only where that very point is done.
 - Preset: of its numerical choices, by the promised error of the boundary velocity.
 - Warnings: those of the points that the rise rests on.
+- Counted after the simulation: a film, and friction by temperature where it is not solved.
 
 Each is a bound that some 99 % of places keep, and they are independent, so that their squares add.
 A part that is not known is None, and so is the total. `python -m tests.promises.errors` judges by
@@ -21,23 +22,17 @@ import numpy as np
 import scipy  # loads its parts when they are used
 import xarray as xr
 
-from pipeline.analysis.dataset import keep_steps, stored_sweep
+from pipeline.analysis.dataset import keep_steps
+from pipeline.analysis.decisive import solved_rises
 from pipeline.analysis.warned_points import warnings_of
 from pipeline.sweep.conditions import Conditions
 from tribo import WarningKind
 from tribo.types import Array, Indices, Mask
 
-BOUNDS, SHARES = (0.03, 0.08), (0.5, 0.6)
-"""Bounds of velocity of `standard` and `draft`, and the share of them that their rises err by.
+SHARE = 0.65
+"""Share of a preset's bound of velocity that rises err by, which grow by its power of 0.5 to 0.7.
 
-Those of finer presets take the first share. The rise does not depend on the exponent.
-Found by `python -m tests.promises.errors`.
-"""
-
-REFINED = 0.4
-"""Factor of that where so few elements touch that smaller ones were taken.
-
-Found by `python -m tests.promises.errors`.
+Found by `python -m tests.promises.front` and `python -m tests.promises.errors`.
 """
 
 BETWEEN = 2.7
@@ -62,6 +57,9 @@ _OF_WARNED = {
     WarningKind.COARSE_PIXELS: 0.70,
     # The elements are the pixels then. Other surfaces and smaller pixels are no error of these.
     WarningKind.FEW_NODES: 0.01,
+    # At the highest friction that the table has, or with the error of each part alone.
+    WarningKind.IGNITION: 0.0,
+    WarningKind.UNSOLVED_FRICTION: 0.0,
     WarningKind.SLOW_RISE: 0.03,  # `standard` missed one of 33 points by 3.7 %
 }
 """Relative error of the rise that a warning adds; that of others is not known.
@@ -71,8 +69,8 @@ Found by `python -m tests.promises.errors`.
 
 _OF_FILM = 0.032
 """Largest error of a rise whose film resistance is counted after the simulation, at 200 N."""
-_OF_FRICTION = 0.14
-"""That of friction by temperature, over the change of ln(friction) from the bulk to the limit."""
+_OF_FRICTION = 0.3
+"""That of friction by temperature that is not solved, over the largest change of its logarithm."""
 
 _DURATIONS, _TOO_WARM = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 """Durations of ramps [s], and how much present heat makes contacts too warm at most.
@@ -82,26 +80,33 @@ seconds it was 1 %.
 """
 
 
+_PARTS = (
+    "interpolation",
+    "preset",
+    "warned points",
+    "film and friction by temperature, which only a run of the scene solves",
+)
+
+
 @dataclass(frozen=True, slots=True)
 class RiseError:
-    """Relative error of a rise by its three parts; None where a part is not known."""
+    """Relative error of a rise by its parts; None where a part is not known."""
 
     interpolation: float | None
     preset: float | None
     warned: float | None
+    counted: float | None = 0.0  # after the simulation: a film, friction by temperature
 
     @property
     def total(self) -> float | None:
         """Root of the sum of the squares of the parts; None where one is not known."""
-        if self.interpolation is None or self.preset is None or self.warned is None:
-            return None
-        return math.hypot(self.interpolation, self.preset, self.warned)
+        parts = [part for part in astuple(self) if part is not None]
+        return math.hypot(*parts) if len(parts) == len(_PARTS) else None
 
     @property
     def worded(self) -> str:
         """The error [K] and its parts in words."""
-        names = "interpolation", "preset", "warned points"
-        parts = dict(zip(names, astuple(self), strict=True))
+        parts = dict(zip(_PARTS, astuple(self), strict=True))
         known = ", ".join(f"{name} {part:.2g} K" for name, part in parts.items() if part)
         if unknown := " and ".join(name for name, part in parts.items() if part is None):
             beside = f" ({known})" if known else ""
@@ -111,7 +116,7 @@ class RiseError:
     def times(self, factor: float) -> RiseError:
         """The parts times a factor; all are 0 where the factor is 0."""
         if factor == 0:
-            return RiseError(0.0, 0.0, 0.0)
+            return RiseError(0.0, 0.0, 0.0, 0.0)
         return RiseError(*(None if part is None else factor * part for part in astuple(self)))
 
 
@@ -124,7 +129,12 @@ class RisePlane:
     rises: Array
     flags: Indices
     durations: Array
-    is_refined: Mask  # on smaller elements than the preset's, since few of those touch
+    is_solved: Mask  # friction by temperature is, for the conditions
+
+    def rests_on_solved(self, load: float, velocity: float) -> bool:
+        """True if friction by temperature is solved at all points that a rise is taken from."""
+        rests_on = self.rests_on(load, velocity)
+        return all(self.is_solved[row, places].all() for row, places in rests_on)
 
     def is_done(self, load: float, velocity: float) -> bool:
         """True if that very point is done."""
@@ -144,16 +154,12 @@ class RisePlane:
         return [(row, places) for row, places in points if places.size]
 
 
-def grids_of(ds: xr.Dataset, rise: xr.DataArray) -> list[RisePlane]:
-    """Grid of each surface of a sweep, by its deciding rises."""
+def grids_of(ds: xr.Dataset, rise: xr.DataArray, conditions: Conditions) -> list[RisePlane]:
+    """Grid of each surface of a sweep, by its deciding rises for some conditions."""
     shape = -1, *rise.shape[-2:]
-    stepped, sweep = keep_steps(ds, "time", "contact_fraction"), stored_sweep(ds)
-    scene, fraction = sweep.scene, stepped["contact_fraction"].isel(step=-1, drop=True)
-    touching = (fraction * math.prod(scene.grid.shape)) ** (2 if scene.is_plane else 1)
-    # The error of a fidelity that was picked is that of the scene itself.
-    is_refined = touching < (0 if sweep.about.selection else scene.fidelity.fewest_elements)
-    duration = stepped["time"].max("step")
-    of_rows = rise, warnings_of(ds), duration, is_refined
+    duration = keep_steps(ds, "time")["time"].max("step")
+    is_solved = rise.copy(data=np.broadcast_to(~np.isnan(solved_rises(ds, conditions)), rise.shape))
+    of_rows = rise, warnings_of(ds), duration, is_solved
     parts = (
         part.broadcast_like(rise).transpose(*rise.dims).values.reshape(shape) for part in of_rows
     )
@@ -168,9 +174,7 @@ def rise_error(
     rows = grid.rests_on(load, velocity)
     return RiseError(
         _interpolation(grid, rows, load, velocity),
-        _preset(velocity_error, all(grid.is_refined[row, places].all() for row, places in rows))
-        if rows
-        else None,
+        _preset(velocity_error) if rows else None,
         warned_error(
             (int(grid.flags[row, place]), float(grid.durations[row, place]))
             for row, places in rows
@@ -179,31 +183,33 @@ def rise_error(
     )
 
 
-def error_of_point(
-    flags: int, duration: float, velocity_error: float | None, is_refined: bool = False
-) -> RiseError:
+def error_of_point(flags: int, duration: float, velocity_error: float | None) -> RiseError:
     """Relative error of the rise of a point by itself."""
-    return RiseError(0.0, _preset(velocity_error, is_refined), warned_error([(flags, duration)]))
+    return RiseError(0.0, _preset(velocity_error), warned_error([(flags, duration)]))
 
 
-def add_counted(error: RiseError, conditions: Conditions) -> RiseError:
-    """The error with that of what is counted after the simulation: a film, friction when warm."""
+def add_counted(
+    error: RiseError, conditions: Conditions, rise: float | None = None, is_solved: bool = False
+) -> RiseError:
+    """The error with that of what is counted after the simulation: a film, friction when warm.
+
+    A rise at friction 1 [K] that friction may ignite has no known error, unless it is solved.
+    """
     law, parts = conditions.friction_law, conditions.corrections
-    if error.warned is None or parts is None:
+    if parts is None:
         return error
     film = _OF_FILM if parts.film_resistance else 0.0
+    if is_solved or not (law.by_temperature and law.coefficient):
+        return replace(error, counted=film)
+    if rise is not None and conditions.may_ignite(rise):
+        return replace(error, counted=None)
     bulk = conditions.coldest_bulk_temperature
-    warm = replace(law, coefficient=1.0)  # of which a coefficient of 0 would leave no change
-    ends = warm.at(temperature=np.array([bulk, conditions.critical_temperature or bulk]))
-    change = abs(math.log(ends[1] / ends[0])) if law.by_temperature else 0.0
-    return replace(error, warned=math.hypot(error.warned, film, _OF_FRICTION * change))
+    change = law.spread(bulk, conditions.critical_temperature or bulk)
+    return replace(error, counted=math.hypot(film, _OF_FRICTION * change))
 
 
-def _preset(velocity_error: float | None, is_refined: bool) -> float | None:
-    if velocity_error is None:
-        return None
-    usual = velocity_error * float(np.interp(velocity_error, BOUNDS, SHARES))
-    return REFINED * usual if is_refined else usual
+def _preset(velocity_error: float | None) -> float | None:
+    return None if velocity_error is None else SHARE * velocity_error
 
 
 def _neighbours(x: Array, is_done: Array, place: float) -> Indices:

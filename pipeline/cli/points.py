@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -46,13 +47,13 @@ def point(options: argparse.Namespace) -> Result:
     scale = conditions.temperature_error(decisive)
     flags = sum({int(warning.kind) for warning in result.warnings})
     promised = velocity_error(sweep)
-    is_refined = not sweep.about.selection and result.state.pressure.shape != result.shape
-    alone = error_of_point(flags, result.state.time, promised, is_refined)
-    relative = add_counted(alone, conditions)
+    alone = error_of_point(flags, result.state.time, promised)
+    is_solved = not math.isnan(result.coupled.rise)
+    rise = float(conditions.limit(decisive)) if conditions.rise_factor else 0.0
+    relative = add_counted(alone, conditions, rise, is_solved)
     error = relative.times(scale)
     judged, decided_by = None, None
     distance = None if critical is None else critical - decisive
-    rise = conditions.limit(decisive) if conditions.rise_factor else 0.0
     model, chances = None, None
     if distance is not None:
         model = point_error(sweep, place, rise)
@@ -62,6 +63,8 @@ def point(options: argparse.Namespace) -> Result:
             lambda ratio: conditions.friction_factor(here * ratio),
         )  # fmt: skip
         judged = verdict_between(chances[0], chances[2])
+        if verdict.friction == "ignites" and verdict.is_severe:
+            judged = "severe"
         if judged == NOT_DECIDED:
             by_model = verdict_between(chances[1], chances[1]) == NOT_DECIDED
             decided_by = what_decides(error, by_model)

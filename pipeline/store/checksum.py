@@ -43,7 +43,7 @@ def packed(record: PointRecord, simulated: Simulated) -> PointRecord:
     if record.checksum is not None:
         return record
     data = {
-        name: np.ascontiguousarray(values, VARIABLES[name].dtype)
+        name: np.asarray(values, VARIABLES[name].dtype, order="C")
         for name, values in (record.data or {}).items()
     }
     data |= {name: _ENCODER.encode(data[name]) for name in data.keys() & AT_END.keys()}

@@ -117,6 +117,15 @@ BULK_FIELDS = {
     "bulk_response": _field("1", "rise of the pin for each kelvin of warmer disk bulk"),
 }
 """Variables that such scenes have in addition to `FIELDS`."""
+OF_POINT = {
+    "coupled_rise": Variable(
+        PLANE,
+        "K",
+        "deciding rise by friction by temperature, solved, over the coefficient of friction; "
+        "infinite where the contact ignites",
+    ),
+}
+"""Variables of a point that scenes with friction by temperature have in addition."""
 RECORDS = {
     "status": Variable(
         PLANE,
@@ -149,7 +158,7 @@ RECORDS = {
 
 INPUTS = "inputs"
 """Variable of the arrays of a scene."""
-VARIABLES = COORDINATES | MADE | RECORDS | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
+VARIABLES = COORDINATES | MADE | RECORDS | OF_POINT | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
 """All that a store may hold."""
 STEPPED = COLUMNS | BULK_COLUMNS
 """Variables at each step."""
@@ -199,6 +208,8 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         absent |= {"x", "y", *AT_END}
     if not any(sweep.variant(name).scene.unequal_bulks for name in sweep.variants.given):
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
+    if not any(sweep.variant(name).scene.solved_friction for name in sweep.variants.given):
+        absent |= {*OF_POINT}
     for name, variable in VARIABLES.items():
         if name in absent or name in table:
             continue

@@ -38,7 +38,15 @@ from pipeline.store.place import (
 )
 from pipeline.store.progress import FailedPoint
 from pipeline.store.root import find_closed_root, read_root, require_same_scene
-from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
+from pipeline.store.schema import (
+    AT_END,
+    DONE,
+    OF_POINT,
+    PENDING,
+    RECORDS,
+    STEPPED,
+    is_coordinate,
+)
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.shown import shown
@@ -226,7 +234,7 @@ def _fault(store: Store, index: _Index, point: Point, values: Mapping[str, Any])
     data = {}
     for name in entries.keys() & STEPPED.keys():
         data[name] = entries[name][len(entries[name]) - int(entries["steps"]) :]
-    data |= {name: entries[name] for name in entries.keys() & {*AT_END, *SIGNED}}
+    data |= {name: entries[name] for name in entries.keys() & {*AT_END, *OF_POINT, *SIGNED}}
     is_right = entries["checksum"] == checksum(store.simulated.at(point), point, data)
     return "" if is_right else "the data are not those that were computed"
 

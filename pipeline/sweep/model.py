@@ -149,6 +149,10 @@ class Sweep:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "conditions", self.conditions.under(self.scene.loading))
+        # Samples differ in friction, and stay with what each part of a contact has for itself.
+        solved = None if self.variants.draw else self.conditions.solved_friction
+        if solved != self.scene.solved_friction:
+            object.__setattr__(self, "scene", replace(self.scene, solved_friction=solved))
         if self.variants.columns:
             self.variant(self.variants.names[0])  # refuses what the scene does not have
 

@@ -26,7 +26,19 @@ from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Variant
 from tribo import QUANTILES, Scene, State, TriboError, Verdict, measures, warnings
-from tribo.simulation import Note, PointWarning, Trunks, contacts, heat
+from tribo.simulation import (
+    UNSOLVED,
+    CoupledRise,
+    Note,
+    PointWarning,
+    SolvedFriction,
+    Trunks,
+    contacts,
+    heat,
+    solve_friction,
+    suited,
+    warn_friction,
+)
 from tribo.thermal import BULK_RATIOS
 from tribo.types import Array
 
@@ -46,12 +58,15 @@ class PointResult:
     #: Values at each station, the end last, by variable of the dataset: shape (n_step,), or
     #: (n_step, n_quantile).
     columns: dict[str, Array]
-    #: State at the end, with temperature; where few elements touch, on smaller ones than the
-    #: scene's, see `tribo.Fidelity.fewest_elements`.
+    #: State at the end, with temperature; on smaller elements than the scene's where the surface
+    #: needs them, see `tribo.Fidelity.elements_per_summit`.
     state: State
     shape: tuple[int, int]  #: Elements of the scene along x and y.
     warnings: tuple[PointWarning, ...]  #: Reasons for care in relying on the point.
     wall_time: float  #: Duration of the computation, which may have begun on a trunk [s].
+    #: What friction by temperature was solved for, and its rise.
+    solved: SolvedFriction | None = None
+    coupled: CoupledRise = UNSOLVED
 
     def description(self) -> tuple[str, list[Line]]:
         """Its point, and a row for each subject."""
@@ -86,6 +101,7 @@ class PointResult:
             data={
                 **{name: v for name, v in self.columns.items() if name not in _MADE},
                 **{name: v.astype(np.float32) for name, v in fields.items()},
+                **({"coupled_rise": np.array(self.coupled.rise)} if self.solved else {}),
             },
             message="; ".join(map(str, self.warnings)),
             warning_flags=sum({int(warning.kind) for warning in self.warnings}),
@@ -94,7 +110,9 @@ class PointResult:
 
     def verdict(self, conditions: Conditions) -> Verdict:
         """Verdict on the wear at the point under these conditions, by its worst moment."""
-        return verdict(self.columns, self.point.load, conditions)
+        is_solved = conditions.solved_friction == self.solved
+        coupled = self.coupled if is_solved else UNSOLVED
+        return verdict(self.columns, self.point.load, conditions, coupled)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -172,7 +190,9 @@ def run_points(
     variants = [sweep.variant(point.variant) for point in points]
     first, name_of_lead = sweep.contact_of(points[0])
     lead = sweep.variant(name_of_lead).scene
-    places = [(one.scene, point.velocity) for one, point in zip(variants, points, strict=True)]
+    # Rises at friction 1 are the same for all frictions.
+    scenes = [suited(replace(one.scene, solved_friction=None), load) for one in variants]
+    places = [(one, point.velocity) for one, point in zip(scenes, points, strict=True)]
     different = tuple(dict.fromkeys(places))
     asked, kept = stations.asked(lead, load), stations.kept(lead, load)
     note, own = None, {station.index for station in kept}
@@ -186,23 +206,29 @@ def run_points(
         if contact.index in own:
             hot.append([_heated(*place, contact) for place in different])
         progress(Progress(done=contact.index, total=kept[-1].index))
-    duration = (time.perf_counter() - began) / len(points)
     results = []
     for point, variant, place in zip(points, variants, places, strict=True):
         number = different.index(place)
         states = [moment[number] for moment in hot]
         course = [moment[number] for moment in states[-1].course]
+        columns = _stacked([*course, *(record_at(place[0], state) for state in states)])
+        solved, coupled = variant.scene.solved_friction, UNSOLVED
+        if solved:
+            coupled = solve_friction(variant.scene, states, columns, load, variant.conditions)
         results.append(
             PointResult(
                 point=point,
-                columns=_stacked([*course, *(record_at(place[0], state) for state in states)]),
+                columns=columns,
                 state=states[-1],
                 shape=variant.scene.grid.shape,
-                warnings=tuple(warnings(variant.scene, states[-1])),
-                wall_time=duration,
+                warnings=(*warnings(variant.scene, states[-1]), *warn_friction(coupled)),
+                wall_time=0.0,
+                solved=solved,
+                coupled=coupled,
             )
         )
-    return tuple(results)
+    duration = (time.perf_counter() - began) / len(points)
+    return tuple(replace(one, wall_time=duration) for one in results)
 
 
 def _heated(scene: Scene, velocity: float, contact: State) -> State:

@@ -17,11 +17,12 @@ import numpy as np
 from pipeline.quantities import display
 from pipeline.sweep.conditions import Conditions, celsius_text
 from tribo import InputError, Scene, State, Verdict
-from tribo.simulation import moment_of
+from tribo.simulation import UNSOLVED, CoupledRise, moment_of
 from tribo.simulation import verdict as tribo_verdict
 from tribo.simulation.corrections import NEEDED
 from tribo.simulation.verdict import RISES as RISES
 from tribo.simulation.verdict import above_colder as above_colder
+from tribo.simulation.verdict import equivalent_rise as equivalent_rise
 from tribo.simulation.verdict import worst_moment as worst_moment
 from tribo.thermal import failed_share
 from tribo.types import Array
@@ -90,11 +91,16 @@ def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Con
     return decisive
 
 
-def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -> Verdict:
+def verdict(
+    columns: Mapping[str, Array],
+    load: float,
+    conditions: Conditions,
+    coupled: CoupledRise = UNSOLVED,
+) -> Verdict:
     """Mild or severe wear at a point, by its columns and the load that it is named after [N]."""
     if conditions.bulk_ratio:
         require_bulks(columns, conditions)
-    return tribo_verdict.verdict(columns, load, conditions)
+    return tribo_verdict.verdict(columns, load, conditions, coupled)
 
 
 def boundary_velocity_error(rise: float, expected: float, exponent: float) -> float:

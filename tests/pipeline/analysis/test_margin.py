@@ -21,7 +21,7 @@ from pipeline.sweep.severity import rise_limits
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tests.pipeline.analysis.test_boundary import falling
-from tribo import PRESETS, WarningKind
+from tribo import WarningKind
 
 LIMIT = synthetic.limit()
 
@@ -194,21 +194,6 @@ def test_the_error_of_a_preset_is_one_share_of_the_rise_whatever_the_exponent(pr
         rise = here.decisive_temperature - 298.15
         share = error_of_point(0, 5.0, PRESET_BOUNDS[preset]).preset
         assert here.error.preset == pytest.approx(rise * share, rel=1e-9)
-
-
-def test_points_on_smaller_elements_than_those_of_their_preset_err_less():
-    few = {"fidelity": PRESETS["draft"]}  # of which 8 touch
-    picked = synthetic.selection(error=0.08)
-    coarse, refined, probed = (
-        margin(synthetic.sweep(**told), 400.0, 2.0).error.preset
-        for told in (
-            {"preset": "draft"},
-            {"preset": "draft", **few},
-            {"preset": None, "selection": picked, **few},
-        )
-    )
-    assert 0 < refined < coarse / 2
-    assert probed == coarse
 
 
 def test_parts_of_an_error_are_independent():

@@ -92,9 +92,9 @@ def test_a_film_that_is_counted_afterwards_errs():
         margin(synthetic.sweep(measured=(), preset="draft", conditions=one), 400.0, 1.0)
         for one in (conditions, filmed)
     )
-    assert plain.error.warned == 0.0
+    assert plain.error.counted == 0.0
     rise = found.decisive_temperature - conditions.bulk_temperature
-    assert found.error.warned == pytest.approx(0.032 * rise)
+    assert found.error.counted == pytest.approx(0.032 * rise)
     assert found.temperature_error > plain.temperature_error
 
 

@@ -29,8 +29,8 @@ def test_meaning_comes_before_cost(capsys, monkeypatch):
         "1.33 to 5 s and 1.33 to 20 m",
         "0.616 to 9.81 µm deep",
         "Péclet number 1.47 to 11.4",
-        "before the last step on a coarser grid (36 × 30)",
-        "144 × 120 elements",
+        "before the last step on a coarser grid (72 × 60)",
+        "288 × 240 elements",
         "MB a worker",
     ):
         assert words in said

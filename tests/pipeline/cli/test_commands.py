@@ -124,15 +124,14 @@ def test_a_point_within_its_error_is_not_decided_and_what_would_decide_it_is_sai
     assert near["verdict"] == "not decided"
     assert [warning["kind"] for warning in near["warnings"]] == ["few nodes"]
     few = int(WarningKind.FEW_NODES)
-    # Of 768 elements so few touch that smaller ones are taken than the preset has.
-    relative = error_of_point(few, 4.0, 0.08, is_refined=True).total
+    relative = error_of_point(few, 4.0, 0.05).total
     expected = relative * (temperature - 298.15)
     assert near["temperature_error"] == pytest.approx(expected, rel=1e-6)
     in_store = irg("margin", store, *place[2:6], "--critical-temperature", critical, "--json")
     assert in_store["temperature_error"] == pytest.approx(expected, rel=1e-6)
     assert near["decided_by"] == "a finer preset"
     assert "\nwould decide it: a finer preset\n" in said
-    finer = irg(*place, "--set", "increments=7", "--json")
+    finer = irg(*place, "--set", "contact_tolerance=0.1", "--json")
     assert finer["temperature_error"] == pytest.approx(
         relative * (finer["decisive_temperature"] - 298.15), rel=1e-6
     )

@@ -56,7 +56,12 @@ def test_a_point_has_a_row_for_each_increment_of_its_ramp_and_its_end(load, coun
 WIDE = tribo.Grid((48, 16), (9e-6, 15e-6))
 RAMP = tribo.Ramp(rate=150.0, reference_load=750.0, hold=1.0, stops=(0.5,))
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0, 5.0]), np.array([0.0, 300.0, 250.0, 750.0]))
-SMALLER = {"pixels_per_element": 2, "history_coarsening": 2, "fewest_elements": 100}
+SMALLER = {
+    "pixels_per_element": 2,
+    "history_coarsening": 2,
+    "elements_per_summit": 0.1,
+    "fewest_elements": 1000,
+}
 PHYSICS = {
     "plain": {},
     "no wear": {"wear": None},
@@ -129,9 +134,8 @@ def test_the_course_is_that_of_the_states_at_the_increments(physics):
     if physics == "few elements":  # whose points are computed on smaller ones from the start
         finer = replace(scene.fidelity, pixels_per_element=1, history_coarsening=1)
         scene = replace(scene, fidelity=finer)
-    states = list(
-        simulate(replace(scene, fidelity=replace(scene.fidelity, fewest_elements=0)), 600.0, 1.0)
-    )
+    as_given = replace(scene.fidelity, elements_per_summit=0)
+    states = list(simulate(replace(scene, fidelity=as_given), 600.0, 1.0))
     for row, state in enumerate(states[:-1]):
         warm = state.heat or heat(scene, state, 1.0)
         expected = measures(scene, replace(state, heat=warm))
@@ -156,7 +160,7 @@ def test_heat_that_is_not_found_at_an_increment_costs_no_end(monkeypatch):
 
 
 def test_the_distance_slid_does_not_show_on_which_elements_the_lower_loads_were():
-    """Contacts of few elements are computed once more on smaller ones, in steps of their own."""
+    """The distance is that of the whole way, and no sum of steps."""
     sweep, trunks = pipeline.load_scene("first_try"), Trunks()
     velocity = 3.8495  # at which the sum of the steps has another last bit than their whole
     for load in sweep.plane.loads:
@@ -167,7 +171,7 @@ def test_the_distance_slid_does_not_show_on_which_elements_the_lower_loads_were(
 
 
 def test_fields_of_smaller_elements_are_means_over_those_of_the_scene():
-    sweep = tiny.sweep(pixels=WIDE, fidelity={"pixels_per_element": 2, "fewest_elements": 100})
+    sweep = tiny.sweep(pixels=WIDE, fidelity=SMALLER)
     result = run_point(sweep, 250.0, 1.0)
     assert (result.state.pressure.shape, result.shape) == (WIDE.shape, (24, 8))
     blocks = result.state.heat.rise.reshape(24, 2, 8, 2)
