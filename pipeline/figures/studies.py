@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
@@ -131,7 +131,7 @@ _LEAST_ERROR = 1e-4  # the smallest error that is told apart from none
 
 @style.house_style
 def draw_trade(trade: Trade) -> Figure:
-    """Draw the error of the boundary velocity over the work of each choice."""
+    """Draw the error of the boundary velocity over the processor time of each choice."""
     figure, axes = style.canvas()
     choices = trade.choices[:-1]  # but for the reference, which has no error
     axes.set(xscale="log", yscale="log")
@@ -153,11 +153,13 @@ def draw_trade(trade: Trade) -> Figure:
             )  # fmt: skip
     for choice in (*presets, *others):
         axes.annotate(
-            choice.name, (_work(choice), _error(choice)), (-8, -4), textcoords="offset points",
+            choice.name, (choice.seconds, _error(choice)), (-8, -4), textcoords="offset points",
             ha="right", va="top", fontweight="bold", path_effects=style.HALO,
         )  # fmt: skip
     axes.margins(0.12)
-    axes.set_xlabel("work, in % of that of the reference")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.set_xlabel("processor time of the points [s]")
     axes.set_ylabel("largest error of the boundary velocity")
     axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
     axes.yaxis.set_minor_formatter(NullFormatter())
@@ -169,13 +171,8 @@ def draw_trade(trade: Trade) -> Figure:
 
 
 def _places(choices: Sequence[Choice]) -> tuple[list[float], list[float]]:
-    """Works and errors of some choices."""
-    return [_work(choice) for choice in choices], [_error(choice) for choice in choices]
-
-
-def _work(choice: Choice) -> float:
-    """Work over that of the reference [%]."""
-    return 100 / choice.saving
+    """Times and errors of some choices."""
+    return [choice.seconds for choice in choices], [_error(choice) for choice in choices]
 
 
 def _error(choice: Choice) -> float:

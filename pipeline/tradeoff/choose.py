@@ -53,11 +53,6 @@ _ONE = 0.1
 Judged by `make promises`.
 """
 _SAME = 1.05  # factor of the finest error up to which a cheaper choice is no worse
-_MANY_NODES, _TIGHT = 1000, 1e-3
-"""Nodes from which a contact's tolerance is its error, and the tolerance where fewer touch.
-
-Judged by `make promises`.
-"""
 _OF_HEAT = 0.7
 """Share of the accuracy that the present heat alone may err.
 
@@ -71,16 +66,14 @@ _OWN_PASSES = 2.5  # likewise at each point, without trials
 _WORTH = 0.5  # share of the reference's steps in the whole sweep that a thorough probe may take
 _FEWEST_STEPS = 50  # to know the heat of all the past
 _OWN = "the scene's own fidelity"
+_ONE_GRID = {"history_coarsening": 1, "contact_tolerance": 1e-2, "increments": 50, "imprint": 0.0}
 _RUNGS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("draft", "draft", {}),
-    ("draft, finer elements", "draft", {"pixels_per_element": 3}),
     ("standard", "standard", {}),
     ("standard, one grid", "standard", {"history_coarsening": 1}),
-    ("fine, coarser history", "fine", {"history_coarsening": 8, "contact_tolerance": 0.1}),
-    ("fine, coarse history", "fine", {"history_coarsening": 4, "contact_tolerance": 0.1}),
     ("fine", "fine", {}),
-    ("fine, one grid", "fine", {"history_coarsening": 1, "contact_tolerance": 0.03}),
-    ("fine, one grid, solved more tightly", "fine", {"history_coarsening": 1}),
+    ("fine, one grid", "fine", {"history_coarsening": 1}),
+    ("fine, one grid, solved more tightly", "fine", _ONE_GRID),
 )
 
 
@@ -214,7 +207,7 @@ def _first_within(
     rungs, past = [(_OWN, sweep.scene.fidelity)], sweep.scene.remembers_heat
     if accuracy is not None:
         past |= yardstick_error.heat_model > _OF_HEAT * accuracy
-        rungs = _ladder(sweep, exact.fewest_nodes, past)
+        rungs = _ladder(sweep, past)
     trials, spent = [], exact.work + yardstick_error.work
     for number, (name, fidelity) in enumerate(rungs, 1):
         words = f"choice {number} of at most {len(rungs)}: {name}"
@@ -311,17 +304,11 @@ def _bound(errors: Sequence[float], of_all_loads: bool, nodes: int) -> float:
     return max(_MARGIN * largest, abs(statistics.mean(errors)) + _DEVIATIONS * spread)
 
 
-def _ladder(sweep: Sweep, nodes: int, past: bool) -> list[tuple[str, Fidelity]]:
-    """Fidelities from cheap to dear, each once, solved as tightly as so few nodes require."""
+def _ladder(sweep: Sweep, past: bool) -> list[tuple[str, Fidelity]]:
+    """Fidelities from cheap to dear, each once."""
     ladder: dict[Fidelity, str] = {}
     for name, preset, changes in _RUNGS:
         fidelity = _chosen_fidelity(sweep, replace(PRESETS[preset], **changes), past)
-        if nodes < FEW_NODES and fidelity.pixels_per_element == 1 < fidelity.history_coarsening:
-            continue  # which points of few elements do without, after they have tried
-        touching = nodes / (fidelity.pixels_per_element * fidelity.history_coarsening) ** 2
-        if touching < _MANY_NODES and fidelity.contact_tolerance > _TIGHT:
-            fidelity = replace(fidelity, contact_tolerance=_TIGHT)
-            name = f"{name}, solved tightly"
         name += ", with all heat so far" if past else ""
         ladder.setdefault(fidelity, name)
     return [(name, fidelity) for fidelity, name in ladder.items()]

@@ -23,8 +23,8 @@ from pipeline.sweep.shown import shown
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.tradeoff.choose import measuring_steps
 from pipeline.tradeoff.probe import YARDSTICK
-from tribo import State
-from tribo.simulation import Trunks, contacts, heat
+from tribo import Scene, State
+from tribo.simulation import Trunks, contacts, heat, suited
 from tribo.simulation.trunks import MOST_BYTES
 
 _SECONDS_TO_START = 1.0  # a cluster and its workers
@@ -36,6 +36,8 @@ _HALF_BLOCK = 2048  # bytes of the disk that the end of each file leaves empty
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
 _FIELDS_OF_STATE = 3  # arrays of an increment of a ramp
 _MANY = 20_000  # tasks, from which they are divided evenly
+_OF_FRICTION = 2.0  # heat partitions a point on average to solve friction by temperature
+_MOST_PIXELS = 2e7  # of a surface that is made for a forecast
 _PATIENCE = 3.0  # [s] of processor time, after which no further step is timed
 
 
@@ -157,7 +159,8 @@ class _Work:
         self.contacts += steps
         self.temperatures += heats_on_way + heats
         share = 1 / scene.coarsening**2
-        of_heat = (heats_on_way * share + heats) * self.heat_time
+        solving = _OF_FRICTION * warms * len(task.points) if scene.solved_friction else 0.0
+        of_heat = (heats_on_way * share + heats + solving) * self.heat_time
         commits = len(task.points) * _SECONDS_TO_COMMIT
         return float(steps * self.contact_time + of_heat + commits)
 
@@ -175,11 +178,20 @@ def measuring_time(sweep: Sweep) -> float:
 
 def worker_bytes(sweep: Sweep, tasks: int = 1) -> float:
     """Memory of a worker of so many tasks, with the ramps that it keeps [B]."""
-    scene = sweep.scene
+    scene = _as_computed(sweep)
     elements = math.prod(next(scene.levels()).grid.shape)
     of_ramps = tasks * scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements
     kept = min(MOST_BYTES, of_ramps) if scene.remembers_steps else 0.0
     return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(scene.grid.shape) + kept
+
+
+def _as_computed(sweep: Sweep) -> Scene:
+    """The scene on the elements of its lowest load; on the pixels, if too many to look at."""
+    scene = sweep.scene
+    if math.prod(scene.pixels.shape) <= _MOST_PIXELS:
+        return suited(scene, min(sweep.plane.loads))
+    finest = replace(scene.fidelity, pixels_per_element=1, elements_per_summit=0.0)
+    return replace(scene, fidelity=finest)
 
 
 def _timed(sweep: Sweep) -> tuple[float, float, State]:
@@ -233,13 +245,13 @@ def savings(sweep: Sweep) -> Iterator[Remark]:
 
 
 def _saved_work(sweep: Sweep) -> Iterator[str]:
-    scene, plane = sweep.scene, sweep.plane
+    scene, plane = _as_computed(sweep), sweep.plane
     nx, ny = scene.grid.shape
     steps = max(step_count(scene, load) for load in plane.loads)
     if scene.is_plane:
         rows = scene.rows_per_element
         yield f"the axis y, since both bodies are smooth ({nx} × 1 elements, not {nx} × {rows})"
-    increments = len([*scene.loading.stations(max(plane.loads), scene.fidelity.increments)])
+    increments = len([*scene.way(max(plane.loads))])
     if steps < increments:
         yield f"{increments - steps} of {increments} steps, since nothing wears between them"
     if scene.wear is None:

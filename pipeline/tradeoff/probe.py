@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-import tracemalloc
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -16,15 +15,13 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import tasks
 from pipeline.sweep.severity import (
     boundary_velocity_error,
-    failed_fraction,
     momentary_rise,
-    momentary_rises,
     rise_limit,
 )
 from pipeline.sweep.stages import Report, silent, staged
 from pipeline.sweep.variants import Variant
-from tribo import PRESETS, Fidelity, InputError, Scene, State, measures, simulate
-from tribo.simulation import Trunks, forget_contacts, forget_kernels
+from tribo import PRESETS, Fidelity, InputError, Scene, State, simulate
+from tribo.simulation import Trunks, forget_contacts
 
 
 class Target(NamedTuple):
@@ -35,7 +32,6 @@ class Target(NamedTuple):
 
 
 _USUAL_EXPONENT, _FLATTEST = 0.6, 0.3  # exponents of the rise; where few nodes touch, it jumps
-_STEPS_FOR_MEMORY = 3
 _TOLERANCE = 0.01  # relative, of the rise where its limit is looked for
 _STEP = 0.05  # step of ln(velocity) over which the exponent is taken
 
@@ -45,12 +41,7 @@ class Reading:
     """Result of one point."""
 
     rise: float  # that decides, at friction 1 [K]
-    failed_share: float
-    contact_width: float  # along the sliding direction [m]
     contact_nodes: int  # elements in contact
-    contact_fraction: float  # share of the window
-    mean_pressure: float  # over the contact [Pa]
-    saturated_fraction: float  # share of the contact at the hardness
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,19 +50,16 @@ class Probe:
 
     fidelity: Fidelity
     readings: tuple[Reading, ...]
-    seconds: float  # processor time; where memory is measured, without surfaces and kernels
-    convolutions: int
+    seconds: float  # processor time; if asked for, without surfaces and kernels
     work: float  # convolutions times the elements of their grids, alike on every machine
-    peak_bytes: int | None = None  # most memory for arrays at a point, kernels included
 
 
 def probe(
-    sweep: Sweep, fidelity: Fidelity, points: Sequence[Point], with_memory: bool = False
+    sweep: Sweep, fidelity: Fidelity, points: Sequence[Point], is_timed: bool = False
 ) -> Probe:
     """Simulate points with another fidelity; those at one velocity share their ramp."""
     scene = sweep.changed(fidelity=fidelity, steps="end")
-    peak = _peak_bytes(scene, points) if with_memory else None
-    if with_memory:  # and the time, without surface and kernels that a whole sweep makes once
+    if is_timed:  # without surface and kernels, which a whole sweep makes once
         load, velocity = min((point.load, point.velocity) for point in points)
         _run(scene, load / 2, velocity * 0.9)
     forget_contacts()
@@ -86,60 +74,34 @@ def probe(
         fidelity,
         tuple(_reading(sweep, scene.scene, runs[point].state) for point in points),
         seconds,
-        sum(run.convolutions for run in runs.values()),
         float(sum(run.work for run in runs.values())),
-        peak,
     )
-
-
-def _peak_bytes(sweep: Sweep, points: Sequence[Point]) -> int:
-    """Most memory for arrays of the heaviest point, for which a few of its steps suffice."""
-    fidelity = sweep.scene.fidelity
-    if fidelity.heat_model == "elapsed" and fidelity.wear_scheme != "explicit":
-        fidelity = replace(fidelity, increments=min(fidelity.increments, _STEPS_FOR_MEMORY))
-    forget_kernels()
-    tracemalloc.start()
-    try:
-        load, velocity = max((point.load, point.velocity) for point in points)
-        _run(sweep.changed(fidelity=fidelity), load, velocity)
-        return tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
 
 
 class _Run(NamedTuple):
     state: State
-    convolutions: int
-    work: int
+    work: int  # its cost, see `Probe`
 
 
 def _run(sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None) -> _Run:
     """Simulate a point: its hottest state under full load, and its cost."""
-    convolutions = work = 0
+    work = 0
     hot: list[tuple[float, State]] = []
     for state in simulate(sweep.scene, load, velocity, trunks):
-        on_way = state.heat.iterations if state.heat else 0
-        convolutions += state.iterations + on_way
-        work += state.work + on_way * state.pressure.size
+        partitions = state.heat.iterations if state.heat else 0
+        work += state.work + partitions * state.pressure.size
         if state.heat is not None and state.normal_load >= load:
             hot.append((momentary_rise(sweep.scene, state, sweep.conditions), state))
     hottest = max(hot, key=lambda reading: reading[0])[1] if hot else state
-    return _Run(hottest, convolutions, work)
+    return _Run(hottest, work)
 
 
 def _reading(sweep: Sweep, scene: Scene, state: State) -> Reading:
     if state.heat is None:
         raise InputError("a point ended without a temperature")
-    columns = momentary_rises(scene, state, sweep.conditions)
-    values = measures(scene, state)
     return Reading(
-        rise=float(sweep.conditions.decisive.rise(columns)),
-        failed_share=failed_fraction(columns["rise_quantile"], sweep.conditions),
-        contact_width=values["contact_width"],
+        rise=momentary_rise(scene, state, sweep.conditions),
         contact_nodes=int(np.count_nonzero(state.pressure)),
-        contact_fraction=values["contact_fraction"],
-        mean_pressure=values["mean_pressure"],
-        saturated_fraction=values["saturated_fraction"],
     )
 
 

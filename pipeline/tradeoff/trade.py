@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
 import pandas as pd
@@ -35,12 +35,7 @@ from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 _USUAL = ("draft", "standard", "fine")
 _LOADS = 4
 _BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # errors, for each of which the cheapest is named
-_HEADS = (
-    "name", "velocity error [%]", "rise error [%]", "width error [%]", "share error",
-    "area error [%]", "pressure error [%]", "saturated error", "seconds [s]", "speedup", "saving",
-    "convolutions", "peak bytes [MB]",
-)  # fmt: skip
-_OF_PROBE = "fidelity", "seconds", "convolutions", "work", "peak_bytes"
+_HEADS = "name", "velocity error [%]", "seconds [s]", "share of fine"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,22 +45,9 @@ class Choice:
     name: str  # a preset's, or "as in the scene"
     fidelity: Fidelity
     velocity_errors: tuple[float, ...]  # relative, of the boundary at each point, with sign
-    # Largest at any point, without sign: relative, but for the failed share.
-    velocity_error: float
-    rise_error: float
-    width_error: float
-    share_error: float
-    # Largest of what the size of the elements decides, with sign: contact fraction and mean
-    # pressure, relative, and share of the contact at the hardness.
-    area_error: float
-    pressure_error: float
-    saturated_error: float
+    velocity_error: float  # largest at any point, without sign
     seconds: float  # processor time of the points [s]
-    convolutions: int
-    work: float  # convolutions times the elements of their grids
-    peak_bytes: int | None  # most memory that arrays took at a point [B]
-    speedup: float  # factors by which the reference takes more time, and more work
-    saving: float
+    share_of_fine: float | None = None  # time over that of preset fine, if measured
 
 
 @shown
@@ -86,24 +68,25 @@ class Trade:
 
     @property
     def front(self) -> tuple[Choice, ...]:
-        """Choices that no other one beats in both work and error, the cheapest first."""
+        """Choices that no other one beats in both time and error, the fastest first."""
         best, choices = math.inf, []
-        for choice in sorted(self.choices, key=lambda choice: (choice.work, choice.velocity_error)):
+        by_time = sorted(self.choices, key=lambda one: (one.seconds, one.velocity_error))
+        for choice in by_time:
             if choice.velocity_error < best:
                 best = choice.velocity_error
                 choices.append(choice)
         return tuple(choices)
 
     def cheapest(self, error: float) -> Choice:
-        """The choice of least work whose boundary velocity errs by no more than `error`."""
+        """The fastest choice whose boundary velocity errs by no more than `error`."""
         return min(
             (choice for choice in self.choices if choice.velocity_error <= error),
-            key=lambda choice: choice.work,
+            key=lambda choice: choice.seconds,
         )
 
     @property
     def table(self) -> pd.DataFrame:
-        """Cost and errors of the choices, one in a row."""
+        """Error and time of the choices, one in a row."""
         names = as_dict(pd.DataFrame(columns=[*_HEADS]))
         return frame_of(_HEADS, ([getattr(one, name) for name in names] for one in self.choices))
 
@@ -123,10 +106,9 @@ class Trade:
             "",
             *lines_of(self.table),
             "",
-            "Largest errors at these points: of boundary velocity, decisive rise, contact width",
-            "and failed share; and of contact area, mean pressure and share of the contact at the",
-            "hardness, which the size of the elements decides. All are against the reference on",
-            "the same pixels, without the margin for other points that --accuracy adds.",
+            "Largest error of the boundary velocity at these points, against the reference on the",
+            "same pixels, and processor time of the points. --accuracy adds a margin for other",
+            "points.",
             "",
             *(
                 f"cheapest within {100 * bound:g} %: {self.cheapest(bound).name}"
@@ -186,16 +168,19 @@ def trade(
         weight=lambda stage: _work(stage[1]),
     )
     _, exact = next(stages)
-    reference = probe(sweep, exact, places, with_memory=True)
+    reference = probe(sweep, exact, places, is_timed=True)
     choices, failed = [], []
     for name, fidelity in stages:
         try:
-            tried = probe(sweep, fidelity, places, with_memory=True)
+            tried = probe(sweep, fidelity, places, is_timed=True)
         except ConvergenceError as error:
             failed.append(f"{name}: {error}")
         else:
             choices.append(_choice(name, tried, reference, exponents))
     choices.append(_choice("reference", reference, reference, exponents))
+    fine = next((one.seconds for one in choices if one.name == "fine"), None)
+    if fine:
+        choices = [replace(one, share_of_fine=one.seconds / fine) for one in choices]
     return Trade(
         title=sweep.about.title,
         points=places,
@@ -224,25 +209,10 @@ def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
 def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[float]) -> Choice:
     """A choice against the reference."""
     errors = velocity_errors(measured.readings, reference.readings, exponents)
-
-    def largest(name: str, relative: bool = True) -> float:
-        """Largest error of a value at any point, with its sign."""
-        readings = zip(measured.readings, reference.readings, strict=True)
-        pairs = ((getattr(one, name), getattr(true, name)) for one, true in readings)
-        off = (one / true - 1 if relative else one - true for one, true in pairs)
-        return float(max(off, key=abs))
-
     return Choice(
         name=name,
+        fidelity=measured.fidelity,
         velocity_errors=errors,
         velocity_error=max(map(abs, errors)),
-        rise_error=abs(largest("rise")),
-        width_error=abs(largest("contact_width")),
-        share_error=abs(largest("failed_share", relative=False)),
-        area_error=largest("contact_fraction"),
-        pressure_error=largest("mean_pressure"),
-        saturated_error=largest("saturated_fraction", relative=False),
-        **{name: getattr(measured, name) for name in _OF_PROBE},
-        speedup=reference.seconds / max(measured.seconds, 1e-9),
-        saving=reference.work / max(measured.work, 1.0),
+        seconds=measured.seconds,
     )

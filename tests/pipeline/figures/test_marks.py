@@ -265,22 +265,17 @@ def test_where_each_entry_has_one_value_bars_end_in_their_changes():
     assert 1.5 < one.get_figheight() < 3.5
 
 
-def choice(name, saving, error):
-    usual = dict.fromkeys(("rise_error", "width_error", "share_error", "area_error"), 0.0)
-    usual |= dict.fromkeys(("pressure_error", "saturated_error", "seconds", "speedup"), 0.0)
-    return Choice(
-        name, PRESETS["draft"], (error,), error, convolutions=1, work=1.0 / saving,
-        peak_bytes=1, saving=saving, **usual,
-    )  # fmt: skip
+def choice(name, seconds, error):
+    return Choice(name, PRESETS["draft"], (error,), error, seconds)
 
 
-def test_choices_stand_at_their_work_and_error_and_the_front_joins_the_best():
+def test_choices_stand_at_their_time_and_error_and_the_front_joins_the_best():
     choices = (
-        choice("draft", 20.0, 0.05),
-        choice("standard", 2.5, 0.0),
-        choice("fine", 4.0, 0.005),
-        choice("as in the scene", 8.0, 0.03),
-        choice("reference", 1.0, 0.0),
+        choice("draft", 5.0, 0.05),
+        choice("standard", 40.0, 0.0),
+        choice("fine", 25.0, 0.005),
+        choice("as in the scene", 12.5, 0.03),
+        choice("reference", 100.0, 0.0),
     )
     axes = pipeline.plot(Trade("A scene", (Point(200.0, 1.0),), choices)).axes[0]
     places = lines(axes)
@@ -288,11 +283,11 @@ def test_choices_stand_at_their_work_and_error_and_the_front_joins_the_best():
     assert places["presets"].tolist() == [[5.0, 0.05], no_error, [25.0, 0.005]]
     assert places["the scene's own"].tolist() == [[12.5, 0.03]]
     assert places["front"].tolist() == [[5.0, 0.05], [12.5, 0.03], [25.0, 0.005], no_error]
-    assert axes.get_xlim()[0] < axes.get_xlim()[1]  # more work to the right
+    assert axes.get_xlim()[0] < axes.get_xlim()[1]  # more time to the right
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     assert axes.yaxis.get_major_formatter()(0.05, 0) == "5 %"
     assert axes.get_title() == "Speed against accuracy: A scene"
-    assert axes.get_xlabel() == "work, in % of that of the reference"
+    assert axes.get_xlabel() == "processor time of the points [s]"
     assert axes.get_ylabel() == "largest error of the boundary velocity"
     assert axes.xaxis.get_major_formatter().format_ticks([10.0]) == ["10"]
     for axis in (axes.xaxis, axes.yaxis):

@@ -14,7 +14,17 @@ from pipeline.tradeoff.forecast import estimate, measuring_time, savings, worker
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.scenes import STEEL
-from tribo import PRESETS, QUANTILES, Fidelity, Grid, Ramp, Wear, simulate
+from tribo import (
+    PRESETS,
+    QUANTILES,
+    Corrections,
+    Fidelity,
+    Friction,
+    Grid,
+    Ramp,
+    Wear,
+    simulate,
+)
 from tribo.simulation import Trunks, contacts
 
 SWEEP = PAPER.changed(
@@ -95,6 +105,17 @@ def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkey
     assert estimate("uncertain", 1).seconds == pytest.approx(shared, rel=0.02)
 
 
+def test_friction_by_temperature_takes_two_partitions_more_a_point(monkeypatch):
+    timed = 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0))
+    monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
+    law = Corrections(friction=Friction(by_temperature=((300.0, 1.0), (400.0, 0.8))))
+    plain = SWEEP.changed(fidelity=Fidelity(increments=30), steps="end")
+    table = plain.changed(conditions=replace(plain.conditions, corrections=law))
+    more = estimate(table, 1).seconds - estimate(plain, 1).seconds
+    moving = sum(1 for point in points(plain) if point.velocity)
+    assert more == pytest.approx(2 * 9.0 * moving)
+
+
 def test_measuring_an_error_takes_its_passes_of_the_yardstick_at_each_point(monkeypatch):
     """Its 25 increments of 30 N: 9, 17 and 25 steps; points on both sides if that is worth it."""
     timed = 1.5, 9.0, None
@@ -138,10 +159,13 @@ def test_a_worker_has_memory_for_libraries_60_fields_and_the_ramps_that_it_keeps
     assert one - without == 100 * 3 * field
     assert four - without == 4 * 100 * 3 * field
     assert worker_bytes(SWEEP, 10**6) - without == 2**28  # no more than that of ramps
-    coarse = PRESETS["standard"], Grid((256, 256), (2e-6, 2e-6))  # a history of 64 · 64 elements
+    large = SWEEP.changed(pixels=Grid((256, 256), (2e-6, 2e-6)))
+    coarse = Fidelity(pixels_per_element=2, history_coarsening=2, increments=25)
     fields = 60 * 8 * 128**2
-    of_history = worker_bytes(SWEEP.changed(fidelity=coarse[0], pixels=coarse[1])) - 115e6 - fields
+    of_history = worker_bytes(large.changed(fidelity=coarse)) - 115e6 - fields
     assert of_history == 25 * 3 * 8 * 64**2
+    # Summits so narrow are computed on the pixels, however large elements may be.
+    assert worker_bytes(large.changed(fidelity=PRESETS["standard"])) > 115e6 + 60 * 8 * 256**2
 
 
 def test_the_room_of_a_store_grows_with_the_moments_that_it_has():
@@ -200,7 +224,7 @@ FIELDS += " not ask for them (up to {} MB)"
         ),
         (
             {"fidelity": PRESETS["standard"]},
-            [RUN.format(24), "wear before the last step on a coarser grid (64 × 24)"],
+            [RUN.format(5), "wear before the last step on a coarser grid (128 × 48)"],
         ),
         # 24 bytes for each of 128 · 48 elements at three loads and two velocities.
         ({"fields": False, "steps": "all"}, [FIELDS.format(1)]),

@@ -24,23 +24,11 @@ from tests.helpers.accuracy_scenes import SCENES
 from tribo import PRESETS, ConvergenceError, Fidelity, Grid
 
 SCENE = SCENES["low loads"].changed(pixels=Grid((96, 48), (4e-6, 4e-6)))
-TRUE = Reading(
-    rise=1000.0,
-    failed_share=0.2,
-    contact_width=1e-4,
-    contact_nodes=5000,
-    contact_fraction=0.01,
-    mean_pressure=1e9,
-    saturated_fraction=0.1,
-)
+TRUE = Reading(rise=1000.0, contact_nodes=5000)
 
 
-def choice(name, work, *errors):
-    rest = {"rise_error": 0.1, "width_error": 0.2, "share_error": 0.3, "area_error": -0.04}
-    rest |= {"pressure_error": 0.05, "saturated_error": -0.06, "seconds": 2.0, "convolutions": 7}
-    costs = {"work": work, "peak_bytes": 10**6, "speedup": 3.0, "saving": 100.0 / work}
-    largest = max(map(abs, errors))
-    return Choice(name, PRESETS["fine"], errors, largest, **rest, **costs)
+def choice(name, seconds, *errors):
+    return Choice(name, PRESETS["fine"], errors, max(map(abs, errors)), seconds)
 
 
 def traded(*choices, **values):
@@ -96,15 +84,14 @@ class Rig:
         self.places = [*places]
         return tuple(Point(place.load, 1.0) for place in places), (0.5,) * len(places)
 
-    def probe(self, sweep, fidelity, points, with_memory):
-        assert with_memory
+    def probe(self, sweep, fidelity, points, is_timed):
+        assert is_timed
         self.tried.append(fidelity)
         if fidelity.increments == PRESETS["standard"].increments:
             raise ConvergenceError("the contact did not converge", None)
         is_draft = fidelity.increments == PRESETS["draft"].increments
         read = [replace(TRUE, **self.off) if is_draft else TRUE] + [TRUE] * (len(points) - 1)
-        work = 8.0 if is_draft else 40.0
-        return Probe(fidelity, tuple(read), work / 4, 11, work, 5000)
+        return Probe(fidelity, tuple(read), 2.0 if is_draft else 10.0, 50.0)
 
 
 @pytest.fixture
@@ -116,8 +103,7 @@ def rig(monkeypatch):
 
 
 def test_errors_are_against_the_reference_and_the_largest_of_the_points(rig):
-    rig.off = {"rise": 990.0, "failed_share": 0.23, "contact_width": 0.9e-4}
-    rig.off |= {"contact_fraction": 0.012, "mean_pressure": 0.7e9, "saturated_fraction": 0.05}
+    rig.off = {"rise": 990.0}
     scene = SCENE.changed(fidelity=Fidelity(increments=77))
     table = trade(scene, ("draft", "standard"), loads=["60 N", 180.0])
     assert rig.places == [Target(60.0), Target(180.0)]
@@ -126,18 +112,20 @@ def test_errors_are_against_the_reference_and_the_largest_of_the_points(rig):
     draft, own, exact = table.choices
     assert draft.velocity_errors == pytest.approx(((1000 / 990) ** 2 - 1, 0.0), rel=1e-9)
     assert draft.velocity_error == pytest.approx(0.020304, rel=1e-4)
-    assert draft.rise_error == pytest.approx(0.01)
-    assert draft.share_error == pytest.approx(0.03)
-    assert draft.width_error == pytest.approx(0.1)
-    assert draft.area_error == pytest.approx(0.2)
-    assert draft.pressure_error == pytest.approx(-0.3)
-    assert draft.saturated_error == pytest.approx(-0.05)
-    assert (draft.seconds, draft.work, draft.convolutions, draft.peak_bytes) == (2.0, 8.0, 11, 5000)
-    assert (draft.speedup, draft.saving) == (5.0, 5.0)
-    assert (exact.speedup, exact.saving, exact.velocity_error) == (1.0, 1.0, 0.0)
+    assert (draft.seconds, draft.share_of_fine) == (2.0, None)
+    assert (exact.seconds, exact.velocity_error) == (10.0, 0.0)
     assert own.fidelity == scene.scene.fidelity
     assert table.not_converged == ("standard: the contact did not converge",)
     assert rig.tried[0] == PRESETS["reference"]
+
+
+def test_times_are_those_over_the_time_of_fine(rig):
+    table = trade(SCENE.changed(preset="fine"), ("draft", "fine"), loads=["60 N"])
+    shares = {one.name: one.share_of_fine for one in table.choices}
+    assert shares == {"draft": pytest.approx(0.2), "fine": 1.0, "reference": 1.0}
+    assert list(table.table.columns) == [
+        "name", "velocity error [%]", "seconds [s]", "share of fine",
+    ]  # fmt: skip
 
 
 def test_four_loads_and_all_usual_presets_are_taken_where_nothing_is_told(rig):
@@ -160,8 +148,8 @@ def test_a_fidelity_that_has_two_names_is_measured_once_by_the_first(rig):
 
 
 def test_a_choice_takes_the_time_of_its_steps_on_their_grids():
-    """5 steps on a grid of 16 times fewer elements and the last one, for each of 4 by 4 pixels."""
-    assert tradeoff._work(PRESETS["draft"]) == pytest.approx((5 / 16 + 1) / 16)
+    """4 steps on a grid of 16 times fewer elements and the last one, for each of 2 by 2 pixels."""
+    assert tradeoff._work(PRESETS["draft"]) == pytest.approx((4 / 16 + 1) / 4)
     assert tradeoff._work(PRESETS["reference"]) == 101.0
 
 
@@ -174,7 +162,7 @@ class Runs:
     def run(self, sweep, load, velocity, trunks=None):
         self.calls.append((sweep.scene.fidelity, load, velocity))
         state = load, velocity, sweep.scene.fidelity
-        return probe_module._Run(state, 3, 50)
+        return probe_module._Run(state, 50)
 
     def reading(self, sweep, scene, state):
         return replace(TRUE, rise=self.rise(*state), contact_nodes=int(10 * state[0]))
@@ -217,35 +205,18 @@ def test_beyond_half_the_lowest_and_twice_the_highest_velocity_the_end_is_taken(
     assert point.velocity == pytest.approx(end)
 
 
-def test_a_probe_counts_the_work_of_its_points_and_the_memory_of_the_heaviest(runs, monkeypatch):
+def test_a_probe_counts_the_work_and_the_time_of_its_points(runs, monkeypatch):
     made = runs(lambda load, velocity, _: 1000.0)
     monkeypatch.setattr(probe_module.time, "process_time", iter([7.0, 9.5, 1.0, 2.0]).__next__)
     points = [Point(250.0, 1.5), Point(150.0, 0.5), Point(600.0, 1.0)]
     implicit = Fidelity(pixels_per_element=1, increments=20)
-    without = probe(tiny.sweep(), implicit, points)
-    assert (without.convolutions, without.work, without.peak_bytes) == (9, 150.0, None)
-    assert without.seconds == 2.5
-    assert [reading.contact_nodes for reading in without.readings] == [2500, 1500, 6000]
+    probed = probe(tiny.sweep(), implicit, points)
+    assert (probed.work, probed.seconds) == (150.0, 2.5)
+    assert [reading.contact_nodes for reading in probed.readings] == [2500, 1500, 6000]
     assert sorted(call[1:] for call in made.calls) == sorted(point[:2] for point in points)
     made.calls.clear()
-    probed = probe(tiny.sweep(), implicit, points, with_memory=True)
-    assert probed.work == 150.0
-    assert probed.peak_bytes > 0
-    # The heaviest by three of its steps, and half of the lightest before the time is taken.
-    assert made.calls[:2] == [
-        (replace(implicit, increments=3), 600.0, 1.0),
-        (implicit, 75.0, 0.45),
-    ]
-    monkeypatch.undo()
-    made = runs(lambda load, velocity, _: 1000.0)
-    for fidelity in (
-        replace(implicit, heat_model="history"),
-        replace(implicit, wear_scheme="explicit"),
-        replace(implicit, increments=2),
-    ):
-        made.calls.clear()
-        probe(tiny.sweep(), fidelity, points, with_memory=True)
-        assert made.calls[0][0] == fidelity  # all of its steps
+    assert probe(tiny.sweep(), implicit, points, is_timed=True).work == 150.0
+    assert made.calls[0] == (implicit, 75.0, 0.45)  # half the lightest, before the time is taken
 
 
 def test_the_yardstick_is_measured_at_each_point_and_once_more_on_larger_elements(runs):
@@ -297,5 +268,5 @@ def test_the_heat_of_all_the_past_is_compared_at_the_ends_of_the_loads(runs, sha
 def test_errors_of_a_yardstick_have_the_sign_of_the_boundary():
     """A rise too high by 1 % lets the boundary be too low, by 2 % at an exponent of 1/2."""
     exact = Yardstick((Point(60.0, 1.0),), (0.5,), (TRUE,), 1.0, 1.0)
-    high = Probe(PRESETS["draft"], (replace(TRUE, rise=1010.0),), 1.0, 1, 1.0)
+    high = Probe(PRESETS["draft"], (replace(TRUE, rise=1010.0),), 1.0, 1.0)
     assert exact.errors(high) == pytest.approx((1.01**-2 - 1,))
