@@ -131,7 +131,7 @@ def check(options: argparse.Namespace) -> Result:
         output.show_text(text)
     searched = options.boundary_only is not None
     cost = pipeline.estimate(sweep, workers=options.workers, boundary_only=searched)
-    document |= cost.as_dict() | selected(sweep)
+    document |= cost.as_dict() | selected(sweep) | {"worker_bytes": memory}
     costs = [*_cost(sweep, cost, searched)]
     if has_unknown_error(sweep):
         document["measuring_seconds"] = seconds = measuring_time(sweep)

@@ -107,7 +107,7 @@ def critical_temperatures(
     >>> with_one_test = scene.changed(measured=scene.about.measured[:1])
     >>> inferred = pipeline.critical_temperatures(with_one_test)
     >>> f"{inferred.mean - 273.15:.0f} °C"
-    '149 °C'
+    '148 °C'
     """
     sweep = sweep_of(sweep)
     sweep = sweep.changed(measured=own_tests(sweep.about.measured))

@@ -172,12 +172,12 @@ def test_numerical_choices_have_their_error_and_no_name_of_a_preset():
     sweep = stored_sweep(synthetic.sweep(*PLANE, preset="draft", fidelity=tribo.PRESETS["draft"]))
     error, table = _fidelity(sweep)
     assert error == (
-        "boundary velocities may err by up to 8 %, which preset draft keeps to on most scenes"
+        "boundary velocities may err by up to 5 %, which preset draft keeps to on most scenes"
     )
     rows = dict(table.to_numpy().tolist())
     assert "preset" not in rows
-    assert rows["increments"] == "5"
-    assert rows["pixels_per_element"] == "4"
+    assert rows["increments"] == "4"
+    assert rows["pixels_per_element"] == "2"
 
 
 def test_warnings_and_versions_are_told_line_by_line():

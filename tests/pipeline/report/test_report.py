@@ -45,7 +45,7 @@ def test_a_report_has_everything_and_asks_for_no_other_file(sweep, tmp_path):
         assert f"<td>{words}</td>" in page
     crossing = pipeline.boundary(sweep)["critical_velocity"].sel(load=600).item()
     assert f"<td>{crossing:.4g}</td>" in page
-    assert "may err by up to 8 %" in page
+    assert "may err by up to 5 %" in page
     assert re.search(r"developers: irg-transition \(version .*\)\. BSD-3-Clause\.", page)
     assert not re.search(r'(src|href)="(?!data:|#)', page)
 

@@ -208,7 +208,7 @@ def test_the_risk_is_that_of_direct_simulations(sampled):
     assert 0.2 < verdict["direct"] < 0.8  # where chance tells most
     assert abs(verdict["standard_errors_apart"]) < risk.LIMIT
     assert verdict["within_90_percent"] > 0.7  # as 8 contacts tell; half of it otherwise
-    assert max(abs(verdict["bias"]), verdict["spread"]) < 2 * verdict["rise_error"] < 0.04
+    assert max(abs(verdict["bias"]), verdict["spread"]) < 2 * verdict["rise_error"] < 0.05
 
 
 def test_samples_whose_inputs_are_all_fixed_answer_by_the_emulator_at_them(sampled, irg):
