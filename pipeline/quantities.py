@@ -8,39 +8,43 @@ from typing import Any, NamedTuple
 
 
 class Dimension(NamedTuple):
-    """Smallest and largest value in a scene, and units by their size in SI, the SI unit first."""
+    """Name, smallest and largest value in a scene, and sizes of units in SI, the SI unit first."""
 
+    name: str
     limits: tuple[str, str]
     units: dict[str, str]
 
 
 DIMENSIONS = {
-    "m": Dimension(
-        ("1e-12 m", "1e5 m"),
+    "m": Dimension("a length", ("1e-12 m", "1e5 m"),
         {"m": "1", "nm": "1e-9", "um": "1e-6", "µm": "1e-6", "mm": "1e-3", "cm": "1e-2"},
     ),
-    "m s-1": Dimension(("1e-9 m/s", "1e5 m/s"), {"m/s": "1", "mm/s": "1e-3"}),
-    "s": Dimension(("1e-9 s", "1e12 s"), {"s": "1", "ms": "1e-3", "min": "60"}),
-    "K": Dimension(("1e-9 K", "1e5 K"), {"K": "1", "degC": "1", "°C": "1"}),
-    "N": Dimension(("1e-9 N", "1e9 N"), {"N": "1", "kN": "1e3", "mN": "1e-3"}),
-    "N s-1": Dimension(("1e-9 N/s", "1e12 N/s"), {"N/s": "1"}),
-    "Pa": Dimension(("1e-3 Pa", "1e15 Pa"), {"Pa": "1", "MPa": "1e6", "GPa": "1e9"}),
-    "Pa s": Dimension(("1e-9 Pa s", "1e9 Pa s"), {"Pa s": "1", "mPa s": "1e-3"}),
-    "kg m-3": Dimension(("1e-3 kg/m^3", "1e6 kg/m^3"), {"kg/m^3": "1"}),
-    "W m-1 K-1": Dimension(("1e-6 W/(m K)", "1e6 W/(m K)"), {"W/(m K)": "1"}),
-    "J kg-1 K-1": Dimension(("1e-3 J/(kg K)", "1e7 J/(kg K)"), {"J/(kg K)": "1"}),
+    "m s-1": Dimension("a velocity", ("1e-9 m/s", "1e5 m/s"), {"m/s": "1", "mm/s": "1e-3"}),
+    "s": Dimension("a duration", ("1e-9 s", "1e12 s"), {"s": "1", "ms": "1e-3", "min": "60"}),
+    "K": Dimension("a temperature", ("1e-9 K", "1e5 K"), {"K": "1", "degC": "1", "°C": "1"}),
+    "N": Dimension("a load", ("1e-9 N", "1e9 N"), {"N": "1", "kN": "1e3", "mN": "1e-3"}),
+    "N s-1": Dimension("a loading rate", ("1e-9 N/s", "1e12 N/s"), {"N/s": "1"}),
+    "Pa": Dimension("a pressure", ("1e-3 Pa", "1e15 Pa"), {"Pa": "1", "MPa": "1e6", "GPa": "1e9"}),
+    "Pa s": Dimension("a viscosity", ("1e-9 Pa s", "1e9 Pa s"), {"Pa s": "1", "mPa s": "1e-3"}),
+    "kg m-3": Dimension("a density", ("1e-3 kg/m^3", "1e6 kg/m^3"), {"kg/m^3": "1"}),
+    "W m-1 K-1": Dimension("a conductivity", ("1e-6 W/(m K)", "1e6 W/(m K)"), {"W/(m K)": "1"}),
+    "J kg-1 K-1": Dimension(
+        "a specific heat", ("1e-3 J/(kg K)", "1e7 J/(kg K)"), {"J/(kg K)": "1"}),
     "m2 s-1": Dimension(
-        ("1e-12 m^2/s", "1e3 m^2/s"), {"m^2/s": "1", "mm^2/s": "1e-6", "mm²/s": "1e-6"}
+        "a kinematic viscosity", ("1e-12 m^2/s", "1e3 m^2/s"),
+        {"m^2/s": "1", "mm^2/s": "1e-6", "mm²/s": "1e-6"},
     ),
     "m2 N-1": Dimension(
-        ("1e-30 m^2/N", "1e-3 m^2/N"),
+        "a specific wear rate", ("1e-30 m^2/N", "1e-3 m^2/N"),
         {"m^2/N": "1", "mm^3/(N m)": "1e-9", "mm³/(N m)": "1e-9", "1/GPa": "1e-9"},
     ),
-    "m2": Dimension(("1e-18 m^2", "1e6 m^2"), {"m^2": "1", "mm^2": "1e-6", "mm²": "1e-6"}),
-    "K W-1": Dimension(("1e-12 K/W", "1e12 K/W"), {"K/W": "1"}),
-    "J K-1": Dimension(("1e-12 J/K", "1e12 J/K"), {"J/K": "1"}),
-    "W K-1": Dimension(("1e-12 W/K", "1e12 W/K"), {"W/K": "1"}),
-    "W m-2 K-1": Dimension(("1e-9 W/(m^2 K)", "1e9 W/(m^2 K)"), {"W/(m^2 K)": "1"}),
+    "m2": Dimension(
+        "an area", ("1e-18 m^2", "1e6 m^2"), {"m^2": "1", "mm^2": "1e-6", "mm²": "1e-6"}),
+    "K W-1": Dimension("a thermal resistance", ("1e-12 K/W", "1e12 K/W"), {"K/W": "1"}),
+    "J K-1": Dimension("a heat capacity", ("1e-12 J/K", "1e12 J/K"), {"J/K": "1"}),
+    "W K-1": Dimension("a heat loss per kelvin", ("1e-12 W/K", "1e12 W/K"), {"W/K": "1"}),
+    "W m-2 K-1": Dimension(
+        "a heat transfer coefficient", ("1e-9 W/(m^2 K)", "1e9 W/(m^2 K)"), {"W/(m^2 K)": "1"}),
 }  # fmt: skip
 """Dimensions of scenes, by the unit of SI as CF writes it.
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from pipeline.gears.contact import Mesh
-from pipeline.scene.doubts import USUAL_BULK, Usual, beyond_usual, material_quantities
+from pipeline.gears.reading import FACE_WIDTH, LOAD_FACTOR, MODULE, ROUGHNESS
+from pipeline.scene.doubts import Usual, beyond_usual, material_quantities
+from pipeline.scene.format import BULK, CRITICAL, FRICTION
+from pipeline.scene.reference import usual_of
 from pipeline.sweep.remarks import Remark
 
 
@@ -17,16 +20,16 @@ def doubts(meshes: Iterable[Mesh]) -> list[Remark]:
 
 def _quantities(one: Mesh) -> Iterator[Usual]:
     pair, duty = one.pair, one.duty
-    yield "mesh.module", pair.gears.module, 0.1, 100, "mm"
-    yield "mesh.face_width", pair.gears.face_width, 1, 1000, "mm"
+    yield "mesh.module", pair.gears.module, *usual_of(MODULE)
+    yield "mesh.face_width", pair.gears.face_width, *usual_of(FACE_WIDTH)
     for body, material, roughness in zip(
         ("pinion", "wheel"), pair.materials, pair.roughness, strict=True
     ):
         yield from material_quantities(f"{body}.material", material)
-        yield f"{body}.roughness", roughness, 0, 10, "um"
+        yield f"{body}.roughness", roughness, *usual_of(ROUGHNESS)
     yield "duty.torque: highest pressure", max(at.pressure for at in one.places), 0.01, 5, "GPa"
     yield "duty.speed: sliding velocity", max(abs(at.sliding) for at in one.places), 0, 100, "m/s"
-    yield "duty.load_factor", duty.load_factor, 0.5, 10, ""
-    yield "friction.coefficient", one.friction, 0, 1, ""
-    yield "temperature.bulk", duty.bulk, *USUAL_BULK, "K"
-    yield "temperature.critical", pair.critical, 50, 800, "°C"
+    yield "duty.load_factor", duty.load_factor, *usual_of(LOAD_FACTOR)
+    yield "friction.coefficient", one.friction, *usual_of(FRICTION)
+    yield "temperature.bulk", duty.bulk, *usual_of(BULK)
+    yield "temperature.critical", pair.critical, *usual_of(CRITICAL)

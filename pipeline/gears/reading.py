@@ -7,13 +7,15 @@ import re
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
+from typing import Annotated as A
 from typing import Any
 
+import tribo
 from pipeline.gears.involute import Involutes, fitting_distance
 from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.rules import warm_duty
 from pipeline.paths import user_path
-from pipeline.scene.compounds import Entry, List, Optional, Table, Tables
+from pipeline.scene.declare import List, declared, table_of
 from pipeline.scene.document import override_entries, read_document
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, quoted
 from pipeline.scene.format import (
@@ -22,16 +24,15 @@ from pipeline.scene.format import (
     CRITICAL,
     CRITICAL_SD,
     FRICTION,
-    MATERIAL,
-    OIL,
-    length,
+    Material,
+    Oil,
 )
-from pipeline.scene.kinds import Number, Quantity, Text, UnfitError, Whole
+from pipeline.scene.kinds import Number, Quantity, UnfitError, Whole
 from pipeline.scene.library import resolve_library
-from pipeline.scene.parts import oil_of
+from pipeline.scene.parts import material_of, oil_of
 from pipeline.scene.units import TURNS
 from pipeline.sweep.about import FromLibrary
-from tribo import InputError, Material, Oil
+from tribo import InputError
 
 _PAIRS = Path(__file__).parent / "pairs"
 
@@ -49,64 +50,83 @@ class _Speed(Quantity):
 
 
 def _angle(example: str, zero: bool = False) -> Quantity:
-    return Quantity("an angle", example, zero=zero, ends=("0.1 deg", "60 deg"))
+    return Quantity(example, zero, ends=("0.1 deg", "60 deg"), name="an angle")
 
 
-TORQUE = Quantity("a torque", "100 N m", ends=("1e-6 N m", "1e9 N m"))
-SPEED = _Speed("a speed", "1500 rpm", ends=("1e-3 rpm", "1e6 rpm"))
+TORQUE = Quantity("100 N m", ends=("1e-6 N m", "1e9 N m"), name="a torque")
+MODULE = Quantity("4.5 mm", usual=(0.1, 100))
+FACE_WIDTH = Quantity("20 mm", usual=(1, 1000))
+ROUGHNESS = Quantity("0.35 um", usual=(0, 10))
+LOAD_FACTOR = Number(above=0, usual=(0.5, 10))
+SPEED = _Speed("1500 rpm", ends=("1e-3 rpm", "1e6 rpm"), name="a speed")
+
 
 # fmt: off
-_GEAR = Table({
-    "teeth": Entry(Whole(at_least=4, at_most=10_000), "Number of teeth."),
-    "profile_shift": Optional(Number(at_least=-2, at_most=3),
-        "Profile shift coefficient x.", default=0.0),
-    "tip_diameter": Optional(length("88.77 mm"),
-        "Diameter of the tip circle; by default that which keeps the clearance of the rack."),
-    "material": Entry(Text(), "Name of its material, here or in the library."),
-    "roughness": Entry(length("0.35 um"), "Ra of the flanks."),
-})
-PAIR = Table({
-    "title": Optional(Text(), "A line on the pair."),
-    "mesh": Entry(Table({
-        "module": Entry(length("4.5 mm"), "Normal module."),
-        "pressure_angle": Optional(_angle("20 deg"),
-            "Normal pressure angle.", default=math.radians(20)),
-        "helix_angle": Optional(_angle("15 deg", zero=True),
-            "Helix angle; 0 of spur gears.", default=0.0),
-        "centre_distance": Optional(length("91.5 mm"),
-            "By default that at which the profile shifts leave no backlash."),
-        "face_width": Entry(length("20 mm"), "Common face width."),
-        "quality": Optional(Whole(at_least=1, at_most=12),
-            "Flank tolerance class of ISO 1328-1.", default=6),
-    })),
-    "pinion": Entry(_GEAR), "wheel": Entry(_GEAR),
-    "duty": Entry(Table({
-        "torque": Entry(TORQUE, "Torque on the pinion."),
-        "speed": Entry(SPEED, "Speed of the pinion."),
-        "load_factor": Optional(Number(above=0),
-            "Factor of the load: application, dynamics, face load.", default=1.0),
-    })),
-    "temperature": Entry(Table({
-        "bulk": Optional(BULK, "Temperature of the teeth before they meet."),
-        "oil": Optional(BULK,
-            "Temperature of the oil; `bulk` then follows by ISO/TR 13989-2, Eq. 20."),
-        "critical": Optional(CRITICAL, "Contact temperature above which the lubricant fails."),
-        "critical_sd": Optional(CRITICAL_SD, "Its standard deviation, which counts in verdicts."),
-    })),
-    "friction": Optional(Table({
-        "coefficient": Optional(FRICTION, "Mean coefficient; by default by ISO/TR 13989-2, Eq. 1."),
-        "lubricant_factor": Optional(Number(above=0),
-            "XL of that rule: 1 mineral oil, 0.8 polyalphaolefin, 0.7 polyglycol.", default=1.0),
-    })),
-    "oil": Optional(OIL),
-    "materials": Optional(Tables(MATERIAL), default={}),
-    "surface": Optional(Table({
-        "correlation_length": Optional(List(length("4 um"), length=2),
-            "Of the roughness, along and across the sliding.", default=(4e-6, 4e-6)),
-        "hurst_exponent": Optional(Number(above=0, at_most=1), default=0.8),
-        "specific_wear_rate": Optional(ANY_WEAR_RATE, default=1.2e-15),
-    }), "What no drawing gives, for the simulation of the rough and worn contact."),
-})
+@declared
+class _Gear:
+    teeth: A[int, Whole(at_least=4, at_most=10_000), "Number of teeth."]
+    profile_shift: A[float, Number(at_least=-2, at_most=3), "Profile shift coefficient x."] = 0.0
+    tip_diameter: A[float | None, Quantity("88.77 mm"),
+        "Diameter of the tip circle; by default that which keeps the clearance of the rack."] = None
+    material: A[str, "Name of its material, here or in the library."]
+    roughness: A[float, ROUGHNESS, "Ra of the flanks."]
+
+@declared
+class _Mesh:
+    module: A[float, MODULE, "Normal module."]
+    pressure_angle: A[float, _angle("20 deg"), "Normal pressure angle."] = math.radians(20)
+    helix_angle: A[float, _angle("15 deg", zero=True), "Helix angle; 0 of spur gears."] = 0.0
+    centre_distance: A[float | None, Quantity("91.5 mm"),
+        "By default that at which the profile shifts leave no backlash."] = None
+    face_width: A[float, FACE_WIDTH, "Common face width."]
+    quality: A[int, Whole(at_least=1, at_most=12), "Flank tolerance class of ISO 1328-1."] = 6
+
+@declared
+class _Duty:
+    torque: A[float, TORQUE, "Torque on the pinion."]
+    speed: A[float, SPEED, "Speed of the pinion."]
+    load_factor: A[float, LOAD_FACTOR,
+        "Factor of the load: application, dynamics, face load."] = 1.0
+
+@declared
+class _Temperature:
+    bulk: A[float | None, BULK, "Temperature of the teeth before they meet."] = None
+    oil: A[float | None, BULK,
+        "Temperature of the oil; `bulk` then follows by ISO/TR 13989-2, Eq. 20."] = None
+    critical: A[float | None, CRITICAL,
+        "Contact temperature above which the lubricant fails."] = None
+    critical_sd: A[float | None, CRITICAL_SD,
+        "Its standard deviation, which counts in verdicts."] = None
+
+@declared
+class _Friction:
+    coefficient: A[float | None, FRICTION,
+        "Mean coefficient; by default by ISO/TR 13989-2, Eq. 1."] = None
+    lubricant_factor: A[float, Number(above=0),
+        "XL of that rule: 1 mineral oil, 0.8 polyalphaolefin, 0.7 polyglycol."] = 1.0
+
+@declared
+class _Surface:
+    correlation_length: A[tuple[float, float], List(Quantity("4 um"), length=2),
+        "Of the roughness, along and across the sliding."] = (4e-6, 4e-6)
+    hurst_exponent: A[float, Number(above=0, at_most=1)] = 0.8
+    specific_wear_rate: A[float, ANY_WEAR_RATE] = 1.2e-15
+
+@declared
+class PairFile:
+    """Tables of the file of a pair."""
+
+    title: A[str | None, "A line on the pair."] = None
+    mesh: _Mesh
+    pinion: _Gear
+    wheel: _Gear
+    duty: _Duty
+    temperature: _Temperature
+    friction: _Friction
+    oil: Oil | None = None
+    materials: dict[str, Material] | None = None
+    surface: A[_Surface,
+        "What no drawing gives, for the simulation of the rough and worn contact."]
 # fmt: on
 
 
@@ -152,8 +172,9 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     named = {body: entry_at(entries, f"{gear}.material") for body, gear in _BODIES.items()}
     bodies = {body: {"material": name} for body, name in named.items()}
     filled, sources = resolve_library(entries | bodies, faults)
-    tables = PAIR.read({k: v for k, v in filled.items() if k not in _BODIES}, "", faults)
-    materials = tables["materials"] or {}
+    asked = {k: v for k, v in filled.items() if k not in _BODIES}
+    tables: PairFile = table_of(PairFile).read(asked, "", faults)
+    materials = tables.materials or {}
     for body, gear in _BODIES.items():
         if isinstance(named[body], str) and named[body] not in materials:
             known = ", ".join(map(quoted, materials)) or "a table [materials]"
@@ -161,17 +182,17 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
                 f"{gear}.material",
                 f"{quoted(named[body])} is neither in the library nor in {known}; give one of it",
             )
-    temperature = tables["temperature"]
-    if temperature and not faults and (temperature["bulk"] is None) == (temperature["oil"] is None):
+    temperature = tables.temperature
+    if temperature and not faults and (temperature.bulk is None) == (temperature.oil is None):
         faults.refuse("temperature", "give one of bulk, that of the teeth, and oil")
     has_own = {key.partition(".")[0] for key in overrides or {}}
-    if temperature and temperature["bulk"] and "duty" in has_own and "temperature" not in has_own:
+    if temperature and temperature.bulk and "duty" in has_own and "temperature" not in has_own:
         faults.refuse(
             "temperature.bulk",
             "that of the file is for its own duty; give temperature.bulk of the other duty, too, "
             "or without=temperature.bulk and temperature.oil, from which it follows",
         )
-    oil = oil_of(tables["oil"], faults) if not faults else None
+    oil = oil_of(tables.oil, faults) if not faults else None
     if faults:
         raise SceneFileError(given, [*map(document.line, faults)])
     written = {key: filled[key] for key in ("materials", "oil") if filled.get(key) is not None}
@@ -187,51 +208,50 @@ _BODIES = {"pin": "pinion", "disk": "wheel"}
 
 def _make_pair(
     name: str,
-    tables: Mapping[str, Any],
-    oil: Oil | None,
+    tables: PairFile,
+    oil: tribo.Oil | None,
     written: Mapping[str, Any],
     sources: tuple[FromLibrary, ...],
 ) -> Pair:
     """The pair of sound tables; raises an `InputError` for gears that cannot run."""
-    mesh, both = tables["mesh"], (tables["pinion"], tables["wheel"])
-    toothing = mesh["module"], mesh["pressure_angle"], mesh["helix_angle"]
-    teeth, shifts = (tuple(gear[key] for gear in both) for key in ("teeth", "profile_shift"))
-    apart = mesh["centre_distance"] or fitting_distance(*toothing, teeth, shifts)
+    mesh, pinion, wheel = tables.mesh, tables.pinion, tables.wheel
+    toothing = mesh.module, mesh.pressure_angle, mesh.helix_angle
+    teeth = pinion.teeth, wheel.teeth
+    shifts = pinion.profile_shift, wheel.profile_shift
+    apart = mesh.centre_distance or fitting_distance(*toothing, teeth, shifts)
     first, second = (
-        gear["tip_diameter"] or tip_diameter(*toothing[::2], teeth, shifts, apart, k)
-        for k, gear in enumerate(both)
+        gear.tip_diameter or tip_diameter(*toothing[::2], teeth, shifts, apart, k)
+        for k, gear in enumerate((pinion, wheel))
     )
     gears = Involutes(
-        **{name: mesh[name] for name in ("module", "pressure_angle", "helix_angle", "face_width")},
+        **dict(zip(("module", "pressure_angle", "helix_angle"), toothing, strict=True)),
+        face_width=mesh.face_width,
         teeth=teeth,
         profile_shifts=shifts,
         centre_distance=apart,
         tip_diameters=(first, second),
     )
-    pinion, wheel = (
-        Material(**{k: v for k, v in tables["materials"][gear["material"]].items() if k != "like"})
-        for gear in both
-    )
-    duty, temperature, friction = tables["duty"], tables["temperature"], tables["friction"]
-    load = duty["torque"], duty["speed"]
-    bulk, warm_oil = temperature["bulk"], temperature["oil"]
+    names, materials = (pinion.material, wheel.material), tables.materials or {}
+    duty, temperature, friction = tables.duty, tables.temperature, tables.friction
+    load = duty.torque, duty.speed
+    bulk, warm_oil = temperature.bulk, temperature.oil
     pair = Pair(
         name=name,
-        title=tables["title"] or name,
+        title=tables.title or name,
         gears=gears,
-        materials=(pinion, wheel),
-        roughness=(both[0]["roughness"], both[1]["roughness"]),
-        duty=Duty(*load, bulk or warm_oil, duty["load_factor"]),
-        quality=mesh["quality"],
-        critical=temperature["critical"],
-        critical_sd=temperature["critical_sd"],
-        friction=friction["coefficient"],
-        lubricant_factor=friction["lubricant_factor"],
+        materials=(material_of(materials[names[0]]), material_of(materials[names[1]])),
+        roughness=(pinion.roughness, wheel.roughness),
+        duty=Duty(*load, bulk or warm_oil or math.nan, duty.load_factor),
+        quality=mesh.quality,
+        critical=temperature.critical,
+        critical_sd=temperature.critical_sd,
+        friction=friction.coefficient,
+        lubricant_factor=friction.lubricant_factor,
         oil=oil,
         oil_temperature=warm_oil,
-        written={**written, "names": (both[0]["material"], both[1]["material"])},
+        written={**written, "names": names},
         sources=sources,
-        **tables["surface"],
+        **vars(tables.surface),
     )
     return pair.changed(duty=warm_duty(pair, *load, bulk))
 

@@ -6,20 +6,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import Annotated as A
 from typing import Any
 
 from pipeline.analysis.margin import NOT_DECIDED, percent
 from pipeline.gears.contact import mesh
 from pipeline.gears.model import MILD, SEVERE, Simulated, simulate
 from pipeline.gears.pair import Duty, Pair
-from pipeline.gears.reading import SPEED, TORQUE
+from pipeline.gears.reading import LOAD_FACTOR, SPEED, TORQUE
 from pipeline.gears.rules import warm_duty
 from pipeline.quantities import display
 from pipeline.scene.along import columns_of, lines_of
-from pipeline.scene.compounds import Entry, Optional, Table
+from pipeline.scene.declare import declared
 from pipeline.scene.faults import Fault, Faults, listed_faults
 from pipeline.scene.format import BULK
-from pipeline.scene.kinds import Number, Quantity
+from pipeline.scene.kinds import Quantity
 from pipeline.scene.sheet import Sheet, read_sheet
 from tribo import InputError
 
@@ -33,16 +34,16 @@ class _Hours(Quantity):
         return super()._read(value, place, faults) / 3600
 
 
-_ROW = Table(
-    {
-        "torque": Entry(TORQUE),
-        "speed": Entry(SPEED),
-        "hours": Optional(_Hours("a duration", "100 h", zero=True)),
-        "bulk_temperature": Optional(BULK),
-        "oil_temperature": Optional(BULK),
-        "load_factor": Optional(Number(above=0)),
-    }
-)
+@declared
+class _Row:
+    torque: A[float, TORQUE]
+    speed: A[float, SPEED]
+    hours: A[float | None, _Hours("100 h", zero=True)] = None
+    bulk_temperature: A[float | None, BULK] = None
+    oil_temperature: A[float | None, BULK] = None
+    load_factor: A[float | None, LOAD_FACTOR] = None
+
+
 _UNITS = {"torque": "N m", "speed": "rpm", "hours": "s", "bulk_temperature": "K",
           "oil_temperature": "K", "load_factor": ""}  # fmt: skip
 _DUTY = "torque", "speed", "bulk_temperature", "load_factor", "oil_temperature"
@@ -127,7 +128,7 @@ def read_spectrum(
     """
     given = Path(source) if isinstance(source, str | PathLike) else lines_of(columns_of(source))
     read = read_sheet(given, _UNITS, _DUTY[:2], _DUTY[:2], sheet)
-    _, rows = read.entries(_ROW)
+    _, rows = read.entries(_Row)
     if {"bulk_temperature", "oil_temperature"} <= {*read.places}:
         read.faults.append("there are bulk and oil temperatures; give one of both columns")
     first_line = "torque [N m],speed [rpm],hours"

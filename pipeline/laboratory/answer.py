@@ -17,9 +17,10 @@ from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.laboratory.exports import Export
 from pipeline.laboratory.logs import Log, has_outcomes, read_log
 from pipeline.laboratory.reading import OF_TRACE, Read, goes_on, is_trace, read_table, read_trace
+from pipeline.scene.declare import table_of
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
-from pipeline.scene.format import STAGES, TEST
+from pipeline.scene.format import Stages, Test
 from pipeline.scene.runs import run_faults
 from pipeline.scene.sheet import Sheet
 from pipeline.sweep.remarks import remarks
@@ -55,13 +56,13 @@ def tests(options: argparse.Namespace) -> Result:
 def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
     """What a log says."""
     found, faults = log.tests, log.sheet.faults
-    if log.row_of is TEST and not faults:  # else rows are left out, and places not those of tests
+    if log.row_of is Test and not faults:  # else rows are left out, and places not those of tests
         faults += [
             f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}"
-            for place, problem in run_faults(log.in_si)
+            for place, problem in run_faults([Test(**row) for row in log.in_si])
         ]
     toml = [*_log_toml(log, path, named)] if found and not faults else []
-    doubts = [*_doubts(log.in_si)] if log.row_of is not STAGES else []
+    doubts = [*_doubts(log.in_si)] if log.row_of is not Stages else []
     document = {
         "file": str(path), **_about(log.sheet, log.export), "words": log.words, "tests": found,
         "faults": faults, "toml": "\n".join(toml), "doubts": doubts,
@@ -160,9 +161,10 @@ def _understood(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFrame
 
 def _lacking(log: Log) -> Iterator[str]:
     """Entries of a test that have no column."""
-    lacks = [name for name in log.row_of.keys if name not in log.sheet.places]
+    row_of = table_of(log.row_of)
+    lacks = [name for name in row_of.keys if name not in log.sheet.places]
     if lacks:
-        needed = [f"{name} (needed)" if name in log.row_of.needed else name for name in lacks]
+        needed = [f"{name} (needed)" if name in row_of.needed else name for name in lacks]
         yield f"without a column: {', '.join(needed)}"
 
 

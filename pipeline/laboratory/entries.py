@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from pipeline.laboratory.format import LOG
+from pipeline.laboratory.format import Log
 from pipeline.laboratory.logs import read_log
 from pipeline.paths import user_path
+from pipeline.scene.declare import table_of
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
 
@@ -41,12 +42,12 @@ def _read_tests(
 ) -> list[dict[str, Any]]:
     """Tests of a file as tables of a scene; faults are named by row and column."""
     before, place = len(faults), f"{key}[{number}]"
-    options = LOG.read(entry, place, faults)
+    read = table_of(Log).read(entry, place, faults)
     if len(faults) > before:
         return []
     place, path = f"{place}.file", folder / user_path(entry["file"])
     with faults.at(place):
-        log = read_log(path, options, key)
+        log = read_log(path, vars(read), key)
         for problem in log.sheet.faults:
             faults.refuse(place, f"{path.name}, {problem}")
         if log.sheet.faults and not log.tests:

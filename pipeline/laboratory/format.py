@@ -2,39 +2,44 @@
 
 from __future__ import annotations
 
-from pipeline.scene.compounds import ByPath, Entry, Optional, Table
+from typing import Annotated as A
+from typing import Any
+
+from pipeline.scene.declare import ByPath, Example, declared
 from pipeline.scene.kinds import OneOf, Scalar, Text
 from pipeline.sweep.about import OUTCOMES
 
+
 # fmt: off
-LOG = Table({
-    "file": Entry(Text(),
+@declared
+class Log:
+    form_name = "log"
+    file: A[str,
         "Log with a row for each test, CSV or Excel, with columns such as `load [N]`; relative to "
-        "the folder of the scene. `irg tests LOG` prints these lines."),
-    "columns": Optional(ByPath(Text(), "entries of a test"),
+        "the folder of the scene. `irg tests LOG` prints these lines."]
+    columns: A[dict[str, str] | None, ByPath(Text(), "entries of a test"),
         "Heading of the column of an entry, if it is not recognized.",
-        example={"load": "Kraft / N"}),
-    "words": Optional(ByPath(OneOf(OUTCOMES), "words of the log"),
-        "Outcome that a word of the log means.", example={"Fresser": "severe"}),
-    "where": Optional(ByPath(Scalar(), "headings of the log"),
+        Example({"load": "Kraft / N"})] = None
+    words: A[dict[str, str] | None, ByPath(OneOf(OUTCOMES), "words of the log"),
+        "Outcome that a word of the log means.", Example({"Fresser": "severe"})] = None
+    where: A[dict[str, Any] | None, ByPath(Scalar(), "headings of the log"),
         "Rows to take: those with this value in a column, such as the name of one oil.",
-        example={"oil": "FVA 3"}),
-    "skip": Optional(ByPath(Scalar(), "headings of the log, or entries"),
+        Example({"oil": "FVA 3"})] = None
+    skip: A[dict[str, Any] | None, ByPath(Scalar(), "headings of the log, or entries"),
         "Rows to leave out: those with this value in a column, such as an aborted run.",
-        example={"outcome": "aborted"}),
-    "given": Optional(ByPath(Scalar(), "quantities"),
+        Example({"outcome": "aborted"})] = None
+    given: A[dict[str, Any] | None, ByPath(Scalar(), "quantities"),
         "Quantities that the log does not say, the same in each row.",
-        example={"track_radius": "20 mm"}),
-    "form": Optional(Text(),
+        Example({"track_radius": "20 mm"})] = None
+    form: A[str | None,
         "Export of a machine, if it is not recognized; `irg tests --help` lists them.",
-        example="rtec"),
-    "sheet": Optional(Text(),
-        "Sheet of a workbook; by default the first with columns of a test."),
-    "decimal": Optional(OneOf((".", ",")),
-        "Decimal mark; by default as its numbers show."),
-}, form="log")
+        Example("rtec")] = None
+    sheet: A[str | None,
+        "Sheet of a workbook; by default the first with columns of a test."] = None
+    decimal: A[str | None, OneOf((".", ",")),
+        "Decimal mark; by default as its numbers show."] = None
 # fmt: on
 
-ENTRIES: dict[str, Entry] = {}
-FORMS = {"measured": LOG, "tested": LOG}
-"""By the list of tests."""
+ENTRIES: dict[str, type] = {}
+FORMS = (Log,)
+"""Further forms of tests."""

@@ -20,9 +20,9 @@ from pipeline.laboratory.reading import (
 )
 from pipeline.laboratory.tables import vocabulary
 from pipeline.laboratory.trace import LEAST_ROWS
-from pipeline.scene.compounds import Table
+from pipeline.scene.declare import table_of
 from pipeline.scene.faults import numbered
-from pipeline.scene.format import STAGES, TEST, TRANSITION
+from pipeline.scene.format import Stages, Test, Transition
 from pipeline.scene.sheet import Sheet
 from pipeline.sweep.about import OUTCOMES
 
@@ -58,7 +58,7 @@ class Log:
 
     sheet: Sheet
     export: Export
-    row_of: Table  # a test, a run by its steps, or a transition
+    row_of: type  # a test, a run by its steps, or a transition
     words: dict[str, str] = field(default_factory=dict)  # outcome for each word that is not one
     tests: list[dict[str, Any]] = field(default_factory=list)  # as tables of a scene
     in_si: list[dict[str, Any]] = field(default_factory=list)  # the same in SI
@@ -66,13 +66,13 @@ class Log:
     @property
     def key(self) -> str:
         """The list of a scene in which the tests stand."""
-        return "measured" if self.row_of is TRANSITION else "tested"
+        return "measured" if self.row_of is Transition else "tested"
 
     @property
     def renamed(self) -> dict[str, str]:
         """Headings of entries that they do not name exactly."""
         heads = {name: self.sheet.heading(name) for name in self.sheet.places}
-        known = self.row_of.keys
+        known = table_of(self.row_of).keys
         return {name: x.text for name, x in heads.items() if name in known and x.name != name}
 
     @property
@@ -106,15 +106,15 @@ def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> 
     is_long = len(read.sheet.rows) >= LEAST_ROWS
     if is_long and goes_on(read_table(path, options, OF_TRACE).sheet):
         read.sheet.faults.append("a record of friction over time is one run, and no row is a test")
-        return Log(read.sheet, read.export, TEST)
+        return Log(read.sheet, read.export, Test)
     return log_of(read, options.get("words") or {}, key)
 
 
 def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     """The tests of a sheet."""
     sheet, export, asked = read
-    row_of = TRANSITION if key == "measured" else _row_of(sheet, export)
-    if row_of is None or (key == "tested" and row_of is TRANSITION):
+    row_of = Transition if key == "measured" else _row_of(sheet, export)
+    if row_of is None or (key == "tested" and row_of is Transition):
         require(sheet, ["load", "velocity"])
         if not sheet.faults:
             sheet.faults.append(
@@ -122,9 +122,9 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
                 'HEADING", or give --given "outcome=mild"; if each row is a transition, call its '
                 'load by --column "transition_load=HEADING"'
             )
-        return Log(sheet, export, TEST)
+        return Log(sheet, export, Test)
     log = Log(sheet, export, row_of)
-    if row_of is TRANSITION:
+    if row_of is Transition:
         named = [name for name in ("transition_load", "severe_at") if name in sheet.places]
         sheet.places |= {"load": sheet.places[named[0]]} if named else {}
     sheet.faults += [asked[name] for name in ("load", "velocity") if name in asked]
@@ -133,10 +133,10 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
         cells = dict.fromkeys(row.cells[sheet.places["outcome"]] for row in sheet.rows)
         found = {cell: words.get(cell) or outcome_of(cell, title) for cell in cells}
         log.words = {cell: one for cell, one in found.items() if one and cell not in OUTCOMES}
-    needed = [name for name in ("load", "velocity", "outcome") if name in row_of.needed]
-    require(sheet, ["velocity"] if row_of is STAGES else needed, ["load", "velocity"])
+    needed = [name for name in ("load", "velocity", "outcome") if name in table_of(row_of).needed]
+    require(sheet, ["velocity"] if row_of is Stages else needed, ["load", "velocity"])
     _leave_out_repeats(sheet)
-    if export.stages and row_of is TEST and "run" not in sheet.places:
+    if export.stages and row_of is Test and "run" not in sheet.places:
         _part_runs(sheet, log.words)
     log.tests, log.in_si = sheet.entries(row_of, log.words, MAY_LACK)
     add_hints(sheet)
@@ -147,13 +147,13 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     return log
 
 
-def _row_of(sheet: Sheet, export: Export) -> Table | None:
+def _row_of(sheet: Sheet, export: Export) -> type | None:
     """What the rows of a sheet are; None where nothing says it."""
     if "outcome" in sheet.places:
-        return TEST
+        return Test
     if "mild_up_to" in sheet.places:
-        return STAGES
-    return TRANSITION if {"severe_at", "transition_load"} & sheet.places.keys() else None
+        return Stages
+    return Transition if {"severe_at", "transition_load"} & sheet.places.keys() else None
 
 
 def _leave_out_repeats(sheet: Sheet) -> None:
@@ -192,7 +192,7 @@ def _part_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
 def _double_transitions(log: Log) -> list[str]:
     """Specimens with more than one transition, which none has."""
     place = log.sheet.places.get("run")
-    if log.row_of is not TRANSITION or place is None:
+    if log.row_of is not Transition or place is None:
         return []
     runs = [row.cells[place] for row in log.sheet.rows]
     twice = {run: runs.count(run) for run in runs if run and runs.count(run) > 1}

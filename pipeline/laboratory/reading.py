@@ -12,15 +12,16 @@ import numpy as np
 from pipeline.laboratory.exports import Export, find_export, has_cell
 from pipeline.laboratory.tables import INGREDIENTS, MOST_STAGES, WordNames, derive, units_of
 from pipeline.laboratory.trace import LEAST_ROWS, Trace, at_rest
+from pipeline.scene.declare import table_of
 from pipeline.scene.faults import did_you_mean, fault_lines, quoted
-from pipeline.scene.format import STAGES, TEST
+from pipeline.scene.format import Stages, Test
 from pipeline.scene.names import Heading
 from pipeline.scene.sheet import Lines, Row, Sheet, read_lines, sheet_of
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array
 
-OF_TESTS = *dict.fromkeys([*TEST.keys, *STAGES.keys]), "transition_load"
+OF_TESTS = *dict.fromkeys([*table_of(Test).keys, *table_of(Stages).keys]), "transition_load"
 """Quantities of a log."""
 _NEEDED = "time", "friction", "load", "velocity"
 OF_TRACE = *_NEEDED, "friction_force", "friction_torque", "bulk_temperature", "outcome"

@@ -8,16 +8,17 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Annotated as A
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from pipeline.paths import user_path
-from pipeline.scene.compounds import Entry, Optional, Table, flat
+from pipeline.scene.declare import Table, declared, flat, table_of
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, entry_at, quoted
-from pipeline.scene.format import BULK, CRITICAL, FORMAT, FRICTION, LOAD, SPEED
+from pipeline.scene.format import BULK, CRITICAL, FRICTION, LOAD, SPEED, SceneFile
 from pipeline.scene.names import BESIDE, UNITS, Heading
 from pipeline.scene.over import column_of, scene_with
 from pipeline.scene.sheet import Lines, Row, Sheet, read_sheet
@@ -28,13 +29,23 @@ from pipeline.sweep.model import Sweep, differing_inputs
 from pipeline.sweep.variants import Column, placed_rows
 from tribo import InputError
 
-_PLACE = Table({"load": Entry(LOAD), "velocity": Entry(SPEED)})
-_KINDS = {"friction": FRICTION, "bulk_temperature": BULK, "critical_temperature": CRITICAL}
-CONDITIONS = {name: PATHS[name] for name in _KINDS}
+
+@declared
+class _Row:
+    load: A[float, LOAD]
+    velocity: A[float, SPEED]
+    friction: A[float | None, FRICTION] = None
+    bulk_temperature: A[float | None, BULK] = None
+    critical_temperature: A[float | None, CRITICAL] = None
+
+
+_PLACE = Table({name: table_of(_Row).keys[name] for name in ("load", "velocity")})
+_UNITS = {name: UNITS[name] for name in table_of(_Row).keys}
+CONDITIONS = {name: PATHS[name] for name in _UNITS if name not in _PLACE.keys}
 """Conditions that each row may set, and their entries in a scene."""
-_ROW = Table({**_PLACE.keys, **{name: Optional(kind) for name, kind in _KINDS.items()}})
-_UNITS = {name: UNITS[name] for name in _ROW.keys}
-_BEFORE = tuple(f"{name}." for name in FORMAT.keys if name not in ("friction", "temperature"))
+_BEFORE = tuple(
+    f"{name}." for name in table_of(SceneFile).keys if name not in ("friction", "temperature")
+)
 """Beginnings of paths that a simulation needs."""
 
 
@@ -96,7 +107,7 @@ class OperatingPoints:
         listed = {} if isinstance(source, str | os.PathLike) else columns_of(source)
         given = Path(source) if isinstance(source, str | os.PathLike) else lines_of(listed)
         sheet = read_sheet(given, _UNITS, _PLACE.keys, _PLACE.keys, sheet_name)
-        _, rows = sheet.entries(_ROW)
+        _, rows = sheet.entries(_Row)
         sheet.faults[:0] = _column_faults(sheet)
         sheet.refuse_faults("load [N],velocity [m/s]")
         used = [sheet.places[name] for name in _PLACE.keys]
@@ -198,7 +209,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
 
 def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Sweep:
     """The sweep with a row of its table of variants for each place; raises at a faulty one."""
-    if reading.tables["sweep"].get("samples"):
+    if entry_at(reading.scene, "sweep.samples"):
         raise InputError(
             "sweep.along: its rows have their own loads and velocities, as samples have; leave out "
             "sweep.along or sweep.samples"

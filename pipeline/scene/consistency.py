@@ -12,6 +12,7 @@ from typing import Any
 import tribo
 from pipeline.quantities import display
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
+from pipeline.scene.format import Bulks, Ramp
 from pipeline.scene.library import library
 from pipeline.scene.parts import DISC, Roughness, track_of
 from pipeline.scene.runs import run_faults
@@ -26,30 +27,30 @@ Misfits = Iterator[tuple[str, ...]]
 
 
 def check_tables(
-    tables: dict[str, Any], fidelity: tribo.Fidelity, roughness: Roughness | None, faults: Faults
+    scene: Any, fidelity: tribo.Fidelity, roughness: Roughness | None, faults: Faults
 ) -> None:
-    """Note every conflict between the tables of a scene, as the format reads them."""
-    _check_materials(tables, faults)
-    _check_pixels(tables, fidelity.pixels_per_element, roughness, faults)
+    """Note every conflict between the tables of a scene."""
+    _check_materials(scene, faults)
+    _check_pixels(scene, fidelity.pixels_per_element, roughness, faults)
 
     def sound(*paths: str) -> list[Any]:
         """Entries at some paths; all None where one is faulty."""
         is_faulty = any(map(faults.touch, paths))
-        return [None if is_faulty else entry_at(tables, path) for path in paths]
+        return [None if is_faulty else entry_at(scene, path) for path in paths]
 
     for misfit in itertools.chain(
         _body_faults(sound), _motion_faults(sound), _track_faults(sound), _condition_faults(sound),
-        _step_faults(sound, fidelity), _test_faults(tables),
+        _step_faults(sound, fidelity), _test_faults(scene),
     ):  # fmt: skip
         faults.refuse(*misfit)
 
 
-def _check_materials(tables: dict[str, Any], faults: Faults) -> None:
+def _check_materials(scene: Any, faults: Faults) -> None:
     if any(fault.key == "materials" for fault in faults):
         return
-    materials = tables["materials"] or {}
+    materials = scene.materials or {}
     for body in ("pin", "disk"):
-        name = entry_at(tables, f"{body}.material")
+        name = entry_at(scene, f"{body}.material")
         if name and name not in materials:
             known = {**materials, **library()["materials"]}
             hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
@@ -57,10 +58,8 @@ def _check_materials(tables: dict[str, Any], faults: Faults) -> None:
             faults.refuse(f"{body}.material", f"{problem}; give {choices}, or add a table for it")
 
 
-def _check_pixels(
-    tables: dict[str, Any], block: int, roughness: Roughness | None, faults: Faults
-) -> None:
-    pixels, sides = entry_at(tables, "window.pixels"), entry_at(tables, "window.pixel_size")
+def _check_pixels(scene: Any, block: int, roughness: Roughness | None, faults: Faults) -> None:
+    pixels, sides = entry_at(scene, "window.pixels"), entry_at(scene, "window.pixel_size")
     if not pixels:
         return
     size = quoted(list(pixels))
@@ -126,7 +125,7 @@ def _motion_faults(sound: Sound) -> Misfits:
         yield both[0], problem, both[1]
     elif motion is not None:
         try:
-            tribo.Motion(**motion)
+            tribo.Motion(**vars(motion))
         except tribo.InputError as error:
             yield "motion", str(error)
     motion, radius, pixels, sides = sound(
@@ -134,11 +133,11 @@ def _motion_faults(sound: Sound) -> Misfits:
     )
     if motion:
         around = track_of(pin) if (pin := sound("pin")[0]) else None
-        track = motion["track_length"] or around or 2 * math.pi * radius
+        track = motion.track_length or around or 2 * math.pi * radius
         yield from _short_of_window("motion.track_length", track, pixels, sides, 0)
     rod, motion, velocities = sound("pin.stem", "motion", "sweep.velocities")
     if rod and motion:
-        turning = [tribo.Motion(**motion).velocities(velocity).pin for velocity in velocities]
+        turning = [tribo.Motion(**vars(motion)).velocities(velocity).pin for velocity in velocities]
         if any(turning):
             yield (
                 "pin.stem",
@@ -155,14 +154,14 @@ def _track_faults(sound: Sound) -> Misfits:
     around = track_of(pin) if pin else None
     if not around:
         return
-    key = "pin.diameter" if pin["diameter"] else "pin.track_length"
+    key = "pin.diameter" if pin.diameter else "pin.track_length"
     if motion is None:
         yield (
             key,
             "the pin is at rest, so that no earlier turn has warmed it; leave it out, or give a "
             "[motion]",
         )
-    elif (worn := motion["track_length"]) and abs(worn / around - 1) > _ALIKE:
+    elif (worn := motion.track_length) and abs(worn / around - 1) > _ALIKE:
         yield (
             "motion.track_length",
             f"{display(worn, 'mm')} is not the {display(around, 'mm')} of {key}; leave it out",
@@ -199,7 +198,7 @@ def _disc_faults(body: str, sound: Sound) -> Misfits:
 
 def _condition_faults(sound: Sound) -> Misfits:
     bulk, critical = sound("temperature.bulk", "temperature.critical")
-    warmest = max(bulk.values()) if isinstance(bulk, dict) else bulk
+    warmest = max(bulk.pin, bulk.disk) if isinstance(bulk, Bulks) else bulk
     if critical is not None and critical <= warmest:
         yield (
             "temperature.critical",
@@ -211,7 +210,7 @@ def _condition_faults(sound: Sound) -> Misfits:
         yield "friction.band", f"{quoted(list(band))} falls; give the lower one first"
     for name, unit in (("velocity", "m/s"), ("temperature", "°C")):
         coefficient, rows = sound("friction.coefficient", f"friction.by_{name}")
-        nodes = [row[name] for row in rows or ()]
+        nodes = [getattr(row, name) for row in rows or ()]
         if twice := sorted({node for node in nodes if nodes.count(node) > 1}):
             yield f"friction.by_{name}", f"has {display(twice[0], unit)} twice; give each once"
         if rows and coefficient == 0:
@@ -224,15 +223,15 @@ def _condition_faults(sound: Sound) -> Misfits:
 def _step_faults(sound: Sound, fidelity: tribo.Fidelity) -> Misfits:
     """Loads and holds that take more steps than anybody waits for."""
     loading, loads, measured, tested = sound("loading", "sweep.loads", "measured", "tested")
-    if not loading or "rate" not in loading:
+    if not isinstance(loading, Ramp):
         return
-    ramp = tribo.Ramp(**loading)
+    ramp = tribo.Ramp(**vars(loading))
     ways = [("loading", ramp, load) for load in (max(loads), min(loads))]
     for name, tests in (("measured", measured), ("tested", tested)):
         for number, test in enumerate(tests or ()):
-            if test["hold"]:
-                held = replace(ramp, hold=test["hold"])
-                ways.append((f"{name}[{number}].hold", held, test["load"]))
+            if test.hold:
+                held = replace(ramp, hold=test.hold)
+                ways.append((f"{name}[{number}].hold", held, test.load))
     for key, way, load in ways:
         try:
             stations = way.stations(load, fidelity.increments, fidelity.hold_increments)
@@ -242,13 +241,13 @@ def _step_faults(sound: Sound, fidelity: tribo.Fidelity) -> Misfits:
             return
 
 
-def _test_faults(tables: dict[str, Any]) -> Misfits:
-    for table in ("measured", "tested"):
-        for number, entry in enumerate(tables[table] or ()):
-            if entry and entry["friction_scatter"] is not None and not entry["friction"]:
+def _test_faults(scene: Any) -> Misfits:
+    for name in ("measured", "tested"):
+        for number, test in enumerate(getattr(scene, name) or ()):
+            if test and test.friction_scatter is not None and not test.friction:
                 problem = "needs a measured friction; give it above 0"
-                key = f"{table}[{number}].friction_scatter"
-                yield key, f"{entry['friction_scatter']:g} {problem}"
-    if None not in (tables["tested"] or ()):
-        for number, problem in run_faults(tables["tested"] or ()):
+                key = f"{name}[{number}].friction_scatter"
+                yield key, f"{test.friction_scatter:g} {problem}"
+    if None not in (scene.tested or ()):
+        for number, problem in run_faults(scene.tested or ()):
             yield f"tested[{number}].run", problem

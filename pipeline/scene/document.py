@@ -13,6 +13,7 @@ from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pipeline.scene.declare import table_of
 from pipeline.scene.faults import (
     Fault,
     Faults,
@@ -22,11 +23,12 @@ from pipeline.scene.faults import (
     quoted,
     replace_value,
 )
-from pipeline.scene.format import FORMAT
+from pipeline.scene.format import SceneFile
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
 from pipeline.sweep.limits import MOST_BYTES_OF_SCENE, MOST_IN_LIST, MOST_KEYS, MOST_LAYERS
 from tribo.errors import reason_of
 
+_KEYS = table_of(SceneFile).keys
 _REPLACED = {"count": ("step",), "step": ("count", "spacing")}
 """Keys of a range that are left out where one is given that says the same."""
 _LEVELS = 10  # depth of tables in tables, more than the format has
@@ -103,7 +105,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
         raise SceneFileError(
             path, [f"extends: more than {MOST_LAYERS} scenes extend each other; join some of them"]
         )
-    name = FORMAT.keys["extends"].kind.read(extends, "extends", wrong := Faults())
+    name = _KEYS["extends"].kind.read(extends, "extends", wrong := Faults())
     if wrong:
         raise SceneFileError(path, [document.line(wrong[0])])
     other, chain = scene_path(name, path.parent), (*above, path)
@@ -151,7 +153,7 @@ def replace_entry(tables: dict[str, Any], path: str, value: Any) -> dict[str, An
 def _leave_out(value: Any, has_preset: bool, base: Document, path: Path, faults: Faults) -> None:
     """Remove the entries that ``without`` names from a document, and its fidelity for a preset."""
     wrong, entries = Faults(), base.entries()
-    keys = [] if value is None else FORMAT.keys["without"].kind.read(value, "without", wrong) or []
+    keys = [] if value is None else _KEYS["without"].kind.read(value, "without", wrong) or []
     for index, key in enumerate(keys):
         parts = key.split(".")
         depth = _depth(entries, parts)

@@ -10,6 +10,8 @@ from typing import Any
 
 from pipeline.quantities import display, shown_in
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
+from pipeline.scene.format import BULK
+from pipeline.scene.reference import usual_of, usual_range
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import columns_in_closed_form, note_on_ends, note_on_turns
 from pipeline.sweep.remarks import Remark
@@ -24,16 +26,10 @@ from tribo.simulation.point_warnings import (
     WIDEST,
 )
 
-_MATERIAL = {
-    "elastic_modulus": (1, 1200, "GPa"),
-    "hardness": (0.01, 100, "GPa"),
-    "thermal_conductivity": (0.05, 2500, "W/(m K)"),
-    "density": (500, 25000, "kg/m³"),
-    "specific_heat": (100, 5000, "J/(kg K)"),
-}
-"""Usual range of a constant, in a unit."""
-USUAL_BULK = 223.15, 523.15
-"""Bulk temperatures at which oils are used, −50 to 250 °C [K]."""
+_CONSTANTS = (
+    "elastic_modulus", "hardness", "thermal_conductivity", "density", "specific_heat",
+)  # fmt: skip
+"""Constants of a material that have a usual range."""
 _LONGEST = 1 / 3  # correlation length in sides of the window
 _REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
 _MOST_RISE = 2.0  # rise of the mean plane over the window, in Rq
@@ -80,7 +76,8 @@ def beyond_usual(quantities: Iterable[Usual]) -> Iterator[_Doubt]:
 
 def material_quantities(place: str, material: Material) -> Iterator[Usual]:
     """Constants of a material with their usual ranges."""
-    for name, usual in _MATERIAL.items():
+    for name in _CONSTANTS:
+        usual = usual_range(f"materials.NAME.{name}")
         yield f"{place}: {name.replace('_', ' ')}", getattr(material, name), *usual
     share = material.hardness / material.elastic_modulus
     yield f"{place}: hardness", share, *USUAL_HARDNESS, "times the elastic modulus"
@@ -92,30 +89,31 @@ def _quantities(sweep: Sweep, facts: Facts) -> Iterator[Usual]:
     bodies = {"disk": scene.disk} | ({"pin": pin.material} if pin.material != scene.disk else {})
     for body, material in bodies.items():
         yield from material_quantities(f"{body}.material", material)
-    for size in sizes_of(pin):
-        longest = 1000 if size in ("radius", "length") else 100_000
-        yield f"pin.{size}", getattr(pin, size), 0.1, longest, "mm"
-    yield "friction", max([conditions.friction, *(sweep.about.friction_band or [])]), 0, 1, ""
-    yield "sweep.velocities", max(plane.velocities), 0, 100, "m/s"
-    yield "temperature.bulk", conditions.bulk_temperature, *USUAL_BULK, "K"
-    for body, track in tracks_of(sweep).items():
-        yield f"{body}: track", track.length, 20, 10_000, "mm"
+    highest = max([conditions.friction, *(sweep.about.friction_band or [])])
+    found = {f"pin.{size}": getattr(pin, size) for size in sizes_of(pin)} | {
+        "friction.coefficient": highest,
+        "sweep.velocities": max(plane.velocities),
+        "temperature.bulk": conditions.bulk_temperature,
+        "temperature.critical": conditions.critical_temperature,
+    }
     kept = conditions.corrections or Corrections()
     for body, bulk in (("pin", kept.pin_bulk), ("disk", kept.disk_bulk)):
         if bulk and bulk.capacity:
-            yield f"{body}.capacity", bulk.capacity, 0.5, 1e6, "J/K"
+            found[f"{body}.capacity"] = bulk.capacity
     if isinstance(scene.wear, Wear) and scene.wears:
-        rate = scene.wear.specific_wear_rate
-        yield "wear.specific_wear_rate", rate, 1e-11, 1e-2, "mm³/(N m)"
+        found["wear.specific_wear_rate"] = scene.wear.specific_wear_rate
     yield "loading: time until the end", facts.duration.high, 0.05, 1e6, "s"
     if isinstance(scene.loading, Ramp):  # whose steps it sets
         highest, load = max(plane.loads), scene.loading.reference_load
         yield "loading.reference_load", load, highest / 100, highest * 100, "N"
     if oil := sweep.about.oil:
-        yield "oil: kinematic viscosity", max(oil.viscosities), 0.5, 1e5, "mm²/s"
-        yield "oil.density", oil.density, 500, 2000, "kg/m³"
+        found |= {"oil.kinematic_viscosity": max(oil.viscosities), "oil.density": oil.density}
     if facts.surface:
-        yield "disk.roughness: Ra", facts.surface.ra, 0.001, 10, "µm"
+        found["disk.roughness.ra"] = facts.surface.ra
+    for path, value in found.items():
+        yield path, value, *usual_range(path)
+    for body, track in tracks_of(sweep).items():
+        yield f"{body}: track", track.length, *usual_range(f"{body}.track_length")
 
 
 def _wear_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
@@ -239,11 +237,11 @@ def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
     """Conditions of a test or an operating point that are probably in another unit, in words."""
     if (own.get("friction") or 0.0) > 1:
         yield f"friction is {own['friction']:g}, where 0 to 1 is usual: is it in per cent?"
-    bulk, (coldest, hottest) = own.get("bulk_temperature"), USUAL_BULK
-    if bulk is not None and not coldest <= bulk <= hottest:
+    bulk, (coldest, hottest, unit) = own.get("bulk_temperature"), usual_of(BULK)
+    if bulk is not None and not coldest <= shown_in(bulk, unit) <= hottest:
         yield (
-            f"the bulk temperature is {display(bulk, '°C')}, where {display(coldest, '°C')} to "
-            f"{display(hottest, '°C')} are usual: check its unit"
+            f"the bulk temperature is {display(bulk, unit)}, where {coldest:g} {unit} to "
+            f"{hottest:g} {unit} are usual: check its unit"
         )
 
 

@@ -24,7 +24,7 @@ class Reading(NamedTuple):
     """What has been read of a scene when its table of variants is made."""
 
     document: Document
-    tables: dict[str, Any]  # by path of the format
+    scene: Any  # the file as it is declared
     make: Make
     faults: Faults
 

@@ -159,11 +159,11 @@ def did_you_mean(word: str, words: Iterable[str]) -> str:
     return f' (did you mean "{known[near[0]]}"?)' if near else ""
 
 
-def entry_at(tables: Mapping[str, Any], path: str) -> Any:
+def entry_at(tables: Any, path: str) -> Any:
     """Look up a path; None where it, or a table on the way to it, is missing or faulty."""
-    entry: Any = tables
+    entry = tables
     for key in path.split("."):
-        entry = entry.get(key) if isinstance(entry, Mapping) else None
+        entry = entry.get(key) if isinstance(entry, Mapping) else getattr(entry, key, None)
     return entry
 
 

@@ -7,13 +7,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, get_args, get_origin
+from typing import Any, ClassVar
 
 from pipeline.quantities import DIMENSIONS
 from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.units import UnitError, exact_si, middle_of_range, share_of, si_unit, to_si
 from tribo import InputError
-from tribo.loading.ramp import MOST_STEPS
 
 _SMALLEST, _LARGEST = 1e-15, 1e15  # bounds of a number without a unit
 _MOST = 2**63 - 1  # largest whole number that a store keeps
@@ -33,6 +32,8 @@ class Kind(ABC):
     """Values allowed at one place of a file, and the words that say which."""
 
     words: ClassVar[str] = ""
+    holds: ClassVar[type | tuple[type, ...]] = ()
+    """Types of the values that only this kind of several can mean."""
 
     @property
     def leaf_keys(self) -> Collection[str]:
@@ -55,6 +56,7 @@ class Kind(ABC):
         """Raise `UnfitError` if the value as a whole is wrong; note the faults of its parts."""
 
 
+@dataclass(frozen=True)
 class Text(Kind):
     """Text that is not empty."""
 
@@ -69,6 +71,7 @@ class Text(Kind):
         return str(value)
 
 
+@dataclass(frozen=True)
 class Flag(Kind):
     """True or false."""
 
@@ -101,10 +104,13 @@ class Number(Kind):
     """A number without a unit."""
 
     words = "a number without a unit"
+    holds = (int, float)
+    unit = ""
     above: float = -math.inf
     at_least: float = -math.inf
     below: float = math.inf
     at_most: float = math.inf
+    usual: tuple[float, float] | None = None
 
     def __str__(self) -> str:
         bounds = [f"{name.replace('_', ' ')} {bound:g}" for name, bound in self.bounds.items()]
@@ -126,7 +132,8 @@ class Number(Kind):
     @property
     def bounds(self) -> dict[str, float]:
         """Bounds that a value has, by their names."""
-        return {name: bound for name, bound in vars(self).items() if math.isfinite(bound)}
+        named = {name: getattr(self, name) for name in ("above", "at_least", "below", "at_most")}
+        return {name: bound for name, bound in named.items() if math.isfinite(bound)}
 
 
 @dataclass(frozen=True)
@@ -153,6 +160,7 @@ class Whole(Number):
         return int(value)
 
 
+@dataclass(frozen=True)
 class Scalar(Kind):
     """A number, or a quantity whose dimension another entry fixes."""
 
@@ -178,14 +186,21 @@ class Rounded:
 class Quantity(Kind):
     """A number above 0, or from 0 on, with a unit, read in SI; its example fixes the dimension."""
 
-    name: str
     example: str
     zero: bool = False
-    ends: tuple[str, str] | None = None  # bounds of its own, if not of its unit
+    usual: tuple[float, float] | None = None  # in the unit of the example
+    ends: tuple[str, str] | None = None  # bounds of its own, if not of its dimension
+    name: str = ""  # if not that of its dimension
 
     def __str__(self) -> str:
         limit = "of at least 0" if self.zero else "above 0"
-        return f"{self.name} {limit}, such as {quoted(self.example)}"
+        name = self.name or DIMENSIONS[si_unit(self.example)].name
+        return f"{name} {limit}, such as {quoted(self.example)}"
+
+    @property
+    def unit(self) -> str:
+        """Unit of the example."""
+        return self.example.partition(" ")[2]
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         text = value.text if isinstance(value, Rounded) else value
@@ -225,10 +240,3 @@ class UnitText(Kind):
             return to_si(str(value) if is_length else f"1 {value}", like=f"1 {self.example}")
         except UnitError as error:
             raise UnfitError(f"{quoted(value)} is not {self.name}") from error
-
-
-def kind_of(hint: Any) -> Kind:
-    """Kind of a value whose range its class checks itself, from its type."""
-    if get_origin(hint) is Literal:
-        return OneOf(get_args(hint))
-    return {int: Whole(at_most=MOST_STEPS), float: Number(), bool: Flag(), str: Text()}[hint]

@@ -12,8 +12,9 @@ import tomllib
 from importlib import resources
 from typing import Any
 
+from pipeline.scene.declare import table_of
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, joined, quoted
-from pipeline.scene.format import MATERIAL
+from pipeline.scene.format import Material
 from pipeline.sweep.about import FromLibrary
 
 Entries = dict[str, Any]
@@ -60,7 +61,7 @@ def _material(name: str, table: Any, taken: list[FromLibrary], faults: Faults) -
     """A table of ``[materials]``, filled from the library if it is to be."""
     if not isinstance(table, dict):
         return table
-    is_whole = set(table) >= {*MATERIAL.needed}
+    is_whole = set(table) >= {*table_of(Material).needed}
     usual = name if name in library()["materials"] and not is_whole else None
     like = table.get("like", usual)
     return _filled(table, like, "materials", joined("materials", name), taken, faults)

@@ -11,7 +11,7 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.scene.compounds import flat
+from pipeline.scene.declare import flat
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Make, Reading
 from pipeline.scene.faults import Faults, entry_at, quoted
@@ -35,7 +35,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
 
 def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     """The sweep with a row for every combination; `InputError` at the first that is unfit."""
-    asked = reading.tables["sweep"]["over"]
+    asked = reading.scene.sweep.over
     if not asked:
         return sweep
     axes = {path: _axis(path, values) for path, values in asked.items()}

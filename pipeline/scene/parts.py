@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,17 @@ from pipeline import extras
 from pipeline.paths import user_path
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
+from pipeline.scene.format import (
+    Body,
+    LoadRecord,
+    Material,
+    MeasuredSurface,
+    Oil,
+    Plate,
+    Ramp,
+    RandomSurface,
+    Rod,
+)
 from pipeline.scene.names import UNITS
 from pipeline.scene.sheet import read_sheet
 from tribo.loading.record import fault as record_fault
@@ -28,21 +38,26 @@ _OF_INDEX = 313.15, 373.15  # K, by which ASTM D2270 defines an index
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
+def material_of(asked: Material) -> tribo.Material:
+    """A material of sound entries."""
+    return tribo.Material(**{key: value for key, value in vars(asked).items() if key != "like"})
+
+
 def loading_of(
-    table: Mapping[str, Any] | None, document: Document, faults: Faults, stops: tuple[float, ...]
+    asked: Ramp | LoadRecord | None, document: Document, faults: Faults, stops: tuple[float, ...]
 ) -> Loading | None:
     """The ramp or the recorded load; a note says by which line a record was fitted.
 
     Steps of a hold end at the stops that are shorter [s].
     """
-    if table is None or faults.touch("loading"):
+    if asked is None or faults.touch("loading"):
         return None
-    with faults.at("loading.file" if "file" in table else "loading"):
-        if "file" not in table:
-            return tribo.Ramp(**table, stops=tuple(s for s in stops if s < table["hold"]))
+    with faults.at("loading" if isinstance(asked, Ramp) else "loading.file"):
+        if isinstance(asked, Ramp):
+            return tribo.Ramp(**vars(asked), stops=tuple(s for s in stops if s < asked.hold))
         folder = document.file_of("loading.file").parent
-        record = _read_record(folder / user_path(table["file"]), table["reference_load"], faults)
-        if not table["fit"]:
+        record = _read_record(folder / user_path(asked.file), asked.reference_load, faults)
+        if not asked.fit:
             return record
         rate, onset = record.linear_fit()
         line = f"{rate:.4g} N/s from {round(onset, 3) + 0:g} s on"
@@ -65,46 +80,45 @@ def _read_record(path: Path, reference_load: float | None, faults: Faults) -> tr
     return tribo.MeasuredLoad(times, loads, reference_load)
 
 
-def wear_of(table: Mapping[str, Any] | None, faults: Faults) -> Any:
+def wear_of(asked: Any, faults: Faults) -> Any:
     """Archard's wear, or a law that ships."""
-    if table is None or faults.touch("wear"):
+    if asked is None or faults.touch("wear"):
         return None
-    if "law" not in table:
-        return tribo.Wear(table["specific_wear_rate"], table["pattern"])
+    values = dict(vars(asked))
     with faults.at("wear.law"):
-        law: Any = tribo.LAWS[table["law"]]
-        return law(**{name: value for name, value in table.items() if name != "law"})
+        law: Any = tribo.LAWS[values.pop("law")] if "law" in values else tribo.Wear
+        return law(**values)
 
 
-def oil_of(table: Mapping[str, Any] | None, faults: Faults) -> tribo.Oil | None:
+def oil_of(asked: Oil | None, faults: Faults) -> tribo.Oil | None:
     """The lubricant; the equation of ASTM D341 is applied to a dynamic viscosity in mPa s, too."""
-    if table is None or faults.touch("oil"):
+    if asked is None or faults.touch("oil"):
         return None
-    coefficient = table["pressure_viscosity_coefficient"]
+    coefficient = asked.pressure_viscosity_coefficient
     pair = coefficient if isinstance(coefficient, tuple) else (coefficient, coefficient)
     with faults.at("oil"):
-        temperatures, viscosities = _viscosity_line(table, faults)
+        temperatures, viscosities = _viscosity_line(asked, faults)
         return tribo.Oil(
             temperatures,
             viscosities,
-            table["density"] if table["kinematic_viscosity"] else _NOMINAL,
+            asked.density if asked.density and asked.kinematic_viscosity else _NOMINAL,
             None if coefficient is None else pair,
         )
     return None
 
 
-def _viscosity_line(table: Mapping[str, Any], faults: Faults) -> tuple[_Ends, _Ends]:
+def _viscosity_line(asked: Oil, faults: Faults) -> tuple[_Ends, _Ends]:
     """Two temperatures [K] and the kinematic viscosities there [m²/s]; raises an `InputError`."""
-    kinematic, dynamic = table["kinematic_viscosity"], table["dynamic_viscosity"]
-    temperatures, index = table["temperatures"], table["viscosity_index"]
+    kinematic, dynamic = asked.kinematic_viscosity, asked.dynamic_viscosity
+    temperatures, index = asked.temperatures, asked.viscosity_index
     if (kinematic is None) == (dynamic is None):
         raise tribo.InputError(
             f"{'no' if kinematic is None else 'both a kinematic and a dynamic'} viscosity; give "
             "kinematic_viscosity with a density, or dynamic_viscosity"
         )
-    if kinematic and table["density"] is None:
+    if kinematic and asked.density is None:
         raise tribo.InputError("density is missing; a kinematic viscosity needs one")
-    values = kinematic or tuple(value / _NOMINAL for value in dynamic)
+    values = kinematic or tuple(value / _NOMINAL for value in dynamic or ())
     values = values if isinstance(values, tuple) else (values,)
     if index is not None and (dynamic or len(values) > 1 or temperatures != _OF_INDEX):
         raise tribo.InputError(
@@ -124,113 +138,102 @@ def _viscosity_line(table: Mapping[str, Any], faults: Faults) -> tuple[_Ends, _E
     return (temperatures[0], temperatures[-1]), ends
 
 
-def corrections_of(
-    tables: Mapping[str, Any], pin: tribo.Pin, disk: tribo.Material
-) -> tribo.Corrections | None:
-    """Physics beside the two half-spaces, from sound tables."""
-    coefficient = tables["friction"]["coefficient"]
-    rod, film = tables["pin"]["stem"], tables["disk"]["film"]
+def corrections_of(scene: Any, pin: tribo.Pin, disk: tribo.Material) -> tribo.Corrections | None:
+    """Physics beside the two half-spaces, of a sound scene."""
+    friction, rod, film = scene.friction, scene.pin.stem, scene.disk.film
     curves: dict[str, Any] = {
-        f"by_{name}": tuple(sorted((row[name], row["coefficient"] / coefficient) for row in rows))
+        f"by_{name}": tuple(
+            sorted((getattr(row, name), row.coefficient / friction.coefficient) for row in rows)
+        )
         for name in ("velocity", "temperature")
-        if (rows := tables["friction"][f"by_{name}"])
+        if (rows := getattr(friction, f"by_{name}"))
     }
-    stem = None
-    if rod and "resistance" in rod:
-        stem = tribo.Stem(rod["resistance"])
-    elif rod:
+    stem = tribo.Stem(rod.resistance) if rod and not isinstance(rod, Rod) else None
+    if isinstance(rod, Rod):
         conduction = pin.material.thermal_conductivity, pin.material.thermal_diffusivity
-        stem = tribo.Stem.rod(rod["length"], rod["area"], *conduction)
+        stem = tribo.Stem.rod(rod.length, rod.area, *conduction)
     corrections = tribo.Corrections(
         friction=tribo.Friction(**curves),
-        track=_ring_of(tables["disk"], pin, disk),
-        pin_track=_ring_of(tables["pin"], pin, pin.material),
+        track=_ring_of(scene.disk, pin, disk),
+        pin_track=_ring_of(scene.pin, pin, pin.material),
         stem=stem,
-        film_resistance=film["thickness"] / film["thermal_conductivity"] if film else 0.0,
-        pin_bulk=_bulk_of(tables["pin"], pin.material),
-        disk_bulk=_bulk_of(tables["disk"], disk),
-        motion=motion_of(tables)
-        if any(track_of(tables[body]) for body in ("pin", "disk"))
-        else None,
+        film_resistance=film.thickness / film.thermal_conductivity if film else 0.0,
+        pin_bulk=_bulk_of(scene.pin, pin.material),
+        disk_bulk=_bulk_of(scene.disk, disk),
+        motion=motion_of(scene) if track_of(scene.pin) or track_of(scene.disk) else None,
     )
     return corrections if corrections != tribo.Corrections() else None
 
 
-def motion_of(tables: Mapping[str, Any]) -> tribo.Motion | None:
+def motion_of(scene: Any) -> tribo.Motion | None:
     """The motion of both bodies; the pin's wear spreads over the track around it."""
-    motion = tables["motion"]
-    if not motion:
+    asked = scene.motion
+    if asked is None:
         return None
-    return tribo.Motion(
-        **motion | {"track_length": motion["track_length"] or track_of(tables["pin"])}
-    )
+    return tribo.Motion(**vars(asked) | {"track_length": asked.track_length or track_of(scene.pin)})
 
 
-def track_of(body: Mapping[str, Any]) -> float | None:
+def track_of(body: Body) -> float | None:
     """Length of the track around a body [m]; None if its table gives none."""
-    length: float | None = body["track_length"]
-    return math.pi * body["diameter"] if body["diameter"] else length
+    return math.pi * body.diameter if body.diameter else body.track_length
 
 
-def _ring_of(
-    body: Mapping[str, Any], pin: tribo.Pin, material: tribo.Material
-) -> tribo.Track | None:
+def _ring_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:
     """The track around a body of a material; None if its table gives none."""
-    if body["diameter"]:
-        sizes = {name: body[name] for name in DISC if body[name] is not None}
+    if body.diameter:
+        sizes = {name: getattr(body, name) for name in DISC if getattr(body, name) is not None}
         return tribo.Track.under(pin, material, tribo.Disc(**sizes))
     length = track_of(body)
     return tribo.Track.under(pin, material, length) if length else None
 
 
-def _bulk_of(body: Mapping[str, Any], material: tribo.Material) -> tribo.Bulk | None:
+def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
     """The heat capacity and the loss of a body."""
-    capacity, loss = body["capacity"], body["loss"]
+    capacity, loss = body.capacity, body.loss
     if capacity is None and loss is None:
         return None
-    if isinstance(capacity, Mapping):
-        volume = math.pi / 4 * capacity["diameter"] ** 2 * capacity["thickness"]
+    if isinstance(capacity, Plate):
+        volume = math.pi / 4 * capacity.diameter**2 * capacity.thickness
         capacity = volume * material.density * material.specific_heat
     return tribo.Bulk(capacity or 0.0, loss or 0.0)
 
 
-def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
+def realizations_of(scene: Any, faults: Faults) -> tuple[int, ...]:
     """Seeds of the random surfaces; the scene takes the first."""
-    wanted = entry_at(tables, "sweep.realizations")
-    if wanted is None or tables["disk"] is None:
+    asked, rough = entry_at(scene, "sweep.realizations"), entry_at(scene, "disk.roughness")
+    if asked is None or scene.disk is None:
         return ()
-    rough = entry_at(tables, "disk.roughness")
-    if rough is None or "file" in rough:
+    if not isinstance(rough, RandomSurface):
         if not faults.touch("disk.roughness"):
-            asked = wanted if isinstance(wanted, int) else list(wanted)
             faults.refuse(
                 "sweep.realizations",
-                f"{quoted(asked)} needs a [disk.roughness] that is made from a seed; give one, or "
-                "leave this out",
+                f"{quoted(asked if isinstance(asked, int) else list(asked))} needs a "
+                "[disk.roughness] that is made from a seed; give one, or leave this out",
             )
         return ()
-    if isinstance(wanted, int):
-        first = rough["seed"] or 0
-        return tuple(range(first, first + wanted))
-    seeds = tuple(sorted(wanted))
-    rough["seed"] = seeds[0]
-    return seeds
+    if isinstance(asked, int):
+        first = rough.seed or 0
+        return tuple(range(first, first + asked))
+    return tuple(sorted(asked))
 
 
-def roughness_of(tables: dict[str, Any], document: Document, faults: Faults) -> Roughness | None:
-    """The disk's roughness; None if there is none, or a faulty one."""
-    table = entry_at(tables, "disk.roughness")
-    if table is None or faults.touch("disk.roughness"):
+def roughness_of(
+    scene: Any, seeds: tuple[int, ...], document: Document, faults: Faults
+) -> Roughness | None:
+    """The disk's roughness, of the first of some seeds; None if there is none, or a faulty one."""
+    asked = entry_at(scene, "disk.roughness")
+    if asked is None or faults.touch("disk.roughness"):
         return None
-    if "file" in table:
+    if isinstance(asked, MeasuredSurface):
         folder = document.file_of("disk.roughness.file").parent
         with faults.at("disk.roughness.file"):
             scans = extras.module("laboratory", "surfaces")
-            heights = scans.window_heights(
-                table, tables["window"] or {}, folder / user_path(table["file"]), faults
-            )
+            window = vars(scene.window) if scene.window else {}
+            path = folder / user_path(asked.file)
+            heights = scans.window_heights(vars(asked), window, path, faults)
             return None if heights is None else tribo.MeasuredRoughness(heights)
         return None
-    length = table["correlation_length"]
+    length = asked.correlation_length
     pair = length if isinstance(length, tuple) else (length, length)
-    return tribo.SelfAffineRoughness(**{**table, "correlation_length": pair})
+    own = {"correlation_length": pair, "seed": seeds[0] if seeds else asked.seed}
+    return tribo.SelfAffineRoughness(**vars(asked) | own)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 import shutil
 import tomllib
@@ -15,12 +16,13 @@ from typing import Any
 
 import tribo
 from pipeline.paths import user_path
-from pipeline.scene.compounds import ByPath, Either, Entry, List, Optional, Range, Table, Tables
+from pipeline.scene.declare import ByPath, Either, Entry, List, Range, Table, Tables, table_of
 from pipeline.scene.document import as_toml
 from pipeline.scene.faults import did_you_mean, entry_at
-from pipeline.scene.format import LATER, SCENE
+from pipeline.scene.format import LATER, SceneFile
 from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
 from pipeline.scene.shipped import shipped_scenes
+from pipeline.scene.units import typeset
 from tribo import InputError
 
 
@@ -63,7 +65,10 @@ class Section:
         return f"{self.path}.{key}" if self.path else key
 
 
-def sections(entry: Entry = SCENE, path: str = "") -> Iterator[Section]:
+_SCENE = Entry(table_of(SceneFile), "The file itself, above its first table.", is_needed=True)
+
+
+def sections(entry: Entry = _SCENE, path: str = "") -> Iterator[Section]:
     """All tables of a format, each before those within it."""
     if isinstance(entry.kind, Tables):
         path += ".NAME"
@@ -124,47 +129,64 @@ def needed_beside(path: str) -> list[str]:
     """Paths of the entries without which an optional table is not sound, beside one of its own."""
     table, _, key = path.rpartition(".")
     entry = _table_of(path)
-    forms = forms_of(entry.kind) if isinstance(entry, Optional) else ()
+    forms = forms_of(entry.kind) if entry and not entry.is_needed else ()
     return [
         f"{table}.{other}"
         for form in forms
         if key in form.keys
         for other, one in form.keys.items()
-        if other != key and not isinstance(one, Optional)
+        if other != key and one.is_needed
     ]
 
 
 def quantity_in(kind: Kind) -> Quantity | None:
     """The quantity that a value is, or that its parts are."""
+    number = number_in(kind)
+    return number if isinstance(number, Quantity) else None
+
+
+def number_in(kind: Kind) -> Quantity | Number | None:
+    """The number or quantity that a value is, or that its parts are."""
     match kind:
-        case Quantity():
+        case Quantity() | Number():
             return kind
         case List(of) | Range(of):
-            return quantity_in(of)
+            return number_in(of)
         case Either():
-            return next(filter(None, map(quantity_in, kind.kinds)), None)
+            found = (number_in(one) for one in kind.kinds)
+            return next((one for one in found if one), None)
     return None
 
 
-Listed = dict[bool, dict[str, tuple[tuple[Entry, str], str]]]
-"""Keys that were told with their section's header: of lists of tables, and of other tables."""
-_MANY = 4  # equal keys of two tables that are told once
+Ends = tuple[float, float, str]
+"""Ends of a usual range in a unit, and that unit as it is printed."""
+
+
+def usual_range(path: str) -> Ends:
+    """Usual range of an entry of a scene, by its path."""
+    entry = find_entry(path)
+    number = number_in(entry.kind) if entry else None
+    return usual_of(number or Number())
+
+
+def usual_of(number: Quantity | Number) -> Ends:
+    """Usual range of a number."""
+    return (*(number.usual or (-math.inf, math.inf)), typeset(number.unit))
+
+
+Listed = dict[str, str]
+"""Headers of the lists of tables that have told each key."""
 
 
 def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:
-    """Keys of a section that no section before it has told; the one that has told the others.
-
-    Lists of tables share keys by their names, other tables if many are equal.
-    """
-    keys, before = section.keys(), listed.setdefault(section.is_list, {})
-    if "." in section.path:
+    """Keys of a section that no list of tables before it has told; the one that has told others."""
+    keys = section.keys()
+    if "." in section.path or not section.is_list:
         return keys, ""
-    shared = {one for one in before.keys() & keys if section.is_list or before[one][0] == keys[one]}
-    if not section.is_list and len(shared) < _MANY:
-        shared = set()
-    like = before[min(shared)][1] if shared else ""
-    before |= {key: (entry, section.header) for key, entry in keys.items()}
-    return {key: entry for key, entry in keys.items() if key not in shared}, like
+    own = {key: entry for key, entry in keys.items() if key not in listed}
+    like = next((listed[key] for key in keys if key in listed), "")
+    listed |= dict.fromkeys(own, section.header)
+    return own, like
 
 
 _FILES = ("disk.roughness.file", "loading.file")

@@ -3,81 +3,83 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Faults, entry_at
-from pipeline.scene.format import LOAD, TEST, VELOCITY
+from pipeline.scene.format import LOAD, VELOCITY, Stages, Test
 
 _STAGES = ("mild", "mild_up_to"), ("severe", "severe_at")
 _KINDS = {"load": LOAD, "velocity": VELOCITY}
 
 
-def expand_tests(tables: dict[str, Any], faults: Faults) -> None:
-    """Number the tests, and put those of each run by stages in its place."""
-    number = 0
+def expand_tests(scene: Any, faults: Faults) -> Any:
+    """The scene with its tests numbered, and those of each run by stages in its place."""
+    number, expanded = itertools.count(1), dict[str, Any]()
     for key in ("measured", "tested"):
-        tests = list[dict[str, Any]]()
-        for index, entry in enumerate(tables[key] or ()):
-            number += 1
-            named = entry if entry["number"] is not None else entry | {"number": number}
-            is_run = "mild_up_to" in entry
+        tests, listed = list[Any](), getattr(scene, key)
+        for index, entry in enumerate(listed or ()):
+            own = next(number)
+            named = replace(entry, number=own) if entry.number is None else entry
+            is_run = isinstance(entry, Stages)
             tests += _read_stages(named, f"{key}[{index}]", faults) if is_run else [named]
-        tables[key] = tables[key] and tuple(tests)
+        expanded[key] = listed and tuple(tests)
+    return replace(scene, **expanded)
 
 
-def _read_stages(entry: dict[str, Any], place: str, faults: Faults) -> Iterator[dict[str, Any]]:
+def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
     """Tests at the stages of a run."""
     if faults.touch(place):
         return
-    varied = [name for name in _KINDS if entry[name] is None]
-    given = {outcome: key for outcome, key in _STAGES if entry[key] is not None}
+    varied = [name for name in _KINDS if getattr(entry, name) is None]
+    given = {outcome: key for outcome, key in _STAGES if getattr(entry, key) is not None}
     if len(varied) != 1:
         problem = "both load and velocity are" if not varied else "neither load nor velocity is"
         faults.refuse(place, f"{problem} given beside stages; give the one that all stages have")
         return
     (name,) = varied
     read = _KINDS[name].read
-    stages = {o: read(entry[key], f"{place}.{key}", faults) for o, key in given.items()}
+    stages = {o: read(getattr(entry, key), f"{place}.{key}", faults) for o, key in given.items()}
     if None in stages.values():
         return
     if len(stages) > 1 and not stages["mild"] < stages["severe"]:
         low, high = (display(stages[outcome], UNITS[name]) for outcome in ("severe", "mild"))
         faults.refuse(f"{place}.severe_at", f"{low} is not above mild_up_to, {high}; exchange them")
         return
-    run = entry["run"] if entry["run"] is not None else f"number {entry['number']}"
-    common = {key: entry[key] for key in TEST.keys if key in entry} | {"run": run}
+    run = entry.run if entry.run is not None else f"number {entry.number}"
+    common = {k: v for k, v in vars(entry).items() if k not in dict(_STAGES).values()}
     for outcome, value in stages.items():
-        yield common | {name: value, "outcome": outcome}
+        yield Test(**common | {"run": run, name: value, "outcome": outcome})
 
 
-def tested_holds(tables: Mapping[str, Any]) -> tuple[float, ...]:
+def tested_holds(scene: Any) -> tuple[float, ...]:
     """Durations at the full load of the tests that samples are compared with [s]."""
-    if not entry_at(tables, "sweep.samples"):
+    if not entry_at(scene, "sweep.samples"):
         return ()
-    tests = [*(tables["measured"] or ()), *(tables["tested"] or ())]
-    return tuple(sorted({test["hold"] for test in tests if test and test["hold"]}))
+    tests = [*(scene.measured or ()), *(scene.tested or ())]
+    return tuple(sorted({test.hold for test in tests if test and test.hold}))
 
 
-def run_faults(tests: Sequence[Mapping[str, Any]]) -> Iterator[tuple[int, str]]:
+def run_faults(tests: Sequence[Test]) -> Iterator[tuple[int, str]]:
     """Places of tests of a run that cannot be of one specimen, and why."""
-    runs = dict[str, list[tuple[int, Mapping[str, Any]]]]()
+    runs = dict[str, list[tuple[int, Test]]]()
     for index, test in enumerate(tests):
-        if test["run"] is not None:
-            runs.setdefault(str(test["run"]), []).append((index, test))
+        if None not in (test.run, test.load, test.velocity):
+            runs.setdefault(str(test.run), []).append((index, test))
     for run, members in runs.items():
         for (_, one), (index, other) in itertools.permutations(members, 2):
-            if str(one["oil"]) != str(other["oil"]):
+            if str(one.oil) != str(other.oil):
                 yield index, f"{run} has two oils; give each oil its own run"
                 break
-            is_harder = all(one[name] >= other[name] for name in _KINDS if one[name] is not None)
-            is_against = (one["outcome"], other["outcome"]) == ("mild", "severe")
-            if is_against and is_harder and one["bulk_temperature"] == other["bulk_temperature"]:
+            is_harder = one.load >= other.load and one.velocity >= other.velocity
+            is_against = (one.outcome, other.outcome) == ("mild", "severe")
+            if is_against and is_harder and one.bulk_temperature == other.bulk_temperature:
                 yield (
                     index,
-                    f"{run} is severe at {other['load']:g} N and {other['velocity']:g} m/s, and "
-                    f"mild at {one['load']:g} N and {one['velocity']:g} m/s, which no specimen is; "
+                    f"{run} is severe at {other.load:g} N and {other.velocity:g} m/s, and "
+                    f"mild at {one.load:g} N and {one.velocity:g} m/s, which no specimen is; "
                     "give them runs of their own",
                 )
                 break

@@ -9,16 +9,18 @@ from typing import Any
 
 import tribo
 from pipeline.scene.consistency import check_tables
+from pipeline.scene.declare import table_of
 from pipeline.scene.document import Document, override_entries, read_document
 from pipeline.scene.extensions import Reading, begin
 from pipeline.scene.facts import track_faults
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, replace_value
-from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
+from pipeline.scene.format import USUAL_PRESET, Bulks, Fidelity, SceneFile
 from pipeline.scene.laws import named_code, replace_by_laws, take_laws
 from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import (
     corrections_of,
     loading_of,
+    material_of,
     motion_of,
     oil_of,
     realizations_of,
@@ -107,10 +109,10 @@ def load_scene(
         return made
 
     try:
-        sweep, tables = reader.sweep(entries, faults)
+        sweep, scene = reader.sweep(entries, faults)
         if sweep is not None:
             for extend in extensions:
-                sweep = extend(sweep, Reading(document, tables, variant, faults))
+                sweep = extend(sweep, Reading(document, scene, variant, faults))
             sweep = sweep.changed(notes=tuple(faults.notes))
             _require_few_points(sweep)
     except (tribo.InputError, tribo.InvariantError) as error:
@@ -137,63 +139,63 @@ class _Reader:
     laws: Mapping[str, Any]
     parts: dict[str, Any] = field(default_factory=dict)
 
-    def sweep(self, entries: dict[str, Any], faults: Faults) -> tuple[Sweep | None, dict[str, Any]]:
-        """The sweep, without samples and `over`, and the tables of the format."""
+    def sweep(self, entries: dict[str, Any], faults: Faults) -> tuple[Sweep | None, Any]:
+        """The sweep, without samples and `over`, and the file as it is declared."""
         laws, entries = take_laws(self.laws, entries, faults)
         entries, taken = resolve_library(entries, faults)
-        tables: dict[str, Any] = FORMAT.read(entries, "", faults)
-        expand_tests(tables, faults)
-        fidelity, preset = _fidelity(tables["fidelity"] or {}, faults)
-        realizations = realizations_of(tables, faults)
+        scene = expand_tests(table_of(SceneFile).read(entries, "", faults), faults)
+        fidelity, preset = _fidelity(scene.fidelity, faults)
+        seeds = realizations_of(scene, faults)
         roughness = laws.get("surface") or self._once(
-            [entry_at(tables, path) for path in ("disk.roughness", "window")],
-            lambda: roughness_of(tables, self.document, faults),
+            [seeds, *(entry_at(scene, path) for path in ("disk.roughness", "window"))],
+            lambda: roughness_of(scene, seeds, self.document, faults),
         )
-        stops = tested_holds(tables)
+        stops = tested_holds(scene)
         loading = self._once(
-            [tables["loading"], stops],
-            lambda: loading_of(tables["loading"], self.document, faults, stops),
+            [scene.loading, stops],
+            lambda: loading_of(scene.loading, self.document, faults, stops),
         )
-        check_tables(tables, fidelity, roughness, faults)
-        if tables["caveat"]:
-            faults.note("caveat", tables["caveat"])
-        oil = oil_of(tables["oil"], faults)
-        wear = laws.get("wear") or wear_of(tables["wear"], faults)
+        check_tables(scene, fidelity, roughness, faults)
+        if scene.caveat:
+            faults.note("caveat", scene.caveat)
+        oil = oil_of(scene.oil, faults)
+        wear = laws.get("wear") or wear_of(scene.wear, faults)
         if faults or loading is None:
-            return None, tables
+            return None, scene
         made = _scene_of(
-            tables,
+            scene,
             laws.get("pin"),
             loading=loading,
             roughness=roughness,
             wear=wear,
             fidelity=fidelity,
         )
-        asked, name = tables["sweep"], self.document.file.stem
+        asked, name = scene.sweep, self.document.file.stem
+        loads, velocities = (tuple(sorted(set(v))) for v in (asked.loads, asked.velocities))
         sweep = Sweep(
             scene=made,
-            plane=Plane(*(tuple(sorted(set(asked[name]))) for name in ("loads", "velocities"))),
-            conditions=_conditions_of(tables, made, laws.get("criterion")),
-            variants=surfaces(realizations),
-            record=Record(asked["fields"], asked["steps"]),
+            plane=Plane(loads, velocities),
+            conditions=_conditions_of(scene, made, laws.get("criterion")),
+            variants=surfaces(seeds),
+            record=Record(asked.fields, asked.steps),
             about=About(
                 name=name,
-                title=tables["title"] or name,
-                measured=tuple(map(Measurement.of, tables["measured"])),
-                tested=tuple(map(Measurement.of, tables["tested"])),
-                caveat=tables["caveat"],
-                friction_band=tables["friction"]["band"],
-                same_rig=tables["friction"]["same_rig"],
-                model_scatter=tables["model"] and tables["model"]["scatter"],
+                title=scene.title or name,
+                measured=tuple(Measurement.of(vars(test)) for test in scene.measured),
+                tested=tuple(Measurement.of(vars(test)) for test in scene.tested),
+                caveat=scene.caveat,
+                friction_band=scene.friction.band,
+                same_rig=scene.friction.same_rig,
+                model_scatter=scene.model and scene.model.scatter,
                 oil=oil,
                 preset=preset,
                 sources=taken,
             ),
         )
         for body, fault in track_faults(sweep):
-            given = "diameter" if entry_at(tables, f"{body}.diameter") else "track_length"
+            given = "diameter" if entry_at(scene, f"{body}.diameter") else "track_length"
             faults.refuse(f"{body}.{given}", fault)
-        return sweep, tables
+        return sweep, scene
 
     def _once(self, tables: list[Any], make: Callable[[], Any]) -> Any:
         """The part of a scene that is made of some tables; a faulty one is told each time."""
@@ -247,12 +249,12 @@ def _path_overrides(
     """Entries to replace by their paths; those of the fidelity may be named by their key alone."""
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
     for key, value in overrides.items():
-        if key in FIDELITY.keys:
+        if key in table_of(Fidelity).keys:
             replaced[f"fidelity.{key}"] = value
-        elif "." in key or (key in FORMAT.keys and key != "extends"):
+        elif "." in key or (key in table_of(SceneFile).keys and key != "extends"):
             replaced[key] = value
         else:
-            fields = [field for field in FIDELITY.keys if field != "preset"]
+            fields = [field for field in table_of(Fidelity).keys if field != "preset"]
             paths = [path for path, _ in all_keys() if path.partition(".")[0] not in _UNSET]
             hint = did_you_mean(key, [*fields, *paths])
             problem = f"unknown key{hint}; give one of {', '.join(fields)}"
@@ -262,11 +264,12 @@ def _path_overrides(
     return replaced
 
 
-def _fidelity(table: Mapping[str, Any], faults: Faults) -> tuple[tribo.Fidelity, str | None]:
+def _fidelity(asked: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:
     """Fidelity of a table, and the name of its preset if it equals that."""
-    name = table.get("preset") or USUAL_PRESET
+    name = (asked and asked.preset) or USUAL_PRESET
     fidelity = tribo.PRESETS[name]
-    given = {key: value for key, value in table.items() if key != "preset" and value is not None}
+    listed = (vars(asked) if asked else {}).items()
+    given = {key: value for key, value in listed if key != "preset" and value is not None}
     if "increments" in given:  # instead of steps by the wear
         given = {"hold_increments": 0, "imprint": 0.0} | given
     for key, value in given.items():
@@ -275,46 +278,46 @@ def _fidelity(table: Mapping[str, Any], faults: Faults) -> tuple[tribo.Fidelity,
     return fidelity, name if fidelity == tribo.PRESETS[name] else None
 
 
-def _scene_of(tables: dict[str, Any], own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:
-    """The scene of sound tables, with parts that were made of them, or a pin of the user's own."""
-    materials = {
-        name: tribo.Material(**{key: value for key, value in table.items() if key != "like"})
-        for name, table in tables["materials"].items()
-    }
-    pin, window, friction = tables["pin"], tables["window"], tables["friction"]
-    cylinder, periodic_y = pin["shape"] == "cylinder", window["periodic_y"]
-    kind: Any = tribo.PINS[pin["shape"]]
-    sizes = {name: pin[name] for name in sizes_of(pin["shape"])}
+def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:
+    """What is simulated of a sound scene, with parts that were made, or a pin of the user's own."""
+    pin, window, friction = scene.pin, scene.window, scene.friction
+    cylinder, periodic_y = pin.shape == "cylinder", window.periodic_y
+    kind: Any = tribo.PINS[pin.shape]
+    sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}
     return tribo.Scene(
-        pin=own_pin or kind(**sizes, material=materials[pin["material"]]),
-        disk=materials[tables["disk"]["material"]],
+        pin=own_pin or kind(**sizes, material=material_of(scene.materials[pin.material])),
+        disk=material_of(scene.materials[scene.disk.material]),
         pixels=tribo.Grid(
-            window["pixels"],
-            window["pixel_size"],
+            window.pixels,
+            window.pixel_size,
             periodic=(False, cylinder if periodic_y is None else periodic_y),
         ),
-        motion=motion_of(tables),
-        friction_heat=max([friction["coefficient"], *(friction["band"] or [])]) > 0,
-        unequal_bulks=bulk_entries(tables["temperature"]["bulk"])["disk_temperature"] is not None,
+        motion=motion_of(scene),
+        friction_heat=max([friction.coefficient, *(friction.band or [])]) > 0,
+        unequal_bulks=_bulks_of(scene)["disk_temperature"] is not None,
         **parts,
     )
 
 
-def _conditions_of(
-    tables: dict[str, Any], scene: tribo.Scene, rule: tribo.Rule | None
-) -> Conditions:
-    """The conditions of sound tables and their scene, or with a rule of the user's own."""
-    temperature = tables["temperature"]
+def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Conditions:
+    """The conditions of a sound scene, or with a rule of the user's own."""
+    asked = scene.temperature
     return Conditions(
-        friction=tables["friction"]["coefficient"],
-        critical_temperature=temperature["critical"],
-        critical_sd=temperature["critical_sd"],
-        failing_share=temperature["failing_share"],
-        criterion=name_of(rule) if rule else temperature["criterion"],
+        friction=scene.friction.coefficient,
+        critical_temperature=asked.critical,
+        critical_sd=asked.critical_sd,
+        failing_share=asked.failing_share,
+        criterion=name_of(rule) if rule else asked.criterion,
         rule=rule,
-        corrections=corrections_of(tables, scene.pin, scene.disk),
-        **bulk_entries(temperature["bulk"]),
+        corrections=corrections_of(scene, made.pin, made.disk),
+        **_bulks_of(scene),
     )
+
+
+def _bulks_of(scene: Any) -> dict[str, Any]:
+    """Bulk temperatures as conditions have them."""
+    bulk = scene.temperature.bulk
+    return bulk_entries(vars(bulk) if isinstance(bulk, Bulks) else bulk)
 
 
 def run_point(

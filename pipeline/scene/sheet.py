@@ -19,7 +19,7 @@ import numpy as np
 
 from pipeline import extras
 from pipeline.paths import user_path
-from pipeline.scene.compounds import Table
+from pipeline.scene.declare import table_of
 from pipeline.scene.faults import (
     Fault,
     Faults,
@@ -161,12 +161,13 @@ class Sheet:
         return values + _DAY * days - values[:1] if is_clock else values
 
     def entries(
-        self, row_of: Table, words: Mapping[str, str] | None = None, may_lack: Collection[str] = ()
+        self, declared: type, words: Mapping[str, str] | None = None, may_lack: Collection[str] = ()
     ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
         """Sound rows as tables of a scene, with outcomes for words, and the same in SI.
 
         An empty cell of a column is a fault, but of one that may lack cells.
         """
+        row_of = table_of(declared)
         tables, read, faults = [], [], list[Fault]()
         for number, cells in self.rows:
             table, wrong = dict[str, Any](), Faults()
@@ -183,7 +184,7 @@ class Sheet:
             values = row_of.read(table, "", wrong)
             if not wrong:
                 tables.append(table)
-                read.append(values)
+                read.append(vars(values))
             told = (one for one in wrong if one.key in self.places)  # a missing column is said once
             faults += [one._replace(row=number) for one in told]
         self.faults += listed_faults(faults)

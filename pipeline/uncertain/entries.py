@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.scene.compounds import flat
+from pipeline.scene.declare import flat
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Make, Reading
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
@@ -81,8 +81,8 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
 
 def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     """The sweep with samples of each of its rows; as it is if none are asked for, or faulty."""
-    tables, faults, fixed = reading.tables, reading.faults, _fixed_paths(reading.document)
-    count, unknown = tables["sweep"]["samples"], tables["unknown"] or {}
+    scene, faults, fixed = reading.scene, reading.faults, _fixed_paths(reading.document)
+    count, unknown = scene.sweep.samples, scene.unknown or {}
     if count is not None and not set(unknown) - set(fixed):
         raise InputError(
             f"sweep.samples: {count} does not fit a scene in which all is known; give [unknown], "
@@ -97,7 +97,7 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
             "friction to scale the whole rise: give one for both bodies, or leave out [unknown] "
             "and use irg vary"
         )
-    inputs, known = _inputs(tables, fixed, faults)
+    inputs, known = _inputs(scene, fixed, faults)
     for one in known:
         faults.note("unknown", f"{one}, because a value is given, too")
     if len(inputs) > MOST_INPUTS:
@@ -114,7 +114,7 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
             "temperature.critical_sd: sweep.samples do not count it; leave it out, and give "
             '"temperature.critical" with mean and sd in [unknown]'
         )
-    design = _design(inputs, layers, tables["sweep"]["sample_seed"], sweep)
+    design = _design(inputs, layers, scene.sweep.sample_seed, sweep)
     if any(column.is_drawn for column in sweep.variants.columns):
         raise InputError(
             "sweep.realizations: sweep.samples excludes them; make the surface an unknown input: "
@@ -128,17 +128,17 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
 
 
 def _inputs(
-    tables: Mapping[str, Any], fixed: Collection[str], faults: Faults
+    scene: Any, fixed: Collection[str], faults: Faults
 ) -> tuple[tuple[Unknown, ...], tuple[Fixed, ...]]:
     """Inputs that are unknown, and those that have the scene's value all the same."""
-    table, inputs = tables["unknown"], []
+    table, inputs = scene.unknown, []
     for path, shape in table.items():
         with faults.at(f"unknown.{quoted(path)}"):
             one = _input(path, shape.form, shape.parameters)
             varies = shape.varies or path.endswith(".seed")
             inputs.append(replace(one, varies=varies))
     joint = _correlated(inputs, table, faults)
-    known = tuple(Fixed(one, entry_at(tables, one.path)) for one in joint if one.path in fixed)
+    known = tuple(Fixed(one, entry_at(scene, one.path)) for one in joint if one.path in fixed)
     return without(joint, fixed), known
 
 

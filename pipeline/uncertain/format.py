@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated as A
 from typing import Any, NamedTuple
 
-from pipeline.scene.compounds import ByPath, Entry, List, Optional, Table
+from pipeline.scene.declare import ByPath, Entry, Example, List, Table, declared
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.kinds import Flag, Kind, Number, Scalar, UnfitError, Whole
 from pipeline.sweep.limits import MOST_SAMPLES
@@ -54,34 +55,40 @@ class Distribution(Kind):
 
 
 # fmt: off
+_GIVEN = Entry(Scalar(), is_needed=True)
 _ALWAYS = {
-    "varies": Optional(Flag(), default=False),
-    "correlated": Optional(ByPath(Number(above=-1, below=1), "paths of other inputs"), default={}),
+    "varies": Entry(Flag(), default=False),
+    "correlated": Entry(ByPath(Number(above=-1, below=1), "paths of other inputs"), default={}),
 }
 UNKNOWN = ByPath(Distribution(
     forms=(
-        Table({"mean": Entry(Scalar()), "sd": Entry(Scalar()), **_ALWAYS}, "normal"),
-        Table({"median": Entry(Scalar()), "factor": Entry(Number(above=1)), **_ALWAYS},
-            "log-normal"),
-        Table({"from": Entry(Scalar()), "to": Entry(Scalar()), **_ALWAYS}, "uniform"),
+        Table({"mean": _GIVEN, "sd": _GIVEN, **_ALWAYS}, form="normal"),
+        Table({"median": _GIVEN, "factor": Entry(Number(above=1), is_needed=True), **_ALWAYS},
+            form="log-normal"),
+        Table({"from": _GIVEN, "to": _GIVEN, **_ALWAYS}, form="uniform"),
     ),
     listed=List(Scalar(), distinct=True),  # each as likely
 ), "paths of entries")
 
-ENTRIES: dict[str, Entry] = {
-    "unknown": Optional(UNKNOWN,
+@declared
+class Inputs:
+    unknown: A[dict[str, Any] | None, UNKNOWN,
         "Inputs that are not known exactly, by their paths. A table is normal (mean and standard "
         "deviation), log-normal (median, and the factor within which two thirds lie) or uniform; a "
         "list has equally likely values. `--set`, or an entry of a scene that extends this one, "
         "fixes an input. `correlated` gives correlations with other inputs, between normal scores: "
         "values of normal inputs, logarithms of log-normal ones. `varies = true`: it differs "
         "from part to part, so that no test narrows it; a seed always does.",
-        example={"temperature.critical": {"mean": "145 degC", "sd": "8 K"}}),
-    "sweep.samples": Optional(Whole(at_least=1, at_most=MOST_SAMPLES),
+        Example({"temperature.critical": {"mean": "145 degC", "sd": "8 K"}})] = None
+
+@declared
+class Samples:
+    samples: A[int | None, Whole(at_least=1, at_most=MOST_SAMPLES),
         "Number of samples of the `unknown` inputs, each at its own velocity. `irg check` says if "
-        "fewer are drawn because more would share their contacts."),
-    "sweep.sample_seed": Optional(Whole(at_least=0), "Seed of the samples.", default=0),
-}
-"""By their paths."""
-FORMS: dict[str, Table] = {}
+        "fewer are drawn because more would share their contacts."] = None
+    sample_seed: A[int, Whole(at_least=0), "Seed of the samples."] = 0
 # fmt: on
+
+ENTRIES = {"": Inputs, "sweep": Samples}
+"""Further entries, by the path of their table."""
+FORMS: tuple[type, ...] = ()

@@ -9,11 +9,12 @@ import math
 import sys
 
 import tribo
-from pipeline.scene.compounds import List, Optional
+from pipeline.scene.declare import List, table_of
 from pipeline.scene.faults import quoted
-from pipeline.scene.format import FIDELITY
+from pipeline.scene.format import Fidelity
 from pipeline.scene.kinds import Quantity
-from pipeline.scene.reference import new_keys, sections
+from pipeline.scene.reference import new_keys, number_in, sections
+from pipeline.scene.units import typeset
 from pipeline.store import schema
 from tests.helpers.campaigns import table
 
@@ -31,18 +32,18 @@ def scene():
     parts, listed = [], {}
     for section in sections():
         title = f"`{section.header}`" if section.path else "Top of the file"
-        need = " Optional." if isinstance(section.entry, Optional) else ""
+        need = "" if section.entry.is_needed else " Optional."
         keys, like = new_keys(section, listed)
         also = f" Keys as in `{like}`, and these:" if like else ""
         parts.append(f"## {title}\n\n{section.entry.meaning}{need}{also}\n")
         rows = [
-            [f"`{key}`", str(entry.kind), _default_cell(section, entry, form), entry.meaning]
+            [f"`{key}`", _kind_cell(entry), _default_cell(section, entry, form), entry.meaning]
             for key, (entry, form) in keys.items()
         ]
         parts += [_table(["key", "give", "default", "meaning"], rows)] if rows else []
     presets = [
         [f"`{key}`", *(_written(getattr(preset, key)) for preset in tribo.PRESETS.values())]
-        for key in FIDELITY.keys
+        for key in table_of(Fidelity).keys
         if key != "preset"
     ]
     about = "Choices of each preset; [`CHOOSING.md`](CHOOSING.md) has their costs.\n"
@@ -67,8 +68,17 @@ def _table(heads, rows):
     return table(heads, escaped) + "\n"
 
 
+def _kind_cell(entry):
+    """What is allowed, and what is usual."""
+    kind = number_in(entry.kind)
+    if not kind or not kind.usual:
+        return str(entry.kind)
+    low, high = (f"{end:g}" for end in kind.usual)
+    return f"{entry.kind}; usually {low} to {high} {typeset(kind.unit)}".rstrip()
+
+
 def _default_cell(section, entry, form):
-    if not isinstance(entry, Optional):
+    if entry.is_needed:
         words = "needed"
     elif section.path == "fidelity" and entry.default is None:
         words = "the preset's"

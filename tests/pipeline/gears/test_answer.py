@@ -287,7 +287,7 @@ def test_values_of_a_pair_are_doubted_as_those_of_a_scene(irg):
     slips = {
         "mesh.face_width=30 m": "mesh.face_width: 3e+04 mm, where 1 to 1000 mm are usual",
         "friction.coefficient=5": "friction.coefficient: 5, where 0 to 1 are usual",
-        "temperature.bulk=300 degC": "temperature.bulk: 573 K, where 223.15 to 523.15 K are usual",
+        "temperature.bulk=300 degC": "temperature.bulk: 300 °C, where -50 to 250 °C are usual",
     }
     for setting, doubt in slips.items():
         assert f"warning: {doubt}" in irg("gears", "fzg_a", "--set", setting)

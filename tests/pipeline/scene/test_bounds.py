@@ -4,9 +4,9 @@ import pytest
 
 import pipeline
 from pipeline.quantities import DIMENSIONS
-from pipeline.scene.compounds import Either, List, Range, Table, Tables
+from pipeline.scene.declare import Either, List, Range, Table, Tables, table_of
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import FORMAT
+from pipeline.scene.format import SceneFile
 from pipeline.scene.kinds import Number, Quantity, Whole
 from pipeline.scene.units import si_unit
 
@@ -28,7 +28,7 @@ def numbers(kind, path=""):
             yield path, kind
 
 
-EVERY = list(dict.fromkeys(numbers(FORMAT)))
+EVERY = list(dict.fromkeys(numbers(table_of(SceneFile))))
 KINDS = [(path, kind) for path, kind in EVERY if type(kind) in (Number, Quantity)]
 
 

@@ -91,16 +91,16 @@ USUAL = [
     ("pin.crown_radius: ", 1e-4, 100.0, lambda v: said_of(crowned(v))),
     ("temperature.bulk: ", 223.15, 523.15, lambda v: said_of(warmer(v))),
     ("wear_rate: ", 1e-20, 1e-11, lambda v: said_of(SMOOTH.changed(wear=tribo.Wear(v)))),
-    ("disk.roughness: Ra", 1e-9, 1e-5, lambda v: said_of(SMOOTH, surface=surface(ra=v, rq=v))),
+    ("disk.roughness.ra: ", 1e-9, 1e-5, lambda v: said_of(SMOOTH, surface=surface(ra=v, rq=v))),
     ("sweep.velocities: ", 0.0, 100.0, lambda v: said_of(SMOOTH.changed(velocities=(v,)))),
-    ("friction: ", 0.0, 1.0, lambda v: said_of(slippery(v))),
+    ("friction.coefficient: ", 0.0, 1.0, lambda v: said_of(slippery(v))),
     (
         "times the elastic modulus",
         0.001 * STEEL.elastic_modulus,
         0.2 * STEEL.elastic_modulus,
         lambda v: said_of(hard(v)),
     ),
-    ("oil: kinematic viscosity", 0.5e-6, 0.1, lambda v: said_of(oiled(v))),
+    ("oil.kinematic_viscosity: ", 0.5e-6, 0.1, lambda v: said_of(oiled(v))),
     ("oil.density: ", 500.0, 2000.0, lambda v: said_of(dense(v))),
     ("loading.reference_load: ", 7.5, 75e3, lambda v: said_of(ramped(v))),
     ("disk.capacity: ", 0.5, 1e6, lambda v: said_of(kept(v))),
@@ -132,7 +132,7 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(words, low, high, sa
 
 def test_the_highest_friction_and_the_highest_velocity_of_a_scene_are_doubted():
     said = said_of(SMOOTH.changed(friction_band=(0.05, 1.2), velocities=(1.0, 120.0)))
-    for words in ("friction: 1.2", "sweep.velocities: 120 m/s"):
+    for words in ("friction.coefficient: 1.2", "sweep.velocities: 120 m/s"):
         assert any(doubt.startswith(words) for doubt in said), said
 
 

@@ -64,8 +64,8 @@ def test_a_new_pin_is_checked_sized_and_swept_like_any_other(sweep, tmp_path):
     assert facts.wear_depth == expected.wear_depth
     assert sizes_of(sweep.scene.pin) == ("radius", "bluntness")
     assert any(
-        doubt.place == "pin.bluntness"
-        for doubt in doubts(sweep.changed(pin=Oblong(5e-3, 1e9, STEEL)), facts)
+        doubt.place == "pin.radius"
+        for doubt in doubts(sweep.changed(pin=Oblong(5e3, 2.0, STEEL)), facts)
     )
     film = [find_lubrication(one).film_parameter(5.0, 1.0, 298.15) for one in (sweep, crowned)]
     assert film[0] == film[1] > 0

@@ -14,7 +14,6 @@ from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.facts import Span
 from pipeline.scene.faults import Fault, Faults, listed_faults, numbered
 from pipeline.scene.kinds import Number, OneOf, Quantity, Share, Text, UnitText, Whole
-from pipeline.scene.parts import realizations_of
 from pipeline.scene.units import (
     UnitError,
     as_entry,
@@ -167,11 +166,11 @@ def read(kind, value):
         (OneOf(("mild", "severe")), ["mild"], ["mid", 1], '"mild" or "severe"'),
         (OneOf(("a", "b", "c")), ["c"], ["d"], '"a", "b" or "c"'),
         (Text(), ["a"], ["", 1, "a\\0"], "text in quotes"),
-        (Quantity("a length", "5 mm"), ["5 mm", "1e-12 m", "1e5 m"],
+        (Quantity("5 mm"), ["5 mm", "1e-12 m", "1e5 m"],
          ["0 mm", "-1 mm", "9e-13 m", "1.1e5 m", 5], 'a length above 0, such as "5 mm"'),
-        (Quantity("a time", "5 s", zero=True), ["0 s", "1e12 s"], ["-1 s", "1.1e12 s"],
-         'a time of at least 0, such as "5 s"'),
-        (Quantity("a speed", "5 m/s", ends=("1 m/s", "2 m/s")), ["1 m/s", "2 m/s"],
+        (Quantity("5 s", zero=True), ["0 s", "1e12 s"], ["-1 s", "1.1e12 s"],
+         'a duration of at least 0, such as "5 s"'),
+        (Quantity("5 m/s", ends=("1 m/s", "2 m/s"), name="a speed"), ["1 m/s", "2 m/s"],
          ["0.99 m/s", "2.01 m/s"], "a speed above 0"),
         (UnitText("a unit of length", "mm"), ["um", "m"], ["kg", "x"],
          'a unit of length, such as "mm"'),
@@ -189,7 +188,7 @@ def test_true_is_no_number():
     assert "true is not a plain number" in read(Number(), value=True)
     assert "true is not a whole number" in read(Whole(), value=True)
     assert "which is from 1e-15 to 1e+15" in read(Number(), 1e16)
-    assert "which is from 1e-12 m to 1e5 m" in read(Quantity("a length", "5 mm"), "1e6 m")
+    assert "which is from 1e-12 m to 1e5 m" in read(Quantity("5 mm"), "1e6 m")
 
 
 # Headings and cells
@@ -294,22 +293,18 @@ def test_an_entry_beside_a_condition_is_not_taken_for_it(name, cell):
 # Seeds
 
 
-def seeds(wanted, rough):
-    faults = Faults()
-    tables = {"sweep": {"realizations": wanted}, "disk": {"roughness": rough}}
-    return realizations_of(tables, faults), tables["disk"]["roughness"], [*map(str, faults)]
+def seeds(wanted, **entries):
+    scene = pipeline.load_scene("first_try", overrides={"sweep.realizations": wanted} | entries)
+    names = [dict(name)["realization"] for name in scene.variants.names]
+    return names, scene.scene.roughness.seed
 
 
 def test_realizations_begin_at_the_seed_of_the_scene_or_are_those_given():
-    assert seeds(3, {"seed": 5})[0] == (5, 6, 7)
-    assert seeds(2, {"seed": None})[0] == (0, 1)
-    found, rough, _ = seeds([9, 4], {"seed": 5})
-    assert (found, rough["seed"]) == ((4, 9), 4)
-    assert seeds(None, {"seed": 5})[0] == ()
-    for table in (None, {"file": "a.csv"}):
-        found, _, faults = seeds(2, table)
-        assert found == ()
-        assert "2 needs a [disk.roughness] that is made from a seed" in faults[0]
+    assert seeds(3, **{"disk.roughness.seed": 5}) == ([5, 6, 7], 5)
+    assert seeds(2, without=["disk.roughness.seed"]) == ([0, 1], 0)
+    assert seeds([9, 4], **{"disk.roughness.seed": 5}) == ([4, 9], 4)
+    with pytest.raises(pipeline.SceneFileError, match=r"2 needs a .disk.roughness. that is made"):
+        seeds(2, without=["disk.roughness"])
 
 
 def test_the_rate_of_wear_and_the_pressure_coefficient_may_be_pairs():

@@ -12,7 +12,7 @@ import pytest
 
 import tribo
 from pipeline.quantities import DIMENSIONS
-from pipeline.scene.compounds import Either, List
+from pipeline.scene.declare import Either, List
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import Quantity, Whole
 from pipeline.scene.reference import sections

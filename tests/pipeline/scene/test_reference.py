@@ -7,7 +7,7 @@ import tomllib
 
 import pytest
 
-from pipeline.scene.compounds import Either, Entry, Optional, Table
+from pipeline.scene.declare import Either, Entry, Table
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import Number
 from pipeline.scene.reference import Section, example, new_scene, sections
@@ -104,7 +104,9 @@ def test_the_command_writes_and_lists(tmp_path, irg):
 
 def test_a_table_may_have_a_third_form_and_the_others_are_read_as_before():
     first, second, third = (
-        Table({"rate": Optional(Number(), default=1.0), name: Entry(Number())}, form=name)
+        Table(
+            {"rate": Entry(Number(), default=1.0), name: Entry(Number(), is_needed=True)}, form=name
+        )
         for name in ("mean", "start", "final")
     )
     kind = Either(first, second, third)

@@ -185,7 +185,7 @@ CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": 
     [
         ("hardness =", "hardnes =", "materials.steel.hardnes", 'did you mean "hardness"?'),
         ("[friction]", "[fricton]", "friction", "missing; give a table with coefficient"),
-        ('"cylinder"', '"ball"', "pin.length", "unknown key; give one of shape, radius"),
+        ('"cylinder"', '"ball"', "pin.length", "does not fit a ball; leave it out, or"),
         ("[materials.steel]", "[materials.iron]", "pin.material", 'give "iron"'),
     ],
 )

@@ -7,6 +7,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.scene import format as scene_format
+from pipeline.scene.declare import Either, table_of
 from pipeline.sweep.codec import sweep_text, text_sweep
 from pipeline.sweep.laws import given_laws
 
@@ -68,10 +69,10 @@ def test_a_further_law_is_an_entry_of_the_table_and_nothing_else(monkeypatch):
             return tribo.Wear(self.rate, self.pattern)
 
     monkeypatch.setitem(tribo.LAWS, "steady", Steady)
-    form = scene_format._law_form("steady")
+    form = table_of(scene_format._law_form("steady"))
     assert [*form.keys] == ["law", "rate", "pattern"]
     assert form.needed == ["law", "rate"]
-    assert scene_format._wear_form({"law": "steady"}) == 2
+    assert Either(*scene_format.WEAR.kinds, form).kind_for({"law": "steady", "rate": 1}) is form
 
 
 def test_a_misspelt_law_is_asked_for_by_the_laws_that_ship():

@@ -1,39 +1,115 @@
-"""Kinds of compound values: lists, ranges and tables of single values."""
+"""Declared tables: a class is a table of a file, and its annotations say what may stand there.
+
+    radius: A[float, Quantity("2 mm", usual=(0.1, 1000)), "Radius in the plane of sliding."]
+
+One line an entry: type, kind, meaning, and its default if it may be left out. Reader, faults,
+doubts of unusual values, reference and template follow from it.
+"""
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass, replace
 from decimal import Decimal
-from typing import Any, get_type_hints
+from types import NoneType, UnionType
+from typing import (
+    Annotated,
+    Any,
+    Literal,
+    NamedTuple,
+    TypeVar,
+    Union,
+    dataclass_transform,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
-from pipeline.docstrings import first_sentences
 from pipeline.scene.faults import Faults, did_you_mean, joined, quoted
-from pipeline.scene.kinds import Kind, OneOf, Quantity, UnfitError, Whole, kind_of, require
+from pipeline.scene.kinds import (
+    Flag,
+    Kind,
+    Number,
+    OneOf,
+    Quantity,
+    Text,
+    UnfitError,
+    Whole,
+    require,
+)
 from pipeline.scene.units import exact_si
+from tribo.loading.ramp import MOST_STEPS
 
 _MOST_STEPS = 100_000
+_Class = TypeVar("_Class")
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+def declared(table: type[_Class]) -> type[_Class]:
+    """Declare a table: its entries are the fields of the class; `form_name` is that of a form."""
+    return dataclass(frozen=True, kw_only=True)(table)
+
+
+class Example(NamedTuple):
+    """Value of an entry in the template, if its kind has none."""
+
+    value: Any
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A key of a table: kind and meaning of its value, and an example if its kind has none."""
+    """A key of a table: kind and meaning of its value, and its default if it may be left out."""
 
     kind: Kind
     meaning: str = ""
     example: Any = None
     default: Any = None
+    is_needed: bool = False
 
 
-class Optional(Entry):
-    """A key that may be left out."""
+@functools.cache
+def table_of(table: type[Any]) -> Table:
+    """The kind of a declared table."""
+    hints = get_type_hints(table, include_extras=True)
+    keys = {one.name: _entry(hints[one.name], one) for one in fields(table)}
+    return Table(keys, table, getattr(table, "form_name", ""))
+
+
+def _entry(hint: Any, field: Field[Any]) -> Entry:
+    notes = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+    meaning = next((note for note in notes if isinstance(note, str)), "")
+    example = next((note.value for note in notes if isinstance(note, Example)), None)
+    needed = field.default is MISSING
+    return Entry(kind_of(hint), meaning, example, None if needed else field.default, needed)
+
+
+def kind_of(hint: Any) -> Kind:
+    """Kind of the values of a type: the kind with which it is annotated, else that of its form."""
+    origin, args = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        annotated = (note for note in args[1:] if isinstance(note, Kind))
+        return next(annotated, None) or kind_of(args[0])
+    if origin in (Union, UnionType):
+        kinds = [kind_of(one) for one in args if one is not NoneType]
+        return Either(*kinds) if len(kinds) > 1 else kinds[0]
+    if origin is Literal:
+        return OneOf(args)
+    if origin is tuple:
+        return List(kind_of(args[0]), None if args[-1] is ... else len(args))
+    if origin is dict:
+        return Tables(kind_of(args[1]))
+    if isinstance(hint, type) and is_dataclass(hint):
+        return table_of(hint)
+    return {int: Whole(at_most=MOST_STEPS), float: Number(), bool: Flag(), str: Text()}[hint]
 
 
 @dataclass(frozen=True)
 class List(Kind):
     """Values of one kind, at least one of them, read as a tuple."""
 
+    holds = list
     of: Kind
     length: int | None = None
     distinct: bool = False
@@ -60,6 +136,7 @@ class List(Kind):
 class Range(Kind):
     """Quantities between two ends, a step apart, or a count at even steps or equal factors."""
 
+    holds = dict
     of: Quantity
 
     def __str__(self) -> str:
@@ -68,9 +145,9 @@ class Range(Kind):
     @property
     def ends(self) -> Table:
         """Both ends, and what lies between them."""
-        end, step = Entry(self.of), Optional(replace(self.of, zero=False))
+        end, step = Entry(self.of, is_needed=True), Entry(replace(self.of, zero=False))
         count, spacing = Whole(at_least=2, at_most=_MOST_STEPS), OneOf(("linear", "log"))
-        between = {"count": Optional(count), "spacing": Optional(spacing)}
+        between = {"count": Entry(count), "spacing": Entry(spacing)}
         return Table({"from": end, "to": end, "step": step} | between)
 
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
@@ -106,16 +183,13 @@ class Range(Kind):
 
 
 class Either(Kind):
-    """One of several kinds: the first, or the one that `when` or the form of a value names.
+    """One of several kinds: the first, or the one that the form of a value names.
 
-    `when` gives the number of a value's kind, or True for the second. A table has the form that
-    shares most of its keys, not counting those of the first form.
+    A table has the form that shares most of its keys, not counting those of the first form.
     """
 
-    def __init__(
-        self, usual: Kind, *others: Kind, when: Callable[[Any], int] | None = None
-    ) -> None:
-        self.kinds, self._when = (usual, *others), when
+    def __init__(self, usual: Kind, *others: Kind) -> None:
+        self.kinds = (usual, *others)
 
     def __str__(self) -> str:
         return "; or ".join(map(str, self.kinds))
@@ -123,15 +197,18 @@ class Either(Kind):
     def kind_for(self, value: Any) -> Kind:
         """The kind that a value is to be read as."""
         usual, *others = self.kinds
-        if self._when:
-            return self.kinds[self._when(value)]
         if not isinstance(usual, Table):
-            fits = (isinstance(value, list if isinstance(x, List) else dict) for x in others)
+            fits = (isinstance(value, other.holds) for other in others)
             return next(itertools.compress(others, fits), usual)
-        tables = [other for other in others if isinstance(other, Table)]
-        keys = value.keys() - usual.keys.keys() if isinstance(value, dict) else set[str]()
-        best = max(tables, key=lambda table: len(keys & table.keys.keys()), default=usual)
-        return best if keys & best.keys.keys() else usual
+        if not isinstance(value, dict):
+            return usual
+        own = value.keys() - usual.keys.keys()
+
+        def shared(form: Table) -> int:
+            return len(own & form.keys.keys()) + (form.form in value.values())
+
+        best = max((one for one in others if isinstance(one, Table)), key=shared, default=usual)
+        return best if own & best.keys.keys() else usual
 
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
         kind = self.kind_for(value)
@@ -142,9 +219,11 @@ class Either(Kind):
 
 @dataclass(frozen=True)
 class Table(Kind):
-    """A table of fixed keys, read as a dict, None where faulty; `form` names one of several."""
+    """A table of fixed keys, read into its class, None where faulty; `form` is its name if any."""
 
+    holds = dict
     keys: Mapping[str, Entry]
+    make: Callable[..., Any] = dict
     form: str = ""
 
     def __str__(self) -> str:
@@ -153,9 +232,9 @@ class Table(Kind):
     @property
     def needed(self) -> list[str]:
         """Keys that may not be left out."""
-        return [key for key, entry in self.keys.items() if not isinstance(entry, Optional)]
+        return [key for key, entry in self.keys.items() if entry.is_needed]
 
-    def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
+    def _read(self, value: Any, place: str, faults: Faults) -> Any:
         require(value, dict, "is not a table")
         for key in value:
             if key not in self.keys:
@@ -164,21 +243,20 @@ class Table(Kind):
                 faults.refuse(joined(place, key), problem)
         entries = {}
         for key, entry in self.keys.items():
+            entries[key] = entry.default
             if key in value:
                 entries[key] = entry.kind.read(value[key], joined(place, key), faults)
-            elif isinstance(entry, Optional):
-                entries[key] = entry.default
-            else:
-                entries[key] = None
+            elif entry.is_needed:
                 faults.refuse(joined(place, key), f"missing; give {entry.kind}")
-        return entries
+        return self.make(**entries)
 
 
 @dataclass(frozen=True)
 class Tables(Kind):
     """Tables of one kind, at least one, under names of the user's choice."""
 
-    of: Table
+    holds = dict
+    of: Kind
 
     def __str__(self) -> str:
         return f"at least one table under a name of your choice, each {self.of}"
@@ -186,15 +264,14 @@ class Tables(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
         if not isinstance(value, dict) or not value:
             raise UnfitError(f"{quoted(value)} is not a table that holds tables")
-        return {
-            name: self.of.read(table, joined(place, name), faults) for name, table in value.items()
-        }
+        return {name: self.of.read(one, joined(place, name), faults) for name, one in value.items()}
 
 
 @dataclass(frozen=True)
 class ByPath(Kind):
     """Values of one kind by the paths of entries, in quotes or as tables in tables."""
 
+    holds = dict
     of: Kind
     keys: str
 
@@ -224,13 +301,3 @@ def flat(
             yield from flat(inner, path, ends)
         else:
             yield path, inner
-
-
-def fields_of(kind: type[Any]) -> dict[str, Entry]:
-    """Fields of a class as entries, each with the first sentence on it in the docstring."""
-    sentences = {
-        name: f"{sentence}.".replace('``"', '"').replace('"``', '"')
-        for name, sentence in first_sentences(kind.__doc__ or "").items()
-    }
-    hints = get_type_hints(kind)
-    return {name: Optional(kind_of(hint), sentences[name]) for name, hint in hints.items()}
