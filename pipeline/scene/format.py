@@ -9,7 +9,6 @@ from typing import Any, get_type_hints
 
 import tribo
 from pipeline import extras
-from pipeline.docstrings import first_sentences
 from pipeline.scene.declare import ByPath, Either, Example, List, Range, declared, kind_of, table_of
 from pipeline.scene.kinds import (
     Kind,
@@ -272,20 +271,12 @@ _BY_UNIT: dict[str, Kind] = {"m^2/N": ANY_WEAR_RATE, "m": Quantity("100 m")}
 def _law_form(name: str) -> Any:
     """Table of a law that ships, by the fields of its class."""
     law: Any = tribo.LAWS[name]
-    meanings = _sentences(law)
     return _extended(_Law, form=name, entries=[
-        (one.name, A[str, WEAR_PATTERN, meanings[one.name]], one.default)
+        (one.name, A[str, WEAR_PATTERN, one.metadata["meaning"]], one.default)
         if one.name == "pattern"
-        else (one.name, A[float, _BY_UNIT[one.metadata["unit"]], meanings[one.name]])
+        else (one.name, A[float, _BY_UNIT[one.metadata["unit"]], one.metadata["meaning"]])
         for one in fields(law)
     ])
-
-def _sentences(kind: type) -> dict[str, str]:
-    """First sentence on each field of a class in its docstring."""
-    return {
-        name: f"{sentence}.".replace('``"', '"').replace('"``', '"')
-        for name, sentence in first_sentences(kind.__doc__ or "").items()
-    }
 
 WEAR = Either(table_of(Archard), *(table_of(_law_form(name)) for name in tribo.LAWS))
 
@@ -372,13 +363,42 @@ class Model:
 _OF_PAPER = ("kernel", "contact_criterion", "wear_scheme", "heat_kernel")
 """Choices that the results of the paper compare, in Python; a scene has those of its preset."""
 
+_CHOICES = {
+    "pixels_per_element":
+        "Pixels of the surface, along each axis, that make up one element; at most, where "
+        "`elements_per_summit` is more than 0.",
+    "averaging":
+        "An element's height: the mean of its pixels, as measured surfaces are coarsened in the "
+        "paper, or that of one pixel in its middle.",
+    "history_coarsening":
+        "Factor by which elements are larger, at most, along each axis until a point's last step.",
+    "elements_per_summit": "Least width of the summits of the surface in elements.",
+    "fewest_summits":
+        "Least number of summits that are expected to touch for elements larger than the pixels, "
+        "which are taken where fewer do, if `elements_per_summit` is more than 0.",
+    "fewest_elements":
+        "Least number of elements that are expected to touch on the grid of the history, which is "
+        "as fine as that needs, if `elements_per_summit` is more than 0.",
+    "increments": "Steps of the ramp up to its reference load.",
+    "hold_increments":
+        "The same of a hold, whose steps grow with the time; 0 for as many as `increments`.",
+    "imprint":
+        "Share of a wave of the roughness that a part of a step may wear into the pin.",
+    "contact_tolerance": "Residual of the contact at which its solver stops.",
+    "heat_model":
+        '"elapsed": the present friction heat is taken to have acted since time 0 (Bosman & de '
+        'Rooij); "history": all heat since then acts at its own time, linear between the steps.',
+    "partition": "Division of friction heat between the bodies.",
+    "heat_tolerance": "Relative residual of the heat partition at which its solver stops.",
+}  # fmt: skip
+
 @declared
 class _Fidelity:
     preset: A[str, OneOf(tuple(tribo.PRESETS)),
         'Preset, from "draft", the fastest, to "reference", the most accurate.'] = USUAL_PRESET
 
 Fidelity = _extended(_Fidelity, entries=[
-    (name, A[hint | None, _sentences(tribo.Fidelity)[name]], None)
+    (name, A[hint | None, _CHOICES[name]], None)
     for name, hint in get_type_hints(tribo.Fidelity).items() if name not in _OF_PAPER
 ])
 

@@ -62,8 +62,8 @@ def test_a_further_law_is_an_entry_of_the_table_and_nothing_else(monkeypatch):
             Pattern of the wear.
         """
 
-        rate: float = field(metadata={"unit": "m^2/N"})
-        pattern: tribo.wear.WearPattern = "swept"
+        rate: float = field(metadata={"unit": "m^2/N", "meaning": "Specific wear rate."})
+        pattern: tribo.wear.WearPattern = field(default="swept", metadata={"meaning": "Pattern."})
 
         def over(self, begin, end):
             return tribo.Wear(self.rate, self.pattern)
