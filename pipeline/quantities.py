@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from decimal import Decimal
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 
@@ -69,7 +70,7 @@ UNITS = {
 """Units in which quantities are shown, empty of a number, by the names of columns and fields."""
 SIZES = _OTHERS | {unit: size for one in DIMENSIONS.values() for unit, size in one.units.items()}
 """Values in SI of units."""
-_FACTORS = {unit: float(1 / Decimal(size)) for unit, size in SIZES.items()}
+_FACTORS = {unit: float(1 / Fraction(size)) for unit, size in SIZES.items()}
 _SI = {unit: next(iter(one.units)) for one in DIMENSIONS.values() for unit in one.units}
 
 

@@ -52,6 +52,7 @@ from tribo import Corrections
 from tribo.types import Array
 
 
+@np.errstate(under="ignore")
 def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
     """Critical velocity for each load and critical load for each velocity.
 

@@ -134,6 +134,7 @@ def refined(
     return xr.DataArray(plane, coords, rise.dims, rise.name, rise.attrs)
 
 
+@np.errstate(under="ignore")
 def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     """Temperatures of the contact, at each step of each point.
 

@@ -57,6 +57,7 @@ class Difference:
         return frames | {"points_alike": self.alike}
 
 
+@np.errstate(under="ignore")
 def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     """Find the differences between two stores.
 

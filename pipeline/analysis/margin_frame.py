@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple, overload
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -39,6 +40,7 @@ def margin(
 def margin(ds: xr.Dataset | PathLike, load: Points | None = None) -> pd.DataFrame: ...
 
 
+@np.errstate(under="ignore")
 def margin(
     ds: xr.Dataset | PathLike, load: Any = None, velocity: Any = None
 ) -> Margin | pd.DataFrame:

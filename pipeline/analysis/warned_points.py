@@ -85,6 +85,7 @@ NO_WARNING = Warned(0, {}, 0)
 """Of a sweep in which no point carries one."""
 
 
+@np.errstate(under="ignore")
 def warned(ds: xr.Dataset | PathLike) -> Warned:
     """Count the points of a sweep that carry a warning.
 

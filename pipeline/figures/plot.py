@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -35,6 +36,7 @@ KINDS: dict[str, Callable[..., Figure]] = {
 """Function that draws each kind of figure of a sweep, the usual one first."""
 
 
+@np.errstate(under="ignore")
 def plot(
     ds: Any,
     kind: str | None = None,

@@ -208,6 +208,7 @@ class SurfaceStatistics:
         return "\n".join(self.lines())
 
 
+@np.errstate(under="ignore")
 def surface_statistics(
     path: str | Path,
     height_unit: float | str | None = None,

@@ -13,6 +13,7 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import Kind, dataset_of, require_kind, stored_sweep, sweep_kind
@@ -58,6 +59,7 @@ class Page:
         return f"{self.path}: {self.points} points{fields}, {size}"
 
 
+@np.errstate(under="ignore")
 def explore(
     ds: xr.Dataset | str | Path,
     out: str | Path,

@@ -68,6 +68,7 @@ _MODEL = (
 )
 
 
+@np.errstate(under="ignore")
 def report(
     ds: xr.Dataset | PathLike,
     out: str | Path,

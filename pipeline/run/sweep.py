@@ -55,6 +55,7 @@ class Outcome:
     wall_time: float  #: Duration of this run [s].
 
 
+@np.errstate(under="ignore")
 def run_sweep(
     sweep: Sweep | PathLike,
     out: PathLike,

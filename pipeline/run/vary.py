@@ -101,6 +101,7 @@ class Variations:
         }
 
 
+@np.errstate(under="ignore")
 def vary(
     scene: PathLike,
     over: Mapping[str, Iterable[Any]],

@@ -39,7 +39,7 @@ from pipeline.scene.kinds import (
     Whole,
     require,
 )
-from pipeline.scene.units import exact_si
+from pipeline.scene.units import exact_decimals, exact_si
 from tribo.loading.ramp import MOST_STEPS
 
 _MOST_STEPS = 100_000
@@ -150,6 +150,7 @@ class Range(Kind):
         between = {"count": Entry(count), "spacing": Entry(spacing)}
         return Table({"from": end, "to": end, "step": step} | between)
 
+    @exact_decimals()
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
         before = len(faults)
         read = self.ends.read(value, place, faults)

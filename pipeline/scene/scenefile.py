@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 from os import PathLike
 from typing import Any
 
+import numpy as np
+
 import tribo
 from pipeline.scene.consistency import check_tables
 from pipeline.scene.declare import table_of
@@ -45,6 +47,7 @@ _UNSET = ("extends", "materials", "fidelity", "measured", "tested")
 """Tables whose entries are not named by their path alone."""
 
 
+@np.errstate(under="ignore")
 def load_scene(
     path: str | PathLike[str],
     preset: str | None = None,
@@ -320,6 +323,7 @@ def _bulks_of(scene: Any) -> dict[str, Any]:
     return bulk_entries(vars(bulk) if isinstance(bulk, Bulks) else bulk)
 
 
+@np.errstate(under="ignore")
 def run_point(
     sweep: SceneLike,
     load: float | str,

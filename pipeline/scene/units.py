@@ -6,8 +6,17 @@ import functools
 import json
 import math
 import re
-from contextlib import suppress
-from decimal import Decimal
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from decimal import (
+    ROUND_HALF_EVEN,
+    Context,
+    Decimal,
+    DivisionByZero,
+    InvalidOperation,
+    Overflow,
+    localcontext,
+)
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -76,6 +85,17 @@ class UnitError(TriboError, ValueError):
     """Text that is not a quantity of the dimension that is needed."""
 
 
+_TRAPS = [InvalidOperation, DivisionByZero, Overflow]
+
+
+@contextmanager
+def exact_decimals() -> Iterator[None]:
+    """Compute with decimals of 28 digits, whatever the caller's context is."""
+    with localcontext(Context(prec=28, rounding=ROUND_HALF_EVEN, traps=_TRAPS)):
+        yield
+
+
+@exact_decimals()
 def exact_si(text: str, like: str) -> Decimal:
     """Value in SI of a quantity such as ``"0.27 um"``, without rounding; hardness is a pressure."""
     needed = _split_hardness(like)[1]
@@ -142,6 +162,7 @@ def difference_in_si(text: str, like: str) -> float:
     return difference
 
 
+@exact_decimals()
 def si_unit(text: str) -> str:
     """SI unit of the dimension of a quantity, as CF writes units, such as ``"W m-1 K-1"``."""
     unit = _split_hardness(text)[1]

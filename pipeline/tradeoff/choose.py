@@ -120,6 +120,7 @@ def _find_stored(store: PathLike | None) -> Sweep | None:
     return stored
 
 
+@np.errstate(under="ignore")
 def choose_fidelity(
     sweep: SceneLike,
     accuracy: float | str | None,

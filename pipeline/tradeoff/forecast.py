@@ -60,6 +60,7 @@ class Estimate:
         return asdict(self)
 
 
+@np.errstate(under="ignore")
 def estimate(
     sweep: SceneLike,
     workers: int | None = None,

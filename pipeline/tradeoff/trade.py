@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
+import numpy as np
 import pandas as pd
 
 from pipeline.analysis.tables import as_dict, frame_of, lines_of
@@ -119,6 +120,7 @@ class Trade:
         return "\n".join(lines)
 
 
+@np.errstate(under="ignore")
 def trade(
     sweep: SceneLike,
     presets: Sequence[str] = _USUAL,

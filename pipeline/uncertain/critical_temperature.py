@@ -72,6 +72,7 @@ class CriticalTemperatures:
         }
 
 
+@np.errstate(under="ignore")
 def critical_temperatures(
     sweep: SceneLike,
     out: PathLike | None = None,

@@ -58,6 +58,7 @@ class Sensitivity:
         return told
 
 
+@np.errstate(under="ignore")
 def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivity:
     """Share of the variance of the critical velocity that each unknown input causes, by load.
 

@@ -35,6 +35,7 @@ _ENOUGH = 4000  # draws of equal weight, that tell a standard deviation to 1 %
 _FIRST, _COUNT = 2**13, 2**13  # draws of the prior, and of the posterior
 
 
+@np.errstate(under="ignore")
 def posterior(ensemble: Ensemble, scatter: float = SCATTER, discrepancy: bool = False) -> Posterior:
     """Weigh the unknown inputs by the transitions and tests of the scene.
 

@@ -80,6 +80,7 @@ def _hangs_on_friction(conditions: Judging, rise: float) -> bool:
     return abs(rise / rise_limit(conditions) - 1) <= _NEAR or conditions.may_ignite(rise)
 
 
+@np.errstate(under="ignore")
 def judge(
     scene: Scene,
     load: float,

@@ -99,6 +99,7 @@ class PointWarning(NamedTuple):
         return self.text
 
 
+@np.errstate(under="ignore")
 def warnings(scene: Scene, state: State) -> list[PointWarning]:
     """Reasons for care in relying on a state.
 
