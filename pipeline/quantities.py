@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
@@ -70,6 +71,8 @@ UNITS = {
 """Units in which quantities are shown, empty of a number, by the names of columns and fields."""
 SIZES = _OTHERS | {unit: size for one in DIMENSIONS.values() for unit, size in one.units.items()}
 """Values in SI of units."""
+ALIKE = 5e-6
+"""Relative difference up to which numbers agree in the six digits that are printed."""
 _FACTORS = {unit: float(1 / Fraction(size)) for unit, size in SIZES.items()}
 _SI = {unit: next(iter(one.units)) for one in DIMENSIONS.values() for unit in one.units}
 
@@ -105,6 +108,18 @@ def si_of(value: float, unit: str) -> float:
     """Value in SI of one in a unit, without what rounding adds to degrees."""
     zero = float(ZERO.get(unit, 0))
     return round(value + zero, 9) if zero else value / _FACTORS.get(unit, 1.0)
+
+
+def snap(value: float, low: float, high: float) -> float:
+    """A value, or the end of a range that it exceeds by rounding alone.
+
+    Examples
+    --------
+    >>> snap(400.0001, 200.0, 400.0), snap(401.0, 200.0, 400.0)
+    (400.0, 401.0)
+    """
+    within = min(max(value, low), high)
+    return within if math.isclose(within, value, rel_tol=ALIKE) else value
 
 
 def display(value: float, unit: str, form: int | str = 6) -> str:

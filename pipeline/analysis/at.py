@@ -33,7 +33,7 @@ from pipeline.analysis.dataset import (
     whole_sweep,
 )
 from pipeline.analysis.scenes import scenes, value_text
-from pipeline.quantities import display
+from pipeline.quantities import ALIKE, display, snap
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import OIL_WORKS
 from pipeline.scene.reference import acts_later, all_keys, find_entry, needed_beside
@@ -53,7 +53,6 @@ COLDEST_OIL, HOTTEST_OIL = (in_si("temperature.bulk", end, "1 K") for end in OIL
 """Bulk temperatures between which an oil may work [K]."""
 _NAMES = {path: name for name, path in PATHS.items()}
 _UNITS = {path: UNITS[name] for name, path in FIELDS.items() if name in UNITS}
-_ROUNDED = 1e-9  # share of a range beyond which a value is outside
 
 
 def at(
@@ -262,7 +261,7 @@ def _drawn_value(unknown: Unknown, value: float | str) -> float:
     number = in_si(unknown.path, value, f"1 {shown.name}")
     if unknown.kind == "list":
         nearest = min(unknown.parameters, key=lambda one: abs(one - number))
-        if abs(nearest - number) <= _ROUNDED * abs(nearest):
+        if math.isclose(nearest, number, rel_tol=ALIKE):
             return nearest
         listed = ", ".join(f"{shown.express(one):g}" for one in unknown.parameters)
         allowed = f"one of {listed}{shown.suffix}"
@@ -270,8 +269,7 @@ def _drawn_value(unknown: Unknown, value: float | str) -> float:
         low, high = unknown.quantile(ndtr(np.array([-REACH, REACH]))).tolist()
         if unknown.kind == "uniform":
             low, high = unknown.parameters
-        slack = _ROUNDED * (high - low)
-        if low - slack <= number <= high + slack:
+        if low <= (number := snap(number, low, high)) <= high:
             return number
         allowed = f"one from {shown.express(low):.4g} to {shown.express(high):.4g}{shown.suffix}"
     raise InputError(
@@ -301,7 +299,7 @@ def _place(axis: xr.DataArray, value: float | str) -> int:
         matches = [number for number, held in enumerate(values) if held == value]
     else:
         wanted = _number(value)
-        matches = np.flatnonzero(np.isclose(values, wanted, rtol=1e-9, atol=0)).tolist()
+        matches = np.flatnonzero(np.isclose(values, wanted, rtol=ALIKE, atol=0)).tolist()
     if not matches:
         held = ", ".join(value_text(axis, one) for one in values)
         raise InputError(f"{axis.name} is {value}, which the sweep does not have; it has {held}")

@@ -18,11 +18,12 @@ from pipeline.analysis.laboratory import model_error, tests_beside
 from pipeline.analysis.margin import Margin, answer, told
 from pipeline.analysis.scenes import heads_of, shown_label
 from pipeline.analysis.tables import as_dict, frame_of
-from pipeline.quantities import column_heads
+from pipeline.quantities import column_heads, snap
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
+from pipeline.store.schema import PLANE
 from pipeline.sweep.variants import VARIANT
 from tribo import InputError
 
@@ -141,8 +142,11 @@ def judged(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Judged]:
         for place, own in places:
             try:
                 here = under(*own.items())
-                tested = [*tests_beside(field.source, here.conditions, *place)]
-                found = answer(here, place.load, place.velocity, scatter, tested)
+                met = Place(
+                    *(snap(x, *here.ends[name]) for name, x in zip(PLANE, place, strict=True))
+                )
+                tested = [*tests_beside(field.source, here.conditions, *met)]
+                found = answer(here, *met, scatter, tested)
                 yield Judged(here, place, own, found)
             except InputError as error:
                 yield Judged(field, place, own, None, str(error))

@@ -100,6 +100,8 @@ def _quantities(sweep: Sweep, facts: Facts) -> Iterator[Usual]:
     for body, bulk in (("pin", kept.pin_bulk), ("disk", kept.disk_bulk)):
         if bulk and bulk.capacity:
             found[f"{body}.capacity"] = bulk.capacity
+    if scene.motion and scene.motion.slide_roll_ratio is not None:
+        found["motion.slide_roll_ratio"] = scene.motion.slide_roll_ratio
     if isinstance(scene.wear, Wear) and scene.wears:
         found["wear.specific_wear_rate"] = scene.wear.specific_wear_rate
     yield "loading: time until the end", facts.duration.high, 0.05, 1e6, "s"

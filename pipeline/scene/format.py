@@ -242,7 +242,7 @@ class LoadRecord:
 
 @declared
 class Motion:
-    slide_roll_ratio: A[float | None,
+    slide_roll_ratio: A[float | None, Share(usual=(-2, 2)),
         "Sliding velocity over the mean velocity of both surfaces; negative if the pin is the "
         "faster body."] = None
     entrainment_velocity: A[float | None, Quantity("3 m/s", zero=True),

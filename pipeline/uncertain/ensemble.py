@@ -15,7 +15,7 @@ import functools
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Union
 
 import numpy as np
 import xarray as xr
@@ -33,6 +33,7 @@ from pipeline.analysis.dataset import (
     values_of,
 )
 from pipeline.analysis.scenes import scenes
+from pipeline.quantities import snap
 from pipeline.store.place import PathLike
 from pipeline.store.read import Keeper
 from pipeline.sweep.accuracy import velocity_error
@@ -58,6 +59,8 @@ from tribo import InputError
 from tribo.types import Array
 
 Axis = Sequence[float] | Array
+Samples = Union["Ensemble", xr.Dataset, PathLike]
+"""Samples of a sweep that were read, its dataset, or the path of its store."""
 """Loads [N] or velocities [m/s]."""
 _FIELD_OF = {path: name for name, path in FIELDS.items()}
 _LEAST_RISE = 1.0  # [K], of the few draws of a wide distribution that cross what is possible
@@ -114,19 +117,22 @@ class Ensemble:
     keeper: Keeper | None = None  #: Store in which fits are kept.
 
     @classmethod
-    def of(cls, ds: xr.Dataset | PathLike) -> Ensemble:
+    def of(cls, ds: Samples) -> Ensemble:
         """Read the samples of a sweep.
 
         Parameters
         ----------
-        ds : Dataset, str or path
-            Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store.
+        ds : Dataset, str, path or Ensemble
+            Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store; samples that
+            were read are returned.
 
         Raises
         ------
         InputError
             If the sweep has no samples, or too few of them are done.
         """
+        if isinstance(ds, Ensemble):
+            return ds
         ds = dataset_of(ds)
         if sweep_kind(ds) is not Kind.SAMPLES:
             raise InputError(
@@ -331,7 +337,7 @@ class Ensemble:
             ("velocity", "m/s", velocities, self.velocities),
         ):
             for value in values:
-                if axis[0] * (1 - 1e-9) <= value <= axis[-1] * (1 + 1e-9):
+                if axis[0] <= snap(value, axis[0], axis[-1]) <= axis[-1]:
                     continue
                 ends = f"{axis[0]:g} to {axis[-1]:g} {unit}"
                 if axis[0] == axis[-1]:

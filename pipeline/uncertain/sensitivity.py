@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pipeline.sweep.shown import shown
 from pipeline.sweep.unknown import OF_90, Unknown, score_values
 from pipeline.uncertain.answers import draws_of, log_boundary
-from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.ensemble import Ensemble, Samples
 from pipeline.uncertain.inputs import Draws
 from tribo.types import Array
 
@@ -59,13 +59,13 @@ class Sensitivity:
 
 
 @np.errstate(under="ignore")
-def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivity:
+def sensitivity(ensemble: Samples, posterior: Draws | None = None) -> Sensitivity:
     """Share of the variance of the critical velocity that each unknown input causes, by load.
 
     Parameters
     ----------
-    ensemble : Ensemble
-        Samples of a sweep.
+    ensemble : Ensemble, Dataset, str or path
+        Samples of a sweep, its dataset or the path of its store.
     posterior : Draws, optional
         Draws that measurements leave, in place of the scene's distributions. The inputs
         depend on one another then, and there are no total indices; nor are there any where the
@@ -79,11 +79,11 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
     Examples
     --------
     >>> import pipeline
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> indices = pipeline.sensitivity(ensemble)
+    >>> indices = pipeline.sensitivity("results/unknown.zarr")
     >>> indices.total.shape
     (4, 2)
     """
+    ensemble = Ensemble.of(ensemble)
     ensemble.require_unknown()
     draws = draws_of(ensemble, posterior)
     values, error = log_boundary(ensemble, draws.inputs, ensemble.loads)

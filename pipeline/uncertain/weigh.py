@@ -18,7 +18,7 @@ from scipy.special import logsumexp, softmax
 from pipeline.analysis.dataset import GIVEN_MEASURED, judged_values
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.unknown import OF_90
-from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.ensemble import Ensemble, Samples
 from pipeline.uncertain.evidence import FACTOR, Joint, JudgedTests
 from pipeline.uncertain.inputs import Draws, prior
 from pipeline.uncertain.posterior import Judged, Posterior, cut_off, explains, faults, shown_test
@@ -36,16 +36,16 @@ _FIRST, _COUNT = 2**13, 2**13  # draws of the prior, and of the posterior
 
 
 @np.errstate(under="ignore")
-def posterior(ensemble: Ensemble, scatter: float = SCATTER, discrepancy: bool = False) -> Posterior:
+def posterior(ensemble: Samples, scatter: float = SCATTER, discrepancy: bool = False) -> Posterior:
     """Weigh the unknown inputs by the transitions and tests of the scene.
 
     Without any, the result is the prior.
 
     Parameters
     ----------
-    ensemble : Ensemble
-        Samples of a sweep. Tests of other oils than the first have critical temperatures of their
-        own, with the same prior.
+    ensemble : Ensemble, Dataset, str or path
+        Samples of a sweep, its dataset or the path of its store. Tests of other oils than the first
+        have critical temperatures of their own, with the same prior.
     scatter : float
         Relative standard deviation of measured velocities that give none of their own. The scatter
         is inferred with the inputs, about this value within a factor of 3.
@@ -62,14 +62,14 @@ def posterior(ensemble: Ensemble, scatter: float = SCATTER, discrepancy: bool = 
     Examples
     --------
     >>> import pipeline
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> weighed = pipeline.posterior(ensemble)
+    >>> weighed = pipeline.posterior("results/unknown.zarr")
     >>> before, after = (row["sd"] for row in list(weighed.summary())[1].values() if "sd" in row)
     >>> after < before
     True
     """
     if not 0 < scatter < 1:
         raise InputError(f"scatter is {scatter:g}; give a share between 0 and 1, such as 0.05")
+    ensemble = Ensemble.of(ensemble)
     ensemble.require_unknown()
     model = Joint.of(ensemble, scatter)
     before = prior(model.unknown, _seed(model), _FIRST)

@@ -11,6 +11,7 @@ import pytest
 import tribo
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Span, facts_of
+from pipeline.scene.scenefile import load_scene
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.physics import note_on_ends
 from pipeline.sweep.surface import SurfaceFacts
@@ -128,6 +129,18 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(words, low, high, sa
         assert is_doubted(value), value
     for value in (low * JUST_MORE, high * JUST_LESS):
         assert not is_doubted(value), value
+
+
+def test_a_ratio_in_percent_is_doubted_or_read():
+    def doubted(ratio):
+        return any("motion.slide_roll_ratio: " in doubt for doubt in said_of(rolling(ratio)))
+
+    def rolling(ratio):
+        return SMOOTH.changed(motion=tribo.Motion(slide_roll_ratio=ratio))
+
+    assert [doubted(ratio) for ratio in (-2.1, -2.0, 0.5, 2.0, 50.0)] == [1, 0, 0, 0, 1]
+    read = load_scene("twin_disc", overrides={"motion.slide_roll_ratio": "50 %"})
+    assert read.scene.motion.slide_roll_ratio == 0.5
 
 
 def test_the_highest_friction_and_the_highest_velocity_of_a_scene_are_doubted():

@@ -9,7 +9,16 @@ import pytest
 import pipeline
 from pipeline.sweep.unknown import Fixed, Unknown, drawn
 from pipeline.uncertain.sensitivity import indices
-from tests.helpers.samples import critical_velocity, dataset, ensemble, field, limit, margin, rise
+from tests.helpers.samples import (
+    critical_velocity,
+    dataset,
+    ensemble,
+    fewer_draws,
+    field,
+    limit,
+    margin,
+    rise,
+)
 from tests.helpers.unknowns import ALL, CRITICAL, FRICTION, JOINT, LENGTH, RATE
 from tribo import InputError
 
@@ -192,3 +201,14 @@ def test_tests_that_weigh_samples_take_no_other_conditions_and_no_scatter_alone(
         pipeline.at(ds, friction=0.09, given_measured=True)
     with pytest.raises(InputError, match="measured velocities count only with"):
         pipeline.at(ds, scatter=0.05)
+
+
+def test_samples_are_given_by_their_dataset_too(samples, monkeypatch):
+    fewer_draws(monkeypatch)
+    ds = dataset(samples)
+    read = pipeline.Ensemble.of(ds)
+    assert pipeline.Ensemble.of(read) is read
+    first, second = (pipeline.sensitivity(one).total for one in (ds, read))
+    np.testing.assert_array_equal(first, second)
+    first, second = (pipeline.posterior(one).prior.inputs for one in (ds, read))
+    np.testing.assert_array_equal(first, second)

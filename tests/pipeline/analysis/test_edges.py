@@ -1,0 +1,32 @@
+"""A place at the edge of a sweep is met to the six digits in which edges are printed."""
+
+import pytest
+
+import pipeline
+from tests.helpers import synthetic
+from tests.helpers.samples import dataset, ensemble
+from tests.helpers.unknowns import ALL
+from tribo import InputError
+
+
+@pytest.mark.parametrize("place", [("168.6068 lbf", "4 m/s"), ("750.001 N", "4.00001 m/s")])
+def test_a_place_beyond_the_edge_by_rounding_is_the_edge(place):
+    ds = synthetic.sweep()
+    edge, here = pipeline.margin(ds, 750.0, 4.0), pipeline.margin(ds, *place)
+    assert here.probability == pytest.approx(edge.probability, rel=1e-6)
+    assert (here.load, here.velocity) == (750.0, 4.0)
+
+
+@pytest.mark.parametrize("place", [("751 N", "4 m/s"), ("750 N", "4.001 m/s")])
+def test_a_place_beyond_by_more_than_rounding_is_refused(place):
+    with pytest.raises(InputError, match="the sweep has"):
+        pipeline.margin(synthetic.sweep(), *place)
+
+
+def test_samples_have_the_same_edges():
+    ds = dataset(ensemble(ALL, 32))
+    load, velocity = float(ds["load"][-1]), float(ds["velocity"].max())
+    here = pipeline.margin(ds, load * (1 + 1e-6), velocity * (1 - 0.2))
+    assert here.load == load
+    with pytest.raises(InputError, match="the samples have"):
+        pipeline.margin(ds, load * 1.001, velocity * 0.8)
