@@ -147,6 +147,9 @@ OF_RUN = (
             ),
         ),
     ),
+    Option(
+        "--from", metavar="OLD.zarr", dest="source", type=values.store, help="{run_sweep.source}"
+    ),
     flag("--dashboard", "{run_sweep.dashboard}"),
     flag("--retry-failed", "{run_sweep.retry_failed}"),
     BOUNDARY_ONLY,

@@ -55,6 +55,7 @@ def run(options: argparse.Namespace) -> Result:
             progress=progress,
             retry_failed=options.retry_failed,
             boundary_only=options.boundary_only,
+            source=options.source,
         )
     judged = pipeline.at(out)
     if sweep_kind(judged) is Kind.SAMPLES:

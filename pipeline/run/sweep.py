@@ -25,6 +25,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.progress import FailedPoint, summarized
 from pipeline.store.root import find_sweep
 from pipeline.store.schema import FAILED, require_free_names
+from pipeline.store.take import take_points
 from pipeline.store.verify import mend_store
 from pipeline.store.versions import package_versions
 from pipeline.store.write import Store, Writer, opened
@@ -66,6 +67,7 @@ def run_sweep(
     boundary_only: float | None = None,
     patience: float = PATIENCE,
     dashboard: bool = False,
+    source: PathLike | None = None,
 ) -> Outcome:
     """Compute every point of a sweep that its store does not have yet, or its boundary alone.
 
@@ -91,13 +93,16 @@ def run_sweep(
     boundary_only : float, optional
         Compute the boundary alone, to this relative error of the critical velocity, at velocities
         that the run chooses. They lie between the sweep's lowest and highest, for each of several
-        surfaces; the error comes on top of that of the scene's fidelity. The run begins with what
-        is in the store, which can be completed to the whole sweep later.
+        surfaces; the error comes on top of that of the scene's fidelity. The store is one of
+        single points. A store of the whole sweep may take them over later, by `source`.
     patience : float, optional
         Time to wait for an answer of the scheduler, and for workers if there are none [s]; long for
         workers that wait in a queue.
     dashboard : bool, optional
         True to tell the link of Dask's dashboard, which everybody on this machine can read.
+    source : str or path, optional
+        Another store, which is read alone: its points that are done, that this sweep asks for and
+        that are of the same scene are taken over, and not computed again.
 
     Raises
     ------
@@ -128,14 +133,17 @@ def run_sweep(
     told = progress or silent
     if damaged := mend_store(out, sweep):
         told(Progress(f"{damaged} damaged points of {out} are computed again"))
-    before = find_sweep(out)
+    before, other = find_sweep(out), None if source is None else opened(source)
     if further:
-        sweep = further(opened(out) if before else None, retry_failed)
+        sweep = further(opened(out) if before else other, retry_failed)
     with writing(out, sweep, told) as store:
         for note in _notes(store, before) if before else ():
             told(Progress(note))
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
+        if other:
+            taken = take_points(store, other)
+            told(Progress(f"{taken} points are taken from {source}"))
         tally = Tally(store, shown_progress(progress), began)
         rounds = _rounds(store, sweep, further)
         if first := next(rounds, None):

@@ -122,12 +122,6 @@ def remove_file(root: Path, key: str) -> None:
         os.unlink(name, dir_fd=folder)
 
 
-def link_file(root: Path, key: str, other: Path, other_key: str) -> None:
-    """Give a file a second name, below another root."""
-    with _folder_of(root, key) as (old, name), _folder_of(other, other_key, make=True) as (new, to):
-        os.link(name, to, src_dir_fd=old, dst_dir_fd=new, follow_symlinks=False)
-
-
 def make_folder(folder: Path) -> None:
     """Make a folder and those above it; return once their names are on the disk."""
     if not folder.is_dir():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,16 +21,18 @@ from pipeline.store.schema import (
     COMPRESSION,
     MADE,
     PLANE,
+    POINT,
     STEPPED,
     Variable,
     is_coordinate,
     is_of_points,
     variables_of,
 )
-from pipeline.sweep.model import Plane, Sweep
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.stations import ramp_of
-from pipeline.sweep.variants import combinations
+from pipeline.sweep.variants import Variant, combinations, in_order
 from tribo import QUANTILES
 from tribo.thermal import BULK_RATIOS
 from tribo.types import Array, Mask
@@ -39,14 +42,18 @@ Slices = tuple[slice, ...]
 _LARGEST = 2**22  # bytes of a chunk
 _FEWEST, _MOST = 64, 1024  # points in a chunk
 _GROWING = 4096  # entries in a chunk of a coordinate that grows
+_ROOM = 2  # reference loads up to which a course has room for its steps
 
 
 def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
     """Points in a chunk along each dimension: some hundred, fewer where they are large.
 
     All loads, which one ramp computes, then neighbouring velocities, then surfaces or samples.
+    Points of a search lie one after the other.
     """
     room = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST)
+    if POINT in sizes:
+        return {POINT: room}
     block = dict.fromkeys(sizes, 1)
     if "load" in sizes:
         block["load"] = min(sizes["load"], room)
@@ -67,57 +74,109 @@ def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Mapping[str, list[flo
     )
 
 
-def grown_axes(axes: Mapping[str, list[Any]], kept: Sweep, plane: Plane) -> dict[str, list[Any]]:
-    """Values along each dimension: those of a store, and what its sweep and a plane add, ascending.
+Axes = dict[str, list[Any]]
+"""Values along each dimension, and of coordinates along another one."""
 
-    The sweep has all rows of the store.
+
+def grown_axes(before: Axes, kept: Sweep, sweep: Sweep) -> Axes:
+    """Axes of a store: those that it had before, and what a sweep adds, ascending.
+
+    `kept` is the sweep of the store with the rows of both.
     """
-    table = kept.variants
-    scenes = [kept.variant(name).scene for name in table.given]
+    loads, velocities = sweep.plane.loads, sweep.plane.velocities
+    if sweep.plane.chosen is not None:
+        return _listed_axes(before, kept, sweep)
+    values = {"load": loads, "velocity": velocities}
+    plane = {name: in_order([*before.get(name, ()), *added]) for name, added in values.items()}
+    return {**plane, **row_axes(kept), **_inner_axes(before, kept, loads)}
+
+
+def _listed_axes(before: Axes, kept: Sweep, sweep: Sweep) -> Axes:
+    """Axes of points that a search has chosen: those there before, then the others."""
+    rows = dict.fromkeys([*(listed_points(kept, before) if before else ()), *points_of(sweep)])
+    names = [dict(point.variant) for point in rows]
+    followers = {
+        column.name: [values[name[column.along]] for name in names]
+        for column, values in kept.variants.coordinates.items()
+    }
+    return {
+        POINT: [*range(len(rows))],
+        "load": [point.load for point in rows],
+        "velocity": [point.velocity for point in rows],
+        **{dim: [name[dim] for name in names] for dim in kept.variants.axes},
+        **followers,
+        **_inner_axes(before, kept, sweep.plane.loads),
+    }
+
+
+def row_axes(sweep: Sweep) -> Axes:
+    """Dimensions of the rows of a sweep, ascending, and the columns that follow from them."""
+    axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
+    followers = sweep.variants.coordinates.items()
+    return axes | {
+        column.name: [values[label] for label in axes[column.along]] for column, values in followers
+    }
+
+
+def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
+    """Dimensions within a point; that of steps has room, since it cannot grow at its lower end."""
+    scenes = [kept.variant(name).scene for name in kept.variants.given]
     stations = choose_stations(kept)
     ramps = {ramp_of(scene): scene for scene in scenes}.values()
-    steps = max(len(stations.kept(scene, load)) for scene in ramps for load in plane.loads)
-    velocities = plane.velocities
-    if plane.chosen is not None:
-        velocities = tuple(point.velocity for point in plane.chosen)
-    places = {"velocity": velocities, "load": plane.loads}
-    return (
-        {name: [*values] for name, values in table.axes.items()}
-        | {name: sorted({*axes.get(name, ()), *values}) for name, values in places.items()}
-        | {column.name: [*values.values()] for column, values in table.coordinates.items()}
-        | {
-            "step": list(range(1 - max(steps, len(axes.get("step", []))), 1)),
-            "cooler_share": list(QUANTILES),
-            "bulk_ratio": list(BULK_RATIOS),
-            "x": scenes[0].grid.coordinates(0).tolist(),
-            "y": scenes[0].grid.coordinates(1).tolist(),
-        }
-    )
+    steps = max(len(stations.kept(scene, load)) for scene in ramps for load in loads)
+    if stations.steps == "course" and not before:
+        steps = max(steps, _ROOM * kept.scene.fidelity.increments + 1)
+    return {
+        "step": [*range(1 - max(steps, len(before.get("step", ()))), 1)],
+        "cooler_share": [*QUANTILES],
+        "bulk_ratio": [*BULK_RATIOS],
+        "x": scenes[0].grid.coordinates(0).tolist(),
+        "y": scenes[0].grid.coordinates(1).tolist(),
+    }
 
 
-def made_coordinates(sweep: Sweep, axes: Mapping[str, Sequence[Any]]) -> dict[str, Array]:
+def listed_points(sweep: Sweep, axes: Axes) -> list[Point]:
+    """Points of a search, in the order of its store."""
+    names = [*sweep.variants.axes]
+    columns = (axes[name] for name in ("load", "velocity", *names))
+    return [
+        Point(load, velocity, tuple(zip(names, labels, strict=True)))
+        for load, velocity, *labels in zip(*columns, strict=True)
+    ]
+
+
+def made_coordinates(sweep: Sweep, axes: Axes) -> dict[str, Array]:
     """Time, load and distance at each step, by the dimensions that `variables_of` names.
 
     NaN before a point's first step.
     """
     wanted, stations = variables_of(sweep), choose_stations(sweep)
     dims, steps = wanted["time"].dims, len(axes["step"])
-    rows = [dim for dim in dims if dim not in ("load", "step")]
-    known = []
-    for name in combinations({dim: axes[dim] for dim in rows}):
-        scene, loads = sweep.variant(name).scene, axes["load"]
-        if "load" not in dims:
-            loads, _ = sweep.variants.plane_of(name, (), ())
-        for load in loads:
-            kept = [(step.time, step.normal_load) for step in stations.kept(scene, load)]
-            known.append([(np.nan, np.nan)] * (steps - len(kept)) + kept)
-    time, normal_load = np.moveaxis(np.array(known), -1, 0).reshape(
-        2, *(len(axes[dim]) for dim in dims)
-    )
+
+    @functools.cache
+    def known(name: Variant, load: float) -> list[tuple[float, float]]:
+        kept = stations.kept(sweep.variant(name).scene, load)
+        lacking = [(math.nan, math.nan)] * (steps - len(kept))
+        return lacking + [(step.time, step.normal_load) for step in kept]
+
+    values = np.array([known(*place) for place in _ramps(sweep, axes, dims)])
+    sizes = (len(axes[dim]) for dim in dims)
+    time, normal_load = np.moveaxis(values, -1, 0).reshape(2, *sizes)
     speeds: Any = xr.Variable(wanted["velocity"].dims, np.abs(axes["velocity"]))
     whole = {dim: len(axes[dim]) for dim in wanted["sliding_distance"].dims}
     distance = (speeds * xr.Variable(dims, time)).set_dims(whole).values
     return {"time": time, "normal_load": normal_load, "sliding_distance": distance}
+
+
+def _ramps(sweep: Sweep, axes: Axes, dims: Sequence[str]) -> Iterator[tuple[Variant, float]]:
+    """Variant and load of each ramp along dimensions that end with the step."""
+    if POINT in dims:
+        yield from ((point.variant, point.load) for point in listed_points(sweep, axes))
+        return
+    for name in combinations({dim: axes[dim] for dim in dims if dim not in ("load", "step")}):
+        is_shared = "load" in dims
+        loads = axes["load"] if is_shared else sweep.variants.plane_of(name, (), ())[0]
+        yield from ((name, load) for load in loads)
 
 
 def documents(
@@ -187,13 +246,6 @@ def slices_of(numbers: Sequence[int], sizes: Sequence[int]) -> Slices:
 def chunk_key(name: str, numbers: Sequence[int]) -> str:
     """Key of a chunk of an array, such as ``time/c.0.2.0``."""
     return f"{name}/" + ".".join(map(str, ("c", *numbers)))
-
-
-def chunk_numbers(file: str) -> tuple[int, ...]:
-    """Numbers of a chunk by the name of its file; none if it is no chunk."""
-    first, *numbers = file.split(".")
-    is_chunk = first == "c" and all(number.isdigit() for number in numbers)
-    return tuple(map(int, numbers)) if is_chunk else ()
 
 
 def field_key(name: str, index: Sequence[int]) -> str:

@@ -16,13 +16,12 @@ from __future__ import annotations
 import errno
 import os
 import re
-import time
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from pipeline.paths import user_path
 from pipeline.store.files import PARTIAL, is_there, make_folder, replace_files, require_no_link
@@ -32,8 +31,6 @@ if TYPE_CHECKING:
     from zarr.abc.store import Store
 
 PathLike = str | os.PathLike[str]
-Mark = tuple[int, ...] | None
-T = TypeVar("T")
 ROOT = "zarr.json"
 """Key of the metadata of a group; that of an array lies below its name."""
 LOCK = "status/lock"
@@ -42,8 +39,6 @@ SCHEME = "s3://"
 KEPT = "status/kept-"
 """Beginning of the keys of what commands keep beside the lock, which is no data."""
 _IN_ARRAY = re.compile(r"zarr\.json|c(\.\d+)+")
-_TRIES, _PAUSE = 10, 0.02  # [s]: a growth renames in less
-_LARGER = ".larger"
 
 
 class StoreError(TriboError):
@@ -105,13 +100,6 @@ class Folder:
         """Replace files; return once they are on the disk."""
         replace_files(self.path, contents)
 
-    def mark(self) -> Mark:
-        """Mark of the root, which another root in its place does not have; None if none."""
-        with suppress(OSError):
-            state = (self.path / ROOT).stat()
-            return state.st_ino, state.st_mtime_ns, state.st_size
-        return None
-
     def entries(
         self, arrays: Collection[str] | None, within: str = ""
     ) -> Iterator[tuple[str, os.DirEntry[str]]]:
@@ -165,10 +153,6 @@ class Bucket:
             return None
         return content
 
-    def mark(self) -> Mark:
-        """None: points keep their places in an object store."""
-        return None
-
     def put(self, contents: Mapping[str, bytes]) -> None:
         """Replace objects, side by side."""
         self._call("pipe", {self._key(key): content for key, content in contents.items()})
@@ -200,12 +184,8 @@ StorePlace = Folder | Bucket
 """Files of a store by their keys; what goes wrong is an `OSError`."""
 
 
-def place_of(path: PathLike, to_write: bool = False) -> StorePlace:
-    """Place of a store; raises a `StoreError` for a path that cannot be one.
-
-    Between the two renames of a growth that was killed, or goes on, it is that of the larger store,
-    which is renamed only to be written.
-    """
+def place_of(path: PathLike) -> StorePlace:
+    """Place of a store; raises a `StoreError` for a path that cannot be one."""
     address = os.fspath(path)
     if address.startswith(SCHEME):
         if find_spec("s3fs") is None:
@@ -230,42 +210,7 @@ def place_of(path: PathLike, to_write: bool = False) -> StorePlace:
         ) from None
     if not folder.name:
         raise StoreError(f"{folder} cannot be a store; give a folder below it")
-    with suppress(OSError):
-        if not folder.exists() and is_there(folder.parent, f"{larger(folder).name}/{ROOT}"):
-            if not to_write:
-                return Folder(larger(folder))
-            larger(folder).rename(folder)
     return Folder(folder)
-
-
-def steadily(path: PathLike, read: Callable[[StorePlace], T]) -> T:
-    """Read a place, and once more if a larger store has replaced it meanwhile."""
-    for _ in range(_TRIES):
-        place = place_of(path)
-        before = place.mark()
-        if isinstance(place, Folder) and place.path.name.endswith(_LARGER):
-            time.sleep(_PAUSE)  # it has its name soon, unless the growth was killed
-            continue
-        try:
-            result = read(place)
-        except StoreError:
-            if place.mark() == before:
-                raise
-        else:
-            if place.mark() == before:
-                return result
-        time.sleep(_PAUSE)
-    return read(place_of(path))
-
-
-def larger(path: Path) -> Path:
-    """Folder for a larger store, beside the store that it replaces."""
-    return path.with_name(f".{path.name}{_LARGER}")
-
-
-def smaller(path: Path) -> Path:
-    """Folder to which a store is moved that a larger one replaces."""
-    return path.with_name(f".{path.name}.smaller")
 
 
 def is_of_store(key: str, arrays: Collection[str]) -> bool:
@@ -284,7 +229,7 @@ def _is_above(key: str, arrays: Collection[str]) -> bool:
 
 def require_writable(path: PathLike) -> None:
     """Refuse a place where no store can be made, before long work for it."""
-    place = place_of(path, to_write=True)
+    place = place_of(path)
     if isinstance(place, Bucket):
         return
     with writes(place):

@@ -7,10 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pipeline.store.lock import holder_of
-from pipeline.store.place import PathLike, StorePlace, steadily
-from pipeline.store.root import read_root
+from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PENDING
-from pipeline.store.write import Store
+from pipeline.store.write import Store, opened
 from pipeline.sweep.model import Point
 from pipeline.sweep.shown import shown
 from pipeline.sweep.variants import Variant
@@ -88,12 +87,8 @@ def summary(path: PathLike) -> Summary:
     >>> summary.done, summary.pending, summary.failed
     (24, 0, ())
     """
-
-    def read(place: StorePlace) -> Summary:
-        store = Store(place, read_root(place))
-        warned = (store.flags == DONE) & (store.read("warning_flags", ...) != 0)
-        return replace(
-            summarized(store), warned=int(np.count_nonzero(warned)), running=holder_of(place)
-        )
-
-    return steadily(path, read)
+    store = opened(path)
+    warned = (store.flags == DONE) & (store.read("warning_flags", ...) != 0)
+    return replace(
+        summarized(store), warned=int(np.count_nonzero(warned)), running=holder_of(store.place)
+    )

@@ -7,14 +7,14 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.layout import made_coordinates
+from pipeline.store.layout import Axes, made_coordinates, row_axes
 from pipeline.store.place import (
     KEPT,
-    Mark,
     PathLike,
     StoreError,
     StorePlace,
@@ -22,12 +22,23 @@ from pipeline.store.place import (
     place_of,
     reaches,
     reads,
-    steadily,
 )
 from pipeline.store.root import read_root
-from pipeline.store.schema import DONE, INPUTS, MADE, PENDING, RECORDS, is_coordinate
+from pipeline.store.schema import (
+    DONE,
+    INPUTS,
+    PENDING,
+    PLANE,
+    POINT,
+    RECORDS,
+    is_coordinate,
+    is_of_points,
+    variables_of,
+)
 from pipeline.store.write import Store
-from tribo.types import Mask
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.variants import in_order
+from tribo.types import Indices, Mask
 
 
 def open_store(path: PathLike) -> xr.Dataset:
@@ -43,64 +54,75 @@ class _Backend(BackendEntrypoint):
 
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store; no variable may be dropped."""
-        return steadily(filename_or_obj, self._opened)
-
-    def _opened(self, place: StorePlace) -> xr.Dataset:
-        mark, root = place.mark(), read_root(place)
-        seen = _Generation(place, mark, root.facts.generation)
+        place = place_of(filename_or_obj)
+        root = read_root(place)
         store = Store(place, root)  # statuses first: a point that was done stays whole
-        done = store.flags == DONE
-        with reaches(place):
-            keys = place.keys(store.arrays)
-        of_points = itertools.filterfalse(is_coordinate, store.arrays)
-        if lost := [name for name in of_points if store.lacks(name, done, keys)]:
-            raise StoreError(damaged(place, ", ".join(sorted(lost))))
-        present: dict[str, Any] = {"status": store.flags, "asked": store.asked}
-        present |= store.axes | made_coordinates(store.sweep, store.axes)
+        _require_chunks(store)
+        sweep, axes, rows = _plane(store)
+        made = made_coordinates(sweep, axes)
+        marks = {"status": store.flags, "asked": store.asked}
+        marks = {name: _spread(values, rows) for name, values in marks.items()}
+        present: dict[str, Any] = axes | made | marks
         variables = {}
-        for name, array in store.arrays.items():
-            if name == INPUTS:
-                present[name] = store.read(name, ...)
-            elif name in store.axes:
-                present[name] = np.array(store.axes[name], array.dtype)
-            elif name not in present:
-                mask = store.flags != PENDING if name in RECORDS else done
-                present[name] = indexing.LazilyIndexedArray(_Masked(store, name, mask, seen))
-            dims, attributes = array.metadata.dimension_names, array.metadata.attributes
-            shown = {key: value for key, value in attributes.items() if key != "coordinates"}
-            variables[name] = xr.Variable(dims, present[name], shown)
+        for name, variable in variables_of(sweep).items():
+            array = store.arrays[name]
+            if name not in present:
+                mask = store.flags != PENDING if name in RECORDS else store.flags == DONE
+                present[name] = indexing.LazilyIndexedArray(_Masked(store, name, mask, rows))
+            elif name in axes:
+                present[name] = np.array(axes[name], array.dtype)
+            shown = {k: v for k, v in array.metadata.attributes.items() if k != "coordinates"}
+            variables[name] = xr.Variable(variable.dims, present[name], shown)
+        if INPUTS in store.arrays:
+            array = store.arrays[INPUTS]
+            values, shown = store.read(INPUTS, ...), array.metadata.attributes
+            variables[INPUTS] = xr.Variable(array.metadata.dimension_names, values, shown)
         variables["status"].encoding["keeper"] = Keeper(place)
-        along = {*store.axes, *MADE, "own_grid"}
-        coords = {name: variables.pop(name) for name in [*variables] if name in along}
-        return xr.Dataset(variables, coords, root.attributes)
+        coords = {name: variables.pop(name) for name in (*axes, *made, "own_grid")}
+        steps = np.isfinite(made["time"]).any(tuple(range(made["time"].ndim - 1)))
+        ds = xr.Dataset(variables, coords, root.attributes)
+        return ds.isel(step=slice(int(steps.argmax()), None))  # without the room for more of them
 
 
-class _Generation:
-    """The generation of a store, in which each point has its place in the arrays."""
+def _require_chunks(store: Store) -> None:
+    """Raise a `StoreError` if a chunk of a done point is missing."""
+    done = store.flags == DONE
+    with reaches(store.place):
+        keys = store.place.keys(store.arrays)
+    of_points = itertools.filterfalse(is_coordinate, store.arrays)
+    if lost := [name for name in of_points if store.lacks(name, done, keys)]:
+        raise StoreError(damaged(store.place, ", ".join(sorted(lost))))
 
-    def __init__(self, place: StorePlace, mark: Mark, generation: int) -> None:
-        self._place, self._mark, self._generation = place, mark, generation
 
-    def __deepcopy__(self, _: Any) -> _Generation:
-        return self
+def _plane(store: Store) -> tuple[Sweep, Axes, Indices | None]:
+    """The sweep and axes that a store is shown with, and for each point the number of its row.
 
-    def require(self) -> None:
-        """Raise a `StoreError` if points have moved since the store was opened."""
-        if (mark := self._place.mark()) == self._mark:
-            return
-        place = place_of(str(self._place))  # which may lie between its two renames
-        if read_root(place).facts.generation != self._generation:
-            raise StoreError(f"{self._place} has grown since it was opened; open it again")
-        self._mark = mark
+    Points of a search lie in the plane of all of their loads and velocities; −1 stands for a place
+    without a point.
+    """
+    if POINT not in store.axes:
+        return store.sweep, store.axes, None
+    sweep = store.sweep.changed(chosen=None)
+    inner = {name: store.axes[name] for name in store.axes if not is_of_points(name)}
+    loads = in_order([*sweep.plane.loads, *store.axes["load"]])
+    axes = {**row_axes(sweep), "load": loads, "velocity": in_order(store.axes["velocity"])}
+    dims = [*sweep.variants.axes, *PLANE]
+    where = [pd.Index(axes[dim]).get_indexer(store.axes[dim]) for dim in dims]
+    rows = np.full([len(axes[dim]) for dim in dims], -1)
+    rows[tuple(where)] = store.axes[POINT]
+    axes = {name: [*values] for name, values in axes.items()}
+    return sweep, axes | inner, rows
 
 
 class _Masked(BackendArray):
-    """A variable that shows the entries of some points alone."""
+    """A variable that shows the entries of some points alone, by their rows if it has any."""
 
-    def __init__(self, store: Store, name: str, mask: Mask, seen: _Generation) -> None:
-        self._place, self._name, self._mask, self._seen = store.place, name, mask, seen
-        self._array = store.arrays[name]
-        self.shape, self.dtype = self._array.shape, self._array.dtype
+    def __init__(self, store: Store, name: str, mask: Mask, rows: Indices | None) -> None:
+        self._place, self._name, self._rows = store.place, name, rows
+        self._array = array = store.arrays[name]
+        self._mask = _spread(mask, rows)
+        self._inner = array.shape[mask.ndim :]
+        self.shape, self.dtype = (*self._mask.shape, *self._inner), array.dtype
         if self.dtype.kind == "T":  # text as Python's, since xarray writes no other to netCDF
             self.dtype = np.dtype(object)
 
@@ -111,14 +133,28 @@ class _Masked(BackendArray):
 
     def _read(self, key: tuple[Any, ...]) -> Any:
         """Read a part that is given by an orthogonal index."""
-        try:
-            with reads(self._place, self._name):
+        count = self._mask.ndim
+        mask = _taken(self._mask, key[:count])
+        with reads(self._place, self._name):
+            if self._rows is None:
                 values = np.array(self._array.oindex[key], self.dtype)
-        finally:
-            self._seen.require()
-        mask = xr.Variable(self._array.metadata.dimension_names[: self._mask.ndim], self._mask)
-        values[~mask[key[: self._mask.ndim]].values] = self._array.fill_value
+                values[~mask] = self._array.fill_value
+                return values
+            inner = _taken(np.broadcast_to(False, self._inner), key[count:]).shape
+            values = np.full((*mask.shape, *inner), self._array.fill_value, self.dtype)
+            rows = _taken(self._rows, key[:count])[mask]
+            values[mask] = self._array.oindex[(rows, *key[count:])]
         return values
+
+
+def _spread(values: Any, rows: Indices | None) -> Any:
+    """Values of points in the plane, 0 where there is no point."""
+    return values if rows is None else np.where(rows >= 0, values[rows], values.dtype.type(0))
+
+
+def _taken(values: Any, key: tuple[Any, ...]) -> Any:
+    """Values at an orthogonal index."""
+    return xr.Variable([str(number) for number in range(values.ndim)], values)[key].values
 
 
 class Keeper:

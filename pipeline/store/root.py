@@ -14,9 +14,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.store.files import PARTIAL, require_no_link
+from pipeline.store.files import PARTIAL
 from pipeline.store.inputs import split_arrays
-from pipeline.store.layout import arrays_of
+from pipeline.store.layout import arrays_of, listed_points, row_axes
 from pipeline.store.lock import holder_of
 from pipeline.store.place import (
     LOCK,
@@ -27,13 +27,11 @@ from pipeline.store.place import (
     StoreError,
     StoreMismatchError,
     StorePlace,
-    larger,
     place_of,
     reaches,
     reads,
-    smaller,
 )
-from pipeline.store.schema import FORMAT, INPUTS, MADE, is_coordinate, variables_of
+from pipeline.store.schema import FORMAT, INPUTS, MADE, POINT, is_coordinate, variables_of
 from pipeline.store.versions import package_versions, provenance
 from pipeline.sweep.codec import Arrays, CodecError, build, fits, sweep_text, text_sweep
 from pipeline.sweep.limits import MOST_BYTES_OF_ROOT, MOST_PARTS_OF_ROOT, MOST_POINTS
@@ -59,7 +57,6 @@ Versions = dict[str, str]
 class Facts:
     """Description of a store, without its sweep."""
 
-    generation: int  # how often its points have moved
     axes: dict[str, list[Any]]  # values along each dimension, and of columns that follow from one
     points_per_chunk: dict[str, int]
     versions: Versions  # those of the packages that began it
@@ -148,8 +145,6 @@ def find_closed_root(place: StorePlace, sweep: Sweep) -> tuple[Root | None, set[
     arrays = {INPUTS, *variables_of(sweep), *(root.arrays if root else ())}
     if isinstance(place, Folder):
         with reaches(place):
-            for beside in (larger(place.path), smaller(place.path)):
-                require_no_link(beside)
             place.keys(arrays)
     return root, arrays
 
@@ -287,10 +282,19 @@ def _require_fitting(root: Root) -> None:
         has_dims = arrays[name]["dimension_names"] == [*variable.dims]
         if not (has_dims and is_of_axis and arrays[name]["shape"] == shape):
             raise CodecError(f"the variable {name} does not have the sizes of its axes")
-    if any(axes[name] != [*values] for name, values in root.sweep.variants.axes.items()):
+    if not _has_rows_of_scene(root):
         raise CodecError("its axes are not those of its scene")
     if (points := math.prod(arrays["status"]["shape"])) > MOST_POINTS:
         raise CodecError(f"it has {points:.4g} points, and a store at most {MOST_POINTS:.0e}")
+
+
+def _has_rows_of_scene(root: Root) -> bool:
+    """True if the rows of a store are those of its sweep, or points of a search among them."""
+    if POINT not in root.axes:
+        return all(root.axes[name] == values for name, values in row_axes(root.sweep).items())
+    points = listed_points(root.sweep, root.axes)
+    are_known = all(point.variant in root.sweep.variants for point in points)
+    return are_known and len({*points}) == len(points)
 
 
 def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:

@@ -10,7 +10,7 @@ from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import ROWS, VARIANT, Column
 from tribo import InputError, WarningKind
 
-FORMAT = 6
+FORMAT = 7
 """Version of the layout."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
@@ -30,6 +30,8 @@ class Variable(NamedTuple):
 
 PLANE = ("load", "velocity")
 """Dimensions of the plane; of rows with a place of their own, coordinates along their dimension."""
+POINT = "point"
+"""Dimension of the points that a search of the boundary has chosen, in the store."""
 _STEP = (*PLANE, "step")
 _FIELD = (*PLANE, "x", "y")
 _RISE = "per unit friction coefficient"
@@ -56,6 +58,7 @@ COORDINATES = {
         name: Variable((VARIANT if name == "sample" else name,), "1", meaning, "int64")
         for name, meaning in ROWS.items()
     },
+    POINT: Variable((POINT,), "1", "number of the point, in the order of the search", "int64"),
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
     "step": Variable(
@@ -202,8 +205,13 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     """Variables of the store of a sweep."""
     require_free_names(sweep)
     table = {column.name: _variable_of(column) for column in sweep.variants.columns}
-    front, placed = tuple(sweep.variants.axes), frozenset(table)
-    absent = {*ROWS}  # which the table has, or not
+    front = tuple(sweep.variants.axes)
+    absent = {*ROWS, POINT}  # which the table has, or not
+    if sweep.plane.chosen is not None:
+        front, absent = (POINT,), {*ROWS}
+        table |= {name: COORDINATES[name] for name in PLANE}
+        table = {name: variable._replace(dims=front) for name, variable in table.items()}
+    placed = frozenset(table)
     if not sweep.record.fields:
         absent |= {"x", "y", *AT_END}
     if not any(sweep.variant(name).scene.unequal_bulks for name in sweep.variants.given):
@@ -216,7 +224,8 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         inner = tuple(dim for dim in variable.dims if dim not in placed)
         outer = _rows_of(name, sweep) if name in MADE else front
         table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))
-    along = [*(column.name for column in sweep.variants.coordinates), *MADE, "own_grid"]
+    columns = [name for name in placed if table[name].dims != (name,)]
+    along = [*sorted(columns), *MADE, "own_grid"]
     status, names = table["status"], {"coordinates": " ".join(along)}  # as CF wants it
     table["status"] = status._replace(attributes={**status.attributes, **names})
     return table
@@ -225,6 +234,8 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
 def _rows_of(name: str, sweep: Sweep) -> tuple[str, ...]:
     """Dimensions of the rows that a coordinate of steps differs between."""
     table = sweep.variants
+    if sweep.plane.chosen is not None:
+        return (POINT,)
     placed = {column.name for column in table.columns} & {*PLANE}
     if "load" in placed or (placed and name == "sliding_distance"):
         return tuple(table.axes)

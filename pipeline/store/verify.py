@@ -30,10 +30,8 @@ from pipeline.store.place import (
     Bucket,
     DamagedError,
     PathLike,
-    StorePlace,
     place_of,
     reaches,
-    steadily,
     writes,
 )
 from pipeline.store.progress import FailedPoint
@@ -96,18 +94,15 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
     >>> verification.done, verification.damaged, verification.is_clean
     (24, (), True)
     """
-
-    def read(place: StorePlace) -> Verification:
-        store = Store(place, read_root(place), is_damaged=True)
-        damage = _find_damage(store, progress or silent)
-        return Verification(
-            done=int(np.count_nonzero(store.flags == DONE))
-            - sum(bool(store.flags[index] == DONE) for index in damage.points),
-            damaged=tuple(damage.points.values()),
-            shared=(*damage.chunks, *_differing_coordinates(store)),
-        )
-
-    return steadily(path, read)
+    place = place_of(path)
+    store = Store(place, read_root(place), is_damaged=True)
+    damage = _find_damage(store, progress or silent)
+    return Verification(
+        done=int(np.count_nonzero(store.flags == DONE))
+        - sum(bool(store.flags[index] == DONE) for index in damage.points),
+        damaged=tuple(damage.points.values()),
+        shared=(*damage.chunks, *_differing_coordinates(store)),
+    )
 
 
 def mend_store(path: PathLike, sweep: Sweep) -> int:
@@ -115,7 +110,7 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
 
     Raise as `writing` does. Nothing is changed in a store of another scene, nor in a bucket.
     """
-    place = place_of(path, to_write=True)
+    place = place_of(path)
     if isinstance(place, Bucket) or not find_closed_root(place, sweep)[0]:
         return 0
     with held(place) as lock:
@@ -154,14 +149,14 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
         names = [n for n in store.arrays if not (n in _MARKS or n in AT_END or is_coordinate(n))]
         count, total = 0, int(np.count_nonzero(store.flags == DONE))
         for numbers, block in begun:
-            values = _values(store, names, numbers, keys)
+            values = read_chunks(store, names, numbers, keys)
             damage.chunks.update(
                 (key, (name, block))
                 for name in names
                 if values[name] is None
                 for key in keys.intersection(store.chunk_keys(name, numbers))
             )
-            for index, point in _points(store, block, store.flags != PENDING):
+            for index, point in points_in(store, block, store.flags != PENDING):
                 if fault := _fault(store, index, point, values):
                     damage.points[index] = _damaged(store, point, fault)
             count += int(np.count_nonzero(store.flags[block] == DONE))
@@ -182,7 +177,7 @@ def _read_marks(store: Store, damage: _Damage, numbers: _Index, block: Slices) -
         elif is_there or name == "status" or store.flags[block].any():
             damage.chunks[key] = name, block
     if chunk_key("status", numbers) in damage.chunks:
-        for index, point in _points(store, block, store.asked == 1):
+        for index, point in points_in(store, block, store.asked == 1):
             damage.points[index] = _damaged(store, point, "status cannot be read")
 
 
@@ -194,7 +189,9 @@ def _read(store: Store, name: str, numbers: _Index, is_there: bool) -> Any:
     return None
 
 
-def _values(store: Store, names: Sequence[str], numbers: _Index, keys: set[str]) -> dict[str, Any]:
+def read_chunks(
+    store: Store, names: Sequence[str], numbers: _Index, keys: set[str]
+) -> dict[str, Any]:
     """Values of variables in the chunks of these numbers, None where lost."""
 
     def read(name: str) -> Any:
@@ -205,7 +202,7 @@ def _values(store: Store, names: Sequence[str], numbers: _Index, keys: set[str])
         return dict(zip(names, threads.map(read, names), strict=True))
 
 
-def _points(store: Store, block: Slices, mask: Mask) -> Iterator[tuple[_Index, Point]]:
+def points_in(store: Store, block: Slices, mask: Mask) -> Iterator[tuple[_Index, Point]]:
     """Points of a mask in a block, with their places."""
     indices = np.argwhere(mask[block]) + [part.start for part in block]
     yield from zip(map(tuple, indices.tolist()), store.points_at([*indices.T]), strict=True)
@@ -217,26 +214,41 @@ def _damaged(store: Store, point: Point, fault: str) -> FailedPoint:
 
 def _fault(store: Store, index: _Index, point: Point, values: Mapping[str, Any]) -> str:
     """Fault of a point by the values of its chunk, None for lost ones; empty if it has none."""
-    is_done = store.flags[index] == DONE
-    within = store.within(index)
+    entries = stored_entries(store, index, values)
+    if lost := sorted(name for name, entry in entries.items() if entry is None):
+        return f"{', '.join(lost)} cannot be read"
+    if store.flags[index] != DONE:
+        return ""
+    is_right = entries["checksum"] == checksum(
+        store.simulated.at(point), point, signed_data(entries)
+    )
+    return "" if is_right else "the data are not those that were computed"
+
+
+def stored_entries(store: Store, index: _Index, values: Mapping[str, Any]) -> dict[str, Any]:
+    """What a store has of a point, by the values of its chunk; None for what is lost."""
+    is_done, within = store.flags[index] == DONE, store.within(index)
     entries: dict[str, Any] = {
         name: None if of_chunk is None else of_chunk[within]
         for name, of_chunk in values.items()
         if is_done or name in _TOLD
     }
+    if is_done and entries["steps"] is not None:
+        steps = int(entries["steps"])
+        for name in entries.keys() & STEPPED.keys():
+            if entries[name] is not None:
+                entries[name] = entries[name][len(entries[name]) - steps :]
     if is_done:
         fields = store.arrays.keys() & AT_END.keys()
         entries |= {name: store.place.read(field_key(name, index)) for name in fields}
-    if lost := sorted(name for name, entry in entries.items() if entry is None):
-        return f"{', '.join(lost)} cannot be read"
-    if not is_done:
-        return ""
-    data = {}
-    for name in entries.keys() & STEPPED.keys():
-        data[name] = entries[name][len(entries[name]) - int(entries["steps"]) :]
-    data |= {name: entries[name] for name in entries.keys() & {*AT_END, *OF_POINT, *SIGNED}}
-    is_right = entries["checksum"] == checksum(store.simulated.at(point), point, data)
-    return "" if is_right else "the data are not those that were computed"
+    return entries
+
+
+def signed_data(entries: Mapping[str, Any]) -> dict[str, Any]:
+    """What the checksum of a point covers."""
+    return {
+        name: entries[name] for name in entries.keys() & {*STEPPED, *AT_END, *OF_POINT, *SIGNED}
+    }
 
 
 def _differing_coordinates(store: Store) -> Iterator[str]:

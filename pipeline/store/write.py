@@ -27,6 +27,7 @@ from pipeline.store.layout import (
     blocks,
     chunk_key,
     field_key,
+    listed_points,
     made_coordinates,
     slices_of,
 )
@@ -39,12 +40,12 @@ from pipeline.store.place import (
     StoreError,
     StorePlace,
     decodes,
+    place_of,
     reads,
-    steadily,
     writes,
 )
 from pipeline.store.root import Root, now, read_root, root_document
-from pipeline.store.schema import DONE, FAILED, PENDING, PLANE, STEPPED
+from pipeline.store.schema import DONE, FAILED, PENDING, PLANE, POINT, STEPPED
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.plan import points as points_of
@@ -78,6 +79,8 @@ class Store:
         status = self.arrays["status"]
         self.dims: tuple[str, ...] = status.metadata.dimension_names
         self.block: tuple[int, ...] = status.chunks
+        points = listed_points(root.sweep, root.axes) if POINT in self.dims else []
+        self._listed = {point: (number,) for number, point in enumerate(points)}
         self._numbers = [
             {value: number for number, value in enumerate(self.axes[name])} for name in self.dims
         ]
@@ -95,6 +98,8 @@ class Store:
 
     def index(self, point: Point) -> _Index:
         """Place of a point."""
+        if POINT in self.dims:
+            return self._listed[point]
         values = dict(point.variant) | {"load": point.load, "velocity": point.velocity}
         return tuple(
             numbers[values[name]] for name, numbers in zip(self.dims, self._numbers, strict=True)
@@ -110,6 +115,9 @@ class Store:
 
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
         """Points at places that are given by their indices along each dimension."""
+        if POINT in self.dims:
+            listed = [*self._listed]
+            return [listed[number] for number in where[0]]
         loads, velocities = (self.axes[name] for name in PLANE)
         of_load, of_velocity = (self.dims.index(self.along(name)) for name in PLANE)
         front = [number for number, name in enumerate(self.dims) if name not in PLANE]
@@ -258,7 +266,8 @@ class Store:
 
 def opened(path: PathLike) -> Store:
     """A store, open to be read."""
-    return steadily(path, lambda place: Store(place, read_root(place)))
+    place = place_of(path)
+    return Store(place, read_root(place))
 
 
 @contextmanager

@@ -201,7 +201,7 @@ class Variants:
         InputError
             If neither has some combination of labels.
         """
-        axes = {name: _joined(self.axes[name], values) for name, values in other.axes.items()}
+        axes = {name: in_order([*self.axes[name], *values]) for name, values in other.axes.items()}
         names = combinations(axes)
         numbers = {name: number for number, name in enumerate([*self._rows, *other._rows])}
         if gap := next((dict(name) for name in names if name not in numbers), None):
@@ -245,11 +245,11 @@ def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:
     )
 
 
-def _joined(some: Iterable[Label], others: Iterable[Label]) -> tuple[Label, ...]:
-    """Labels of both, numbers ascending."""
-    labels = dict.fromkeys([*some, *others])
-    is_text = any(isinstance(label, str) for label in labels)
-    return tuple(labels) if is_text else tuple(sorted(labels))
+def in_order(labels: Iterable[Any]) -> list[Any]:
+    """Labels, each once, numbers ascending."""
+    once = dict.fromkeys(labels)
+    is_text = any(isinstance(label, str) for label in once)
+    return [*once] if is_text else sorted(once)
 
 
 def written_of(table: Variants, name: Variant) -> dict[str, Any]:

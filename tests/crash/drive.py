@@ -29,7 +29,7 @@ GIVEN_UP = 2
 """Exit code of a driver that ends with a word."""
 
 
-def drive(sweep, path, log, records=None, mistake=None, pace=0.0, workers=2):
+def drive(sweep, path, log, records=None, mistake=None, pace=0.0, workers=2, source=None):
     """Run or resume a sweep; return the exit code that the command would have.
 
     Parameters
@@ -40,13 +40,17 @@ def drive(sweep, path, log, records=None, mistake=None, pace=0.0, workers=2):
         One of `MISTAKES`.
     pace : float
         Time that each task takes, if its points have records [s].
+    source : path, optional
+        Store to take points from.
     """
     with ExitStack() as stack:
         stack.enter_context(noting(log))
         stack.enter_context(MISTAKES[mistake]())
         stack.enter_context(computing(records, pace) if records else nullcontext())
         try:
-            outcome = running.run_sweep(sweep, path, workers=workers, retry_failed=True)
+            outcome = running.run_sweep(
+                sweep, path, workers=workers, retry_failed=True, source=source
+            )
         except (StoreError, ExecutionError) as error:
             print(error, file=sys.stderr)
             return GIVEN_UP

@@ -2,7 +2,7 @@
 
 A quarter of the trials computes on Dask's workers: by `run_sweep`, by ``irg run``, by
 ``irg run --boundary-only`` and with samples of unknown inputs. The others do without Dask: there
-half of the time is spent in commits.
+half of the time is spent in commits. A quarter takes over the points of another store.
 """
 
 import itertools
@@ -16,8 +16,8 @@ import psutil
 
 import pipeline
 from pipeline.store.root import read_sweep
-from tests.crash.loop import PATIENCE, code_of, job, started
-from tests.crash.sweeps import Expected
+from tests.crash.loop import PATIENCE, Forked, code_of, job, started
+from tests.crash.sweeps import STAGES, Expected
 
 TRIALS = 16
 MISTAKE = "status first"
@@ -99,6 +99,17 @@ def _fast(trial):
     trial.go([disturb] * 5)
 
 
+def _from_another(trial):
+    """Kill a driver that takes over the points of a store whose axes end elsewhere."""
+    run, old = trial.run, trial.place / "old.zarr"
+    code_of(trial.start(run.chance.choice(STAGES[:2]), old))
+    trial.log = trial.place / "noted later"
+    trial.start = lambda stage: Forked(
+        STAGES[-1], trial.path, trial.log, run.records, run.mistake, source=old
+    )
+    _fast(trial)
+
+
 def _with_workers(trial, way):
     """Kill processes of a driver on Dask."""
 
@@ -156,5 +167,8 @@ def campaign(run):
             way = next(following)
             run.report.counts[f"by {way}"] += 1
             _with_workers(trial, way)
+        elif number % 4 == 2:
+            run.report.counts["by points of another store"] += 1
+            _from_another(trial)
         else:
             _fast(trial)

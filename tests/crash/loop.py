@@ -51,7 +51,7 @@ class Forked:
     Parameters are those of `drive`.
     """
 
-    def __init__(self, sweep, path, log, records, mistake=None, pace=0.0):
+    def __init__(self, sweep, path, log, records, mistake=None, pace=0.0, **options):
         self.returncode = None
         # Not by multiprocessing, whose children count as workers, which run no sweep.
         self.pid = os.fork()
@@ -59,7 +59,7 @@ class Forked:
             code = 99
             try:
                 with Path(log).with_suffix(".err").open("a") as sys.stderr:
-                    code = drive(sweep, path, log, records, mistake, pace)
+                    code = drive(sweep, path, log, records, mistake, pace, **options)
             except BaseException:
                 with Path(log).with_suffix(".err").open("a") as stream:
                     traceback.print_exc(file=stream)

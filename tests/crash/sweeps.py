@@ -12,7 +12,7 @@ _FIRST = tiny.full(
     velocities=tuple(np.linspace(0.5, 1.5, 6).tolist()),
 )
 _LONGER = _FIRST.changed(loads=(150.0, 600.0, 900.0))  # by some steps
-_WIDER = _LONGER.changed(velocities=tuple(np.linspace(0.5, 1.5, 11).tolist()))
+_WIDER = _LONGER.changed(velocities=(*_FIRST.plane.velocities, 1.7, 1.9, 2.1, 2.3, 2.5))
 STAGES = (_FIRST, _LONGER, _WIDER)
 """The same sweep, asked for more and more."""
 FAILING = Point(600.0, 1.5)

@@ -7,6 +7,7 @@ import pytest
 
 import pipeline
 from pipeline.analysis.curve import Curve
+from pipeline.store.place import StoreError
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_points, tasks
 from pipeline.sweep.severity import momentary_rise, rise_limit
@@ -115,12 +116,16 @@ def test_a_grid_that_is_there_is_used(tmp_path):
     out = tmp_path / "grown.zarr"
     few = SWEEP.changed(loads=SWEEP.plane.loads[:1], velocities=(4.0, 4.5, 5.0))
     pipeline.run_sweep(few, out, workers=1)
-    outcome = follow(few.changed(velocities=SWEEP.plane.velocities), out)
+    asked, searched = few.changed(velocities=SWEEP.plane.velocities), tmp_path / "searched.zarr"
+    outcome = follow(asked, searched, source=out)
     assert outcome.computed == 0
     assert outcome.done == 3
     # And a search can be completed to the whole sweep later.
-    whole = pipeline.run_sweep(few, out, workers=1)
+    whole = pipeline.run_sweep(few, tmp_path / "whole.zarr", workers=1, source=searched)
     assert (whole.total, whole.computed) == (3, 0)
+    for sweep, other in ((asked, out), (few, searched)):
+        with pytest.raises(StoreError, match="a plane and a search of its boundary have a store"):
+            pipeline.run_sweep(sweep, other, boundary_only=TOLERANCE if other == out else None)
 
 
 def test_where_nothing_can_cross_nothing_is_looked_for(tmp_path):

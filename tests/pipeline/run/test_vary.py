@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import pipeline
 from tests.helpers.scenes import SCENE
@@ -85,7 +84,7 @@ def test_the_command_prints_what_the_kept_points_say(folder, variations, irg_bot
     given = (text for key, values in OVER.items() for text in ("--over", f"{key}={values[0]}"))
     asked = ("vary", folder / "small.toml", *given, "--store", folder / "kept.zarr")
     said, document = irg_both(*asked, "--workers", 1)
-    with xr.open_zarr(folder / "kept.zarr", chunks=None) as ds:
+    with pipeline.open_sweep(folder / "kept.zarr") as ds:
         rises = ds["rise_quantile"].sel(cooler_share=0.9, step=0).where(ds["status"] == 1).load()
         flags = ds["warning_flags"].where(ds["status"] == 1, 0).load()
     (rows,) = set(rises.dims) - {"load", "velocity"}

@@ -10,7 +10,7 @@ import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.store.create import writing
-from pipeline.store.place import StoreError, larger
+from pipeline.store.place import StoreError
 from pipeline.store.progress import FailedPoint, summary
 from pipeline.store.schema import COLUMNS, FIELDS, PENDING
 from pipeline.store.verify import verify_store
@@ -156,32 +156,6 @@ def test_opening_reads_no_field(copy):
     with open_sweep(copy) as ds:
         assert ds["pressure"].shape == (3, 3, 32, 16)
         assert ds["mean_rise"].load().notnull().any()
-
-
-LATER = tiny.full(loads=(*tiny.LOADS, 900.0), velocities=(0.25, *tiny.VELOCITIES))
-
-
-def test_a_dataset_that_was_opened_before_a_growth_gives_no_point_for_another(copy):
-    with open_sweep(copy) as ds:
-        ds["wear_volume"].load()
-        commit(copy, LATER, [Point(900.0, 0.25)])
-        with pytest.raises(StoreError, match="has grown since it was opened; open it again"):
-            ds["max_rise"].load()
-        copy.rename(larger(copy))  # as in the moment between the two renames of a growth
-        with pytest.raises(StoreError, match="has grown since it was opened; open it again"):
-            ds["mean_rise"].load()
-    assert open_sweep(copy)["load"].values.tolist() == sorted({*tiny.LOADS, *LATER.plane.loads})
-
-
-def test_who_reads_between_the_two_renames_of_a_growth_leaves_the_second_one(copy):
-    copy.rename(larger(copy))
-    assert summary(copy).done == 9
-    assert open_sweep(copy)["mean_rise"].notnull().any()
-    assert verify_store(copy).is_clean
-    assert not copy.exists()
-    commit(copy, SWEEP, ())
-    assert_is_as_computed(copy, points(SWEEP))
-    assert not larger(copy).exists()
 
 
 def test_a_dataset_keeps_its_points_while_values_are_added_at_the_ends_of_axes(copy):

@@ -3,7 +3,6 @@
 import errno
 import json
 import os
-import shutil
 import stat
 import subprocess
 import sys
@@ -26,9 +25,10 @@ from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.layout import arrays_of
 from pipeline.store.lock import held
-from pipeline.store.place import StoreError, StoreMismatchError, larger, place_of, smaller
+from pipeline.store.place import StoreError, StoreMismatchError, place_of
 from pipeline.store.progress import summary
 from pipeline.store.root import sealed
+from pipeline.store.take import take_points
 from pipeline.store.verify import verify_store
 from pipeline.sweep.codec import text_sweep
 from pipeline.sweep.conditions import Conditions
@@ -36,16 +36,18 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.samples import Design, Draw
 from pipeline.sweep.unknown import Unknown
-from pipeline.sweep.variants import drawn_rows, surfaces
+from pipeline.sweep.variants import drawn_rows, rows, surfaces
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
     assert_is_as_computed,
     commit,
     contents,
+    done_points,
     killed_after,
     make,
     opened,
+    record,
 )
 
 SWEEP, POINT = tiny.full(), Point(250.0, 1.0)
@@ -119,7 +121,6 @@ def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, 
             summary(path)
     commit(path, SWEEP, [POINT])
     assert_is_as_computed(path, [POINT])
-    assert [entry.name for entry in path.parent.iterdir()] == [path.name]
     assert not list(path.rglob(f"*{PARTIAL}"))
 
 
@@ -191,49 +192,6 @@ def test_points_of_earlier_runs_are_counted_apart(path):
         assert now.warned == warned.sum()
 
 
-@settings(max_examples=3, deadline=None)
-@given(
-    rounds=st.lists(
-        st.tuples(
-            st.sets(st.sampled_from([100.0, 250.0, 900.0]), min_size=1),
-            st.sets(st.sampled_from([0.25, 0.5]), min_size=1),
-        ),
-        min_size=2,
-        max_size=3,
-    )
-)
-def test_a_store_grown_in_any_order_has_each_point_as_computed(tmp_path_factory, rounds):
-    path, every = tmp_path_factory.mktemp("grown") / "tiny.zarr", set()
-    for loads, velocities in rounds:
-        sweep = tiny.full(loads=tuple(sorted(loads)), velocities=tuple(sorted(velocities)))
-        every.update(points(sweep))
-        commit(path, sweep)
-    assert_is_as_computed(path, every)
-    assert verify_store(path).is_clean
-
-
-def test_a_growth_whose_lock_was_replaced_meanwhile_leaves_the_store_as_it_was(
-    tmp_path, monkeypatch
-):
-    path, fsync = tmp_path / "out.zarr", os.fsync
-    make(path, tiny.sweep(velocities=(0.5, 1.5)))
-
-    def beside_another(descriptor):
-        fsync(descriptor)
-        whole = [root.parent for root in tmp_path.glob("*/zarr.json") if root.parent != path]
-        if whole and os.path.samestat(os.fstat(descriptor), tmp_path.stat()):
-            shutil.rmtree(whole[0])  # as whoever holds the new lock does
-            (path / "status" / "lock").unlink()
-            (path / "status" / "lock").touch()
-
-    monkeypatch.setattr(os, "fsync", beside_another)
-    with pytest.raises(StoreError, match=r"its lock .* was deleted or replaced"):
-        make(path, tiny.sweep(velocities=(0.5, 1.0, 1.5)))
-    monkeypatch.undo()
-    assert verify_store(path).is_clean
-    assert open_sweep(path)["velocity"].values.tolist() == [0.5, 1.5]
-
-
 def test_a_store_without_a_newer_variable_is_refused_unchanged(path, monkeypatch, irg):
     commit(path, SWEEP, [POINT])
     before = contents(path)
@@ -247,11 +205,11 @@ def test_a_store_without_a_newer_variable_is_refused_unchanged(path, monkeypatch
     assert contents(path) == before
 
 
-@pytest.mark.parametrize("killed", ["early", "when the larger is whole", "never"])
+@pytest.mark.parametrize("killed", ["early", "after the root", "never"])
 def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkeypatch, killed):
     commit(path, SWEEP, [POINT])
-    files = {"early": 32, "never": 10**6}.get(killed, 0)
-    since = larger(path) / "zarr.json" if files == 0 else None
+    files = {"early": 8, "never": 10**6}.get(killed, 0)
+    since = path / "zarr.json" if files == 0 else None
     with killed_after(monkeypatch, files, since) as was_killed:
         commit(path, LARGER, [ADDED])
     assert bool(was_killed) == (killed != "never")
@@ -260,21 +218,18 @@ def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkey
         ds.load()
     assert_is_as_computed(path, [POINT] if was_killed else [POINT, ADDED])
     assert verify_store(path).is_clean
-    other = Point(900.0, 0.75)  # goes on otherwise than it was begun
-    commit(path, tiny.full(loads=(100.0, 900.0), velocities=(0.75,)), [other])
+    other = Point(1500.0, 3.0)  # goes on otherwise than it was begun
+    commit(path, tiny.full(loads=(1500.0,), velocities=(3.0,)), [other])
     assert_is_as_computed(path, [POINT, other] if was_killed else [POINT, ADDED, other])
     assert verify_store(path).is_clean
     assert not list(path.rglob(f"*{PARTIAL}"))
 
 
-def test_what_a_killed_growth_left_beside_a_store_goes_when_that_is_written(path):
+def test_files_that_a_killed_run_left_half_written_go_when_the_store_is_written(path):
     make(path, SWEEP)
-    for beside in (larger(path), smaller(path)):
-        (beside / "mean_rise").mkdir(parents=True)
     (path / f"zarr.json{PARTIAL}").touch()
     (path / "load" / f"c.0{PARTIAL}").touch()
     make(path, SWEEP)
-    assert [entry.name for entry in path.parent.iterdir()] == [path.name]
     assert not list(path.rglob(f"*{PARTIAL}"))
 
 
@@ -285,38 +240,74 @@ def test_a_growth_keeps_what_others_have_put_into_the_store(path):
     for name in names:
         (path / name).write_text(name)
     (path / "latest").symlink_to("notes.txt")
-    make(path, tiny.sweep(loads=(150.0, 250.0, 600.0)))
-    assert opened(path).axes["load"] == [150.0, 250.0, 600.0]
+    make(path, tiny.sweep(loads=(700.0,)))
+    assert opened(path).axes["load"] == [150.0, 600.0, 700.0]
     assert [(path / name).read_text() for name in names] == [*names]
     assert (path / "latest").readlink() == Path("notes.txt")
     assert verify_store(path).is_clean
 
 
-def test_a_growth_moves_the_store_once_the_larger_one_is_on_the_disk(path, monkeypatch):
-    """Or a power cut leaves neither: names are lost that no sync of their folder has written."""
-    commit(path, SWEEP, [POINT])
-    fsync, rename, on_disk, were_safe = os.fsync, os.rename, {}, []
+# Points of another store
 
-    def names():
-        return {entry.name: entry.inode() for entry in os.scandir(path.parent)}
 
-    def noted(descriptor):
-        fsync(descriptor)
-        if os.path.samestat(os.fstat(descriptor), path.parent.stat()):
-            on_disk.clear()
-            on_disk.update(names())
+@settings(max_examples=5, deadline=None)
+@given(
+    rounds=st.lists(
+        st.tuples(
+            st.sets(st.sampled_from([100.0, 250.0, 900.0]), min_size=1),
+            st.sets(st.sampled_from([0.25, 0.5]), min_size=1),
+        ),
+        min_size=2,
+        max_size=3,
+    )
+)
+def test_a_sweep_that_grows_anyhow_goes_on_with_each_point_as_computed(tmp_path_factory, rounds):
+    folder, path, loads, velocities = tmp_path_factory.mktemp("grown"), None, set(), set()
+    for number, (more_loads, more_velocities) in enumerate(rounds):
+        loads |= more_loads
+        velocities |= more_velocities
+        sweep = tiny.full(loads=tuple(sorted(loads)), velocities=tuple(sorted(velocities)))
+        before, path = path, path or folder / "first.zarr"
+        fits = not before or begins(sweep, before)
+        if not fits:
+            with pytest.raises(StoreError, match=f"irg run SCENE -o NEW --from {before}"):
+                commit(before, sweep, ())
+            path = folder / f"{number}.zarr"
+        with writing(path, sweep) as store:
+            if not fits:
+                assert take_points(store, opened(before)) == len(done_points(before))
+            store.commit([record(point) for point in store.pending()])
+    assert_is_as_computed(path, points(sweep))
+    assert verify_store(path).is_clean
 
-    def moved(source, target, **options):
-        if Path(source) == path:
-            were_safe.append(names().items() <= on_disk.items())
-        rename(source, target, **options)
 
-    monkeypatch.setattr(os, "fsync", noted)
-    monkeypatch.setattr(os, "rename", moved)
-    commit(path, LARGER, [ADDED])
-    assert were_safe
-    assert all(were_safe)
-    assert on_disk[path.name] == path.stat().st_ino
+def begins(sweep, path):
+    """True if the axes of a sweep begin with those of a store, which has no others."""
+    held, plane = opened(path).axes, sweep.plane
+    axes = [(held["load"], plane.loads), (held["velocity"], plane.velocities)]
+    return all(list(values[: len(old)]) == old for old, values in axes)
+
+
+def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tmp_path):
+    commit(path, SWEEP)
+    other = tiny.full(
+        variants=rows("pin.radius", {8e-3: {}, 9e-3: {"pin": tribo.Cylinder(9e-3, 3e-3, STEEL)}})
+    )
+    with writing(tmp_path / "rows.zarr", other) as store:  # the first row is the same scene
+        assert take_points(store, opened(path)) == 9
+        assert {point.variant for point in store.pending()} == {(("pin.radius", 9e-3),)}
+    assert verify_store(tmp_path / "rows.zarr").is_clean
+    with writing(path, SWEEP) as store:
+        array = store.arrays["mean_rise"]
+        array[store.index(POINT)] = array[store.index(POINT)] + 1.0
+    before = contents(path)
+    with writing(tmp_path / "sound.zarr", SWEEP) as store:
+        assert take_points(store, opened(path)) == 8
+        assert store.pending() == [POINT]
+    assert contents(path) == before
+    for unlike in ({"increments": 7}, {"steps": "end"}, {"roughness": None}):
+        with writing(tmp_path / f"{', '.join(unlike)}.zarr", tiny.full(**unlike)) as store:
+            assert take_points(store, opened(path)) == 0
 
 
 def sampled(count=2, seed=0):
@@ -335,7 +326,7 @@ def several(**changes):
 @pytest.mark.parametrize(
     ("fewer", "more", "files"),
     [
-        (several(variants=surfaces((4, 1))), several(variants=surfaces((7, 1, 4))), 30),
+        (several(variants=surfaces((4, 1))), several(variants=surfaces((7, 1, 4))), 8),
         (several(variants=sampled()), several(variants=sampled(count=5)), 10**6),
     ],
     ids=["surfaces", "samples"],

@@ -10,7 +10,7 @@ from numcodecs.zstd import Zstd
 
 import pipeline
 import tribo
-from pipeline.store import create, files, place, root
+from pipeline.store import create, files, root
 from pipeline.store.checksum import checksum, packed
 from pipeline.store.create import writing
 from pipeline.store.inputs import inputs_variable, joined_arrays, split_arrays
@@ -19,7 +19,6 @@ from pipeline.store.layout import (
     blocks,
     bytes_of_a_point,
     chunk_key,
-    chunk_numbers,
     documents,
     field_key,
     grown_axes,
@@ -37,20 +36,19 @@ from pipeline.store.place import (
     place_of,
     reaches,
     require_writable,
-    steadily,
     writes,
 )
 from pipeline.store.progress import FailedPoint, Summary, summarized
 from pipeline.store.schema import DONE, FAILED, is_coordinate, is_of_points, variables_of
-from pipeline.store.verify import mend_store, verify_store
+from pipeline.store.verify import verify_store
 from pipeline.store.versions import provenance
 from pipeline.store.write import Writer, stored
-from pipeline.sweep.model import Plane, Point
+from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import Progress
 from pipeline.sweep.stored import Simulated
 from tests.helpers import tiny
-from tests.helpers.stores import commit, done_points, fail, make, opened, record
+from tests.helpers.stores import commit, fail, make, opened, record
 
 SWEEP, POINT = tiny.full(), Point(250.0, 1.0)
 
@@ -103,13 +101,10 @@ def test_chunks_are_those_that_hold_a_point_of_a_mask():
 def test_files_of_chunks_are_called_by_their_numbers():
     assert chunk_key("time", (0, 2, 0)) == "time/c.0.2.0"
     assert field_key("rise", (3, 1)) == "rise/c.3.1.0.0"
-    assert chunk_numbers("c.0.12.3") == (0, 12, 3)
-    for other in ("zarr.json", "d.1.2", "c.1.x", "c.1.partial", "lock"):
-        assert chunk_numbers(other) == ()
 
 
 def test_axes_grow_in_order_and_steps_backwards():
-    axes = grown_axes({}, SWEEP, SWEEP.plane)
+    axes = grown_axes({}, SWEEP, SWEEP)
     assert axes["load"] == [150.0, 250.0, 600.0]
     assert axes["velocity"] == [0.5, 1.0, 1.5]
     assert axes["step"] == list(range(1 - len(axes["step"]), 1))
@@ -117,7 +112,9 @@ def test_axes_grow_in_order_and_steps_backwards():
     assert axes["y"] == SWEEP.scene.grid.coordinates(1).tolist()
     assert axes["cooler_share"] == list(tribo.QUANTILES)
     more = grown_axes(
-        {**axes, "step": list(range(-99, 1))}, SWEEP, Plane((200.0, 150.0), (0.5, 0.1), None)
+        {**axes, "step": list(range(-99, 1))},
+        SWEEP,
+        SWEEP.changed(loads=(150.0, 200.0), velocities=(0.1, 0.5)),
     )
     assert more["load"] == [150.0, 200.0, 250.0, 600.0]
     assert more["velocity"] == [0.1, 0.5, 1.0, 1.5]
@@ -125,7 +122,7 @@ def test_axes_grow_in_order_and_steps_backwards():
 
 
 def test_a_distance_is_the_speed_times_the_time_and_ends_at_the_load():
-    axes = grown_axes({}, SWEEP, SWEEP.plane)
+    axes = grown_axes({}, SWEEP, SWEEP)
     made = made_coordinates(SWEEP, axes | {"velocity": [-0.5, 1.0, 1.5]})
     time, load = made["time"], made["normal_load"]
     assert load[:, -1].tolist() == [150.0, 250.0, 600.0]
@@ -133,8 +130,8 @@ def test_a_distance_is_the_speed_times_the_time_and_ends_at_the_load():
     known = np.isfinite(time)
     np.testing.assert_allclose(load[known], rate * time[known])
     assert (np.isnan(time) == np.isnan(load)).all()
-    assert known[2].all()  # the highest load has the most steps
-    assert not known[0].all()
+    assert (known[2] >= known[1]).all()  # the highest load has the most steps
+    assert known[2].sum() > known[0].sum()
     assert (known[0] == np.sort(known[0])).all()  # those that it lacks lie before its first
     distances = made["sliding_distance"]
     assert distances.shape == (3, 3, len(axes["step"]))
@@ -143,7 +140,7 @@ def test_a_distance_is_the_speed_times_the_time_and_ends_at_the_load():
 
 
 def test_documents_of_arrays_are_written_before_any_root():
-    axes = grown_axes({}, SWEEP, SWEEP.plane)
+    axes = grown_axes({}, SWEEP, SWEEP)
     wanted = variables_of(SWEEP)
     axes = {name: values for name, values in axes.items() if name in wanted}
     values = axes | made_coordinates(SWEEP, axes)
@@ -264,45 +261,14 @@ def test_keys_of_a_bucket_lie_below_its_address():
     assert Bucket("s3://bucket/a")._key("status/c.0") == "bucket/a/status/c.0"
 
 
-def test_a_growth_is_read_where_it_is_and_gets_its_name_from_whoever_writes(tmp_path):
-    path, beside = tmp_path / "a.zarr", tmp_path / ".a.zarr.larger"
-    assert (place.larger(path), place.smaller(path)) == (beside, tmp_path / ".a.zarr.smaller")
-    beside.mkdir()
-    assert place_of(path) == place_of(path, to_write=True) == Folder(path)  # it has no root yet
-    (beside / ROOT).write_text("{}")
-    assert place_of(path) == Folder(beside)
-    assert not path.exists()
-    assert place_of(path, to_write=True) == Folder(path)
-    assert (path / ROOT).exists()
-    assert not beside.exists()
-
-
-@pytest.mark.parametrize("use", ["mend", "write"])
-def test_whoever_writes_ends_a_growth_that_was_killed_between_its_renames(copy, use):
-    calls = {
-        "mend": lambda: mend_store(copy, SWEEP),
-        "write": lambda: require_writable(copy),
-    }
-    beside = copy.rename(place.larger(copy))
-    calls[use]()
-    assert copy.exists()
-    assert not beside.exists()
-    assert len(done_points(copy)) == 9
-
-
 def test_files_of_a_folder_are_made_once_and_told_with_their_folders(tmp_path):
     folder = Folder(tmp_path)
-    assert folder.mark() is None
     assert folder.read("a") is None
     folder.put({"a": b"first"})
     assert folder.read("a") == b"first"
     assert folder.read("a/b") is None  # below a file
     folder.put({"b/c": b"1", ROOT: b"22"})
     assert folder.keys() == {"a", "b/c", ROOT}
-    mark = folder.mark()
-    assert mark[-1] == 2
-    folder.put({ROOT: b"22"})
-    assert folder.mark() != mark  # another root, though of the same content
     assert Folder(tmp_path / "none").keys() == set()
 
 
@@ -365,30 +331,6 @@ def test_other_errors_are_no_lack_of_memory():
         assert not is_lack_of_memory(error)
 
 
-def test_a_store_that_is_replaced_while_it_is_read_is_read_again(tmp_path, monkeypatch):
-    monkeypatch.setattr(place, "_PAUSE", 0.0)
-    path, calls = tmp_path / "a.zarr", []
-    Folder(path).put({ROOT: b"1"})
-
-    def read(there):
-        calls.append(there.read(ROOT))
-        if len(calls) == 1:
-            there.put({ROOT: b"2"})
-            raise StoreError("half of each")
-        return calls[-1]
-
-    assert steadily(path, read) == b"2"
-    assert calls == [b"1", b"2"]
-
-    def fails(there):
-        calls.append("again")
-        raise StoreError("as it is")
-
-    with pytest.raises(StoreError, match="as it is"):
-        steadily(path, fails)
-    assert calls.count("again") == 1
-
-
 # Roots and sizes
 
 
@@ -421,34 +363,26 @@ class Memory(Bucket):
         return {*self.objects}
 
 
-def test_a_bucket_has_room_for_the_steps_of_twice_the_reference_load():
-    found = create._grown_root(Memory("s3://bucket/a"), None, SWEEP, None)
+def test_a_store_has_room_for_the_steps_of_twice_the_reference_load():
+    found = create._grown_root(Memory("s3://bucket/a"), None, SWEEP)
     assert found.axes["step"] == list(range(-2 * 6, 1))
-    few = create._grown_root(Memory("s3://bucket/b"), None, tiny.full(increments=30), None)
+    few = create._grown_root(Memory("s3://bucket/b"), None, tiny.full(increments=30))
     assert few.axes["step"] == list(range(-2 * 30, 1))
-    ends = create._grown_root(Memory("s3://bucket/c"), None, tiny.full(steps="end"), None)
+    ends = create._grown_root(Memory("s3://bucket/c"), None, tiny.full(steps="end"))
     assert ends.axes["step"] == [0]  # no course, and so no room for one
 
 
 def test_a_bucket_takes_what_lies_behind_its_values_and_not_between_them():
     bucket = Memory("s3://bucket/a")
-    before = create._grown_root(bucket, None, SWEEP, None)
-    assert create._grown_root(bucket, before, SWEEP, None) is before
-    after = create._grown_root(bucket, before, tiny.full(velocities=(2.0,)), None)
+    before = create._grown_root(bucket, None, SWEEP)
+    assert create._grown_root(bucket, before, SWEEP) is before
+    after = create._grown_root(bucket, before, tiny.full(velocities=(2.0,)))
     assert after.axes["velocity"] == [0.5, 1.0, 1.5, 2.0]
-    assert after.facts.generation == 0
     assert after.facts.points_per_chunk == before.facts.points_per_chunk
     kept = dict(bucket.objects)
-    with pytest.raises(StoreError, match="cannot take values between its own, or stations before"):
-        create._grown_root(bucket, after, tiny.full(velocities=(0.75,)), None)
+    with pytest.raises(StoreError, match="velocity would not grow at its upper end; write a new"):
+        create._grown_root(bucket, after, tiny.full(velocities=(0.75,)))
     assert bucket.objects == kept
-
-
-def test_generations_count_the_growths_that_moved_points(copy):
-    assert opened(copy).root.facts.generation == 0
-    assert make(copy, tiny.full(velocities=(2.0,))).root.facts.generation == 0
-    assert make(copy, tiny.full(velocities=(0.75,))).root.facts.generation == 1
-    assert make(copy, tiny.full(loads=(200.0,))).root.facts.generation == 2
 
 
 def test_progress_of_a_verification_counts_points_that_are_done(path):
@@ -474,7 +408,7 @@ def test_versions_are_told_in_the_order_in_which_they_came():
 
 def test_versions_are_noted_when_they_are_not_the_last_ones(monkeypatch):
     monkeypatch.setattr(root, "package_versions", lambda: {"numpy": "2"})
-    facts = root.Facts(generation=0, axes={}, points_per_chunk={}, versions={"numpy": "2"})
+    facts = root.Facts(axes={}, points_per_chunk={}, versions={"numpy": "2"})
     assert facts.note_versions() is facts
     monkeypatch.setattr(root, "package_versions", lambda: {"numpy": "3"})
     later = facts.note_versions()

@@ -17,6 +17,7 @@ from pipeline.store.root import sealed
 from pipeline.store.schema import require_free_names
 from pipeline.store.verify import verify_store
 from pipeline.sweep.codec import sweep_text
+from pipeline.sweep.model import Point
 from pipeline.sweep.variants import Column, placed_rows, surfaces
 from tests.helpers import tiny
 from tests.helpers.refusals import Refusals
@@ -130,11 +131,14 @@ def in_use():
         commit("a.zarr", SWEEP, ())
 
 
+def searched():
+    commit("a.zarr", SWEEP, ())
+    commit("a.zarr", SWEEP.changed(chosen=frozenset([Point(250.0, 1.0)])), ())
+
+
 def grown():
     commit("a.zarr", SWEEP, ())
-    with open_sweep("a.zarr") as ds:
-        commit("a.zarr", tiny.full(loads=(50.0, 150.0)), ())
-        ds.load()
+    commit("a.zarr", tiny.full(loads=(50.0, 150.0)), ())
 
 
 def patched(module, name, value, build):
@@ -235,7 +239,8 @@ REFUSALS = {
                       "a.zarr/status cannot be read: it is a link, and a store has none"),
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
     "missing": (changed(lambda path: (path / "message" / "c.0.0").unlink(), load), "damaged"),
-    "grown": (grown, "has grown since it was opened"),
+    "searched": (searched, "a plane and a search of its boundary have a store each; write a new"),
+    "grown": (grown, "no room for this: load would not grow at its upper end; write a new store"),
     "many": (lambda: commit("a.zarr", tiny.full(loads=MANY, velocities=MANY), ()),
              "would have 1.6e+07 points"),
     "label": (lambda: require_free_names(tiny.sweep(variants=placed_rows(
@@ -244,7 +249,6 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
-    "create._grown_root StoreError": "one of the two by nobody: a growth between values on S3",
     "place._call OSError": "test_s3.py, by servers that refuse",
     "root._require_fitting CodecError": "one of several by nobody: more points than a store has",
     "bounded._decode_sync ValueError": "test_closed.py, by chunks of other sizes",

@@ -115,7 +115,7 @@ LATER = tiny.full(loads=(1500.0,), velocities=(1.0, 2.0))
 
 
 def test_values_between_those_of_an_object_store_are_refused(made):
-    with pytest.raises(StoreError, match="objects cannot be renamed; write to another store"):
+    with pytest.raises(StoreError, match="load would not grow at its upper end; write a new store"):
         commit(made, tiny.full(loads=(150.0, 250.0), velocities=(1.0,)), ())
     assert_is_as_computed(made, [POINT])
 
