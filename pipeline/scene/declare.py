@@ -40,9 +40,9 @@ from pipeline.scene.kinds import (
     require,
 )
 from pipeline.scene.units import exact_decimals, exact_si
+from pipeline.sweep.limits import MOST_ON_AXIS
 from tribo.loading.ramp import MOST_STEPS
 
-_MOST_STEPS = 100_000
 _Class = TypeVar("_Class")
 
 
@@ -146,7 +146,7 @@ class Range(Kind):
     def ends(self) -> Table:
         """Both ends, and what lies between them."""
         end, step = Entry(self.of, is_needed=True), Entry(replace(self.of, zero=False))
-        count, spacing = Whole(at_least=2, at_most=_MOST_STEPS), OneOf(("linear", "log"))
+        count, spacing = Whole(at_least=2, at_most=MOST_ON_AXIS), OneOf(("linear", "log"))
         between = {"count": Entry(count), "spacing": Entry(spacing)}
         return Table({"from": end, "to": end, "step": step} | between)
 
@@ -175,10 +175,10 @@ class Range(Kind):
             return tuple(float(first + part * (last - first)) for part in parts)
         step = exact_si(value["step"], like=self.of.example)
         steps = (last - first) / step
-        if steps > _MOST_STEPS or abs(steps - round(steps)) > 1e-9:
+        if steps > MOST_ON_AXIS or abs(steps - round(steps)) > 1e-9:
             raise UnfitError(
                 f"{span} there are {steps:.6g} steps of {quoted(value['step'])}, not a whole "
-                f"number up to {_MOST_STEPS}"
+                f"number up to {MOST_ON_AXIS}"
             )
         return tuple(float(first + i * step) for i in range(round(steps) + 1))
 

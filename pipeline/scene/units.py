@@ -95,6 +95,7 @@ def exact_decimals() -> Iterator[None]:
         yield
 
 
+@functools.lru_cache(maxsize=4096)  # samples repeat nearly all of their entries
 @exact_decimals()
 def exact_si(text: str, like: str) -> Decimal:
     """Value in SI of a quantity such as ``"0.27 um"``, without rounding; hardness is a pressure."""
@@ -162,6 +163,7 @@ def difference_in_si(text: str, like: str) -> float:
     return difference
 
 
+@functools.lru_cache(maxsize=256)
 @exact_decimals()
 def si_unit(text: str) -> str:
     """SI unit of the dimension of a quantity, as CF writes units, such as ``"W m-1 K-1"``."""

@@ -189,14 +189,14 @@ SCENES = {
         f'"{key}" = {json.dumps([f"{5 + number / 100} {unit}" for number in range(149)])}\n'
         for key, unit in _VALUES.items()
     ),
-    "samples: 1000000 is out of range": "sweep.samples = 1000000",
+    "samples: 1001 is out of range": "sweep.samples = 1001",
     "at most 100000 are allowed": 'loading.reference_load = "1 N"\nfidelity.increments = 1000',
     "has 10001 entries": "".join(f"k{number} = 1\n" for number in range(10_000)),
     "loads: has 20000 entries": f"sweep.loads = {['1 N'] * 20_000}",
     "larger than 1 MB": f"pin.radius = {'9' * 4_000_000}",
-    "1e+10 points are too many": "[sweep]\n"
+    "2.5e+07 points are too many": "[sweep]\n"
     + "".join(
-        f'{name} = {{ from = "1 {unit}", to = "7 {unit}", count = 100000 }}\n'
+        f'{name} = {{ from = "1 {unit}", to = "7 {unit}", count = 5000 }}\n'
         for name, unit in (("loads", "N"), ("velocities", "m/s"))
     ),
     "realizations: 100000": "sweep.realizations = 100000",
