@@ -15,10 +15,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from difflib import get_close_matches
+from contextlib import contextmanager
 from numbers import Integral
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -143,31 +141,6 @@ def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> Array:
             f"{tuple(bad[0].tolist())}, counted from 0; every value must be finite"
         )
     return array.astype(np.float64, copy=False)
-
-
-def require_file(path: Path) -> None:
-    """Raise for a file without an end, such as a device or a FIFO that nobody writes to."""
-    with suppress(OSError):  # opening it reports the reason better
-        if path.exists() and not path.is_file():
-            raise InputError(f"{path}: cannot be read: it is not a file")
-
-
-def reason_of(error: OSError, path: Path) -> str:
-    """Reason why a file cannot be read; for a missing one with a path that may be meant."""
-    reason = error.strerror or str(error)
-    return f"{reason}{near_path(path)}" if isinstance(error, FileNotFoundError) else reason
-
-
-def near_path(path: Path) -> str:
-    """Ask whether a path with a like name was meant; empty if there is none."""
-    wrong = next((part for part in (path, *path.parents) if part.parent.is_dir()), path)
-    with suppress(OSError):
-        names = sorted(entry.name for entry in wrong.parent.iterdir())
-        longer = [name for name in names if name.startswith(f"{wrong.name}.")]
-        for name in longer or get_close_matches(wrong.name, names, 1, 0.8):
-            near = wrong.with_name(name) / path.relative_to(wrong)
-            return f' (did you mean "{near}"?)' if near.exists() else ""
-    return ""
 
 
 def shortened(reason: str) -> str:

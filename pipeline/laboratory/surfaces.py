@@ -14,11 +14,10 @@ import numpy as np
 from pipeline.laboratory.instruments import Raw, read_instrument
 from pipeline.laboratory.text_scan import TEXT, read_text
 from pipeline.laboratory.workbook import unpacked_size
-from pipeline.paths import user_path
+from pipeline.paths import reason_of, require_file, user_path
 from pipeline.quantities import display, display_sides
 from pipeline.scene.faults import Faults
 from tribo import InputError
-from tribo.errors import reason_of, require_file
 from tribo.surface import average_roughness, remove_form, rms_height
 from tribo.types import Array
 

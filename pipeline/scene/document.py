@@ -13,6 +13,7 @@ from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pipeline.paths import reason_of
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import (
     Fault,
@@ -26,7 +27,6 @@ from pipeline.scene.faults import (
 from pipeline.scene.format import SceneFile
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
 from pipeline.sweep.limits import MOST_BYTES_OF_SCENE, MOST_IN_LIST, MOST_KEYS, MOST_LAYERS
-from tribo.errors import reason_of
 
 _KEYS = table_of(SceneFile).keys
 _REPLACED = {"count": ("step",), "step": ("count", "spacing")}

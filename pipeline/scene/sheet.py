@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline import extras
-from pipeline.paths import user_path
+from pipeline.paths import reason_of, require_file, user_path
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import (
     Fault,
@@ -34,7 +34,6 @@ from pipeline.scene.names import Heading, Names
 from pipeline.scene.units import as_entry, clock_time, is_unit, to_si, unit_of_table
 from pipeline.sweep.limits import MOST_BYTES_OF_TEXT
 from tribo import InputError
-from tribo.errors import reason_of, require_file
 from tribo.types import Array
 
 BETWEEN = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", "  ": "wide blanks",

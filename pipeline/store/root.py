@@ -14,6 +14,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pipeline.paths import near_path
 from pipeline.store.files import PARTIAL
 from pipeline.store.inputs import split_arrays
 from pipeline.store.layout import arrays_of, listed_points, row_axes
@@ -38,7 +39,6 @@ from pipeline.sweep.limits import MOST_BYTES_OF_ROOT, MOST_PARTS_OF_ROOT, MOST_P
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stored import misfits
 from tribo import InputError
-from tribo.errors import near_path
 
 _AXES = {"float64": list[float], "int64": list[int], "str": list[str]}
 """Values along an axis, by the type of its variable."""

@@ -365,7 +365,6 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
-    "errors.require_file InputError": "pipeline/test_hostile_input.py, with files",
     "invariants.check_contact InvariantError": "simulation/test_invariants.py, by wrong solvers",
     "invariants.check_wear InvariantError": "simulation/test_invariants.py, by wear that is wrong",
     "invariants.check_heat InvariantError": "simulation/test_invariants.py, by wrong solvers",
