@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.laboratory.spectrum import SelfAffineFit, fit_self_affine
 from pipeline.laboratory.surfaces import (
     Flip,
     MeasuredSurface,
@@ -25,9 +26,7 @@ from pipeline.sweep.shown import shown
 from tribo import Grid, InputError
 from tribo.surface import (
     ArealRoughness,
-    SelfAffineFit,
     areal_roughness,
-    fit_self_affine,
     remove_form,
     self_affine,
 )

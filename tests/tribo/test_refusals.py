@@ -50,7 +50,6 @@ from tribo.simulation.verdict import rise_limit
 from tribo.surface import (
     areal_roughness,
     autocorrelation_lengths,
-    fit_self_affine,
     remove_form,
     self_affine,
 )
@@ -192,11 +191,9 @@ REFUSALS = {
         )
         for axis, lengths in (("x", (0.0, 1e-6)), ("y", (1e-6, 0.0)))
     },
-    "flat": (lambda: fit_self_affine(np.zeros((99, 99)), (1.0, 1.0)), "rms_height is 0.0"),
     "uncorrelated": (lambda: autocorrelation_lengths(ZERO, (1.0, 1.0)), "rms_height is 0.0"),
     "seed": (lambda: self_affine(GRID, 1e-7, 0.8, 1e-6, -1), "seed is -1"),
     "blocks": (lambda: block_average(ZERO, 4), "6 × 5 pixels cannot be averaged 4 × 4"),
-    "few heights": (lambda: fit_self_affine(ZERO, (1.0, 1.0)), "6 × 5 heights are too few"),
     "one row": (lambda: MeasuredRoughness(np.zeros(3)), "must be a two-dimensional array"),
     "text": (lambda: MeasuredRoughness(np.array([["a"]])), "must hold real numbers"),
     "hole": (lambda: MeasuredRoughness([[1.0], [math.inf]]), "1 of 2 places, the first at (1, 0)"),

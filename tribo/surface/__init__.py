@@ -10,8 +10,6 @@ from tribo.surface.roughness import SelfAffineRoughness as SelfAffineRoughness
 from tribo.surface.roughness import Surface as Surface
 from tribo.surface.roughness import UnknownHeights as UnknownHeights
 from tribo.surface.roughness import heights_of as heights_of
-from tribo.surface.spectrum import SelfAffineFit as SelfAffineFit
-from tribo.surface.spectrum import fit_self_affine as fit_self_affine
 from tribo.surface.topography import average_roughness as average_roughness
 from tribo.surface.topography import block_average as block_average
 from tribo.surface.topography import block_sample as block_sample

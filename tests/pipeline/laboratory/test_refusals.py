@@ -12,6 +12,7 @@ import pytest
 
 from pipeline.laboratory import instruments, surfaces
 from pipeline.laboratory.scan import surface_statistics
+from pipeline.laboratory.spectrum import fit_self_affine
 from pipeline.laboratory.surfaces import filled, read_surface
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.faults import SceneFileError
@@ -264,6 +265,7 @@ REFUSALS = {
     "high": (array(np.random.default_rng(0).normal(size=(20, 20)) * 1e9), "m; give the unit that"),
     "row": (array(np.ones((1, 20))), "a profile of 20 heights"),
     "unit": (array(np.eye(20), unit="kg"), '"1 kg" cannot be converted'),
+    "few heights": (lambda: fit_self_affine(np.eye(6, 5), (1.0, 1.0)), "6 × 5 heights are too few"),
     "missing": (lambda: filled(np.full((3, 3), np.nan)), "all heights are missing"),
     # scenes
     "all missing": (measured(np.full(SQUARE, np.nan), 'missing = "fill"\n'), "all heights are mis"),

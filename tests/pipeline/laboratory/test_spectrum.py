@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
+from pipeline.laboratory.spectrum import fit_self_affine
 from tribo import Grid, InputError
-from tribo.surface import fit_self_affine, self_affine
+from tribo.surface import self_affine
 
 
 @pytest.mark.parametrize(
