@@ -22,14 +22,10 @@ from pipeline.laboratory.surfaces import (
 )
 from pipeline.quantities import display, display_sides, shown_in
 from pipeline.scene.units import in_si
+from pipeline.sweep.areal import ArealRoughness, areal_roughness, remove_form
 from pipeline.sweep.shown import shown
 from tribo import Grid, InputError
-from tribo.surface import (
-    ArealRoughness,
-    areal_roughness,
-    remove_form,
-    self_affine,
-)
+from tribo.surface import self_affine
 from tribo.types import Array
 
 _ASKEW = 0.5  # skewness beyond which a random surface is a poor likeness

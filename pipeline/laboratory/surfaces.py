@@ -17,8 +17,9 @@ from pipeline.laboratory.workbook import unpacked_size
 from pipeline.paths import reason_of, require_file, user_path
 from pipeline.quantities import display, display_sides
 from pipeline.scene.faults import Faults
+from pipeline.sweep.areal import remove_form
 from tribo import InputError
-from tribo.surface import average_roughness, remove_form, rms_height
+from tribo.surface import average_roughness, rms_height
 from tribo.types import Array
 
 _MOST_BYTES = 2**30  # that a file or an archive may unpack to

@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from pipeline.quantities import display, shown_in
+from pipeline.sweep.areal import areal_roughness, remove_form
 from pipeline.sweep.laws import Law
 from pipeline.sweep.model import Sweep
 from tribo import Grid, InputError, MeasuredRoughness, SelfAffineRoughness
 from tribo.simulation import Lubrication
-from tribo.surface import areal_roughness, remove_form, rms_height
+from tribo.surface import rms_height
 from tribo.types import Array
 
 _MOST_PIXELS = 1_000_000  # pixels of a random surface that is made only to describe it

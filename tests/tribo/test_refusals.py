@@ -47,12 +47,7 @@ from tribo.material import (
 from tribo.numerics import Convolution
 from tribo.simulation import moment_of, start
 from tribo.simulation.verdict import rise_limit
-from tribo.surface import (
-    areal_roughness,
-    autocorrelation_lengths,
-    remove_form,
-    self_affine,
-)
+from tribo.surface import self_affine
 from tribo.surface.topography import block_average
 from tribo.thermal import (
     ConductingHalfSpace,
@@ -136,8 +131,6 @@ REFUSALS = {
     "oil line": (lambda: viscosity_line((313.0, 373.0, 353.0), (3e-5, 9e-6, 5e-6)), "must rise"),
     "oil line of none": (lambda: viscosity_line((313.0, 373.0), (3e-5, 1e-7)), "above 3e-07 m²/s"),
     "oil index": (lambda: warm_viscosity(32e-6, 5000.0), "has a viscosity index of 5000"),
-    "no heights": (lambda: remove_form(np.full((3, 3), np.nan), (1.0, 1.0)), "all heights are"),
-    "plane": (lambda: areal_roughness(np.indices((20, 30))[1] * 0.1, (1.0, 1.0)), "are a plane"),
     "oil alpha": (lambda: Oil((313.0, 373.0), (3e-5, 5e-6), 866.0).pressure_coefficient(300.0),
                   "no pressure-viscosity coefficient"),
     "oil cold": (lambda: replace(WHITE, temperatures=(0.0, 373.0)), "temperature is 0.0"),
@@ -191,7 +184,6 @@ REFUSALS = {
         )
         for axis, lengths in (("x", (0.0, 1e-6)), ("y", (1e-6, 0.0)))
     },
-    "uncorrelated": (lambda: autocorrelation_lengths(ZERO, (1.0, 1.0)), "rms_height is 0.0"),
     "seed": (lambda: self_affine(GRID, 1e-7, 0.8, 1e-6, -1), "seed is -1"),
     "blocks": (lambda: block_average(ZERO, 4), "6 × 5 pixels cannot be averaged 4 × 4"),
     "one row": (lambda: MeasuredRoughness(np.zeros(3)), "must be a two-dimensional array"),

@@ -1,10 +1,5 @@
-"""Rough surfaces: made, measured and described."""
+"""Rough surfaces: made and measured."""
 
-from tribo.surface.areal import ArealRoughness as ArealRoughness
-from tribo.surface.areal import areal_roughness as areal_roughness
-from tribo.surface.areal import remove_form as remove_form
-from tribo.surface.autocorrelation import AutocorrelationLengths as AutocorrelationLengths
-from tribo.surface.autocorrelation import autocorrelation_lengths as autocorrelation_lengths
 from tribo.surface.roughness import MeasuredRoughness as MeasuredRoughness
 from tribo.surface.roughness import SelfAffineRoughness as SelfAffineRoughness
 from tribo.surface.roughness import Surface as Surface

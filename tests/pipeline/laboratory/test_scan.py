@@ -9,9 +9,10 @@ from scipy import ndimage
 from pipeline import load_scene, surface_statistics
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.units import to_si
+from pipeline.sweep.areal import areal_roughness
 from pipeline.sweep.surface import surface_facts
 from tribo import Grid, InputError
-from tribo.surface import areal_roughness, self_affine
+from tribo.surface import self_affine
 
 GRID = Grid((240, 192), (0.8e-6, 0.9e-6))
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import tribo
+from pipeline.sweep.areal import areal_roughness, remove_form
 from pipeline.sweep.codec import encode, sweep_text, text_sweep
 from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.laws import Law, law_record
@@ -107,6 +108,9 @@ REFUSALS = {
     "number": (lambda: text_sweep("3", {}), "text of a int"),
     "no array": (lambda: scanned(0.0), "is missing"),
     "array": (lambda: scanned(1e-12), "is another one"),
+    # surfaces
+    "no heights": (lambda: remove_form(np.full((3, 3), np.nan), (1.0, 1.0)), "all heights are"),
+    "level": (lambda: areal_roughness(np.indices((20, 30))[1] * 0.1, (1.0, 1.0)), "are a plane"),
     # laws of a user's own
     "stored": (lambda: STORED.over(0.0, 1.0), "laws:Law is a Python object"),
     "stored heights": (lambda: STORED.heights(None), "laws:Law is a Python object"),

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.sweep.autocorrelation import AutocorrelationLengths, autocorrelation_lengths
 from tribo.errors import InputError
-from tribo.surface.autocorrelation import AutocorrelationLengths, autocorrelation_lengths
 from tribo.types import Array
 
 _HAS_LAY = 0.5  # Str, below which a surface has a lay

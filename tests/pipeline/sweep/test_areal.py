@@ -5,8 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from pipeline.sweep.areal import areal_roughness, remove_form
+from pipeline.sweep.autocorrelation import autocorrelation_lengths
 from tribo import Grid
-from tribo.surface import areal_roughness, autocorrelation_lengths, remove_form, self_affine
+from tribo.surface import self_affine
 
 SPACING = 2e-6, 3e-6
 SHAPE = 160, 120
