@@ -1,134 +1,18 @@
-"""Critical temperature and wear rate of a system, found from measurements.
-
-The simulation takes what was measured, and is solved for what was not.
-"""
+"""Wear rate of a system, found from the width of a contact that was measured."""
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
-import numpy as np
-
-from tribo.errors import InputError, require_positive
-from tribo.simulation import (
-    Corrections,
-    Friction,
-    Scene,
-    advance,
-    measures,
-    moment_of,
-    simulate,
-    start,
-)
-from tribo.thermal import Criterion, add_bulk_ratio
+from tribo.errors import InputError
+from tribo.simulation import Scene, advance, measures, start
 from tribo.wear import Wear, WearPattern
 
 _WEAR_RATES = 1e-20, 1e-8  # where one is looked for [m²/N]; boundary lubrication has about 1e-15
 _PRECISION = 0.01  # relative precision of the wear rate
-
-
-class Transition(NamedTuple):
-    """A measured transition from mild to severe wear: load [N], velocity [m/s], friction.
-
-    Examples
-    --------
-    >>> Transition(normal_load=600.0, velocity=1.5, friction=0.1).velocity
-    1.5
-    """
-
-    normal_load: float
-    velocity: float
-    friction: float
-
-
-@dataclass(frozen=True, slots=True)
-class CriticalTemperature:
-    """Temperature at which a lubricant fails, from measured transitions.
-
-    Attributes
-    ----------
-    temperatures : tuple of float
-        Critical temperature found from each transition, on the scale of the bulk temperature.
-    mean : float
-        Mean of these temperatures, on the same scale.
-    spread : float
-        Standard deviation of the single ones; NaN if there is but one.
-
-    Examples
-    --------
-    >>> CriticalTemperature(temperatures=(418.0, 412.0), mean=415.0, spread=4.2).mean
-    415.0
-    """
-
-    temperatures: tuple[float, ...]
-    mean: float
-    spread: float
-
-
-def critical_temperature(
-    scene: Scene,
-    transitions: Sequence[tuple[float, float, float]],
-    bulk_temperature: float,
-    criterion: Criterion | float = 0.1,
-    bulk_difference: float = 0.0,
-    corrections: Corrections | None = None,
-) -> CriticalTemperature:
-    """Critical temperature from measured transitions: the deciding temperature there.
-
-    Bosman & de Rooij propose this for oils whose critical temperature no rig can measure
-    (Table 6). A good model gives the same temperature at all transitions.
-
-    Parameters
-    ----------
-    scene : Scene
-        System in which the transitions were measured.
-    transitions : sequence of Transition
-        Loads, velocities and frictions at which mild wear became severe.
-    bulk_temperature : float
-        Bulk temperature of both bodies, or of the pin where they differ [K] or [°C].
-    criterion : Criterion or float
-        Criterion of severe wear, or the share of the contact area above the critical temperature.
-    bulk_difference : float
-        Bulk temperature of the disk less that of the pin [K]; the scene must have `unequal_bulks`
-        if it is not 0.
-    corrections : Corrections, optional
-        Physics beside the half-spaces; of its friction nothing is used, since each
-        transition has its friction.
-
-    Examples
-    --------
-    >>> import tribo.inverse
-    >>> tests = [(10.0, 0.065, 0.1)]
-    >>> oil = tribo.inverse.critical_temperature(scene, tests, bulk_temperature=298.15)
-    >>> f"{oil.mean:.0f} K"
-    '305 K'
-    """
-    if not transitions:
-        raise InputError("there is no transition; at least one is needed")
-    if not math.isfinite(bulk_temperature + bulk_difference):
-        raise InputError(
-            f"bulk_temperature is {bulk_temperature!r} and bulk_difference {bulk_difference!r}; "
-            "both must be finite"
-        )
-    decisive = Criterion.of(criterion)
-    apart = replace(corrections, friction=Friction()) if corrections else None
-    for _, _, friction in transitions:
-        require_positive(friction=friction)
-    temperatures = []
-    for normal_load, velocity, friction in transitions:
-        ratio = bulk_difference / friction
-        rise = max(
-            float(decisive.rise(add_bulk_ratio(moment_of(scene, state, apart), ratio)))
-            for state in simulate(scene, normal_load, velocity)
-            if state.heat and state.normal_load >= normal_load
-        )
-        temperatures.append(bulk_temperature + friction * rise)
-    spread = float(np.std(temperatures, ddof=1)) if len(temperatures) > 1 else math.nan
-    return CriticalTemperature(tuple(temperatures), float(np.mean(temperatures)), spread)
 
 
 @dataclass(frozen=True, slots=True)

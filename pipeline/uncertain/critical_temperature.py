@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,20 @@ from pipeline.sweep.stages import Report
 from pipeline.sweep.variants import Label, Variants, rows, surfaces
 from tribo import Criterion, InputError
 from tribo.errors import require_positive
-from tribo.inverse import Transition
+
+
+class Transition(NamedTuple):
+    """A measured transition from mild to severe wear: load [N], velocity [m/s], friction.
+
+    Examples
+    --------
+    >>> Transition(normal_load=600.0, velocity=1.5, friction=0.1).velocity
+    1.5
+    """
+
+    normal_load: float
+    velocity: float
+    friction: float
 
 
 @shown
@@ -83,7 +96,7 @@ def critical_temperatures(
     """Find the temperature that the failing share exceeds at each measured transition.
 
     A good model gives the same at all of them: the critical temperature of the lubricant, where
-    no rig can measure it (see `tribo.inverse.critical_temperature`).
+    no rig can measure it (Bosman & de Rooij, Table 6).
 
     Parameters
     ----------
@@ -99,7 +112,7 @@ def critical_temperatures(
     Raises
     ------
     InputError
-        If no transition was measured, or for a reason of `tribo.inverse.critical_temperature`.
+        If no transition was measured, or one has no friction above 0.
 
     Examples
     --------

@@ -37,7 +37,7 @@ from tribo import (
 )
 from tribo.analytic import hertz_ellipse, moving_band_rise, rolling_sliding_rise
 from tribo.contact import ElasticHalfSpace, elastic_influence, solve_contact
-from tribo.inverse import critical_temperature, specific_wear_rate
+from tribo.inverse import specific_wear_rate
 from tribo.material import (
     minimum_line_film,
     minimum_point_film,
@@ -343,11 +343,6 @@ REFUSALS = {
     "two coefficients": (lambda: Corrections(friction=Friction(0.1)), "it must be 1"),
     "oxide": (lambda: Corrections(film_resistance=-1.0), "film_resistance is -1.0"),
     "no heat": (lambda: moment_of(RIG, start(RIG), None), "ended without a temperature"),
-    "transitions": (lambda: critical_temperature(RIG, [], 298.0), "at least one is needed"),
-    "bulks": (lambda: critical_temperature(RIG, [(1.0, 1.0, 0.1)], math.nan),
-              "both must be finite"),
-    "no transition friction": (lambda: critical_temperature(RIG, [(1.0, 1.0, 0.0)], 298.0),
-                               "friction is 0.0"),
     "rolls": (lambda: specific_wear_rate(scene(motion=Motion(slide_roll_ratio=1.0)),
                                                3e-4, 600.0, 1.25), "makes its contact no wider"),
     "width": (lambda: specific_wear_rate(RIG, 1.0, 10.0, 0.065), "it must lie between"),

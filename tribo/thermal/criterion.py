@@ -110,11 +110,6 @@ class Criterion:
             raise InputError(f"criterion is {self.name!r}; allowed are {', '.join(CRITERIA)}")
         require_share(self.share)
 
-    @classmethod
-    def of(cls, value: Criterion | float) -> Criterion:
-        """A criterion, or that of a share."""
-        return value if isinstance(value, Criterion) else cls(share=value)
-
     @property
     def _rule(self) -> Rule:
         if self.rule is not None:

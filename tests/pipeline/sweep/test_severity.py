@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import tribo
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import (
@@ -24,7 +25,6 @@ from pipeline.sweep.severity import (
 )
 from tests.helpers import tiny
 from tribo import QUANTILES, Corrections, InputError, Ramp
-from tribo.inverse import critical_temperature
 from tribo.simulation.corrections import NEEDED
 from tribo.thermal import BULK_RATIOS
 
@@ -72,8 +72,9 @@ def test_each_criterion_decides_by_its_own_temperature_everywhere(criterion):
     assert worst_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-9)
     judged = result.verdict(conditions)
     assert judged.decisive_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
-    measured = critical_temperature(sweep.scene, [(600.0, 1.5, 0.1)], 298.15, conditions.decisive)
-    assert measured.mean == pytest.approx(judged.decisive_temperature, rel=1e-9)
+    oil = tribo.Conditions(friction=0.1, bulk_temperature=298.15, criterion=conditions.decisive)
+    alone = tribo.judge(sweep.scene, 600.0, 1.5, oil)
+    assert alone.decisive_temperature == pytest.approx(judged.decisive_temperature, rel=1e-9)
 
 
 @pytest.mark.parametrize(("pin", "disk"), [(403.15, 298.15), (298.15, 403.15)])

@@ -10,16 +10,16 @@ from tests.helpers.scenes import STEEL, small_scene
 from tribo import (
     PRESETS,
     QUANTILES,
+    Conditions,
     Cylinder,
     Fidelity,
     Grid,
-    InputError,
     Motion,
     Ramp,
     Scene,
+    judge,
     simulate,
 )
-from tribo.inverse import critical_temperature
 from tribo.thermal import (
     BULK_RATIOS,
     ConductingHalfSpace,
@@ -161,12 +161,9 @@ def test_without_motion_or_friction_the_difference_alone_warms(heat_model):
         assert 0.0 < kelvins[0] <= kelvins[-1] < 1.0
 
 
-def test_a_critical_temperature_knows_both_bulk_temperatures(rough):
+def test_a_verdict_knows_both_bulk_temperatures(rough):
     scene, state = rough
-    critical = critical_temperature(scene, [(750.0, 1.25, 0.1)], 60.0, bulk_difference=-50.0)
-    expected = 60.0 + 0.1 * quantiles_at(state.heat, -500.0)[NINE_TENTHS]
-    assert critical.mean == pytest.approx(expected, rel=1e-12)
-    with pytest.raises(InputError, match="unequal_bulks"):
-        critical_temperature(
-            replace(scene, unequal_bulks=False), [(750.0, 1.25, 0.1)], 60.0, bulk_difference=-50.0
-        )
+    oil = Conditions(friction=0.1, bulk_temperature=333.15, disk_temperature=283.15)
+    expected = 333.15 + 0.1 * quantiles_at(state.heat, -500.0)[NINE_TENTHS]
+    judged = judge(replace(scene, unequal_bulks=False), 750.0, 1.25, oil)
+    assert judged.decisive_temperature == pytest.approx(expected, rel=1e-12)

@@ -36,11 +36,9 @@ def test_a_criterion_decides_by_one_temperature_and_says_which(
     assert criterion.rise(COLUMNS) == pytest.approx(rise)
     assert (criterion.temperature, criterion.severe) == (temperature, severe)
     assert criterion.takes_share is takes_share
-    assert Criterion.of(criterion) is criterion
 
 
 def test_a_share_stands_for_its_criterion_and_quantiles_may_be_few():
-    assert Criterion.of(0.2) == Criterion("share", 0.2)
     few = {"rise_quantile": np.array([10.0, 20.0, 40.0]), "quantile": np.array([0.5, 0.8, 1.0])}
     assert Criterion(share=0.2).rise(few) == pytest.approx(20.0)
     assert Criterion("highest").rise(few) == pytest.approx(40.0)
