@@ -190,7 +190,7 @@ def _of_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
     if oil not in names:
         known = f"give one of {', '.join(names)}" if names else "they name none, so leave it out"
         raise InputError(f"oil is {oil!r}, which no test of the scene names; {known}")
-    return ds.assign_attrs(at=json.dumps(judged_values(ds) | {OIL: oil}))
+    return identified(ds.assign_attrs(at=json.dumps(judged_values(ds) | {OIL: oil})))
 
 
 def _si_value(path: str, value: Any) -> Any:

@@ -243,9 +243,8 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 
 def identified(ds: xr.Dataset) -> xr.Dataset:
     """The dataset whose points have the id of the scene that it is of, as `pipeline.at` says."""
-    scatter = judged_values(ds).get(GIVEN_MEASURED)
-    ids = scene_ids(whole_sweep(ds), scatter)
-    return identify(ds, ids, scene_sweep(ds).variants)
+    choices = {k: v for k, v in judged_values(ds).items() if k in (GIVEN_MEASURED, OIL)}
+    return identify(ds, scene_ids(whole_sweep(ds), choices), scene_sweep(ds).variants)
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:

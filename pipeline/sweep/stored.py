@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
+from typing import Any
 
 from pipeline.sweep.codec import content_hash, differences, encode
 from pipeline.sweep.model import Point, Sweep, named
@@ -85,19 +86,19 @@ def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
             return
 
 
-def scene_ids(sweep: Sweep, scatter: float | None = None) -> list[int]:
+def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
     """Digest of what acts on the simulation and the verdict of each row of a sweep, int32.
 
-    `scatter` is that of tests by which samples are weighed.
+    `choices` are of tests: the oil whose tests count, and the scatter by which they weigh samples.
     """
     draw, ids = sweep.variants.draw, []
-    inputs = (draw.unknown, draw.fixed, scatter) if draw else ()
+    inputs = (draw.unknown, draw.fixed) if draw else ()
     part_hash = functools.lru_cache(None, typed=True)(content_hash)  # rows share large surfaces
     for name in sweep.variants.names:
         row = sweep.variant(name)
         parts = [part_hash(getattr(row.scene, one.name)) for one in fields(row.scene)]
         about = replace(row.about, name="", title="", sources=(), notes=())
-        digest = content_hash((*parts, row.conditions, about, inputs))
+        digest = content_hash((*parts, row.conditions, about, inputs, choices))
         ids.append(int.from_bytes(bytes.fromhex(digest[:8]), signed=True))
     return ids
 

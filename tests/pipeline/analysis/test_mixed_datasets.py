@@ -5,9 +5,10 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.variants import rows, surfaces
-from tests.helpers import tiny
+from tests.helpers import synthetic, tiny
 from tests.helpers.stores import commit
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
@@ -127,6 +128,15 @@ def test_other_conditions_make_another_scene(parts):
     unlike = joined([judged[0], pipeline.at(high, friction=0.1)])
     with pytest.raises(InputError, match="at load 600 N are of another"):
         crossings(unlike)
+
+
+def test_the_oil_whose_tests_count_makes_another_scene():
+    tests = tuple(Measurement(400.0, 2.0, oil=oil) for oil in ("A", "B"))
+    ds = synthetic.sweep(measured=tests)
+    first, second = (pipeline.at(ds, oil=oil) for oil in ("A", "B"))
+    assert (first["scene_id"] != second["scene_id"]).all()
+    with pytest.raises(InputError, match="mixes scenes"):
+        crossings(joined([first.isel(load=[0, 1]), second.isel(load=[2])]))
 
 
 def test_a_scene_without_simulation_is_told_by_its_conditions_alone(parts):
