@@ -26,6 +26,7 @@ from pipeline.scene.format import (
 )
 from pipeline.scene.names import UNITS
 from pipeline.scene.sheet import read_sheet
+from pipeline.scene.viscosity import viscosity_line, warm_viscosity
 from tribo.loading.record import fault as record_fault
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
@@ -126,13 +127,13 @@ def _viscosity_line(asked: Oil, faults: Faults) -> tuple[_Ends, _Ends]:
             'kinematic_viscosity = "220 mm^2/s", without temperatures'
         )
     if index is not None:
-        return _OF_INDEX, (values[0], tribo.material.warm_viscosity(values[0], index))
+        return _OF_INDEX, (values[0], warm_viscosity(values[0], index))
     if len(values) != len(temperatures) or len(values) < 2:
         raise tribo.InputError(
             f"viscosities: {len(values)}, temperatures: {len(temperatures)}; give one for each of "
             "two temperatures or more, or that at 40 °C and viscosity_index"
         )
-    ends, beside = tribo.material.viscosity_line(temperatures, values)
+    ends, beside = viscosity_line(temperatures, values)
     if len(values) > 2:
         faults.note("oil", f"the line of ASTM D341 is up to {beside:.1%} beside the viscosities")
     return (temperatures[0], temperatures[-1]), ends

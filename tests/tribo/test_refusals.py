@@ -38,12 +38,7 @@ from tribo import (
 from tribo.analytic import hertz_ellipse, moving_band_rise, rolling_sliding_rise
 from tribo.contact import ElasticHalfSpace, elastic_influence, solve_contact
 from tribo.inverse import specific_wear_rate
-from tribo.material import (
-    minimum_line_film,
-    minimum_point_film,
-    viscosity_line,
-    warm_viscosity,
-)
+from tribo.material import minimum_line_film, minimum_point_film
 from tribo.numerics import Convolution
 from tribo.simulation import moment_of, start
 from tribo.simulation.verdict import rise_limit
@@ -128,9 +123,6 @@ REFUSALS = {
     "oil rises": (lambda: replace(WHITE, temperatures=(373.0, 313.0)), "they must rise"),
     "oil falls": (lambda: replace(WHITE, viscosities=(5e-6, 32e-6)), "must fall with temperature"),
     "oil thin": (lambda: replace(WHITE, viscosities=(1e-6, 1e-7)), "at least 3.1e-07"),
-    "oil line": (lambda: viscosity_line((313.0, 373.0, 353.0), (3e-5, 9e-6, 5e-6)), "must rise"),
-    "oil line of none": (lambda: viscosity_line((313.0, 373.0), (3e-5, 1e-7)), "above 3e-07 m²/s"),
-    "oil index": (lambda: warm_viscosity(32e-6, 5000.0), "has a viscosity index of 5000"),
     "oil alpha": (lambda: Oil((313.0, 373.0), (3e-5, 5e-6), 866.0).pressure_coefficient(300.0),
                   "no pressure-viscosity coefficient"),
     "oil cold": (lambda: replace(WHITE, temperatures=(0.0, 373.0)), "temperature is 0.0"),

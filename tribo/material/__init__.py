@@ -6,8 +6,5 @@ from tribo.material.oil import Oil as Oil
 from tribo.material.oil import lubrication_regime as lubrication_regime
 from tribo.material.oil import minimum_line_film as minimum_line_film
 from tribo.material.oil import minimum_point_film as minimum_point_film
-from tribo.material.oil import viscosity_line as viscosity_line
 from tribo.material.solid import Material as Material
 from tribo.material.solid import contact_modulus as contact_modulus
-from tribo.material.viscosity_index import viscosity_index as viscosity_index
-from tribo.material.viscosity_index import warm_viscosity as warm_viscosity

@@ -5,9 +5,9 @@ import re
 import pytest
 
 from pipeline.scene.library import library
+from pipeline.scene.viscosity import viscosity_index
 from tests.helpers.scenes import STEEL
 from tests.pipeline.scene.conftest import TEXT as WITH_OIL
-from tribo.material import viscosity_index
 
 TEXT = WITH_OIL[: WITH_OIL.index("[oil]")] + WITH_OIL[WITH_OIL.index("[friction]") :]
 TABLE = TEXT[TEXT.index("[materials.steel]") : TEXT.index("[pin]")]

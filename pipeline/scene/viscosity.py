@@ -1,8 +1,9 @@
-"""The viscosity at 100 °C of an oil by its viscosity at 40 °C and its viscosity index."""
+"""Two viscosities of an oil from what its data sheet gives: an index, or more than two."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -82,3 +83,48 @@ def warm_viscosity(cold: float, index: float) -> float:
             "viscosity at 100 °C"
         )
     return float(brentq(off, low, high))
+
+
+def viscosity_line(
+    temperatures: Sequence[float], viscosities: Sequence[float]
+) -> tuple[tuple[float, float], float]:
+    """Viscosities at the first and the last temperature by the line of ASTM D341 [m²/s].
+
+    log log(ν + 0.7) is fitted linearly in log T, with ν [mm²/s] and T [K]; two viscosities are
+    returned as given.
+
+    Parameters
+    ----------
+    temperatures : sequence of float
+        Temperatures, at least two, rising [K].
+    viscosities : sequence of float
+        Kinematic viscosity at each of them [m²/s].
+
+    Returns
+    -------
+    ends : tuple of float
+        Kinematic viscosity at the first and the last temperature [m²/s].
+    beside : float
+        The most by which the line differs from a viscosity, relative to it.
+
+    Raises
+    ------
+    InputError
+        If the temperatures do not rise, or a viscosity is not above 0.3 mm²/s.
+
+    Examples
+    --------
+    >>> ends, beside = viscosity_line((313.15, 353.15, 373.15), (100e-6, 19.6e-6, 11.1e-6))
+    >>> f"{1e6 * ends[0]:.1f}, {1e6 * ends[1]:.2f} mm²/s; {beside:.1%}"
+    '100.2, 11.13 mm²/s; 0.4%'
+    """
+    T, nu = np.array(temperatures, dtype=float), 1e6 * np.array(viscosities, dtype=float)
+    if not np.all(np.diff(T, prepend=0.0) > 0):
+        raise InputError(f"temperatures are {', '.join(f'{t:g}' for t in T)} K; they must rise")
+    if not nu.min() > 0.3:
+        raise InputError(f"viscosity is {1e-6 * nu.min():g} m²/s; it must be above 3e-07 m²/s")
+    if len(nu) == 2:
+        return (viscosities[0], viscosities[1]), 0.0
+    x, y = np.log(T), np.log(np.log(nu + 0.7))
+    line = np.exp(np.exp(np.polyval(np.polyfit(x, y, 1), x))) - 0.7
+    return (float(1e-6 * line[0]), float(1e-6 * line[-1])), float(np.abs(line / nu - 1).max())
