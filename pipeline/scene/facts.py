@@ -9,10 +9,10 @@ from typing import Annotated, Any, NamedTuple, get_origin, get_type_hints
 import numpy as np
 
 from pipeline.quantities import display, display_sides
+from pipeline.scene.expected import expect_contacts
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, unit_value
 from tribo import Corrections, InputError, Track, contact_modulus
-from tribo.simulation import expect_contacts
 from tribo.types import Array
 
 USUAL_HARDNESS = 0.001, 0.2  # share of the elastic modulus; lead has 0.003, diamond 0.1

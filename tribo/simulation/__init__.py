@@ -12,7 +12,6 @@ from tribo.simulation.corrections import moment_of as moment_of
 from tribo.simulation.coupled_friction import UNSOLVED as UNSOLVED
 from tribo.simulation.coupled_friction import CoupledRise as CoupledRise
 from tribo.simulation.element_size import suited as suited
-from tribo.simulation.expected import expect_contacts as expect_contacts
 from tribo.simulation.fidelity import PRESETS as PRESETS
 from tribo.simulation.fidelity import Fidelity as Fidelity
 from tribo.simulation.friction import FRICTIONS as FRICTIONS

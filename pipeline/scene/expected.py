@@ -11,8 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.material import contact_modulus
-from tribo.simulation.scene import Scene
+from tribo import Scene, contact_modulus
 from tribo.types import Array
 from tribo.wear import wear_over
 
@@ -37,9 +36,11 @@ def expect_contacts(
 
     Examples
     --------
-    >>> expected = expect_contacts(scene, [10.0], [0.065])
+    >>> import pipeline
+    >>> first_try = pipeline.load_scene("workflows/first_try.toml").scene
+    >>> expected = expect_contacts(first_try, [600.0], [1.5])
     >>> f"{1e6 * expected.widths[0, 0]:.0f} µm after {expected.distances[0, 0]:.2g} m"
-    '173 µm after 4 m'
+    '258 µm after 6 m'
     """
     modulus = contact_modulus(scene.pin.material, scene.disk)
     hertz = [scene.pin.hertz(load, modulus) for load in loads]
