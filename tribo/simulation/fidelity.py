@@ -4,16 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, get_args, get_origin, get_type_hints
 
 from tribo.contact import ContactCriterion, ElasticKernel
 from tribo.errors import InputError, require_integer
 from tribo.wear import WearScheme
-
-Averaging = Literal["mean", "sample"]
-Partition = Literal["local", "uniform"]
-HeatModel = Literal["elapsed", "history"]
-HeatKernel = Literal["pin", "endless", "nearest-image"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,7 +82,7 @@ class Fidelity:
     """
 
     pixels_per_element: int = 2
-    averaging: Averaging = "mean"
+    averaging: Literal["mean", "sample"] = "mean"
     history_coarsening: int = 1
     elements_per_summit: float = 0.0
     fewest_summits: int = 0
@@ -99,9 +94,9 @@ class Fidelity:
     contact_tolerance: float = 1e-3
     contact_criterion: ContactCriterion = "gap"
     wear_scheme: WearScheme = "implicit"
-    heat_model: HeatModel = "elapsed"
-    heat_kernel: HeatKernel = "pin"
-    partition: Partition = "local"
+    heat_model: Literal["elapsed", "history"] = "elapsed"
+    heat_kernel: Literal["pin", "endless", "nearest-image"] = "pin"
+    partition: Literal["local", "uniform"] = "local"
     heat_tolerance: float = 1e-6
 
     def __post_init__(self) -> None:
@@ -126,15 +121,7 @@ class Fidelity:
             raise InputError(
                 f"heat_tolerance is {self.heat_tolerance!r}; it must be from 1e-14 to below 1"
             )
-        for name, choices in (
-            ("averaging", get_args(Averaging)),
-            ("kernel", get_args(ElasticKernel)),
-            ("contact_criterion", get_args(ContactCriterion)),
-            ("wear_scheme", get_args(WearScheme)),
-            ("heat_model", get_args(HeatModel)),
-            ("heat_kernel", get_args(HeatKernel)),
-            ("partition", get_args(Partition)),
-        ):
+        for name, choices in _CHOICES.items():
             if getattr(self, name) not in choices:
                 raise InputError(
                     f"{name} is {getattr(self, name)!r}; allowed are {', '.join(choices)}"
@@ -145,6 +132,12 @@ class Fidelity:
                 "every step on the scene's own grid, so it must be 1"
             )
 
+
+_CHOICES = {
+    name: get_args(choice)
+    for name, choice in get_type_hints(Fidelity).items()
+    if get_origin(choice) is Literal
+}
 
 PRESETS: dict[str, Fidelity] = {
     "draft": Fidelity(
