@@ -13,9 +13,9 @@ import numpy as np
 from pipeline.quantities import display, shown_in
 from pipeline.sweep.areal import areal_roughness, remove_form
 from pipeline.sweep.laws import Law
+from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from tribo import Grid, InputError, MeasuredRoughness, SelfAffineRoughness
-from tribo.simulation import Lubrication
 from tribo.surface import rms_height
 from tribo.types import Array
 

@@ -21,7 +21,6 @@ from tribo.simulation.judge import judge as judge
 from tribo.simulation.judge import solve_friction as solve_friction
 from tribo.simulation.loading_step import advance as advance
 from tribo.simulation.loading_step import start as start
-from tribo.simulation.lubrication import Lubrication as Lubrication
 from tribo.simulation.motion import Motion as Motion
 from tribo.simulation.motion import Velocities as Velocities
 from tribo.simulation.pins import PINS as PINS

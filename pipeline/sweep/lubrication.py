@@ -9,10 +9,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo.material import Oil, contact_modulus
-from tribo.simulation.motion import Motion
-from tribo.simulation.pins import OilEntry, Pin
-from tribo.simulation.scene import Scene
+from tribo import Motion, Oil, Pin, Scene, contact_modulus
+from tribo.simulation.pins import OilEntry
 from tribo.types import Array
 
 
@@ -22,8 +20,11 @@ class Lubrication:
 
     Examples
     --------
-    >>> from tribo import Oil
-    >>> oil = Oil((313.15, 373.15), (32e-6, 5.4e-6), 866.0, (20e-9, 15e-9))
+    >>> import tribo
+    >>> steel = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
+    >>> ball, pixels = tribo.Ball(10e-3, steel), tribo.Grid((64, 64), (4e-6, 4e-6), (False, False))
+    >>> scene = tribo.Scene(pin=ball, disk=steel, pixels=pixels, loading=tribo.Ramp(10.0, 10.0))
+    >>> oil = tribo.Oil((313.15, 373.15), (32e-6, 5.4e-6), 866.0, (20e-9, 15e-9))
     >>> film = Lubrication.make(scene, oil, rms_height=0.3e-6)
     >>> f"{film.film_parameter(10.0, 0.065, 298.15):.3f}"
     '0.067'
