@@ -71,8 +71,8 @@ class CoupledHeat:
         Heat partitions that it took.
     rise_quantile : ndarray, shape (len(QUANTILES),)
         Quantiles of the rise over the contact area [K].
-    max_rise, mean_rise : float
-        Largest and mean rise over the contact area [K].
+    mean_rise : float
+        Mean rise over the contact area [K].
 
     Examples
     --------
@@ -80,21 +80,19 @@ class CoupledHeat:
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     >>> falling = tribo.Friction(0.1, by_temperature=((298.0, 1.0), (398.0, 0.8)))
     >>> found = coupled_heat(scene, state, 0.065, falling, bulk=298.0)
-    >>> f"{found.max_rise:.2f} K for {0.1 * state.heat.max_rise:.2f} with one friction"
+    >>> f"{found.rise_quantile[-1]:.2f} K for {0.1 * state.heat.max_rise:.2f} with one friction"
     '7.36 K for 7.45 with one friction'
     """
 
     outcome: Outcome
     partitions: int
     rise_quantile: Array
-    max_rise: float
     mean_rise: float
 
     @property
     def columns(self) -> dict[str, Any]:
         """The rises by which a criterion judges, by the names of a sweep's variables."""
-        names = "rise_quantile", "max_rise", "mean_rise"
-        return {name: getattr(self, name) for name in names}
+        return {"rise_quantile": self.rise_quantile, "mean_rise": self.mean_rise}
 
 
 def coupled_heat(
@@ -132,7 +130,6 @@ def coupled_heat(
         outcome=worst,
         partitions=sum(one.partitions for one in found),
         rise_quantile=np.mean([one.rise_quantile for one in found], axis=0),
-        max_rise=float(np.mean([one.max_rise for one in found])),
         mean_rise=float(np.mean([one.mean_rise for one in found])),
     )
 
@@ -168,7 +165,6 @@ def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float
         outcome=outcome,
         partitions=rounds,
         rise_quantile=contact_quantiles(field.repeat(rows, 1), contact.repeat(rows, 1)),
-        max_rise=float(rise.max()),
         mean_rise=float(rise.mean()),
     )
 
