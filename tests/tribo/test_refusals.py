@@ -36,7 +36,7 @@ from tribo import (
     simulate,
 )
 from tribo.analytic import hertz_ellipse, moving_band_rise, rolling_sliding_rise
-from tribo.contact import ElasticHalfSpace, elastic_influence, solve_contact
+from tribo.contact import ElasticHalfSpace, solve_contact
 from tribo.inverse import specific_wear_rate
 from tribo.material import minimum_line_film, minimum_point_film
 from tribo.numerics import Convolution
@@ -218,8 +218,8 @@ REFUSALS = {
     "no array": (lambda: solved(separation=[[0.0, 1.0], [2.0]]), "separation is not an array"),
     "shape": (lambda: solved(initial_pressure=np.zeros((2, 2))), "must be (6, 5), like the grid"),
     "stop": (lambda: solved(criterion="epsilon"), "allowed are gap, pressure-change"),
-    "kernel": (lambda: elastic_influence(GRID, 1.0, "leakage"), "allowed are periodic, nearest"),
-    "one axis": (lambda: elastic_influence(FREE, 1.0, "nearest-image"), "along one axis"),
+    "kernel": (lambda: ElasticHalfSpace(GRID, 1.0, "leakage"), "allowed are periodic, nearest"),
+    "one axis": (lambda: ElasticHalfSpace(FREE, 1.0, "nearest-image"), "along one axis"),
     "modulus": (lambda: ElasticHalfSpace(GRID, 0.0), "contact_modulus is 0.0"),
     # heat
     "bulk": (lambda: Bulk(-1.0, 1.0), "capacity is -1.0"),

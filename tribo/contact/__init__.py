@@ -2,7 +2,6 @@
 
 from tribo.contact.elasticity import ElasticHalfSpace as ElasticHalfSpace
 from tribo.contact.elasticity import ElasticKernel as ElasticKernel
-from tribo.contact.elasticity import elastic_influence as elastic_influence
 from tribo.contact.solver import ContactCriterion as ContactCriterion
 from tribo.contact.solver import ContactSolution as ContactSolution
 from tribo.contact.solver import solve_contact as solve_contact

@@ -54,7 +54,11 @@ class ElasticHalfSpace(Convolution):
     contact_modulus : float
         Contact modulus E* [Pa].
     kernel : {"periodic", "nearest-image"}, optional
-        Sum over all images along a periodic axis, or the nearest one; see `elastic_influence`.
+        ``"periodic"`` sums all images along the periodic axes. ``"nearest-image"`` is for one
+        periodic axis, say y of length L, and takes ``D(x, |y|) + D(x, L − |y|)``: the DC-FFT with
+        its leakage added (Bosman & de Rooij, Fig. 3). Each point then feels a line contact of
+        length 2L instead of an endless one, which is too stiff: the cylinder of their Fig. 4 has
+        a peak pressure that is 1.1 % too high at L = 456 µm.
 
     Attributes
     ----------
@@ -81,45 +85,6 @@ class ElasticHalfSpace(Convolution):
         dx, dy = grid.spacing
         closed_form = 2 * (dx * math.asinh(dy / dx) + dy * math.asinh(dx / dy))
         self.self_influence = closed_form / (np.pi * contact_modulus)
-
-
-def elastic_influence(
-    grid: Grid, contact_modulus: float, kernel: ElasticKernel = "periodic"
-) -> Array:
-    """Displacement at each offset under unit pressure on one element [m/Pa].
-
-    Parameters
-    ----------
-    grid : Grid
-        Elements, and the axes that are periodic.
-    contact_modulus : float
-        Contact modulus E* [Pa].
-    kernel : {"periodic", "nearest-image"}, optional
-        ``"periodic"`` sums all images along the periodic axes. ``"nearest-image"`` is for one
-        periodic axis, say y of length L, and takes ``D(x, |y|) + D(x, L − |y|)``: the DC-FFT with
-        its leakage added (Bosman & de Rooij, Fig. 3). Each point then feels a line contact of
-        length 2L instead of an endless one, which is too stiff: the cylinder of their Fig. 4 has
-        a peak pressure that is 1.1 % too high at L = 456 µm.
-
-    Returns
-    -------
-    ndarray, shape ``padded_shape(grid)``
-        Influence in the order of `wrapped_offsets` [m/Pa]; even in both offsets. Along periodic
-        axes the sum over all images, up to a constant: positive throughout if one axis is periodic,
-        of mean 0 if both are.
-
-    Examples
-    --------
-    Halfway along the period both images are equally near:
-
-    >>> line, free = (Grid((1, 9), (1e-6, 1e-6), periodic=(False, y)) for y in (True, False))
-    >>> near = elastic_influence(line, 115.385e9, "nearest-image")
-    >>> alone = elastic_influence(free, 115.385e9)
-    >>> f"{near[0, 4] / (alone[0, 4] + alone[0, 5]):.12f}"
-    '1.000000000000'
-    """
-    spectrum = ElasticHalfSpace(grid, contact_modulus, kernel).spectrum
-    return np.fft.irfft2(spectrum, s=padded_shape(grid))
 
 
 def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:

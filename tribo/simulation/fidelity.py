@@ -48,7 +48,7 @@ class Fidelity:
         leave more are cut into parts, at most 4; 0 to cut none. Local wear leaves an imprint, and
         ridges along y do.
     kernel : {"periodic", "nearest-image"}
-        Influence of the images of a periodic patch. See `tribo.contact.elastic_influence`.
+        Influence of the images of a periodic patch. See `tribo.contact.ElasticHalfSpace`.
     contact_tolerance : float
         Residual of the contact at which its solver stops. See `tribo.contact.solve_contact`. At
         most 0.03 is taken where the wear is local, which keeps what each contact has wrong.

@@ -4,8 +4,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.tribo.contact.influence import elastic_influence
 from tribo import Grid, InputError
-from tribo.contact import ElasticHalfSpace, elastic_influence
+from tribo.contact import ElasticHalfSpace
 
 REFERENCES = json.loads(
     Path(__file__).with_name("references").joinpath("elastic_influence.json").read_text()
