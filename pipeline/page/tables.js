@@ -101,7 +101,7 @@ function severeText(rows) {
   const isHot = (/** @type {Transition} */ { outcome }) => outcome === SEVERE || outcome === BELOW;
   const loads = content.loads.filter((_, i) => rows[i].transitions.every(isHot));
   const words = loads.map((load) => shown(load, 6)).join(", ");
-  return words && isJudged() ? ` Severe throughout at ${words} N.` : "";
+  return loads.length < rows.length && words && isJudged() ? ` Severe throughout at ${words} N.` : "";
 }
 
 /** Offer a table as CSV, as it is shown. @param {string} id @param {string} name */
