@@ -186,7 +186,8 @@ def _temperatures(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
         ("mean_temperature", "mean_rise", "mean temperature"),
         ("temperature_quantile", "rise_quantile", "quantile of the temperature"),
     ):
-        result[name] = conditions.contact_temperature(rises[rise]).drop_attrs()
+        plain = rises[rise].drop_attrs()
+        result[name] = plain.copy(data=conditions.contact_temperature(plain.values))
         result[name].attrs = {"units": "K", "long_name": f"{meaning} of the contact"}
     if conditions.critical_temperature is not None:
         share = xr.apply_ufunc(

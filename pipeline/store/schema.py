@@ -214,9 +214,10 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     placed = frozenset(table)
     if not sweep.record.fields:
         absent |= {"x", "y", *AT_END}
-    if not any(sweep.variant(name).scene.unequal_bulks for name in sweep.variants.given):
+    of_given = [sweep.variant(name).scene for name in sweep.variants.given]
+    if not any(scene.unequal_bulks for scene in of_given):
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
-    if not any(sweep.variant(name).scene.solved_friction for name in sweep.variants.given):
+    if sweep.variants.draw or not any(scene.solved_friction for scene in of_given):
         absent |= {*OF_POINT}
     for name, variable in VARIABLES.items():
         if name in absent or name in table:

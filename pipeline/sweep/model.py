@@ -149,8 +149,7 @@ class Sweep:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "conditions", self.conditions.under(self.scene.loading))
-        # Samples differ in friction, and stay with what each part of a contact has for itself.
-        solved = None if self.variants.draw else self.conditions.solved_friction
+        solved = self.conditions.solved_friction
         if solved != self.scene.solved_friction:
             object.__setattr__(self, "scene", replace(self.scene, solved_friction=solved))
         if self.variants.columns:
@@ -257,7 +256,8 @@ PART_OF = {
     **{entry.name: part for part, kind in _PARTS.items() for entry in fields(kind)},
 }
 """Part of a sweep that has a field; empty for the sweep itself."""
-_EVERYWHERE = {"name", "title", "notes", "variants"}  # variants differ in none of these
+_EVERYWHERE = {"name", "title", "notes", "variants", "solved_friction"}
+"""Fields in which no variant differs, or that follow from the conditions."""
 
 
 def _replaced_inner(present: Any, inner: Sequence[str], value: Any, path: str) -> Any:

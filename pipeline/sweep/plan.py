@@ -212,7 +212,9 @@ def run_points(
         states = [moment[number] for moment in hot]
         course = [moment[number] for moment in states[-1].course]
         columns = _stacked([*course, *(record_at(place[0], state) for state in states)])
-        solved, coupled = variant.scene.solved_friction, UNSOLVED
+        # Samples, which differ in friction, are judged by what each part of a contact has.
+        solved = None if sweep.variants.draw else variant.scene.solved_friction
+        coupled = UNSOLVED
         if solved:
             coupled = solve_friction(variant.scene, states, columns, load, variant.conditions)
         results.append(

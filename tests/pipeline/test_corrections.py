@@ -86,7 +86,8 @@ def test_corrections_cost_no_point_and_change_no_stored_number(store):
     sweep = tiny.full(conditions=replace(CONDITIONS, corrections=ALL))
     assert not pipeline.run_sweep(sweep, store, workers=1).computed
     ds = pipeline.open_sweep(store)
-    assert ds.drop_attrs().equals(plain.drop_attrs())
+    stored = [one.drop_attrs().drop_vars("scene_id") for one in (ds, plain)]
+    assert stored[0].equals(stored[1])
     assert pipeline.boundary(ds).attrs["corrections"]
     commit_all(store, tiny.full(conditions=CONDITIONS))
 
@@ -140,7 +141,7 @@ def test_each_command_has_the_friction_of_the_temperature_itself(store):
         rtol=5e-3,
     )
     margin = pipeline.margin(ds, 600.0, 1.0)
-    point = pipeline.run_point(tiny.full(conditions=conditions), 600.0, 1.0).verdict(conditions)
+    point = pipeline.run_point(tiny.full(conditions=CONDITIONS), 600.0, 1.0).verdict(conditions)
     assert margin.decisive_temperature == pytest.approx(point.decisive_temperature, rel=1e-12)
     script = "return [0, 1].map((end) => temperature(argument + end));"
     page = np.array(javascript.run(ds, script, conditions.limit(margin.decisive_temperature)))
@@ -150,14 +151,14 @@ def test_each_command_has_the_friction_of_the_temperature_itself(store):
     assert scale == pytest.approx(slope, rel=0.01)
     change = np.log(np.interp([298.15, 345.0], nodes, factors))
     counted = add_counted(RiseError(0.03, 0.0, 0.0), conditions)
-    assert counted.warned == pytest.approx(0.14 * abs(change[1] - change[0]))
+    assert counted.counted == pytest.approx(0.3 * abs(change[1] - change[0]))
 
 
 def test_without_friction_the_error_of_its_change_moves_no_temperature():
     curve = tribo.Friction(by_temperature=((298.15, 1.0), (345.0, 0.8)))
     conditions = replace(CONDITIONS, friction=0.0, corrections=tribo.Corrections(friction=curve))
     counted = add_counted(RiseError(0.0, 0.0, 0.0), conditions)
-    assert counted.warned == pytest.approx(0.14 * abs(np.log(0.8)))
+    assert counted.counted == 0.0
     assert conditions.temperature_error(conditions.bulk_temperature) == 0.0
 
 
