@@ -18,7 +18,7 @@ CASES = {  # pairs of entries, which are no product
     "wears": {"wear.specific_wear_rate": 2.4e-15},
     "as it is": {},
 }
-TABLE = surfaces((1, 2)) * rows("oil", OILS) * rows("case", CASES)
+TABLE = surfaces((1, 2)) * rows("fluid", OILS) * rows("case", CASES)
 PLACE = ("--load", "300 N", "--velocity", "1.2 m/s")
 
 
@@ -29,7 +29,7 @@ def sweep(**changes):
 @pytest.fixture(scope="module")
 def store(tmp_path_factory):
     path = tmp_path_factory.mktemp("variants") / "out.zarr"
-    table = surfaces((1,)) * rows("oil", OILS) * rows("case", CASES)
+    table = surfaces((1,)) * rows("fluid", OILS) * rows("case", CASES)
     first = pipeline.run_sweep(sweep(variants=table), path, workers=1)
     resumed = pipeline.run_sweep(sweep(variants=TABLE), path, workers=2)
     assert (first.computed, resumed.computed, resumed.failed) == (36, 36, ())
@@ -38,7 +38,7 @@ def store(tmp_path_factory):
 
 def test_a_row_is_the_scene_with_what_it_changes(store):
     ds = pipeline.open_sweep(store)
-    assert ds["max_rise"].dims[:3] == ("realization", "oil", "case")
+    assert ds["max_rise"].dims[:3] == ("realization", "fluid", "case")
     scene = sweep(wear=Wear(2.4e-15)).take_surface(2)
     rise = pipeline.end_of_point(ds)["max_rise"].sel(realization=2, case="wears", load=600.0)
     expected = run_point(scene, 600.0, 1.0).columns["max_rise"][-1]
@@ -50,18 +50,18 @@ def test_rows_that_differ_in_the_oil_alone_share_contacts_and_heat():
     leads = {lead.variant for lead in asked.leads.values()}
     # Twice the wear rate has the contacts of twice the velocity.
     assert len(leads) == 2 * (len(CASES) - 1)
-    assert all(dict(name)["oil"] == "thin" for name in leads)
+    assert all(dict(name)["fluid"] == "thin" for name in leads)
 
 
 def test_each_row_has_a_boundary_with_its_own_limit(store):
     boundary = pipeline.boundary(store)
     critical = boundary["critical_velocity"].sel(load=600.0, case="as it is")
-    thin, thick = (critical.sel(oil=oil) for oil in OILS)
+    thin, thick = (critical.sel(fluid=oil) for oil in OILS)
     both = np.isfinite(thin) & np.isfinite(thick)
     assert (thick > thin).where(both, True).all()
     for oil in OILS:
-        alone = pipeline.boundary(pipeline.at(store, oil=oil, case="slim"))
-        there = boundary["critical_velocity"].sel(oil=oil, case="slim")
+        alone = pipeline.boundary(pipeline.at(store, fluid=oil, case="slim"))
+        there = boundary["critical_velocity"].sel(fluid=oil, case="slim")
         assert np.array_equal(alone["critical_velocity"], there, equal_nan=True)
 
 
@@ -95,7 +95,7 @@ def test_rows_that_are_no_full_product_have_one_dimension_with_labels_along_it(t
     commit_all(path, sweep(variants=fewer, velocities=(0.5, 1.0)))
     with xr.open_zarr(path, chunks=None) as ds:
         assert ds["max_rise"].dims == ("variant", "load", "velocity", "step")
-        for name in ("realization", "oil", "case"):
+        for name in ("realization", "fluid", "case"):
             assert ds[name].values.tolist() == [dict(one)[name] for one in some]
         rise = ds["max_rise"].set_xindex("case").sel(case="wears", step=0, velocity=1.0)
     whole = sweep(variants=TABLE).variant(some[1])
@@ -103,7 +103,7 @@ def test_rows_that_are_no_full_product_have_one_dimension_with_labels_along_it(t
     assert rise.sel(load=600.0).values == [alone]
     critical = pipeline.boundary(path)["critical_velocity"]
     assert set(critical.dims) == {"variant", "load"}
-    assert critical["oil"].values.tolist() == ["thin", "thick"]
+    assert critical["fluid"].values.tolist() == ["thin", "thick"]
 
 
 def test_a_row_that_moved_is_another_store(tmp_path):
