@@ -74,7 +74,7 @@ class Trial:
     name: str
     fidelity: Fidelity
     error: float  # largest of the boundary velocity to expect, relative
-    work: float  # elements times convolutions
+    seconds: float  # processor time of the points of the probe [s]
 
 
 @shown
@@ -92,8 +92,7 @@ class Selection:
     coarser: float | None
     trials: tuple[Trial, ...]  #: Fidelities tried, from cheap to dear; the last one was picked.
     points: tuple[tuple[float, float], ...]  #: Loads [N] and velocities [m/s] of the probe.
-    saving: float  #: Work of the yardstick over that of the fidelity.
-    work: float  #: Work of the whole probe, in elements times convolutions.
+    exact_seconds: float  #: Processor time of nearly exact steps at these points [s].
     seconds: float  #: Duration of the probe [s].
 
     def as_dict(self) -> dict[str, Any]:
@@ -115,17 +114,18 @@ class Selection:
             )
         if self.accuracy is not None and self.error > self.accuracy:
             err += ", more than asked for: nothing finer is known"
-        tried = ", ".join(trial.name for trial in self.trials[:-1])
-        why = f" ({tried}: not accurate enough)" if tried else ""
-        less = f"{1 / self.saving:.2g} times the work of"
-        if self.saving >= 1:
-            less = f"{self.saving:.2g} times less work than"
+        tried = ", ".join(
+            f"{trial.name} {100 * trial.error:.2g} % in {trial.seconds:.2g} s"
+            for trial in self.trials[:-1]
+        )
+        why = f" (not accurate enough: {tried})" if tried else ""
+        seconds = f"{self.trials[-1].seconds:.2g} s for the points of the probe"
         alone = "" if self.coarser is not None else "; its pixels cannot be joined to larger ones"
         picked = self.name
         if self.accuracy is not None:
             picked = f"accuracy {100 * self.accuracy:g} %: picked {self.name}"
         return (
             f"{picked}, whose boundary velocity "
-            f"{err}, with {less} nearly exact steps{why}{alone}; the probe took "
-            f"{self.seconds:.1f} s"
+            f"{err}, in {seconds}, nearly exact steps in {self.exact_seconds:.2g} s{why}{alone}; "
+            f"the probe took {self.seconds:.1f} s"
         )

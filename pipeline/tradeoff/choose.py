@@ -19,7 +19,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Selection, Trial
 from pipeline.sweep.severity import rise_limit
-from pipeline.sweep.stages import Progress, Report, silent
+from pipeline.sweep.stages import Progress, Report, duration, silent
 from pipeline.tradeoff.probe import (
     YARDSTICK,
     OwnError,
@@ -33,6 +33,7 @@ from pipeline.tradeoff.probe import (
     some_places,
 )
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
+from tribo.simulation import Trunks, contacts
 from tribo.simulation.point_warnings import FEW_NODES
 
 # `make promises` judges these together: change one, and judge all again.
@@ -63,6 +64,8 @@ _LOADS, _PLACES = 4, 6  # to look at, and with several surfaces
 _APART = 0.05  # distance of ln(velocity) at a load, either way, from that of the boundary
 _PASSES = 5.0  # times the yardstick's steps at each load that a probe takes, trials included
 _OWN_PASSES = 2.5  # likewise at each point, without trials
+_LONG = 5.0  # [s] of a probe from which on its duration is said before
+_TIMED = 0.3  # [s] of contacts that are timed for it
 _WORTH = 0.5  # share of the reference's steps in the whole sweep that a thorough probe may take
 _FEWEST_STEPS = 50  # to know the heat of all the past
 _OWN = "the scene's own fidelity"
@@ -70,9 +73,7 @@ _ONE_GRID = {"history_coarsening": 1, "contact_tolerance": 1e-2, "increments": 5
 _RUNGS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("draft", "draft", {}),
     ("standard", "standard", {}),
-    ("standard, one grid", "standard", {"history_coarsening": 1}),
     ("fine", "fine", {}),
-    ("fine, one grid", "fine", {"history_coarsening": 1}),
     ("fine, one grid, solved more tightly", "fine", _ONE_GRID),
 )
 
@@ -169,6 +170,8 @@ def choose_fidelity(
         raise InputError("velocity is 0, so there is no heat; an accuracy needs one above 0")
     began = time.perf_counter()
     told = progress or silent
+    if (takes := probing_time(sweep, accuracy is not None)) > _LONG:
+        told(Progress(f"takes roughly {duration(takes)}"))
     places = _probed_places(sweep)
     thorough = not points and _is_worth_it(sweep)
     if points:
@@ -209,7 +212,7 @@ def _first_within(
     if accuracy is not None:
         past |= yardstick_error.heat_model > _OF_HEAT * accuracy
         rungs = _ladder(sweep, past)
-    trials, spent = [], exact.work + yardstick_error.work
+    trials = []
     for number, (name, fidelity) in enumerate(rungs, 1):
         words = f"choice {number} of at most {len(rungs)}: {name}"
         progress(Progress(words, number - 1, len(rungs)))
@@ -222,13 +225,12 @@ def _first_within(
         against, nodes = replace(YARDSTICK, heat_model=fidelity.heat_model), exact.fewest_nodes
         error = _bound(exact.errors(elapsed), everywhere, nodes) + yardstick_error.of(against)
         error += _ONE / nodes
-        spent += elapsed.work
-        trials.append(Trial(name, fidelity, error, elapsed.work))
+        trials.append(Trial(name, fidelity, error, elapsed.seconds))
         if accuracy is None or error <= accuracy:
             break
     else:
         if accuracy is not None:
-            trials += _finest(sweep, accuracy, yardstick_error, past, exact.own_work)
+            trials += _finest(sweep, accuracy, yardstick_error, past, exact.seconds)
             if trials[-1].error > accuracy:  # the cheapest that errs no more than the finest
                 enough = [trial for trial in trials if trial.error <= _SAME * trials[-1].error]
                 trials = trials[: trials.index(enough[0]) + 1]
@@ -241,8 +243,7 @@ def _first_within(
         coarser=exact.coarser,
         trials=tuple(trials),
         points=tuple((point.load, point.velocity) for point in exact.points),
-        saving=exact.own_work / picked.work,
-        work=spent,
+        exact_seconds=exact.seconds,
         seconds=0.0,
     )
 
@@ -259,10 +260,22 @@ def _probed_places(sweep: Sweep) -> tuple[Target, ...]:
     return some_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
 
 
-def measuring_steps(sweep: Sweep) -> float:
-    """Steps of the yardstick that take as long as measuring the error of a sweep's fidelity."""
+def probing_time(sweep: Sweep, tries: bool = False) -> float:
+    """Time to measure the error of a sweep's own fidelity, or to try others, by contacts now [s].
+
+    Contacts are those of the yardstick while its load is low.
+    """
+    exact = sweep.changed(fidelity=dividing_pixels(sweep, YARDSTICK)).variant()
+    velocity = max(map(abs, sweep.plane.velocities))
+    times = list[float]()  # [s]; the first contact makes surface and kernels, too
+    for _ in contacts(exact.scene, max(sweep.plane.loads), velocity, Trunks()):
+        times.append(time.process_time())
+        if len(times) > 1 and times[-1] - times[0] > _TIMED:
+            break
+    contact_time = (times[-1] - times[0]) / max(len(times) - 1, 1)
     sides = 2 if _is_worth_it(sweep) else 1
-    return _OWN_PASSES * sides * _yardstick_steps(sweep)
+    passes = _PASSES if tries else _OWN_PASSES
+    return passes * sides * _yardstick_steps(sweep) * contact_time
 
 
 def _yardstick_steps(sweep: Sweep) -> int:
@@ -280,7 +293,7 @@ def _is_worth_it(sweep: Sweep) -> bool:
 
 
 def _finest(
-    sweep: Sweep, accuracy: float, yardstick_error: OwnError, past: bool, work: float
+    sweep: Sweep, accuracy: float, yardstick_error: OwnError, past: bool, seconds: float
 ) -> list[Trial]:
     """The reference, and ever more steps of it until they are enough."""
     trials: list[Trial] = []
@@ -290,7 +303,7 @@ def _finest(
         name += ", with all heat so far" if past else ""
         fidelity = _chosen_fidelity(sweep, finer, past)
         more = finer.increments / YARDSTICK.increments
-        trials.append(Trial(name, fidelity, yardstick_error.of(fidelity), work * more))
+        trials.append(Trial(name, fidelity, yardstick_error.of(fidelity), seconds * more))
         if trials[-1].error <= accuracy or not yardstick_error.steps or yardstick_error.scatters:
             break
     return trials

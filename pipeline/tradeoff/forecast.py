@@ -21,8 +21,6 @@ from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.shown import shown
 from pipeline.sweep.station_choice import choose_stations
-from pipeline.tradeoff.choose import measuring_steps
-from pipeline.tradeoff.probe import YARDSTICK
 from tribo import Scene, State
 from tribo.simulation import Trunks, contacts, heat, suited
 from tribo.simulation.trunks import MOST_BYTES
@@ -164,17 +162,6 @@ class _Work:
         of_heat = (heats_on_way * share + heats + solving) * self.heat_time
         commits = len(task.points) * _SECONDS_TO_COMMIT
         return float(steps * self.contact_time + of_heat + commits)
-
-
-def measuring_time(sweep: Sweep) -> float:
-    """Time to measure the error of a sweep's own fidelity, roughly, by steps timed now [s].
-
-    They are timed on the scene's own elements, which are fewer than the pixels.
-    """
-    size = sweep.scene.fidelity.pixels_per_element
-    exact = sweep.changed(fidelity=replace(YARDSTICK, pixels_per_element=size))
-    contact_time, _, _ = _timed(exact.variant())
-    return size**2 * measuring_steps(sweep) * contact_time
 
 
 def worker_bytes(sweep: Sweep, tasks: int = 1) -> float:

@@ -51,7 +51,6 @@ class Probe:
     fidelity: Fidelity
     readings: tuple[Reading, ...]
     seconds: float  # processor time; if asked for, without surfaces and kernels
-    work: float  # convolutions times the elements of their grids, alike on every machine
 
 
 def probe(
@@ -70,30 +69,17 @@ def probe(
         variant = scene.variant(point.variant)
         runs[point] = _run(variant, point.load, point.velocity, trunks)
     seconds = time.process_time() - began
-    return Probe(
-        fidelity,
-        tuple(_reading(sweep, scene.scene, runs[point].state) for point in points),
-        seconds,
-        float(sum(run.work for run in runs.values())),
-    )
+    readings = tuple(_reading(sweep, scene.scene, runs[point]) for point in points)
+    return Probe(fidelity, readings, seconds)
 
 
-class _Run(NamedTuple):
-    state: State
-    work: int  # its cost, see `Probe`
-
-
-def _run(sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None) -> _Run:
-    """Simulate a point: its hottest state under full load, and its cost."""
-    work = 0
+def _run(sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None) -> State:
+    """Simulate a point: its hottest state under full load."""
     hot: list[tuple[float, State]] = []
     for state in simulate(sweep.scene, load, velocity, trunks):
-        partitions = state.heat.iterations if state.heat else 0
-        work += state.work + partitions * state.pressure.size
         if state.heat is not None and state.normal_load >= load:
             hot.append((momentary_rise(sweep.scene, state, sweep.conditions), state))
-    hottest = max(hot, key=lambda reading: reading[0])[1] if hot else state
-    return _Run(hottest, work)
+    return max(hot, key=lambda reading: reading[0])[1] if hot else state
 
 
 def _reading(sweep: Sweep, scene: Scene, state: State) -> Reading:
@@ -139,8 +125,8 @@ def near_the_boundary(
     limit = rise_limit(sweep.conditions)
 
     def rise_at(place: Target, velocity: float) -> float:
-        run = _run(scene.variant(place.variant), place.load, velocity)
-        return _reading(sweep, scene.scene, run.state).rise
+        state = _run(scene.variant(place.variant), place.load, velocity)
+        return _reading(sweep, scene.scene, state).rise
 
     for place in places:
         rise = partial(rise_at, place)
@@ -203,7 +189,6 @@ class OwnError:
 
     steps: float  # by the number of its increments
     heat_model: float  # by the heat model "elapsed", if the scene takes it
-    work: float  # elements times convolutions spent on it
     # More increments reduce nothing: under a ball each step wears by other positions of the disk,
     # and where few elements touch, their imprint is left to chance.
     scatters: bool = False
@@ -222,8 +207,7 @@ class Yardstick:
     points: tuple[Point, ...]
     exponents: tuple[float, ...]  # d ln(rise)/d ln(velocity) at each
     readings: tuple[Reading, ...]
-    work: float  # elements times convolutions spent, those on larger elements included
-    own_work: float  # that of the yardstick alone
+    seconds: float  # processor time of the points [s]
     coarser: float | None = None  # largest relative change by elements of twice the pixels' size
 
     def errors(self, other: Probe) -> tuple[float, ...]:
@@ -246,13 +230,11 @@ def measured(
         for point in staged(points, progress, lambda point: f"nearly exact steps at {point}")
     ]
     readings = tuple(reading for probed in probes for reading in probed.readings)
-    own_work = sum(probed.work for probed in probes)
-    work, coarser = own_work, None
+    seconds, coarser = sum(probed.seconds for probed in probes), None
     if coarse.pixels_per_element > 1:
         on_larger = probe(sweep, coarse, points)
-        work += on_larger.work
         coarser = max(map(abs, velocity_errors(on_larger.readings, readings, exponents)))
-    return Yardstick(tuple(points), tuple(exponents), readings, work, own_work, coarser)
+    return Yardstick(tuple(points), tuple(exponents), readings, seconds, coarser)
 
 
 def own_error(
@@ -263,13 +245,12 @@ def own_error(
     Steps are halved, which at second order makes four times the error. The heat of all the past
     matters most at the lowest and the highest load; how much hardly depends on the grid.
     """
-    steps = heat_model = work = 0.0
+    steps = heat_model = 0.0
     exact = dividing_pixels(sweep, YARDSTICK)
     if sweep.scene.wear is not None:
         halved = probe(sweep, replace(exact, increments=exact.increments // 2), points)
         steps = max(map(abs, velocity_errors(readings, halved.readings, exponents)))
         steps *= 1.0 if sweep.scene.sweeps_over else _LEFT
-        work += halved.work
     if sweep.scene.fidelity.heat_model == "elapsed":
         size = 1 if math.prod(sweep.scene.pixels.shape) <= _SMALL else 2
         by_load = sorted(zip(points, exponents, strict=True), key=lambda pair: pair[0].load)
@@ -287,8 +268,7 @@ def own_error(
             for model in ("elapsed", "history")
         )
         heat_model = max(map(abs, velocity_errors(one.readings, other.readings, of_ends)))
-        work += one.work + other.work
-    return OwnError(_MARGIN * steps, _MARGIN * heat_model, work, sweep.scene.sweeps_over)
+    return OwnError(_MARGIN * steps, _MARGIN * heat_model, sweep.scene.sweeps_over)
 
 
 def velocity_errors(

@@ -85,7 +85,7 @@ def accuracies(sweep, parts):
                 "error": error,
                 "warnings": kinds,
                 "foretold": selection.error,
-                "saving": selection.saving,
+                "seconds": selection.trials[-1].seconds,
             }
     return rows
 

@@ -67,7 +67,7 @@ def test_a_few_points_are_judged_before_the_reference_is_taken(sweep, points):
 def test_one_error_is_said_the_largest_known():
     selection = choose_fidelity(UNWORN, 0.05, points=(Point(300.0, 1.5),))
     said = str(selection)
-    assert "work than nearly exact steps" in said
+    assert "s for the points of the probe, nearly exact steps in" in said
     assert "errs by" in said
     moved = str(replace(selection, error=0.002, coarser=3.4))
     assert "errs by up to 340 %" in moved
@@ -106,7 +106,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_probe(
         raise AssertionError("another probe")
 
     monkeypatch.setattr(accuracy_module, "choose_fidelity", refused)
-    grown = small.changed(velocities=(1.0, 1.25, 1.5))
+    grown = small.changed(velocities=(1.0, 1.5, 2.0))
     for accuracy in (0.1, 0.3):
         again = choose_accuracy(grown, accuracy, store=out)
         assert (again.scene.fidelity, again.about.selection) == (

@@ -1,5 +1,6 @@
 """Forecasts of `irg check`, against what then happens."""
 
+import itertools
 import math
 import time
 from dataclasses import replace
@@ -9,8 +10,9 @@ import pytest
 from pipeline.sweep import plan
 from pipeline.sweep.plan import points, run_point, run_points, tasks
 from pipeline.sweep.variants import surfaces
-from pipeline.tradeoff import forecast
-from pipeline.tradeoff.forecast import estimate, measuring_time, savings, worker_bytes
+from pipeline.tradeoff import choose, forecast
+from pipeline.tradeoff.choose import probing_time
+from pipeline.tradeoff.forecast import estimate, savings, worker_bytes
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.scenes import STEEL
@@ -118,12 +120,14 @@ def test_friction_by_temperature_takes_two_partitions_more_a_point(monkeypatch):
 
 def test_measuring_an_error_takes_its_passes_of_the_yardstick_at_each_point(monkeypatch):
     """Its 25 increments of 30 N: 9, 17 and 25 steps; points on both sides if that is worth it."""
-    timed = 1.5, 9.0, None
-    monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
-    sweep = SWEEP.changed(fidelity=Fidelity(pixels_per_element=2))  # four pixels each
-    assert measuring_time(sweep) == pytest.approx(4 * 1.5 * 2.5 * 51)
+    monkeypatch.setattr(choose, "contacts", lambda *_: range(5))
+    clock = itertools.count(7.0, 0.1)
+    monkeypatch.setattr(choose.time, "process_time", lambda: next(clock))
+    sweep = SWEEP.changed(fidelity=Fidelity(pixels_per_element=2))
+    assert probing_time(sweep) == pytest.approx(0.1 * 2.5 * 51)
+    assert probing_time(sweep, tries=True) == pytest.approx(0.1 * 5.0 * 51)
     both_sides = sweep.changed(velocities=VELOCITIES)
-    assert measuring_time(both_sides) == pytest.approx(4 * 1.5 * 5.0 * 51)
+    assert probing_time(both_sides) == pytest.approx(0.1 * 5.0 * 51)
 
 
 def test_the_time_is_that_of_a_whole_run_within_its_factor():

@@ -91,7 +91,7 @@ class Rig:
             raise ConvergenceError("the contact did not converge", None)
         is_draft = fidelity.increments == PRESETS["draft"].increments
         read = [replace(TRUE, **self.off) if is_draft else TRUE] + [TRUE] * (len(points) - 1)
-        return Probe(fidelity, tuple(read), 2.0 if is_draft else 10.0, 50.0)
+        return Probe(fidelity, tuple(read), 2.0 if is_draft else 10.0)
 
 
 @pytest.fixture
@@ -161,8 +161,7 @@ class Runs:
 
     def run(self, sweep, load, velocity, trunks=None):
         self.calls.append((sweep.scene.fidelity, load, velocity))
-        state = load, velocity, sweep.scene.fidelity
-        return probe_module._Run(state, 50)
+        return load, velocity, sweep.scene.fidelity
 
     def reading(self, sweep, scene, state):
         return replace(TRUE, rise=self.rise(*state), contact_nodes=int(10 * state[0]))
@@ -205,17 +204,17 @@ def test_beyond_half_the_lowest_and_twice_the_highest_velocity_the_end_is_taken(
     assert point.velocity == pytest.approx(end)
 
 
-def test_a_probe_counts_the_work_and_the_time_of_its_points(runs, monkeypatch):
+def test_a_probe_counts_the_time_of_its_points(runs, monkeypatch):
     made = runs(lambda load, velocity, _: 1000.0)
     monkeypatch.setattr(probe_module.time, "process_time", iter([7.0, 9.5, 1.0, 2.0]).__next__)
     points = [Point(250.0, 1.5), Point(150.0, 0.5), Point(600.0, 1.0)]
     implicit = Fidelity(pixels_per_element=1, increments=20)
     probed = probe(tiny.sweep(), implicit, points)
-    assert (probed.work, probed.seconds) == (150.0, 2.5)
+    assert probed.seconds == 2.5
     assert [reading.contact_nodes for reading in probed.readings] == [2500, 1500, 6000]
     assert sorted(call[1:] for call in made.calls) == sorted(point[:2] for point in points)
     made.calls.clear()
-    assert probe(tiny.sweep(), implicit, points, is_timed=True).work == 150.0
+    assert probe(tiny.sweep(), implicit, points, is_timed=True).seconds == 1.0
     assert made.calls[0] == (implicit, 75.0, 0.45)  # half the lightest, before the time is taken
 
 
@@ -230,12 +229,12 @@ def test_the_yardstick_is_measured_at_each_point_and_once_more_on_larger_element
         ("1 of 2: nearly exact steps at 150 N, 0.5 m/s", 0, 2),
         ("2 of 2: nearly exact steps at 600 N, 1 m/s", 1, 2),
     ]
-    assert (exact.own_work, exact.work, len(made.calls)) == (100.0, 200.0, 4)
+    assert len(made.calls) == 4
     assert exact.coarser == pytest.approx(1 - 1.03**-2)
     assert exact.fewest_nodes == 1500
     odd = tiny.sweep(pixels=Grid((33, 15), (13e-6, 15e-6)))  # which cannot be joined
     alone = measured(odd, points, [1.0, 0.5])
-    assert (alone.own_work, alone.work, alone.coarser) == (100.0, 100.0, None)
+    assert alone.coarser is None
 
 
 @pytest.mark.parametrize(
@@ -254,7 +253,6 @@ def test_the_heat_of_all_the_past_is_compared_at_the_ends_of_the_loads(runs, sha
     error = own_error(sweep, points, [1.0, 0.5, 1.0], [replace(TRUE, rise=1000.0)] * 3)
     assert error.steps == pytest.approx(1.2 * 0.5 * 0.02)
     assert error.heat_model == pytest.approx(1.2 * (1.02**2 - 1))
-    assert error.work == 7 * 50.0
     assert not error.scatters
     halved, heat = made.calls[:3], made.calls[3:]
     assert {(fidelity.increments, fidelity.heat_model) for fidelity, *_ in halved} == {
@@ -267,6 +265,6 @@ def test_the_heat_of_all_the_past_is_compared_at_the_ends_of_the_loads(runs, sha
 
 def test_errors_of_a_yardstick_have_the_sign_of_the_boundary():
     """A rise too high by 1 % lets the boundary be too low, by 2 % at an exponent of 1/2."""
-    exact = Yardstick((Point(60.0, 1.0),), (0.5,), (TRUE,), 1.0, 1.0)
-    high = Probe(PRESETS["draft"], (replace(TRUE, rise=1010.0),), 1.0, 1.0)
+    exact = Yardstick((Point(60.0, 1.0),), (0.5,), (TRUE,), 1.0)
+    high = Probe(PRESETS["draft"], (replace(TRUE, rise=1010.0),), 1.0)
     assert exact.errors(high) == pytest.approx((1.01**-2 - 1,))
