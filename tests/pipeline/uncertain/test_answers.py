@@ -167,9 +167,9 @@ def of_samples():
 
 
 def test_conditions_of_a_row_judge_its_samples_as_options_would():
-    ds, twice = of_samples(), {name: 2 * value for name, value in HERE.items()}
-    own = {"friction": [0.105, ""], "bulk_temperature": ["30 degC", ""]}
-    warm, usual = pipeline.margin(ds, twice | own).to_dict("records")
+    ds, own = of_samples(), {"friction": [0.105], "bulk_temperature": ["30 degC"]}
+    (warm,) = pipeline.margin(ds, HERE | own).to_dict("records")
+    (usual,) = pipeline.margin(ds, HERE).to_dict("records")
     judged = pipeline.at(ds, friction=0.105, bulk_temperature="30 degC")
     there = pipeline.margin(judged, 400.0, 2.0).probability
     assert warm["probability"] == pytest.approx(there)
