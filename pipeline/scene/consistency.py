@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import tribo
@@ -14,70 +14,82 @@ from pipeline.quantities import display
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.format import Bulks, Ramp
 from pipeline.scene.library import library
-from pipeline.scene.parts import DISC, Roughness, track_of
+from pipeline.scene.parts import DISC, track_of
 from pipeline.scene.runs import run_faults
 from tribo.simulation.pins import sizes_of
 
 _PLATE = "track_length", "capacity", "loss"
 """Entries of a body that is a plate."""
 _ALIKE = 0.01  # by which two lengths of one track may differ
-Sound = Callable[..., list[Any]]
 Misfits = Iterator[tuple[str, ...]]
 """Path of an entry, what is wrong with it, and the path of another one that excludes it, if any."""
+_CHECKS: list[tuple[tuple[str, ...], frozenset[str], Callable[..., Misfits]]] = []
+"""Paths of the entries that each check compares, their tables, and the check."""
 
 
-def check_tables(
-    scene: Any, fidelity: tribo.Fidelity, roughness: Roughness | None, faults: Faults
-) -> None:
-    """Note every conflict between the tables of a scene."""
-    _check_materials(scene, faults)
-    _check_pixels(scene, fidelity.pixels_per_element, roughness, faults)
+def _check(*paths: str, **given: Any) -> Callable[[Callable[..., Misfits]], Callable[..., Misfits]]:
+    """Compare the entries at some paths, if all are sound, by the function below."""
 
-    def sound(*paths: str) -> list[Any]:
-        """Entries at some paths; all None where one is faulty."""
-        is_faulty = any(map(faults.touch, paths))
-        return [None if is_faulty else entry_at(scene, path) for path in paths]
+    def add(find: Callable[..., Misfits]) -> Callable[..., Misfits]:
+        tables = frozenset(path.partition(".")[0] for path in paths)
+        _CHECKS.append((paths, tables, partial(find, **given)))
+        return find
 
-    for misfit in itertools.chain(
-        _body_faults(sound), _motion_faults(sound), _track_faults(sound), _condition_faults(sound),
-        _step_faults(sound, fidelity), _test_faults(scene),
-    ):  # fmt: skip
-        faults.refuse(*misfit)
+    return add
 
 
-def _check_materials(scene: Any, faults: Faults) -> None:
-    if any(fault.key == "materials" for fault in faults):
-        return
-    materials = scene.materials or {}
-    for body in ("pin", "disk"):
-        name = entry_at(scene, f"{body}.material")
-        if name and name not in materials:
-            known = {**materials, **library()["materials"]}
-            hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
-            problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
-            faults.refuse(f"{body}.material", f"{problem}; give {choices}, or add a table for it")
+def check_tables(tables: dict[str, Any], changed: Collection[str], faults: Faults) -> None:
+    """Note every conflict between the tables of a scene, of which some have changed.
+
+    With them are ``fidelity``, all numerical choices, and ``surface``, the roughness as it is made.
+    """
+    if not any(fault.key == "materials" for fault in faults):
+        for body in ("pin", "disk"):
+            for misfit in _unknown_material(body, tables):
+                faults.refuse(*misfit)
+    for paths, names, find in _CHECKS:
+        if names.isdisjoint(changed) or any(map(faults.touch, paths)):
+            continue
+        for misfit in find(*(entry_at(tables, path) for path in paths)):
+            faults.refuse(*misfit)
 
 
-def _check_pixels(scene: Any, block: int, roughness: Roughness | None, faults: Faults) -> None:
-    pixels, sides = entry_at(scene, "window.pixels"), entry_at(scene, "window.pixel_size")
-    if not pixels:
-        return
-    size = quoted(list(pixels))
-    if sides:
-        with faults.at("window.pixel_size"):
-            tribo.Grid(pixels, sides)
+def _unknown_material(body: str, tables: dict[str, Any]) -> Misfits:
+    name, materials = entry_at(tables, f"{body}.material"), tables["materials"] or {}
+    if name and name not in materials:
+        known = {**materials, **library()["materials"]}
+        hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
+        problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
+        yield f"{body}.material", f"{problem}; give {choices}, or add a table for it"
+
+
+@_check("window.pixels", "window.pixel_size")
+def _unfit_sides(pixels: Any, sides: Any) -> Misfits:
+    try:
+        tribo.Grid(pixels, sides)
+    except tribo.InputError as error:
+        yield "window.pixel_size", str(error)
+
+
+@_check("window.pixels", "fidelity.pixels_per_element")
+def _unfit_pixels(pixels: Any, block: int) -> Misfits:
     if any(n % block for n in pixels):
-        faults.refuse(
+        yield (
             "window.pixels",
-            f"{size} cannot be averaged {block} × {block}; give multiples of {block}, or another "
-            "fidelity.pixels_per_element",
+            f"{quoted(list(pixels))} cannot be averaged {block} × {block}; give multiples of "
+            f"{block}, or another fidelity.pixels_per_element",
         )
-    if pixels == (1, 1) and isinstance(roughness, tribo.SelfAffineRoughness):
+
+
+@_check("window.pixels", "disk.roughness", "surface")
+def _unfit_surface(pixels: Any, _: Any, surface: Any) -> Misfits:
+    size = quoted(list(pixels))
+    if pixels == (1, 1) and isinstance(surface, tribo.SelfAffineRoughness):
         problem = "[1, 1] cannot be rough; give more pixels, or no disk.roughness"
-        faults.refuse("window.pixels", problem)
-    if isinstance(roughness, tribo.MeasuredRoughness) and roughness.array.shape != pixels:
-        nx, ny = roughness.array.shape
-        faults.refuse(
+        yield "window.pixels", problem
+    if isinstance(surface, tribo.MeasuredRoughness) and surface.array.shape != pixels:
+        nx, ny = surface.array.shape
+        yield (
             "disk.roughness.file",
             f"the surface has {nx} × {ny} heights along x and y, window.pixels is {size}; give "
             "both the same size: cut out a patch (disk.roughness.crop), exchange x and y "
@@ -96,85 +108,94 @@ def _short_of_window(key: str, length: float, pixels: Any, sides: Any, axis: int
         )
 
 
-def _body_faults(sound: Sound) -> Misfits:
-    length, pixels, sides = sound("pin.length", "window.pixels", "window.pixel_size")
+@_check("pin.length", "window.pixels", "window.pixel_size")
+def _short_pin(length: Any, pixels: Any, sides: Any) -> Misfits:
     if length:
         yield from _short_of_window("pin.length", length, pixels, sides, 1)
-    shape, periodic = sound("pin.shape", "window.periodic_y")
-    if periodic and shape and "length" not in sizes_of(shape):
+
+
+@_check("pin.shape", "window.periodic_y")
+def _unfit_periods(shape: str, periodic: Any) -> Misfits:
+    if periodic and "length" not in sizes_of(shape):
         yield "window.periodic_y", f"true does not fit a {shape} pin; give false, or leave it out"
-    for size in dict.fromkeys(name for other in tribo.PINS for name in sizes_of(other)):
-        shape, value = sound("pin.shape", f"pin.{size}")
-        is_needed = bool(shape) and size in sizes_of(shape)
+
+
+_SIZES = dict.fromkeys(size for shape in tribo.PINS for size in sizes_of(shape))
+
+
+@_check("pin.shape", *(f"pin.{size}" for size in _SIZES))
+def _unfit_sizes(shape: str, *values: Any) -> Misfits:
+    for size, value in zip(_SIZES, values, strict=True):
+        is_needed = size in sizes_of(shape)
         if is_needed and value is None:
             yield f"pin.{size}", f"missing; a {shape} pin needs it"
-        if shape and not is_needed and value is not None:
+        if not is_needed and value is not None:
             shapes = " or ".join(f'"{other}"' for other in tribo.PINS if size in sizes_of(other))
             yield f"pin.{size}", f"does not fit a {shape}; leave it out, or give shape = {shapes}"
 
 
-def _motion_faults(sound: Sound) -> Misfits:
-    (motion,) = sound("motion")
-    both = "motion.slide_roll_ratio", "motion.entrainment_velocity"
-    ratio, entrainment = sound(*both)
-    if ratio is not None and entrainment is not None:
-        problem = (
-            f"{ratio:g} and an entrainment_velocity are given; give one of them, with the other in "
-            'without, such as --set "without=motion.slide_roll_ratio"'
-        )
-        yield both[0], problem, both[1]
-    elif motion is not None:
-        try:
-            tribo.Motion(**vars(motion))
-        except tribo.InputError as error:
-            yield "motion", str(error)
-    motion, radius, pixels, sides = sound(
-        "motion", "pin.radius", "window.pixels", "window.pixel_size"
-    )
-    if motion:
-        around = track_of(pin) if (pin := sound("pin")[0]) else None
-        track = motion.track_length or around or 2 * math.pi * radius
-        yield from _short_of_window("motion.track_length", track, pixels, sides, 0)
-    rod, motion, velocities = sound("pin.stem", "motion", "sweep.velocities")
-    if rod and motion:
-        turning = [tribo.Motion(**vars(motion)).velocities(velocity).pin for velocity in velocities]
-        if any(turning):
-            yield (
-                "pin.stem",
-                f"the pin turns, at {max(map(abs, turning)):g} m/s, and is warmed all around it: a "
-                "rod between its end and a holder belongs to a pin at rest; leave it out, or leave "
-                "out [motion]",
-            )
-
-
-def _track_faults(sound: Sound) -> Misfits:
-    for body in ("pin", "disk"):
-        yield from _disc_faults(body, sound)
-    motion, pin = sound("motion", "pin")
-    around = track_of(pin) if pin else None
-    if not around:
-        return
-    key = "pin.diameter" if pin.diameter else "pin.track_length"
+@_check("motion")
+def _unfit_motion(motion: Any) -> Misfits:
     if motion is None:
+        return
+    if None not in (motion.slide_roll_ratio, motion.entrainment_velocity):
+        problem = (
+            f"{motion.slide_roll_ratio:g} and an entrainment_velocity are given; give one of them, "
+            'with the other in without, such as --set "without=motion.slide_roll_ratio"'
+        )
+        yield "motion.slide_roll_ratio", problem, "motion.entrainment_velocity"
+        return
+    try:
+        tribo.Motion(**vars(motion))
+    except tribo.InputError as error:
+        yield "motion", str(error)
+
+
+@_check("motion", "pin.diameter", "pin.track_length")
+def _unfit_track(motion: Any, diameter: Any, length: Any) -> Misfits:
+    around = track_of(diameter, length)
+    key = "pin.diameter" if diameter else "pin.track_length"
+    if around and motion is None:
+        problem = "the pin is at rest, so that no earlier turn has warmed it; leave it out"
+        yield key, f"{problem}, or give a [motion]"
+    elif around and (worn := motion.track_length) and abs(worn / around - 1) > _ALIKE:
+        problem = f"is not the {display(around, 'mm')} of {key}; leave it out"
+        yield "motion.track_length", f"{display(worn, 'mm')} {problem}"
+
+
+@_check(
+    "motion", "pin.diameter", "pin.track_length", "pin.radius", "window.pixels",
+    "window.pixel_size",
+)  # fmt: skip
+def _short_track(
+    motion: Any, diameter: Any, length: Any, radius: float, pixels: Any, sides: Any
+) -> Misfits:
+    if motion:
+        track = motion.track_length or track_of(diameter, length) or 2 * math.pi * radius
+        yield from _short_of_window("motion.track_length", track, pixels, sides, 0)
+
+
+@_check("pin.stem", "motion", "sweep.velocities")
+def _turning_rod(rod: Any, motion: Any, velocities: Any) -> Misfits:
+    if not rod or not motion:
+        return
+    turning = [tribo.Motion(**vars(motion)).velocities(velocity).pin for velocity in velocities]
+    if any(turning):
         yield (
-            key,
-            "the pin is at rest, so that no earlier turn has warmed it; leave it out, or give a "
+            "pin.stem",
+            f"the pin turns, at {max(map(abs, turning)):g} m/s, and is warmed all around it: a rod "
+            "between its end and a holder belongs to a pin at rest; leave it out, or leave out "
             "[motion]",
         )
-    elif (worn := motion.track_length) and abs(worn / around - 1) > _ALIKE:
-        yield (
-            "motion.track_length",
-            f"{display(worn, 'mm')} is not the {display(around, 'mm')} of {key}; leave it out",
-        )
 
 
-def _disc_faults(body: str, sound: Sound) -> Misfits:
+@_check(*(f"pin.{name}" for name in (*DISC, *_PLATE, "length")), body="pin")
+@_check(*(f"disk.{name}" for name in (*DISC, *_PLATE)), "pin.length", body="disk")
+def _unfit_disc(*values: Any, body: str) -> Misfits:
     """A disc of all that it needs, and said in one way."""
-    sizes = dict(zip(DISC, sound(*(f"{body}.{name}" for name in DISC)), strict=True))
-    diameter, width, bore = (sizes[name] for name in DISC[:3])
-    plate = dict(zip(_PLATE, sound(*(f"{body}.{name}" for name in _PLATE)), strict=True))
-    both = [name for name in _PLATE if plate[name] is not None]
-    given = [name for name in DISC if sizes[name] is not None]
+    (diameter, width, bore, *_), contact = values, values[-1]
+    known = {k for k, v in zip((*DISC, *_PLATE), values, strict=False) if v is not None}
+    both, given = ([name for name in names if name in known] for names in (_PLATE, DISC))
     if diameter and both:
         yield (
             f"{body}.diameter",
@@ -190,14 +211,13 @@ def _disc_faults(body: str, sound: Sound) -> Misfits:
     elif diameter and bore and not bore < diameter:
         problem = f"is not smaller than the diameter, {display(diameter, 'mm')}"
         yield f"{body}.bore", f"{display(bore, 'mm')} {problem}; give less"
-    (contact,) = sound("pin.length")
     if diameter and width and contact and width < contact:
         problem = f"is narrower than the contact, {display(contact, 'mm')} of pin.length"
         yield f"{body}.width", f"{display(width, 'mm')} {problem}; give at least that"
 
 
-def _condition_faults(sound: Sound) -> Misfits:
-    bulk, critical = sound("temperature.bulk", "temperature.critical")
+@_check("temperature.bulk", "temperature.critical")
+def _cold_limit(bulk: Any, critical: Any) -> Misfits:
     warmest = max(bulk.pin, bulk.disk) if isinstance(bulk, Bulks) else bulk
     if critical is not None and critical <= warmest:
         yield (
@@ -205,24 +225,30 @@ def _condition_faults(sound: Sound) -> Misfits:
             f"{display(critical, '°C')} is not above temperature.bulk, {display(warmest, '°C')}; "
             'give a higher one, such as "145 degC"',
         )
-    (band,) = sound("friction.band")
+
+
+@_check("friction.band")
+def _falling_band(band: Any) -> Misfits:
     if band and band[0] > band[1]:
         yield "friction.band", f"{quoted(list(band))} falls; give the lower one first"
-    for name, unit in (("velocity", "m/s"), ("temperature", "°C")):
-        coefficient, rows = sound("friction.coefficient", f"friction.by_{name}")
-        nodes = [getattr(row, name) for row in rows or ()]
-        if twice := sorted({node for node in nodes if nodes.count(node) > 1}):
-            yield f"friction.by_{name}", f"has {display(twice[0], unit)} twice; give each once"
-        if rows and coefficient == 0:
-            yield (
-                "friction.coefficient",
-                f"0 cannot be scaled by friction.by_{name}; give a typical one, such as 0.1",
-            )
 
 
-def _step_faults(sound: Sound, fidelity: tribo.Fidelity) -> Misfits:
+@_check("friction.coefficient", "friction.by_velocity", name="velocity", unit="m/s")
+@_check("friction.coefficient", "friction.by_temperature", name="temperature", unit="°C")
+def _unfit_curve(coefficient: Any, rows: Any, name: str, unit: str) -> Misfits:
+    nodes = [getattr(row, name) for row in rows or ()]
+    if twice := sorted({node for node in nodes if nodes.count(node) > 1}):
+        yield f"friction.by_{name}", f"has {display(twice[0], unit)} twice; give each once"
+    if rows and coefficient == 0:
+        yield (
+            "friction.coefficient",
+            f"0 cannot be scaled by friction.by_{name}; give a typical one, such as 0.1",
+        )
+
+
+@_check("loading", "sweep.loads", "measured", "tested", "fidelity")
+def _many_steps(loading: Any, loads: Any, measured: Any, tested: Any, fidelity: Any) -> Misfits:
     """Loads and holds that take more steps than anybody waits for."""
-    loading, loads, measured, tested = sound("loading", "sweep.loads", "measured", "tested")
     if not isinstance(loading, Ramp):
         return
     ramp = tribo.Ramp(**vars(loading))
@@ -241,13 +267,16 @@ def _step_faults(sound: Sound, fidelity: tribo.Fidelity) -> Misfits:
             return
 
 
-def _test_faults(scene: Any) -> Misfits:
-    for name in ("measured", "tested"):
-        for number, test in enumerate(getattr(scene, name) or ()):
-            if test and test.friction_scatter is not None and not test.friction:
-                problem = "needs a measured friction; give it above 0"
-                key = f"{name}[{number}].friction_scatter"
-                yield key, f"{test.friction_scatter:g} {problem}"
-    if None not in (scene.tested or ()):
-        for number, problem in run_faults(scene.tested or ()):
-            yield f"tested[{number}].run", problem
+@_check("measured", name="measured")
+@_check("tested", name="tested")
+def _lone_scatter(tests: Any, name: str) -> Misfits:
+    for number, test in enumerate(tests or ()):
+        if test.friction_scatter is not None and not test.friction:
+            problem = f"{test.friction_scatter:g} needs a measured friction; give it above 0"
+            yield f"{name}[{number}].friction_scatter", problem
+
+
+@_check("tested")
+def _unlike_runs(tests: Any) -> Misfits:
+    for number, problem in run_faults(tests or ()):
+        yield f"tested[{number}].run", problem

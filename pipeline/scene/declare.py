@@ -218,6 +218,14 @@ class Either(Kind):
         return kind._read(value, place, faults)
 
 
+class Axis(Either):
+    """Values in a list or a range, kept in rising order and each once."""
+
+    def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
+        values = super()._read(value, place, faults)
+        return values and tuple(sorted(set(values)))
+
+
 @dataclass(frozen=True)
 class Table(Kind):
     """A table of fixed keys, read into its class, None where faulty; `form` is its name if any."""

@@ -9,7 +9,17 @@ from typing import Any, get_type_hints
 
 import tribo
 from pipeline import extras
-from pipeline.scene.declare import ByPath, Either, Example, List, Range, declared, kind_of, table_of
+from pipeline.scene.declare import (
+    Axis,
+    ByPath,
+    Either,
+    Example,
+    List,
+    Range,
+    declared,
+    kind_of,
+    table_of,
+)
 from pipeline.scene.kinds import (
     Kind,
     Number,
@@ -404,8 +414,8 @@ Fidelity = _extended(_Fidelity, entries=[
 
 @declared
 class _Sweep:
-    loads: A[tuple[float, ...], Either(List(LOAD, distinct=True), Range(LOAD)), "Normal loads."]
-    velocities: A[tuple[float, ...], Either(List(VELOCITY, distinct=True), Range(VELOCITY)),
+    loads: A[tuple[float, ...], Axis(List(LOAD, distinct=True), Range(LOAD)), "Normal loads."]
+    velocities: A[tuple[float, ...], Axis(List(VELOCITY, distinct=True), Range(VELOCITY)),
         'Sliding velocities; `count` with `spacing = "log"` gives equal ratios.']
     realizations: A[int | tuple[int, ...] | None,
         Either(Whole(at_least=1, at_most=MOST_SCENES), List(SEED, distinct=True)),

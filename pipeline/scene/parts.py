@@ -161,7 +161,7 @@ def corrections_of(scene: Any, pin: tribo.Pin, disk: tribo.Material) -> tribo.Co
         film_resistance=film.thickness / film.thermal_conductivity if film else 0.0,
         pin_bulk=_bulk_of(scene.pin, pin.material),
         disk_bulk=_bulk_of(scene.disk, disk),
-        motion=motion_of(scene) if track_of(scene.pin) or track_of(scene.disk) else None,
+        motion=motion_of(scene) if _around(scene.pin) or _around(scene.disk) else None,
     )
     return corrections if corrections != tribo.Corrections() else None
 
@@ -171,12 +171,16 @@ def motion_of(scene: Any) -> tribo.Motion | None:
     asked = scene.motion
     if asked is None:
         return None
-    return tribo.Motion(**vars(asked) | {"track_length": asked.track_length or track_of(scene.pin)})
+    return tribo.Motion(**vars(asked) | {"track_length": asked.track_length or _around(scene.pin)})
 
 
-def track_of(body: Body) -> float | None:
-    """Length of the track around a body [m]; None if its table gives none."""
-    return math.pi * body.diameter if body.diameter else body.track_length
+def track_of(diameter: float | None, length: float | None) -> float | None:
+    """Length of the track around a body [m]: the rim of a disc, or as given."""
+    return math.pi * diameter if diameter else length
+
+
+def _around(body: Body) -> float | None:
+    return track_of(body.diameter, body.track_length)
 
 
 def _ring_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:
@@ -184,7 +188,7 @@ def _ring_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Trac
     if body.diameter:
         sizes = {name: getattr(body, name) for name in DISC if getattr(body, name) is not None}
         return tribo.Track.under(pin, material, tribo.Disc(**sizes))
-    length = track_of(body)
+    length = _around(body)
     return tribo.Track.under(pin, material, length) if length else None
 
 

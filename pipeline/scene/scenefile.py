@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from os import PathLike
 from typing import Any
@@ -134,38 +134,40 @@ def _require_few_points(sweep: Sweep) -> None:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Reader:
     """Reads entries into a sweep, and files that they name once for all entries."""
 
     document: Document
     laws: Mapping[str, Any]
-    parts: dict[str, Any] = field(default_factory=dict)
+    parts: dict[tuple[Any, ...], Any] = field(default_factory=dict)
+    first: tuple[dict[str, Any], Any] = ({}, None)  # the first sound entries, and as they were read
 
     def sweep(self, entries: dict[str, Any], faults: Faults) -> tuple[Sweep | None, Any]:
         """The sweep, without samples and `over`, and the file as it is declared."""
         laws, entries = take_laws(self.laws, entries, faults)
         entries, taken = resolve_library(entries, faults)
-        scene = expand_tests(table_of(SceneFile).read(entries, "", faults), faults)
+        scene, changed = self._read(entries, faults)
         fidelity, preset = _fidelity(scene.fidelity, faults)
         seeds = realizations_of(scene, faults)
         roughness = laws.get("surface") or self._once(
-            [seeds, *(entry_at(scene, path) for path in ("disk.roughness", "window"))],
+            ("surface", seeds, entry_at(scene, "disk.roughness"), scene.window),
             lambda: roughness_of(scene, seeds, self.document, faults),
         )
         stops = tested_holds(scene)
         loading = self._once(
-            [scene.loading, stops],
+            ("loading", scene.loading, stops),
             lambda: loading_of(scene.loading, self.document, faults, stops),
         )
-        check_tables(scene, fidelity, roughness, faults)
+        made = {"fidelity": fidelity, "surface": roughness}
+        check_tables(vars(scene) | made, changed, faults)
         if scene.caveat:
             faults.note("caveat", scene.caveat)
-        oil = oil_of(scene.oil, faults)
+        oil = self._once(("oil", scene.oil), lambda: oil_of(scene.oil, faults))
         wear = laws.get("wear") or wear_of(scene.wear, faults)
         if faults or loading is None:
             return None, scene
-        made = _scene_of(
+        physics = _scene_of(
             scene,
             laws.get("pin"),
             loading=loading,
@@ -174,11 +176,10 @@ class _Reader:
             fidelity=fidelity,
         )
         asked, name = scene.sweep, self.document.file.stem
-        loads, velocities = (tuple(sorted(set(v))) for v in (asked.loads, asked.velocities))
         sweep = Sweep(
-            scene=made,
-            plane=Plane(loads, velocities),
-            conditions=_conditions_of(scene, made, laws.get("criterion")),
+            scene=physics,
+            plane=Plane(asked.loads, asked.velocities),
+            conditions=_conditions_of(scene, physics, laws.get("criterion")),
             variants=surfaces(seeds),
             record=Record(asked.fields, asked.steps),
             about=About(
@@ -200,11 +201,23 @@ class _Reader:
             faults.refuse(f"{body}.{given}", fault)
         return sweep, scene
 
-    def _once(self, tables: list[Any], make: Callable[[], Any]) -> Any:
+    def _read(self, entries: dict[str, Any], faults: Faults) -> tuple[Any, Collection[str]]:
+        """The file as it is declared, and the tables that are not as in the first sound entries."""
+        kind = table_of(SceneFile)
+        before, scene = self.first
+        other = {key for key, value in entries.items() if value != before.get(key)}
+        if scene and entries.keys() == before.keys() and not other & {"measured", "tested"}:
+            new = {key: kind.keys[key].kind.read(entries[key], key, faults) for key in other}
+            return replace(scene, **new), other
+        scene = expand_tests(kind.read(entries, "", faults), faults)
+        if not faults:
+            self.first = entries, scene
+        return scene, kind.keys
+
+    def _once(self, made_of: tuple[Any, ...], make: Callable[[], Any]) -> Any:
         """The part of a scene that is made of some tables; a faulty one is told each time."""
-        key = repr(tables)
-        self.parts[key] = self.parts.get(key) or make()
-        return self.parts[key]
+        self.parts[made_of] = self.parts.get(made_of) or make()
+        return self.parts[made_of]
 
 
 SceneLike = Sweep | str | PathLike[str]
