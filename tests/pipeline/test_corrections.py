@@ -283,6 +283,7 @@ def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path):
     (tmp_path / "scene.toml").write_text(f'extends = "known.toml"\n{UNKNOWN}{asked}')
     store = tmp_path / "out.zarr"
     commit_all(store, pipeline.load_scene(tmp_path / "scene.toml"))
+    assert "coupled_rise" not in pipeline.open_sweep(store)  # samples are not solved
     samples = pipeline.Ensemble.of(pipeline.at(store, **at))
     paths = [one.path for one in samples.design.inputs]
     for number in (0, 7):
