@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.quantities import UNITS, display
-from pipeline.scene.reference import all_keys, quantity_in
+from pipeline.scene.reference import all_keys, number_in
 from pipeline.scene.units import typeset
 from pipeline.sweep.conditions import FIELDS
 from pipeline.sweep.laws import is_given, law_record
@@ -140,7 +140,6 @@ def _units() -> Mapping[str, str]:
     """Unit of each key of the format, by that of its example."""
     units: dict[str, str] = {}
     for path, entry in all_keys():
-        if quantity := quantity_in(entry.kind):
-            unit = typeset(quantity.example.partition(" ")[2])
-            units.setdefault(path.rpartition(".")[2], unit)
+        if (number := number_in(entry.kind)) and number.unit:
+            units.setdefault(path.rpartition(".")[2], typeset(number.unit))
     return units

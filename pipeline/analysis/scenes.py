@@ -13,8 +13,7 @@ import xarray as xr
 from pipeline.analysis.dataset import dataset_of, entry_dims, taken_entries
 from pipeline.analysis.tables import frame_of
 from pipeline.quantities import display, shown_in
-from pipeline.scene.reference import find_entry, quantity_in
-from pipeline.scene.units import typeset
+from pipeline.scene.reference import usual_range
 from pipeline.store.place import PathLike
 
 Result = TypeVar("Result", xr.Dataset, xr.DataArray)
@@ -94,11 +93,8 @@ def shown_label(axis: xr.DataArray, value: Any) -> Any:
 
 def _usual_unit(axis: xr.DataArray) -> str:
     """Unit in which labels are shown: that of the entry's example, or a usual one."""
-    entry, unit = find_entry(str(axis.name)), str(axis.attrs.get("units", ""))
-    quantity = entry and quantity_in(entry.kind)
-    if quantity and unit:
-        return typeset(quantity.example.partition(" ")[2])
-    return _OWN.get(unit, unit)
+    unit, (*_, own) = str(axis.attrs.get("units", "")), usual_range(str(axis.name))
+    return own if own and unit else _OWN.get(unit, unit)
 
 
 def frame_by_scene(

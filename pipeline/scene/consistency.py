@@ -21,8 +21,8 @@ from tribo.simulation.pins import sizes_of
 _PLATE = "track_length", "capacity", "loss"
 """Entries of a body that is a plate."""
 _ALIKE = 0.01  # by which two lengths of one track may differ
-Misfits = Iterator[tuple[str, ...]]
-"""Path of an entry, what is wrong with it, and the path of another one that excludes it, if any."""
+Misfits = Iterator[str | tuple[str, ...]]
+"""What is wrong with the first entry; or path of an entry, words, and path of its rival, if any."""
 _CHECKS: list[tuple[tuple[str, ...], frozenset[str], Callable[..., Misfits]]] = []
 """Paths of the entries that each check compares, their tables, and the check."""
 
@@ -45,48 +45,42 @@ def check_tables(tables: dict[str, Any], changed: Collection[str], faults: Fault
     """
     if not any(fault.key == "materials" for fault in faults):
         for body in ("pin", "disk"):
-            for misfit in _unknown_material(body, tables):
-                faults.refuse(*misfit)
+            if problem := _unknown_material(body, tables):
+                faults.refuse(f"{body}.material", problem)
     for paths, names, find in _CHECKS:
         if names.isdisjoint(changed) or any(map(faults.touch, paths)):
             continue
         for misfit in find(*(entry_at(tables, path) for path in paths)):
-            faults.refuse(*misfit)
+            faults.refuse(*((paths[0], misfit) if isinstance(misfit, str) else misfit))
 
 
-def _unknown_material(body: str, tables: dict[str, Any]) -> Misfits:
+def _unknown_material(body: str, tables: dict[str, Any]) -> str:
     name, materials = entry_at(tables, f"{body}.material"), tables["materials"] or {}
-    if name and name not in materials:
-        known = {**materials, **library()["materials"]}
-        hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
-        problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
-        yield f"{body}.material", f"{problem}; give {choices}, or add a table for it"
+    if not name or name in materials:
+        return ""
+    known = {**materials, **library()["materials"]}
+    hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
+    problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
+    return f"{problem}; give {choices}, or add a table for it"
 
 
-@_check("window.pixels", "window.pixel_size")
-def _unfit_sides(pixels: Any, sides: Any) -> Misfits:
-    try:
-        tribo.Grid(pixels, sides)
-    except tribo.InputError as error:
-        yield "window.pixel_size", str(error)
+@_check("window.pixel_size", "window.pixels")
+def _unfit_sides(sides: Any, pixels: Any) -> Misfits:
+    yield from _refused(tribo.Grid, pixels, sides)
 
 
 @_check("window.pixels", "fidelity.pixels_per_element")
 def _unfit_pixels(pixels: Any, block: int) -> Misfits:
     if any(n % block for n in pixels):
-        yield (
-            "window.pixels",
-            f"{quoted(list(pixels))} cannot be averaged {block} × {block}; give multiples of "
-            f"{block}, or another fidelity.pixels_per_element",
-        )
+        words = f"{quoted(list(pixels))} cannot be averaged {block} × {block}; give multiples of"
+        yield f"{words} {block}, or another fidelity.pixels_per_element"
 
 
 @_check("window.pixels", "disk.roughness", "surface")
 def _unfit_surface(pixels: Any, _: Any, surface: Any) -> Misfits:
     size = quoted(list(pixels))
     if pixels == (1, 1) and isinstance(surface, tribo.SelfAffineRoughness):
-        problem = "[1, 1] cannot be rough; give more pixels, or no disk.roughness"
-        yield "window.pixels", problem
+        yield "[1, 1] cannot be rough; give more pixels, or no disk.roughness"
     if isinstance(surface, tribo.MeasuredRoughness) and surface.array.shape != pixels:
         nx, ny = surface.array.shape
         yield (
@@ -98,14 +92,19 @@ def _unfit_surface(pixels: Any, _: Any, surface: Any) -> Misfits:
         )
 
 
+def _refused(kind: Any, *args: Any, **values: Any) -> Misfits:
+    """What an object of the physics has against its values."""
+    try:
+        kind(*args, **values)
+    except tribo.InputError as error:
+        yield str(error)
+
+
 def _short_of_window(key: str, length: float, pixels: Any, sides: Any, axis: int) -> Misfits:
-    side = pixels[axis] * sides[axis]
-    if length < side * (1 - 1e-9):
-        yield (
-            key,
-            f"{display(length, 'mm')} is shorter than the window, {pixels[axis]} pixels of "
-            f"{display(sides[axis], 'µm')} along {'xy'[axis]}; give at least that",
-        )
+    if length < pixels[axis] * sides[axis] * (1 - 1e-9):
+        window = f"{pixels[axis]} pixels of {display(sides[axis], 'µm')} along {'xy'[axis]}"
+        words = f"{display(length, 'mm')} is shorter than the window, {window}; give at least that"
+        yield key, words
 
 
 @_check("pin.length", "window.pixels", "window.pixel_size")
@@ -114,10 +113,10 @@ def _short_pin(length: Any, pixels: Any, sides: Any) -> Misfits:
         yield from _short_of_window("pin.length", length, pixels, sides, 1)
 
 
-@_check("pin.shape", "window.periodic_y")
-def _unfit_periods(shape: str, periodic: Any) -> Misfits:
+@_check("window.periodic_y", "pin.shape")
+def _unfit_periods(periodic: Any, shape: str) -> Misfits:
     if periodic and "length" not in sizes_of(shape):
-        yield "window.periodic_y", f"true does not fit a {shape} pin; give false, or leave it out"
+        yield f"true does not fit a {shape} pin; give false, or leave it out"
 
 
 _SIZES = dict.fromkeys(size for shape in tribo.PINS for size in sizes_of(shape))
@@ -144,11 +143,8 @@ def _unfit_motion(motion: Any) -> Misfits:
             'with the other in without, such as --set "without=motion.slide_roll_ratio"'
         )
         yield "motion.slide_roll_ratio", problem, "motion.entrainment_velocity"
-        return
-    try:
-        tribo.Motion(**vars(motion))
-    except tribo.InputError as error:
-        yield "motion", str(error)
+    else:
+        yield from _refused(tribo.Motion, **vars(motion))
 
 
 @_check("motion", "pin.diameter", "pin.track_length")
@@ -181,11 +177,10 @@ def _turning_rod(rod: Any, motion: Any, velocities: Any) -> Misfits:
         return
     turning = [tribo.Motion(**vars(motion)).velocities(velocity).pin for velocity in velocities]
     if any(turning):
+        words = f"the pin turns, at {max(map(abs, turning)):g} m/s, and is warmed all around it"
         yield (
-            "pin.stem",
-            f"the pin turns, at {max(map(abs, turning)):g} m/s, and is warmed all around it: a rod "
-            "between its end and a holder belongs to a pin at rest; leave it out, or leave out "
-            "[motion]",
+            f"{words}: a rod between its end and a holder belongs to a pin at rest; leave it out, "
+            "or leave out [motion]"
         )
 
 
@@ -216,34 +211,29 @@ def _unfit_disc(*values: Any, body: str) -> Misfits:
         yield f"{body}.width", f"{display(width, 'mm')} {problem}; give at least that"
 
 
-@_check("temperature.bulk", "temperature.critical")
-def _cold_limit(bulk: Any, critical: Any) -> Misfits:
+@_check("temperature.critical", "temperature.bulk")
+def _cold_limit(critical: Any, bulk: Any) -> Misfits:
     warmest = max(bulk.pin, bulk.disk) if isinstance(bulk, Bulks) else bulk
     if critical is not None and critical <= warmest:
-        yield (
-            "temperature.critical",
-            f"{display(critical, '°C')} is not above temperature.bulk, {display(warmest, '°C')}; "
-            'give a higher one, such as "145 degC"',
-        )
+        words = f"{display(critical, '°C')} is not above temperature.bulk, {display(warmest, '°C')}"
+        yield f'{words}; give a higher one, such as "145 degC"'
 
 
 @_check("friction.band")
 def _falling_band(band: Any) -> Misfits:
     if band and band[0] > band[1]:
-        yield "friction.band", f"{quoted(list(band))} falls; give the lower one first"
+        yield f"{quoted(list(band))} falls; give the lower one first"
 
 
-@_check("friction.coefficient", "friction.by_velocity", name="velocity", unit="m/s")
-@_check("friction.coefficient", "friction.by_temperature", name="temperature", unit="°C")
-def _unfit_curve(coefficient: Any, rows: Any, name: str, unit: str) -> Misfits:
+@_check("friction.by_velocity", "friction.coefficient", name="velocity", unit="m/s")
+@_check("friction.by_temperature", "friction.coefficient", name="temperature", unit="°C")
+def _unfit_curve(rows: Any, coefficient: Any, name: str, unit: str) -> Misfits:
     nodes = [getattr(row, name) for row in rows or ()]
     if twice := sorted({node for node in nodes if nodes.count(node) > 1}):
-        yield f"friction.by_{name}", f"has {display(twice[0], unit)} twice; give each once"
+        yield f"has {display(twice[0], unit)} twice; give each once"
     if rows and coefficient == 0:
-        yield (
-            "friction.coefficient",
-            f"0 cannot be scaled by friction.by_{name}; give a typical one, such as 0.1",
-        )
+        words = f"0 cannot be scaled by friction.by_{name}; give a typical one, such as 0.1"
+        yield "friction.coefficient", words
 
 
 @_check("loading", "sweep.loads", "measured", "tested", "fidelity")

@@ -47,10 +47,8 @@ BULK = Quantity("25 degC", usual=(-50, 250), ends=OIL_WORKS)
 CRITICAL = Quantity("145 degC", usual=(50, 800))
 CRITICAL_SD = Quantity("8 K", ends=("0.001 K", "200 K"), name="a difference")
 ANY_WEAR_RATE = Quantity("1.2e-6 mm^3/(N m)", zero=True, usual=(1e-11, 1e-2))
-CONDUCTIVITY = Quantity("45 W/(m K)", usual=(0.05, 2500))
 HEAT_TRANSFER = Quantity("50 W/(m^2 K)")
 KINEMATIC = Quantity("32 mm^2/s", usual=(0.5, 1e5))
-TRACK = Quantity("314 mm", usual=(20, 1e4))
 SIZE = Quantity("100 mm", usual=(0.1, 1e5))
 FRICTION = Number(at_least=0, usual=(0, 1))
 SEED = Whole(at_least=0)
@@ -80,9 +78,8 @@ def _extended(
 
 def _brought_entries(path: str) -> tuple[type, ...]:
     """Entries of a table that extras bring, each by ``ENTRIES`` of its module ``format``."""
-    return tuple(
-        brought.ENTRIES[path] for brought in extras.modules("format") if path in brought.ENTRIES
-    )
+    listed = (brought.ENTRIES for brought in extras.modules("format"))
+    return tuple(entries[path] for entries in listed if path in entries)
 
 
 def _forms_of_tests(*own: type) -> List:
@@ -103,7 +100,8 @@ class Material:
     hardness: A[float, Quantity("6.6 GPa", usual=(0.01, 100)),
         'Highest contact pressure, also as "62 HRC", "750 HV" or "250 HB"; the softer body '
         "decides, and a body without a hardness stays elastic."] = math.inf
-    thermal_conductivity: A[float, CONDUCTIVITY, "Thermal conductivity."]
+    thermal_conductivity: A[float, Quantity("45 W/(m K)", usual=(0.05, 2500)),
+        "Thermal conductivity."]
     density: A[float, Quantity("7800 kg/m^3", usual=(500, 25000)), "Density."]
     specific_heat: A[float, Quantity("470 J/(kg K)", usual=(100, 5000)), "Specific heat capacity."]
 
@@ -128,7 +126,7 @@ CAPACITY = Either(Quantity("650 J/K", usual=(0.5, 1e6)), table_of(Plate))
 @declared
 class Body:
     material: A[str, "Name of the material, in this file or in the library."]
-    track_length: A[float | None, TRACK,
+    track_length: A[float | None, Quantity("314 mm", usual=(20, 1e4)),
         "Length of the track around the body, under a pin or around a pin that rolls, on a plate; "
         f"earlier turns have warmed it. Without it each turn meets a cold track. {LATER}"] = None
     capacity: A[float | Plate | None, CAPACITY,

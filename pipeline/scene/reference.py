@@ -102,8 +102,8 @@ def all_keys() -> Iterator[tuple[str, Entry]]:
 def unit_example(path: str) -> str | None:
     """Example of a value with the unit of an entry; None if the entry has no unit."""
     entry = find_entry(path)
-    quantity = entry and quantity_in(entry.kind)
-    return quantity.example if quantity else None
+    number = entry and number_in(entry.kind)
+    return number.example if isinstance(number, Quantity) else None
 
 
 def find_entry(path: str) -> Entry | None:
@@ -130,19 +130,8 @@ def needed_beside(path: str) -> list[str]:
     table, _, key = path.rpartition(".")
     entry = _table_of(path)
     forms = forms_of(entry.kind) if entry and not entry.is_needed else ()
-    return [
-        f"{table}.{other}"
-        for form in forms
-        if key in form.keys
-        for other, one in form.keys.items()
-        if other != key and one.is_needed
-    ]
-
-
-def quantity_in(kind: Kind) -> Quantity | None:
-    """The quantity that a value is, or that its parts are."""
-    number = number_in(kind)
-    return number if isinstance(number, Quantity) else None
+    beside = (other for form in forms if key in form.keys for other in form.needed)
+    return [f"{table}.{other}" for other in beside if other != key]
 
 
 def number_in(kind: Kind) -> Quantity | Number | None:
