@@ -16,7 +16,6 @@ from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.reference import unit_example
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
-from pipeline.sweep.stages import Progress
 from pipeline.tradeoff.choose import choose_accuracy, measure_error
 from tribo import InputError
 
@@ -120,9 +119,6 @@ def scene_in(
             unequal_bulks=changed.disk_temperature is not None,
         )
 
-    def tell_probe(progress: Progress) -> None:
-        tell(f"probing: {progress}")
-
     accuracy = getattr(options, "accuracy", None)
     named = ["--preset"] if options.preset else []
     named += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
@@ -131,9 +127,9 @@ def scene_in(
             f"--accuracy picks the numerical choices itself; leave out {', '.join(named)}"
         )
     if accuracy is not None:
-        sweep = choose_accuracy(sweep, accuracy, points, store, tell_probe)
+        sweep = choose_accuracy(sweep, accuracy, points, store, tell)
     elif store is not None and options.measure:
-        sweep = measure_error(sweep, store, tell_probe)
+        sweep = measure_error(sweep, store, tell)
     if sweep.about.selection:
         tell(str(sweep.about.selection))
     return sweep

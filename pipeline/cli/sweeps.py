@@ -32,8 +32,8 @@ from pipeline.sweep.remarks import Remark, remarks
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import VARIANT
-from pipeline.tradeoff.choose import probing_time
 from pipeline.tradeoff.forecast import Estimate, savings, worker_bytes
+from pipeline.tradeoff.trade import measuring_time
 from tribo import lubrication_regime
 
 
@@ -136,7 +136,7 @@ def check(options: argparse.Namespace) -> Result:
     document |= cost.as_dict() | selected(sweep) | {"worker_bytes": memory}
     costs = [*_cost(sweep, cost, searched)]
     if has_unknown_error(sweep):
-        document["measuring_seconds"] = seconds = probing_time(sweep)
+        document["measuring_seconds"] = seconds = measuring_time(sweep)
         words = f"not known; {MEASURES} measures it, in roughly {duration(seconds)}"
         costs.append(("error", words))
     costs = frame_of(_HEADS, costs)

@@ -16,7 +16,8 @@ from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.run.vary import Variation, Variations
 from pipeline.scene.units import typeset
-from pipeline.tradeoff.trade import Choice, Trade
+from pipeline.sweep.selection import Choice
+from pipeline.tradeoff.trade import Trade
 from tribo import PRESETS
 
 _LONGEST = 20  # letters of a value beside a bar

@@ -12,7 +12,7 @@ MEASURES = "irg run SCENE -o STORE --measure"
 def velocity_error(sweep: Sweep) -> float | None:
     """Largest known relative error of the boundary velocity: measured, or of the preset."""
     if selection := sweep.about.selection:
-        return selection.largest_error
+        return selection.error
     return PRESET_BOUNDS.get(str(_preset(sweep)))
 
 

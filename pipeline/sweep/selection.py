@@ -68,13 +68,16 @@ def _acting(fidelity: Fidelity) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
-    """A fidelity that was tried, and by how much it moves the boundary velocity at most."""
+class Choice:
+    """One fidelity against the reference: a row of the table of choices."""
 
-    name: str
+    name: str  # a preset's, or "the scene's own fidelity"
     fidelity: Fidelity
-    error: float  # largest of the boundary velocity to expect, relative
-    seconds: float  # processor time of the points of the probe [s]
+    velocity_errors: tuple[float, ...]  # relative, of the boundary at each point, with sign
+    velocity_error: float  # largest at any point, without sign
+    error_at_any_load: float  # largest to expect, by the errors at the points and a margin
+    seconds: float  # processor time of the points [s]
+    share_of_fine: float | None = None  # time over that of preset fine, if measured
 
 
 @shown
@@ -86,46 +89,28 @@ class Selection:
     accuracy: float | None
     name: str  #: Name of the fidelity, as shown to the user.
     fidelity: Fidelity  #: The numerical choices.
-    error: float  #: Largest relative error to expect, with what the yardstick itself may err.
-    #: Largest relative change by elements of twice the pixels' size, against which the error does
-    #: not count; None where pixels cannot be joined.
-    coarser: float | None
-    trials: tuple[Trial, ...]  #: Fidelities tried, from cheap to dear; the last one was picked.
-    points: tuple[tuple[float, float], ...]  #: Loads [N] and velocities [m/s] of the probe.
-    exact_seconds: float  #: Processor time of nearly exact steps at these points [s].
-    seconds: float  #: Duration of the probe [s].
+    error: float  #: Largest relative error of the boundary velocity to expect at any load.
+    choices: tuple[Choice, ...]  #: Fidelities that were measured, the reference last.
+    points: tuple[tuple[float, float], ...]  #: Loads [N] and velocities [m/s] measured at.
+    seconds: float  #: Time that measuring took [s].
 
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data."""
         places = [{"load": load, "velocity": velocity} for load, velocity in self.points]
         return asdict(self) | {"points": places}
 
-    @property
-    def largest_error(self) -> float:
-        """Largest relative error of the boundary velocity that is known."""
-        return max(self.error, self.coarser or 0.0)
-
     def __str__(self) -> str:
-        err = f"errs by at most {100 * self.error:.2g} % at any load"
-        if self.largest_error > self.error:
-            err = (
-                f"errs by up to {100 * self.largest_error:.3g} %, the change with elements of "
-                "twice the pixels' size: give smaller pixels"
-            )
-        if self.accuracy is not None and self.error > self.accuracy:
-            err += ", more than asked for: nothing finer is known"
-        tried = ", ".join(
-            f"{trial.name} {100 * trial.error:.2g} % in {trial.seconds:.2g} s"
-            for trial in self.trials[:-1]
-        )
-        why = f" (not accurate enough: {tried})" if tried else ""
-        seconds = f"{self.trials[-1].seconds:.2g} s for the points of the probe"
-        alone = "" if self.coarser is not None else "; its pixels cannot be joined to larger ones"
         picked = self.name
         if self.accuracy is not None:
             picked = f"accuracy {100 * self.accuracy:g} %: picked {self.name}"
+        err = f"errs by at most {100 * self.error:.2g} % at any load"
+        if self.accuracy is not None and self.error > self.accuracy:
+            err += ", more than asked for: nothing finer is known"
+        measured = ", ".join(
+            f"{one.name} {100 * one.error_at_any_load:.2g} % in {one.seconds:.2g} s"
+            for one in self.choices
+        )
         return (
-            f"{picked}, whose boundary velocity "
-            f"{err}, in {seconds}, nearly exact steps in {self.exact_seconds:.2g} s{why}{alone}; "
-            f"the probe took {self.seconds:.1f} s"
+            f"{picked}, whose boundary velocity {err} (measured at {len(self.points)} points in "
+            f"{self.seconds:.1f} s: {measured})"
         )

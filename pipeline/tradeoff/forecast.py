@@ -99,7 +99,7 @@ def estimate(
     every = tasks(points_of(asked), asked)
     given = list(sweep.variants.given)
     scene = sweep.variant(given[len(given) // 2])
-    contact_time, heat_time, state = _timed(scene)
+    contact_time, heat_time, state = time_steps(scene)
     work = _Work(scene, contact_time, heat_time)
     alone = makespan(every, 1, work)[1]
     steps, temperatures = work.contacts, work.temperatures
@@ -166,14 +166,14 @@ class _Work:
 
 def worker_bytes(sweep: Sweep, tasks: int = 1) -> float:
     """Memory of a worker of so many tasks, with the ramps that it keeps [B]."""
-    scene = _as_computed(sweep)
+    scene = as_computed(sweep)
     elements = math.prod(next(scene.levels()).grid.shape)
     of_ramps = tasks * scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements
     kept = min(MOST_BYTES, of_ramps) if scene.remembers_steps else 0.0
     return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(scene.grid.shape) + kept
 
 
-def _as_computed(sweep: Sweep) -> Scene:
+def as_computed(sweep: Sweep) -> Scene:
     """The scene on the elements of its lowest load; on the pixels, if too many to look at."""
     scene = sweep.scene
     if math.prod(scene.pixels.shape) <= _MOST_PIXELS:
@@ -182,8 +182,8 @@ def _as_computed(sweep: Sweep) -> Scene:
     return replace(scene, fidelity=finest)
 
 
-def _timed(sweep: Sweep) -> tuple[float, float, State]:
-    """Times of a contact and of a temperature on a ramp [s], and the state as far as it is fast."""
+def time_steps(sweep: Sweep) -> tuple[float, float, State]:
+    """Time a contact and a temperature on a ramp [s], and take the state as far as it is fast."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]
     of_contacts, of_heat, trunks = list[float](), list[float](), Trunks()
@@ -233,7 +233,7 @@ def savings(sweep: Sweep) -> Iterator[Remark]:
 
 
 def _saved_work(sweep: Sweep) -> Iterator[str]:
-    scene, plane = _as_computed(sweep), sweep.plane
+    scene, plane = as_computed(sweep), sweep.plane
     nx, ny = scene.grid.shape
     steps = max(step_count(scene, load) for load in plane.loads)
     if scene.is_plane:

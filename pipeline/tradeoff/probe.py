@@ -1,4 +1,4 @@
-"""Cost and error of a numerical choice at a few points, against nearly exact steps."""
+"""Cost and readings of a numerical choice at a few points near the boundary."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from pipeline.sweep.severity import (
     momentary_rise,
     rise_limit,
 )
-from pipeline.sweep.stages import Report, silent, staged
 from pipeline.sweep.variants import Variant
 from tribo import PRESETS, Fidelity, InputError, Scene, State, simulate
 from tribo.simulation import Trunks, forget_contacts
@@ -50,17 +49,15 @@ class Probe:
 
     fidelity: Fidelity
     readings: tuple[Reading, ...]
-    seconds: float  # processor time; if asked for, without surfaces and kernels
+    seconds: float  # processor time, without surfaces and kernels [s]
 
 
-def probe(
-    sweep: Sweep, fidelity: Fidelity, points: Sequence[Point], is_timed: bool = False
-) -> Probe:
+def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
     """Simulate points with another fidelity; those at one velocity share their ramp."""
     scene = sweep.changed(fidelity=fidelity, steps="end")
-    if is_timed:  # without surface and kernels, which a whole sweep makes once
-        load, velocity = min((point.load, point.velocity) for point in points)
-        _run(scene, load / 2, velocity * 0.9)
+    # Before the time is taken: a whole sweep makes its surface and kernels once.
+    first = min(points, key=lambda point: (point.load, point.velocity))
+    _run(scene.variant(first.variant), first.load / 2, first.velocity * 0.9)
     forget_contacts()
     began = time.process_time()
     runs = {}
@@ -160,115 +157,6 @@ def critical_velocity(
         if velocity in tried:
             velocity = (low + high) / 2
     return math.exp(velocity)
-
-
-YARDSTICK = replace(
-    PRESETS["reference"], increments=25, contact_tolerance=1e-3, heat_tolerance=1e-6
-)
-"""A quarter of the steps of the reference, and looser tolerances."""
-
-_TOLERANCES = 2e-3
-"""Largest error seen that neither steps nor the heat model account for.
-
-Judged by `make promises`.
-"""
-_HEAT_STEPS, _SMALL = 50, 2e4  # steps, and elements up to which they are the scene's own
-_LEFT = 0.5
-"""Share of what half the steps move that is left to whole ones; a third, at second order.
-
-Judged by `make promises`.
-"""
-_COARSER = replace(YARDSTICK, pixels_per_element=2, averaging="sample")
-_MARGIN = 1.2
-"""Errors between the points over those at them. Judged by `make promises`."""
-
-
-@dataclass(frozen=True, slots=True)
-class OwnError:
-    """Relative error of the yardstick itself in the boundary velocity."""
-
-    steps: float  # by the number of its increments
-    heat_model: float  # by the heat model "elapsed", if the scene takes it
-    # More increments reduce nothing: under a ball each step wears by other positions of the disk,
-    # and where few elements touch, their imprint is left to chance.
-    scatters: bool = False
-
-    def of(self, fidelity: Fidelity) -> float:
-        """Error of a fidelity that differs from the yardstick in its steps and heat model alone."""
-        more = 1.0 if self.scatters else fidelity.increments / YARDSTICK.increments
-        heat = self.heat_model if fidelity.heat_model == "elapsed" else 0.0
-        return self.steps / more + _TOLERANCES + heat
-
-
-@dataclass(frozen=True, slots=True)
-class Yardstick:
-    """Results of the yardstick at points near the boundary, or at those that were asked for."""
-
-    points: tuple[Point, ...]
-    exponents: tuple[float, ...]  # d ln(rise)/d ln(velocity) at each
-    readings: tuple[Reading, ...]
-    seconds: float  # processor time of the points [s]
-    coarser: float | None = None  # largest relative change by elements of twice the pixels' size
-
-    def errors(self, other: Probe) -> tuple[float, ...]:
-        """Relative errors of the boundary velocity by another fidelity, one at each point."""
-        return velocity_errors(other.readings, self.readings, self.exponents)
-
-    @property
-    def fewest_nodes(self) -> int:
-        """Fewest elements in contact at any of the points."""
-        return min(reading.contact_nodes for reading in self.readings)
-
-
-def measured(
-    sweep: Sweep, points: Sequence[Point], exponents: Sequence[float], progress: Report = silent
-) -> Yardstick:
-    """Take readings of the yardstick at some points, and tell before each of them."""
-    exact, coarse = dividing_pixels(sweep, YARDSTICK), dividing_pixels(sweep, _COARSER)
-    probes = [
-        probe(sweep, exact, [point])
-        for point in staged(points, progress, lambda point: f"nearly exact steps at {point}")
-    ]
-    readings = tuple(reading for probed in probes for reading in probed.readings)
-    seconds, coarser = sum(probed.seconds for probed in probes), None
-    if coarse.pixels_per_element > 1:
-        on_larger = probe(sweep, coarse, points)
-        coarser = max(map(abs, velocity_errors(on_larger.readings, readings, exponents)))
-    return Yardstick(tuple(points), tuple(exponents), readings, seconds, coarser)
-
-
-def own_error(
-    sweep: Sweep, points: Sequence[Point], exponents: Sequence[float], readings: Sequence[Reading]
-) -> OwnError:
-    """Measure by how much the yardstick errs itself: by its steps and by the heat model.
-
-    Steps are halved, which at second order makes four times the error. The heat of all the past
-    matters most at the lowest and the highest load; how much hardly depends on the grid.
-    """
-    steps = heat_model = 0.0
-    exact = dividing_pixels(sweep, YARDSTICK)
-    if sweep.scene.wear is not None:
-        halved = probe(sweep, replace(exact, increments=exact.increments // 2), points)
-        steps = max(map(abs, velocity_errors(readings, halved.readings, exponents)))
-        steps *= 1.0 if sweep.scene.sweeps_over else _LEFT
-    if sweep.scene.fidelity.heat_model == "elapsed":
-        size = 1 if math.prod(sweep.scene.pixels.shape) <= _SMALL else 2
-        by_load = sorted(zip(points, exponents, strict=True), key=lambda pair: pair[0].load)
-        ends, of_ends = zip(*dict.fromkeys((by_load[0], by_load[-1])), strict=True)
-        present = replace(
-            exact,
-            wear_scheme="implicit",
-            increments=_HEAT_STEPS,
-            contact_tolerance=1e-2,
-            pixels_per_element=size,
-        )
-        present = dividing_pixels(sweep, present)
-        one, other = (
-            probe(sweep, replace(present, heat_model=model), ends)
-            for model in ("elapsed", "history")
-        )
-        heat_model = max(map(abs, velocity_errors(one.readings, other.readings, of_ends)))
-    return OwnError(_MARGIN * steps, _MARGIN * heat_model, sweep.scene.sweeps_over)
 
 
 def velocity_errors(

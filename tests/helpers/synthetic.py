@@ -7,7 +7,7 @@ import tribo
 from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, PENDING
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.selection import Selection, Trial
+from pipeline.sweep.selection import Selection
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import attributes_of, sweep_of_fields
 from tribo import QUANTILES
@@ -159,8 +159,7 @@ def scene(**values):
 def selection(**values):
     """A fidelity that was picked, with these fields of `Selection`."""
     usual = {"accuracy": 0.02, "name": "fine", "fidelity": tribo.PRESETS["fine"], "error": 0.02}
-    tried = Trial("fine", tribo.PRESETS["fine"], 0.02, 1.0)
-    rest = {"coarser": None, "trials": (tried,), "points": (), "exact_seconds": 2.0, "seconds": 1.0}
+    rest = {"choices": (), "points": (), "seconds": 1.0}
     return Selection(**usual | rest | values)
 
 

@@ -1,6 +1,6 @@
 """Judge promises on random scenes, one after the other, until the time is up.
 
-Truth is nearly exact steps on the pixels; for `--accuracy` with the heat of all the past.
+Truth is nearly exact steps on the pixels.
 
 What was found is kept in a file, a line for each part of each scene, with the commit that it
 belongs to, and the next run goes on from there. The true boundaries hold as long as the physics
@@ -14,9 +14,8 @@ import json
 import sys
 import time
 from pathlib import Path
-from unittest import mock
 
-from pipeline.tradeoff import choose
+import pipeline
 from tests.helpers.campaigns import commit
 from tests.promises.judge import boundaries, exponents, largest_error, places, true_boundary
 from tests.promises.report import ACCURACIES, PROMISED, report
@@ -62,9 +61,9 @@ def _slow(slopes):
 def accuracies(sweep, parts):
     """Choice for each accuracy, its error as foretold, and the true one.
 
-    All accuracies are judged by one yardstick, as each would make the same.
+    The table of choices is measured once, and each accuracy takes its row.
     """
-    true = dict(zip(places(sweep), parts["truth"]["all"], strict=True))
+    true = dict(zip(places(sweep), parts["truth"]["present"], strict=True))
     slopes = exponents(sweep, true)
 
     @functools.cache
@@ -72,35 +71,17 @@ def accuracies(sweep, parts):
         velocities, kinds = boundaries(sweep, fidelity, true, slopes)
         return largest_error(velocities, true), kinds + _slow(slopes)
 
-    rows = {}
-    shared = "measured", "own_error", "probe", "near_the_boundary"
-    once = {name: _known_by_text(getattr(choose, name)) for name in shared}
-    with mock.patch.multiple(choose, **once):
-        for accuracy in ACCURACIES:
-            selection = choose.choose_fidelity(sweep, accuracy)
-            error, kinds = judged(selection.fidelity)
-            rows[f"{accuracy:g}"] = {
-                "name": selection.name,
-                "heat_model": selection.fidelity.heat_model,
-                "error": error,
-                "warnings": kinds,
-                "foretold": selection.error,
-                "seconds": selection.trials[-1].seconds,
-            }
+    rows, measured = {}, pipeline.trade(sweep)
+    for accuracy in ACCURACIES:
+        choice = measured.cheapest(accuracy)
+        error, kinds = judged(choice.fidelity)
+        rows[f"{accuracy:g}"] = {
+            "name": choice.name,
+            "error": error,
+            "warnings": kinds,
+            "foretold": choice.error_at_any_load,
+        }
     return rows
-
-
-def _known_by_text(function):
-    """Give a function's results again for arguments that read the same."""
-    results = {}
-
-    def again(*arguments):
-        key = repr(arguments)
-        if key not in results:
-            results[key] = function(*arguments)
-        return results[key]
-
-    return again
 
 
 def read(path):

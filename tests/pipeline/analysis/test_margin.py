@@ -208,7 +208,7 @@ def test_a_fidelity_of_its_own_has_no_known_error_and_decides_nothing():
     here = margin(synthetic.sweep(preset=None), 400.0, 0.5)
     assert (here.temperature_error, here.verdict) == (None, "not decided")
     assert (here.lowest, here.highest) == (0.0, 1.0)
-    picked = synthetic.selection(error=0.01, coarser=0.05)
+    picked = synthetic.selection(error=0.05)
     known = margin(synthetic.sweep(preset=None, selection=picked), 400.0, 0.5)
     rise = known.decisive_temperature - 298.15
     share = error_of_point(0, 5.0, 0.05).preset

@@ -68,7 +68,7 @@ def test_an_error_is_measured_where_it_is_asked_for(
     monkeypatch.setattr(given, "measure_error", measure("own error"))
     sweep = given.scene_in(options(**asked), points, store)
     assert called == measured
-    said = f"irg: probing: step 1\nirg: {picked.about.selection}\n" if measured else ""
+    said = f"irg: step 1\nirg: {picked.about.selection}\n" if measured else ""
     assert capsys.readouterr().err == said
     expected = {"selection": picked.about.selection.as_dict()} if measured else {}
     assert given.selected(sweep) == expected

@@ -17,8 +17,9 @@ from pipeline.figures.style import TINTS
 from pipeline.run.vary import Variation, Variations
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.model import Point
+from pipeline.sweep.selection import Choice
 from pipeline.sweep.surface import find_lubrication
-from pipeline.tradeoff.trade import Choice, Trade
+from pipeline.tradeoff.trade import Trade
 from pipeline.uncertain.sensitivity import Sensitivity
 from tests.helpers import samples, synthetic, unknowns
 from tests.pipeline.figures.test_plot import contour, labels, lines, of_height
@@ -266,7 +267,7 @@ def test_where_each_entry_has_one_value_bars_end_in_their_changes():
 
 
 def choice(name, seconds, error):
-    return Choice(name, PRESETS["draft"], (error,), error, seconds)
+    return Choice(name, PRESETS["draft"], (error,), error, 1.3 * error, seconds)
 
 
 def test_choices_stand_at_their_time_and_error_and_the_front_joins_the_best():
@@ -274,7 +275,7 @@ def test_choices_stand_at_their_time_and_error_and_the_front_joins_the_best():
         choice("draft", 5.0, 0.05),
         choice("standard", 40.0, 0.0),
         choice("fine", 25.0, 0.005),
-        choice("as in the scene", 12.5, 0.03),
+        choice("the scene's own fidelity", 12.5, 0.03),
         choice("reference", 100.0, 0.0),
     )
     axes = pipeline.plot(Trade("A scene", (Point(200.0, 1.0),), choices)).axes[0]
@@ -295,7 +296,7 @@ def test_choices_stand_at_their_time_and_error_and_the_front_joins_the_best():
     named = {text.get_text(): text.xy for text in axes.texts}
     assert named == {
         "draft": (5.0, 0.05), "standard": (40.0, 1e-4), "fine": (25.0, 0.005),
-        "as in the scene": (12.5, 0.03),
+        "the scene's own fidelity": (12.5, 0.03),
     }  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from pipeline.sweep import stages
 from pipeline.sweep.about import Measurement, judged_by, oils_of, own_tests, plane_rows, point_rows
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.remarks import Remark
-from pipeline.sweep.selection import Selection, Trial
+from pipeline.sweep.selection import Choice, Selection
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, duration
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, surface_words
@@ -336,37 +336,26 @@ def test_a_large_random_surface_has_the_lay_of_lengths_that_differ_by_two(length
     assert (facts.mean_height, facts.rise) == (0.0, (0.0, 0.0))
 
 
-def test_a_choice_says_what_was_asked_for_what_it_errs_and_what_was_tried():
-    trials = tuple(
-        Trial(name, PRESETS[name], error, 1.0)
+def test_a_choice_says_what_was_asked_for_what_it_errs_and_what_was_measured():
+    choices = tuple(
+        Choice(name, PRESETS[name], (error / 2,), error / 2, error, 1.5)
         for name, error in (("draft", 0.09), ("fine", 0.0123))
     )
     picked = synthetic.selection(
-        error=0.0123, coarser=0.01, trials=trials, seconds=12.34, points=((600.0, 1.5),)
+        error=0.0123, choices=choices, seconds=12.34, points=((600.0, 1.5),)
     )
+    measured = "(measured at 1 points in 12.3 s: draft 9 % in 1.5 s, fine 1.2 % in 1.5 s)"
     assert str(picked) == (
-        "accuracy 2 %: picked fine, whose boundary velocity errs by at most 1.2 % at any load, "
-        "in 1 s for the points of the probe, nearly exact steps in 2 s (not accurate enough: draft "
-        "9 % in 1 s); the probe took 12.3 s"
+        "accuracy 2 %: picked fine, whose boundary velocity errs by at most 1.2 % at any load "
+        + measured
     )
-    assert picked.largest_error == 0.0123
-    own = replace(picked, accuracy=None, name="the scene's own fidelity", trials=trials[1:])
+    own = replace(picked, accuracy=None, name="the scene's own fidelity")
     assert str(own) == (
-        "the scene's own fidelity, whose boundary velocity errs by at most 1.2 % at any load, in "
-        "1 s for the points of the probe, nearly exact steps in 2 s; the probe took 12.3 s"
+        "the scene's own fidelity, whose boundary velocity errs by at most 1.2 % at any load "
+        + measured
     )
-    assert "not accurate" not in str(replace(picked, trials=trials[1:]))
-    equal = replace(picked, error=0.02)
-    assert "more than asked for" not in str(equal)
+    assert "more than asked for" not in str(replace(picked, error=0.02))
     assert "more than asked for: nothing finer is known" in str(replace(picked, error=0.021))
-    assert "errs by up to 5 %, the change with elements of twice the pixels' size: give" in str(
-        replace(picked, coarser=0.05)
-    )
-    coarse = replace(picked, coarser=None)
-    assert str(coarse).endswith(
-        "; its pixels cannot be joined to larger ones; the probe took 12.3 s"
-    )
-    assert coarse.largest_error == 0.0123
     assert picked.as_dict()["points"] == [{"load": 600.0, "velocity": 1.5}]
     assert isinstance(picked, Selection)
 

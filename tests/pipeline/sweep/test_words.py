@@ -98,7 +98,7 @@ def test_an_error_is_not_missed_where_there_is_no_boundary(changes):
 def test_a_store_errs_as_its_preset_whatever_its_heat_model_or_as_was_measured():
     draft, unnamed = synthetic.scene(preset="draft"), synthetic.scene(preset=None)
     history = replace(PRESETS["draft"], heat_model="history", history_coarsening=1)
-    picked = synthetic.selection(error=0.02, coarser=0.03)
+    picked = synthetic.selection(error=0.03)
     assert velocity_error(draft) == 0.05
     assert velocity_error(unnamed) is None
     assert velocity_error(unnamed.changed(fidelity=history)) == 0.05

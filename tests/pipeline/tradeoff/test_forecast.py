@@ -1,6 +1,5 @@
 """Forecasts of `irg check`, against what then happens."""
 
-import itertools
 import math
 import time
 from dataclasses import replace
@@ -8,11 +7,11 @@ from dataclasses import replace
 import pytest
 
 from pipeline.sweep import plan
-from pipeline.sweep.plan import points, run_point, run_points, tasks
+from pipeline.sweep.plan import points, run_point, run_points, step_count, tasks
 from pipeline.sweep.variants import surfaces
-from pipeline.tradeoff import choose, forecast
-from pipeline.tradeoff.choose import probing_time
+from pipeline.tradeoff import forecast, trade
 from pipeline.tradeoff.forecast import estimate, savings, worker_bytes
+from pipeline.tradeoff.probe import dividing_pixels, some_places
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.scenes import STEEL
@@ -83,7 +82,7 @@ def test_steps_and_temperatures_are_foretold(changes, monkeypatch):
 def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkeypatch):
     # On two cores, where a contact takes 1 s and its temperature 9 s.
     timed = 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0))
-    monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
+    monkeypatch.setattr(forecast, "time_steps", lambda *_: timed)
     monkeypatch.setattr(forecast.os, "cpu_count", lambda: 2)
     sweep = SWEEP.changed(fidelity=Fidelity(increments=30), steps="end")
     # 29 increments below 750 N at each velocity, and the ends of three loads.
@@ -109,7 +108,7 @@ def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkey
 
 def test_friction_by_temperature_takes_two_partitions_more_a_point(monkeypatch):
     timed = 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0))
-    monkeypatch.setattr(forecast, "_timed", lambda *_: timed)
+    monkeypatch.setattr(forecast, "time_steps", lambda *_: timed)
     law = Corrections(friction=Friction(by_temperature=((300.0, 1.0), (400.0, 0.8))))
     plain = SWEEP.changed(fidelity=Fidelity(increments=30), steps="end")
     table = plain.changed(conditions=replace(plain.conditions, corrections=law))
@@ -118,16 +117,23 @@ def test_friction_by_temperature_takes_two_partitions_more_a_point(monkeypatch):
     assert more == pytest.approx(2 * 9.0 * moving)
 
 
-def test_measuring_an_error_takes_its_passes_of_the_yardstick_at_each_point(monkeypatch):
-    """Its 25 increments of 30 N: 9, 17 and 25 steps; points on both sides if that is worth it."""
-    monkeypatch.setattr(choose, "contacts", lambda *_: range(5))
-    clock = itertools.count(7.0, 0.1)
-    monkeypatch.setattr(choose.time, "process_time", lambda: next(clock))
-    sweep = SWEEP.changed(fidelity=Fidelity(pixels_per_element=2))
-    assert probing_time(sweep) == pytest.approx(0.1 * 2.5 * 51)
-    assert probing_time(sweep, tries=True) == pytest.approx(0.1 * 5.0 * 51)
-    both_sides = sweep.changed(velocities=VELOCITIES)
-    assert probing_time(both_sides) == pytest.approx(0.1 * 5.0 * 51)
+def test_measuring_an_error_takes_the_steps_of_both_choices_and_finds_the_boundary(monkeypatch):
+    """Steps of 30 N and less: by the reference and the scene's own, and 7 rises by standard."""
+    sweep = SWEEP.changed(fidelity=Fidelity(pixels_per_element=2, increments=30))
+    places = some_places(sweep, 4)
+    monkeypatch.setattr(trade, "time_steps", lambda *_: (1.5, 9.0, None))
+    monkeypatch.setattr(trade, "as_computed", lambda one: one.scene)
+
+    def steps(fidelity):
+        scene = sweep.changed(fidelity=fidelity).scene
+        counts = [step_count(scene, place.load) for place in places]
+        coarse = scene.coarsening**2
+        return sum((count - 1) / coarse + 1 for count in counts) / fidelity.pixels_per_element**2
+
+    standard = dividing_pixels(sweep, PRESETS["standard"])
+    own, exact = sweep.scene.fidelity, dividing_pixels(sweep, PRESETS["reference"])
+    work = steps(own) + steps(exact) + 7 * steps(standard)
+    assert trade.measuring_time(sweep) == pytest.approx(4 * 1.5 * work)
 
 
 def test_the_time_is_that_of_a_whole_run_within_its_factor():

@@ -1,4 +1,4 @@
-"""Where a probe looks for the boundary, on which elements, and how far it errs itself."""
+"""Where a probe looks for the boundary, and on which elements."""
 
 import math
 from dataclasses import replace
@@ -7,18 +7,16 @@ import pytest
 
 from pipeline.sweep.model import Point
 from pipeline.tradeoff.probe import (
-    YARDSTICK,
     Target,
     critical_velocity,
     dividing_pixels,
-    measured,
     near_the_boundary,
-    own_error,
     probe,
     some_places,
+    velocity_errors,
 )
 from tests.helpers import tiny
-from tribo import PRESETS, Fidelity, Wear
+from tribo import PRESETS, Fidelity
 
 SWEEP = tiny.sweep(velocities=(-2.0, 0.0, 0.5, 8.0))
 STANDARD = dividing_pixels(SWEEP, PRESETS["standard"])
@@ -68,19 +66,6 @@ def test_errors_of_the_rise_are_made_those_of_the_velocity_by_its_exponent_there
     below, here, above = (r.rise for r in probe(SWEEP, STANDARD, places).readings)
     assert here == pytest.approx(1200.0, rel=0.01)
     assert exponent == pytest.approx(math.log(above / below) / math.log(1.05 / 0.95), rel=0.02)
-    longer = measured(SWEEP, [point], [exponent])
-    (error,) = longer.errors(probe(SWEEP, STANDARD, [point]))
-    assert error == pytest.approx((longer.readings[0].rise / here) ** (1 / exponent) - 1)
-
-
-def test_nearly_exact_steps_are_said_to_err_by_half_of_what_half_as_many_move():
-    fidelity = replace(SWEEP.scene.fidelity, heat_model="history")
-    worn = SWEEP.changed(wear=Wear(5e-15), fidelity=fidelity)
-    points = [Point(300.0, 1.0)]
-    exact = measured(worn, points, [1.0])
-    half = replace(dividing_pixels(worn, YARDSTICK), increments=YARDSTICK.increments // 2)
-    (moved,) = exact.errors(probe(worn, half, points))
-    error = own_error(worn, points, [1.0], exact.readings)
-    assert abs(moved) > 1e-4
-    assert error.steps == pytest.approx(0.6 * abs(moved), rel=0.05)
-    assert own_error(worn.changed(wear=None), points, [1.0], exact.readings).steps == 0.0
+    coarse, exact = (probe(SWEEP, PRESETS[name], [point]).readings for name in ("draft", "fine"))
+    (error,) = velocity_errors(coarse, exact, [exponent])
+    assert error == pytest.approx((exact[0].rise / coarse[0].rise) ** (1 / exponent) - 1)

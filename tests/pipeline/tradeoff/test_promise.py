@@ -51,8 +51,8 @@ ALL = {
 
 @functools.cache
 def truth(name):
-    _, by_all_heat = true_boundary(ALL[name])
-    return by_all_heat
+    by_present_heat, _ = true_boundary(ALL[name])
+    return by_present_heat
 
 
 @functools.cache
@@ -71,7 +71,8 @@ def kept(name, accuracy):
 
 def test_what_may_err_more_costs_no_more_and_the_true_error_is_within_both():
     loose, strict = (kept("no wear, few pixels", accuracy)[0] for accuracy in (0.05, 0.02))
-    assert len(loose.trials) <= len(strict.trials)
+    by_work = [choice.name for choice in strict.choices]
+    assert by_work.index(loose.name) <= by_work.index(strict.name)
 
 
 @pytest.mark.parametrize(("seed", "pin"), [(124, Ball), (125, Crowned), (126, Cylinder)])
@@ -94,6 +95,6 @@ def test_the_true_error_is_within_every_accuracy(name, accuracy, say):
     selection, error = kept(name, accuracy)
     say(
         f"\n{name:30} {100 * accuracy:g} %: {selection.name:38} foretold "
-        f"{100 * selection.error:.2f} %, true {100 * error:.2f} %; "
-        f"the probe took {selection.seconds:.0f} s"
+        f"{100 * selection.error:.2f} %, true {100 * error:.2f} %; measured in "
+        f"{selection.seconds:.0f} s"
     )

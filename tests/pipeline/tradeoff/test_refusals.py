@@ -44,6 +44,7 @@ REFUSALS = {
 
 ELSEWHERE = {
     "probe._reading InputError": "a point always ends with a temperature; for the type checker",
+    "choose.choose_fidelity ConvergenceError": "test_choice_of_readings",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 

@@ -12,11 +12,9 @@ from pipeline.tradeoff.probe import (
     Probe,
     Reading,
     Target,
-    Yardstick,
-    measured,
     near_the_boundary,
-    own_error,
     probe,
+    velocity_errors,
 )
 from pipeline.tradeoff.trade import Choice, Trade, trade
 from tests.helpers import tiny
@@ -28,7 +26,8 @@ TRUE = Reading(rise=1000.0, contact_nodes=5000)
 
 
 def choice(name, seconds, *errors):
-    return Choice(name, PRESETS["fine"], errors, max(map(abs, errors)), seconds)
+    largest = max(map(abs, errors))
+    return Choice(name, PRESETS["fine"], errors, largest, largest, seconds)
 
 
 def traded(*choices, **values):
@@ -39,7 +38,7 @@ def traded(*choices, **values):
 def test_the_front_has_each_choice_that_no_cheaper_one_equals():
     exact = choice("reference", 100.0, 0.0)
     dear, same, best = choice("b", 20.0, 0.05), choice("c", 30.0, -0.05), choice("d", 30.0, 0.01)
-    table = traded(dear, choice("a", 10.0, 0.05), same, best, exact)
+    table = traded(choice("a", 10.0, 0.05), dear, same, best, exact)
     assert [one.name for one in table.front] == ["a", "d", "reference"]
     assert table.reference is exact
     found = [table.cheapest(error).name for error in (0.05, 0.049, 0.01, 0.0099)]
@@ -61,11 +60,11 @@ def test_it_says_the_points_and_the_cheapest_within_each_error():
     ]
     assert said[-7:] == [
         "",
-        "cheapest within 5 %: draft",
-        "cheapest within 3 %: draft",
-        "cheapest within 2 %: fine",
-        "cheapest within 1 %: fine",
-        "cheapest within 0.5 %: fine",
+        "--accuracy 5%: draft",
+        "--accuracy 3%: draft",
+        "--accuracy 2%: fine",
+        "--accuracy 1%: fine",
+        "--accuracy 0.5%: fine",
         "no result: standard: why",
     ]
     document = table.as_dict()
@@ -84,8 +83,7 @@ class Rig:
         self.places = [*places]
         return tuple(Point(place.load, 1.0) for place in places), (0.5,) * len(places)
 
-    def probe(self, sweep, fidelity, points, is_timed):
-        assert is_timed
+    def probe(self, sweep, fidelity, points):
         self.tried.append(fidelity)
         if fidelity.increments == PRESETS["standard"].increments:
             raise ConvergenceError("the contact did not converge", None)
@@ -99,6 +97,7 @@ def rig(monkeypatch):
     rig = Rig()
     for name in ("near_the_boundary", "probe"):
         monkeypatch.setattr(tradeoff, name, getattr(rig, name))
+    monkeypatch.setattr(tradeoff, "time_steps", lambda *_: (0.01, 0.02, None))
     return rig
 
 
@@ -108,7 +107,7 @@ def test_errors_are_against_the_reference_and_the_largest_of_the_points(rig):
     table = trade(scene, ("draft", "standard"), loads=["60 N", 180.0])
     assert rig.places == [Target(60.0), Target(180.0)]
     names = [one.name for one in table.choices]
-    assert names == ["draft", "as in the scene", "reference"]
+    assert names == ["draft", "the scene's own fidelity", "reference"]
     draft, own, exact = table.choices
     assert draft.velocity_errors == pytest.approx(((1000 / 990) ** 2 - 1, 0.0), rel=1e-9)
     assert draft.velocity_error == pytest.approx(0.020304, rel=1e-4)
@@ -124,7 +123,7 @@ def test_times_are_those_over_the_time_of_fine(rig):
     shares = {one.name: one.share_of_fine for one in table.choices}
     assert shares == {"draft": pytest.approx(0.2), "fine": 1.0, "reference": 1.0}
     assert list(table.table.columns) == [
-        "name", "velocity error [%]", "seconds [s]", "share of fine",
+        "name", "velocity error [%]", "error at any load [%]", "seconds [s]", "share of fine",
     ]  # fmt: skip
 
 
@@ -133,7 +132,8 @@ def test_four_loads_and_all_usual_presets_are_taken_where_nothing_is_told(rig):
     loads = tuple(float(load) for load in range(60, 190, 20))  # seven
     trade(SCENE.changed(loads=loads, preset="fine"), progress=said.append)
     assert [place.load for place in rig.places] == [60.0, 100.0, 140.0, 180.0]
-    assert [(one.words, one.done, one.total) for one in said] == [
+    assert said[0].words.startswith("4 choices at 4 places, in roughly ")
+    assert [(one.words, one.done, one.total) for one in said[1:]] == [
         ("1 of 4: reference", 0, 4),
         ("2 of 4: draft", 1, 4),
         ("3 of 4: standard", 2, 4),
@@ -144,13 +144,7 @@ def test_four_loads_and_all_usual_presets_are_taken_where_nothing_is_told(rig):
 def test_a_fidelity_that_has_two_names_is_measured_once_by_the_first(rig):
     scene = SCENE.changed(fidelity=PRESETS["fine"], preset=None)
     table = trade(scene, ("fine", "draft", "reference"))
-    assert [one.name for one in table.choices] == ["fine", "draft", "reference"]
-
-
-def test_a_choice_takes_the_time_of_its_steps_on_their_grids():
-    """4 steps on a grid of 16 times fewer elements and the last one, for each of 2 by 2 pixels."""
-    assert tradeoff._work(PRESETS["draft"]) == pytest.approx((4 / 16 + 1) / 4)
-    assert tradeoff._work(PRESETS["reference"]) == 101.0
+    assert [one.name for one in table.choices] == ["draft", "fine", "reference"]
 
 
 class Runs:
@@ -204,67 +198,20 @@ def test_beyond_half_the_lowest_and_twice_the_highest_velocity_the_end_is_taken(
     assert point.velocity == pytest.approx(end)
 
 
-def test_a_probe_counts_the_time_of_its_points(runs, monkeypatch):
+def test_a_probe_takes_the_time_of_its_points_once_surfaces_are_made(runs, monkeypatch):
     made = runs(lambda load, velocity, _: 1000.0)
-    monkeypatch.setattr(probe_module.time, "process_time", iter([7.0, 9.5, 1.0, 2.0]).__next__)
+    monkeypatch.setattr(probe_module.time, "process_time", iter([7.0, 9.5]).__next__)
     points = [Point(250.0, 1.5), Point(150.0, 0.5), Point(600.0, 1.0)]
     implicit = Fidelity(pixels_per_element=1, increments=20)
     probed = probe(tiny.sweep(), implicit, points)
     assert probed.seconds == 2.5
     assert [reading.contact_nodes for reading in probed.readings] == [2500, 1500, 6000]
-    assert sorted(call[1:] for call in made.calls) == sorted(point[:2] for point in points)
-    made.calls.clear()
-    assert probe(tiny.sweep(), implicit, points, is_timed=True).seconds == 1.0
-    assert made.calls[0] == (implicit, 75.0, 0.45)  # half the lightest, before the time is taken
+    first, *calls = made.calls
+    assert first == (implicit, 75.0, 0.45)  # half the lightest, before the time is taken
+    assert sorted(call[1:] for call in calls) == sorted(point[:2] for point in points)
 
 
-def test_the_yardstick_is_measured_at_each_point_and_once_more_on_larger_elements(runs):
-    def rise(load, velocity, fidelity):
-        return 1000.0 * (1.03 if fidelity.pixels_per_element == 2 and load == 600.0 else 1.0)
-
-    made, said = runs(rise), []
-    points = [Point(150.0, 0.5), Point(600.0, 1.0)]
-    exact = measured(tiny.sweep(), points, [1.0, 0.5], said.append)
-    assert [(one.words, one.done, one.total) for one in said] == [
-        ("1 of 2: nearly exact steps at 150 N, 0.5 m/s", 0, 2),
-        ("2 of 2: nearly exact steps at 600 N, 1 m/s", 1, 2),
-    ]
-    assert len(made.calls) == 4
-    assert exact.coarser == pytest.approx(1 - 1.03**-2)
-    assert exact.fewest_nodes == 1500
-    odd = tiny.sweep(pixels=Grid((33, 15), (13e-6, 15e-6)))  # which cannot be joined
-    alone = measured(odd, points, [1.0, 0.5])
-    assert alone.coarser is None
-
-
-@pytest.mark.parametrize(
-    ("shape", "size"), [((200, 100), 1), ((200, 102), 2)], ids=["20000 pixels", "more"]
-)
-def test_the_heat_of_all_the_past_is_compared_at_the_ends_of_the_loads(runs, shape, size):
-    """By steps of one grid; half of what half the steps move is left to whole ones."""
-
-    def rise(load, velocity, fidelity):
-        past = 1.02 if fidelity.heat_model == "history" and load == 600.0 else 1.0
-        return 1000.0 * past * (0.98 if fidelity.increments == 12 and load == 250.0 else 1.0)
-
-    made = runs(rise)
-    points = [Point(250.0, 0.7), Point(600.0, 1.0), Point(150.0, 0.5)]
-    sweep = tiny.sweep(pixels=Grid(shape, (2e-6, 2e-6)))
-    error = own_error(sweep, points, [1.0, 0.5, 1.0], [replace(TRUE, rise=1000.0)] * 3)
-    assert error.steps == pytest.approx(1.2 * 0.5 * 0.02)
-    assert error.heat_model == pytest.approx(1.2 * (1.02**2 - 1))
-    assert not error.scatters
-    halved, heat = made.calls[:3], made.calls[3:]
-    assert {(fidelity.increments, fidelity.heat_model) for fidelity, *_ in halved} == {
-        (12, "elapsed")
-    }
-    assert [call[1:] for call in heat] == [(150.0, 0.5), (600.0, 1.0)] * 2
-    assert {fidelity.pixels_per_element for fidelity, *_ in heat} == {size}
-    assert {fidelity.increments for fidelity, *_ in heat} == {50}
-
-
-def test_errors_of_a_yardstick_have_the_sign_of_the_boundary():
+def test_errors_have_the_sign_of_the_boundary():
     """A rise too high by 1 % lets the boundary be too low, by 2 % at an exponent of 1/2."""
-    exact = Yardstick((Point(60.0, 1.0),), (0.5,), (TRUE,), 1.0)
-    high = Probe(PRESETS["draft"], (replace(TRUE, rise=1010.0),), 1.0)
-    assert exact.errors(high) == pytest.approx((1.01**-2 - 1,))
+    (error,) = velocity_errors([replace(TRUE, rise=1010.0)], [TRUE], [0.5])
+    assert error == pytest.approx(1.01**-2 - 1)
