@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import psutil
 
 import pipeline
 from pipeline import extras
@@ -19,6 +18,7 @@ from pipeline.analysis.tables import frame_of
 from pipeline.cli import output
 from pipeline.cli.given import scene_in, selected
 from pipeline.cli.output import Result, counted, tell
+from pipeline.machine import memory as machine_memory
 from pipeline.quantities import display, display_sides, shown_in
 from pipeline.run.cluster import client_of
 from pipeline.scene.doubts import doubts
@@ -95,7 +95,7 @@ def check(options: argparse.Namespace) -> Result:
     require_free_names(sweep)
     facts, memory = facts_of(sweep), worker_bytes(sweep)
     warned = doubts(sweep, facts)
-    machine = psutil.virtual_memory().total
+    machine = machine_memory()
     is_too_large = memory > machine
     if is_too_large:
         words = (

@@ -112,6 +112,11 @@ class Connection:
     absent: float = 0.0  # time in which there was no worker [s]
     workers: int = 1  # how many there are
 
+    @property
+    def adapts(self) -> bool:
+        """True for a cluster that starts as many workers as its tasks need."""
+        return getattr(self.client.cluster, "_adaptive", None) is not None
+
     def clock(self) -> float:
         """Time that does not go on while there is no worker [s]."""
         return time.monotonic() - self.absent
@@ -185,15 +190,20 @@ def client_of(
     raise ExecutionError(reason)
 
 
+def present_threads(connection: Connection) -> Counter[str]:
+    """Threads of each worker that is there now; `ExecutionError` if the scheduler is lost."""
+    try:
+        return Counter(connection.client.nthreads(callback_timeout=connection.patience))
+    # As Dask has it, the last two of a client that was closed.
+    except (CancelledError, OSError, AttributeError, RuntimeError) as error:
+        raise ExecutionError(LOST) from error
+
+
 def threads_of(connection: Connection) -> Counter[str]:
     """Threads of each worker, once there is one; `ExecutionError` if none comes, or all is lost."""
-    client, began = connection.client, time.monotonic()
-    patience, is_told = connection.patience, False
+    began, patience, is_told = time.monotonic(), connection.patience, False
     while True:
-        try:
-            threads = Counter(client.nthreads(callback_timeout=patience))
-        except (CancelledError, OSError, AttributeError) as error:  # Dask has it of a closed client
-            raise ExecutionError(LOST) from error
+        threads = present_threads(connection)
         if connection.cluster:
             _replace_lost(connection.cluster)
         waited = time.monotonic() - began

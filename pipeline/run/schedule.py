@@ -22,7 +22,7 @@ from dataclasses import dataclass, field
 from distributed import Future
 from distributed.scheduler import KilledWorker
 
-from pipeline.run.cluster import LOST, Connection, threads_of
+from pipeline.run.cluster import LOST, Connection, present_threads, threads_of
 from pipeline.run.tally import Reports, Tally
 from pipeline.run.work import (
     SAFE,
@@ -46,6 +46,10 @@ TRIALS = 5
 STARTS = 3
 """Workers that may leave in the midst of a point before it is called failed."""
 
+ANYWHERE = ""
+"""Worker of a task that any one may take."""
+
+_TO_COME = 16  # tasks that wait for workers to come
 _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 _POLL = 1.0  # [s] between looks at the workers, and at what lies there
 _SOONER = 0.1  # share of the time since the beginning that is between them, until that is more
@@ -94,9 +98,13 @@ def compute(
     with Reports(connection, news, label, parcel) as reports:
         run = _Run(connection, label, writer, reports, tally, waiting)
         silence = _Silence(connection)
+        if connection.adapts or not present_threads(connection):
+            run.submit_for_later()
         while run.is_under_way():
             moved = run.look()
             run.submit()
+            if connection.adapts:
+                run.submit_for_later()
             tally.count(writer.written())
             silence.watch(moved, run.computes, run.running)
             news.wait(_POLL)
@@ -161,13 +169,21 @@ class _Run:
         for worker, point in zip(free, untried, strict=False):
             self._start(Task((point,), ()), worker, is_alone=True)
 
+    def submit_for_later(self) -> None:
+        """Begin ramps for workers that are to come: adaptive clusters start them for tasks."""
+        missing = _TO_COME - len(self.running)
+        for number in range(missing):
+            if self._waiting:
+                self._start(self._waiting.take((ANYWHERE, number)), ANYWHERE)
+
     def _start(self, task: Task, worker: str, is_alone: bool = False) -> None:
         number = next(self._numbers)
         name = f"point-{_short_name(task.points)}-{self._label}-{number}"
         # Without a priority Dask orders tasks of one moment by chance.
         future = self._connection.client.submit(
             compute_points, name, self._label, task.points,
-            key=name, workers=worker, allow_other_workers=not is_alone, priority=-number,
+            key=name, workers=worker or None, allow_other_workers=bool(worker and not is_alone),
+            priority=-number,
         )  # fmt: skip
         future.add_done_callback(self._reports.wake)
         begun = self._begun.setdefault(task.points, {})
@@ -184,7 +200,7 @@ class _Run:
             if task.future.status in ("error", "cancelled"):  # or lost, and once more when repeated
                 del self.computed[key]
                 self._recover(task)
-            elif task.worker not in self._workers and task.future.status != "finished":
+            elif self._is_gone(task.worker) and task.future.status != "finished":
                 del self.computed[key]  # if it was alone, it is still suspected
                 self._hand_out_again(task)
         self._look_at_workers()
@@ -204,10 +220,13 @@ class _Run:
             self._take(worker, answer, now)
         self.computes = self._reports.computes(self._workers)
         self.running = [task for task in self.running if not self._is_given_up(task)]
-        for task in [task for task in self.running if task.worker not in self._workers]:
+        for task in [task for task in self.running if self._is_gone(task.worker)]:
             if not task.future.done():
                 self.running.remove(task)
                 self._hand_out_again(task)
+
+    def _is_gone(self, worker: str) -> bool:
+        return worker != ANYWHERE and worker not in self._workers
 
     def _hand_out_again(self, task: _Running) -> None:
         """Give a task to another worker after its own has gone: Dask may leave it waiting."""
@@ -263,7 +282,11 @@ class _Run:
         """Go on after a loss; suspect the points of the task if it was lost itself."""
         error = task.future.exception() if task.future.status == "error" else None
         if error is None or isinstance(error, CancelledError):
-            raise ExecutionError(LOST)
+            if self._connection.client.status != "running":
+                raise ExecutionError(LOST)
+            self._reports.send_again()  # a scheduler that was restarted has forgotten its tasks
+            self._hand_out_again(task)
+            return
         if isinstance(error, UnsentError):  # a worker that has come, or come back, meanwhile
             self._reports.send_again()
             self._waiting.put_back(task.task)

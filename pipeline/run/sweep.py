@@ -9,9 +9,9 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from dask.system import CPU_COUNT
 from distributed import Client
 
+from pipeline.machine import cores
 from pipeline.run.boundary_search import boundary_search
 from pipeline.run.cluster import PATIENCE, connected, require_dashboard
 from pipeline.run.forkserver import UNGUARDED, end_if_imported
@@ -148,8 +148,8 @@ def run_sweep(
         rounds = _rounds(store, sweep, further)
         if first := next(rounds, None):
             # More tasks may come later than those that wait now.
-            most = len(first[2]) if further is None else CPU_COUNT
-            count = min(workers or CPU_COUNT, most)
+            most = len(first[2]) if further is None else cores()
+            count = min(workers or cores(), most)
             with connected(client, count, patience, told, dashboard) as link:
                 for asked, store, waiting in itertools.chain([first], rounds):
                     tally.begin(store, link)

@@ -18,14 +18,16 @@ import pickle
 import platform
 import sys
 import threading
+import time
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
 import cloudpickle
 import numpy as np
 import scipy
-from distributed import Worker
+from distributed import Worker, get_worker
 
 import tribo
 from pipeline.store.checksum import packed
@@ -131,6 +133,7 @@ _now: str | None = None  # name of the task that holds it
 _trunks = Trunks()
 _parcels: dict[str, bytes] = {}  # pickled sweeps, and whether fields are stored, by run
 _RUNS = 4  # whose parcels a worker keeps
+_ARRIVAL, _PAUSE = 20.0, 0.05  # [s] that a task may wait for a parcel, and between two looks
 
 
 def parcel_of(sweep: Sweep, with_fields: bool) -> bytes:
@@ -166,6 +169,7 @@ def compute_points(name: str, run: str, points: Sequence[Point]) -> list[PointRe
     The name is that of the task. Raise an `UnsentError` if the run's parcel has not come yet.
     """
     global _now
+    _wait_for_parcel(run)
     sweep, with_fields, simulated = _unpacked(run)
     with _one_at_a_time:
         _now = name
@@ -173,6 +177,15 @@ def compute_points(name: str, run: str, points: Sequence[Point]) -> list[PointRe
             return _computed(sweep, points, with_fields, simulated)
         finally:
             _now = None
+
+
+def _wait_for_parcel(run: str) -> None:
+    """Wait some time on a worker that has a task before the driver knows the worker."""
+    with suppress(ValueError):  # no worker
+        get_worker()
+        limit = time.monotonic() + _ARRIVAL
+        while run not in _parcels and time.monotonic() < limit:
+            time.sleep(_PAUSE)
 
 
 def _computed(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
@@ -12,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.machine import cores
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import require_count
 from pipeline.sweep.hand_out import makespan
@@ -91,8 +91,8 @@ def estimate(
     """
     if workers is not None:
         require_count("workers", workers)
-    sweep, cores = sweep_of(sweep), os.cpu_count() or 1
-    workers = workers or cores
+    sweep, available = sweep_of(sweep), cores()
+    workers = workers or available
     if boundary_only:
         sweep.require_search()
     asked = _searched(sweep) if boundary_only else sweep
@@ -114,7 +114,7 @@ def estimate(
         temperatures=temperatures,
         tasks=len(every),
         workers=workers,
-        seconds=_SECONDS_TO_START + wall * max(1.0, parallel / cores),
+        seconds=_SECONDS_TO_START + wall * max(1.0, parallel / available),
         worker_bytes=max(worker_bytes(sweep.variant(name), len(every)) for name in given),
         disk_bytes=_STORE_BYTES + points * _point_bytes(scene, state),
     )

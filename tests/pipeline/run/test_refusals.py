@@ -90,7 +90,8 @@ REFUSALS = {
 
 ELSEWHERE = {
     "cluster._started ExecutionError": "test_cluster.py, by processes that do not start",
-    "cluster.threads_of ExecutionError": "test_cluster.py, without a worker or a scheduler",
+    "cluster.present_threads ExecutionError": "test_cluster.py, without a scheduler",
+    "cluster.threads_of ExecutionError": "test_cluster.py, without a worker",
     "schedule._recover ExecutionError": "test_schedule.py, by workers that are lost",
     "schedule.watch ExecutionError": "test_schedule.py, by workers that do nothing",
     "tally._answer ExecutionError": "test_schedule.py, by a worker without this program",

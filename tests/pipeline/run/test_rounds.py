@@ -26,7 +26,7 @@ def asked(monkeypatch):
         yield Connection(LocalClient(), patience, progress)
 
     monkeypatch.setattr(execute, "connected", connected)
-    monkeypatch.setattr(execute, "CPU_COUNT", 2)
+    monkeypatch.setattr(execute, "cores", lambda: 2)
     monkeypatch.setattr(schedule, "_POLL", 0.01)
     return wanted
 

@@ -39,6 +39,8 @@ class LocalClient:
     submitted, `pinned` the worker to which it was pinned.
     """
 
+    cluster, status = None, "running"
+
     def __init__(self, workers=1, is_deadly=lambda _: False, is_hit=lambda _: False):
         self._workers, self._is_deadly, self._is_hit = workers, is_deadly, is_hit
         self.tasks, self.pinned, self.results = [], [], {}
@@ -310,7 +312,9 @@ def test_the_pace_is_learned_from_each_point_but_the_first_of_a_worker(tmp_path,
 
 
 class Lost(LocalClient):
-    """A client whose tasks end in this way."""
+    """A client whose tasks end in this way, and whose scheduler is gone."""
+
+    status = "closed"
 
     def __init__(self, status, error):
         super().__init__()

@@ -83,7 +83,7 @@ def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkey
     # On two cores, where a contact takes 1 s and its temperature 9 s.
     timed = 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0))
     monkeypatch.setattr(forecast, "time_steps", lambda *_: timed)
-    monkeypatch.setattr(forecast.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(forecast, "cores", lambda: 2)
     sweep = SWEEP.changed(fidelity=Fidelity(increments=30), steps="end")
     # 29 increments below 750 N at each velocity, and the ends of three loads.
     ramp = 32 * 1.0 + 3 * 9.0
