@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.sweep.shown import shown
 from tribo.errors import InputError, require_positive
 from tribo.types import Array
 
@@ -23,6 +24,7 @@ _BANDS, _MODES = 6, 50  # bands of wavelength that are compared, and the fewest 
 _DEPENDENCE = 35 / 18  # modes that are one independent mode under a window of Hann, along each axis
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class SelfAffineFit:
     """Parameters of a self-affine surface, each with its standard error on a surface of this size.

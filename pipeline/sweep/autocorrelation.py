@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.sweep.shown import shown
 from tribo.errors import require_positive
 from tribo.types import Array
 
@@ -14,6 +15,7 @@ _DIRECTIONS = 90  # over half a turn, in which the autocorrelation falls
 _FARTHEST = 0.5  # share of a side beyond which lags have too few pairs of heights
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class AutocorrelationLengths:
     """Distances at which the autocorrelation of heights falls to a threshold.

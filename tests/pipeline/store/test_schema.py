@@ -18,7 +18,7 @@ def test_the_page_of_the_dataset_is_what_the_variables_say():
 
 def test_a_new_variable_of_a_point_stands_on_the_page(monkeypatch):
     new = schema.Variable(("load", "velocity"), "m", "something new")
-    monkeypatch.setitem(schema.RECORDS, "novelty", new)
+    monkeypatch.setitem(reference._VARIABLES["Variables of each point"], "novelty", new)
     before, _, after = reference.dataset().partition(
         "| `novelty` | load, velocity | m | something new |"
     )
