@@ -334,7 +334,7 @@ def citation() -> Iterator[str]:
     version = package_versions()["tribo"]
     yield f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause."
     yield (
-        "Bosman and de Rooij: On the transition from mild to severe wear of lubricated, "
+        "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
         "concentrated contacts: The IRG (OECD) transition diagram."
     )
 
