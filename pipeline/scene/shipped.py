@@ -33,7 +33,7 @@ def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
 _OF_SITE = {"index", "API", "COMMANDS", "GALLERY"}  # no text of their own to print
 _READING_ORDER = (
     "first-hour", "your-system", "your-gears", "your-tests", "choosing", "model", "physics",
-    "scene", "dataset", "uncertain", "own-laws", "cluster", "measured", "paper",
+    "scene", "dataset", "own-laws", "cluster", "measured", "paper",
 )  # fmt: skip
 _NAMES = {"README": "paper"}
 

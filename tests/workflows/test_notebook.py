@@ -1,4 +1,4 @@
-"""The notebooks: what they store, and their cells and UNCERTAIN.md's commands on smaller scenes.
+"""The notebooks: what they store, and their cells and commands on smaller scenes.
 
 `make notebooks` runs them whole, in kernels, and stores what the cells show.
 """
@@ -61,10 +61,15 @@ def _there_with_few_draws(folder, monkeypatch):
         yield
 
 
+def cells_of(name, kind):
+    """Cells of a notebook of one kind, ``"code"`` or ``"markdown"``."""
+    text = (WORKFLOWS / f"{name}.ipynb").read_text(encoding="utf-8")
+    return [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == kind]
+
+
 def code_cells(name):
     """Cells of a notebook with code."""
-    text = (WORKFLOWS / f"{name}.ipynb").read_text(encoding="utf-8")
-    return [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+    return cells_of(name, "code")
 
 
 def source_of(cell):
@@ -200,12 +205,13 @@ def test_the_notebook_leads_from_transitions_to_a_map():
     assert probabilities[1] < probabilities[0]
 
 
-def test_the_commands_of_the_page_lead_to_a_probability(capsys):
-    page = (WORKFLOWS / "UNCERTAIN.md").read_text(encoding="utf-8").replace("\\\n", "")
+def test_the_commands_of_the_notebook_lead_to_a_probability(capsys):
+    cells = cells_of("uncertain", "markdown")
+    page = "\n\n".join(map(source_of, cells)).replace("\\\n", "")
     commands = re.findall(r"^irg .*$", page, flags=re.MULTILINE)
     assert len(commands) == 11
     printed = []
-    for command in commands[2:]:  # the first two tell the cost, and run what the notebook ran
+    for command in commands[2:]:  # the first two print the cost, and run what the notebook ran
         arguments = shlex.split(command)[1:]
         if "posterior.png" in command or "given-measured" in command:
             arguments += ["--scatter", "10%"]
@@ -220,5 +226,5 @@ def test_the_commands_of_the_page_lead_to_a_probability(capsys):
     assert len(asked) == 4
     assert sorted(map(str, Path("results").glob("*.png"))) == sorted(asked)
     near = pipeline.margin("results/uncertain.zarr", 400.0, 2.0).probability
-    (probability,) = re.findall(r"probability of severe wear of (\d\.\d+) there", page)
+    (probability,) = re.findall(r"The probability is (\d\.\d+) there", page)
     assert abs(near - float(probability)) < 0.15  # as far as so few samples tell
