@@ -22,18 +22,11 @@ from tests.pipeline.conftest import commit_all
 
 PAGE = (ROOT / "workflows" / "OWN_LAWS.md").read_text(encoding="utf-8")
 LAWS, *SCRIPT = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
-MORE = '''
+MORE = """
 
 class Broken(Fading):
     def over(self, begin, end):
         return 1e-15
-
-
-class Blunt(tribo.Cylinder):
-    """A pin with a flat."""
-
-    def profile(self, grid):
-        return np.maximum(super().profile(grid) - 1e-7, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +46,7 @@ def _median(rises, share, quantiles):
 median = tribo.Rule("rise_quantile", _median, "median of the contact", "its median above")
 beyond = tribo.Rule("rise_quantile", lambda r, *_: 2 * r[..., -1], "twice", "twice above")
 whole = tribo.Rule("rise_quantile", lambda r, *_: r, "all", "all above")
-'''
+"""
 RATES = (6e-15, 1e-15, 1.5)
 POINT = {"sweep.loads": ["400 N"], "sweep.velocities": ["2 m/s"]}
 PLACE = ["--load", "400 N", "--velocity", "2 m/s"]
@@ -148,7 +141,7 @@ def test_answers_come_from_a_store_that_has_the_name_alone(folder, laws, irg):
     kinds = {
         "wear": laws.Fading(*RATES),
         "surface": laws.Dimples(2e-7, 1e-4),
-        "pin": laws.Blunt(2e-3, 3.4e-3, scene({}).scene.pin.material),
+        "pin": laws.Blunt(2e-3, 3.4e-3, scene({}).scene.pin.material, 1e-7),
     }
     sweep = scene(kinds)
     commit_all("own.zarr", sweep)
@@ -171,7 +164,7 @@ def test_answers_come_from_a_store_that_has_the_name_alone(folder, laws, irg):
 
 def test_a_pin_and_a_surface_are_simulated_as_they_are(laws):
     plain = scene({})
-    pin = laws.Blunt(2e-3, 3.4e-3, plain.scene.pin.material)
+    pin = laws.Blunt(2e-3, 3.4e-3, plain.scene.pin.material, 1e-7)
     blunt = scene({"pin": pin, "surface": laws.Dimples(2e-7, 1e-4)})
     assert blunt.scene.pin is pin
     assert blunt.scene.heights().max() == pytest.approx(2e-7)
@@ -336,7 +329,7 @@ class Called:
         ("wear", "fading", {"wear.parameters": 3}, "must be a mapping, not int"),
         ("wear", "fading", {"wear.pattern": "local"}, "wear: laws.wear stands in its place"),
         ("criterion", "median", {"temperature.criterion": "mean"}, "laws.criterion stands in"),
-        ("pin", "Blunt(2e-3, 3e-3, STEEL)", {"pin.radius": "1 mm"}, "pin.radius: laws.pin stands"),
+        ("pin", "Blunt(2e-3, 3e-3, STEEL, 0)", {"pin.radius": "1 mm"}, "pin.radius: laws.pin st"),
         ("surface", "Dimples(1, 2)", {"sweep.realizations": 3}, "made from a seed; give one"),
     ],
 )  # fmt: skip
