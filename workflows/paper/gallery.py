@@ -24,14 +24,7 @@ def page(reports: Sequence[Report]) -> str:
 
 
 def _lines(reports: Sequence[Report]) -> Iterator[str]:
-    yield "| result | statements that agree | takes about |"
-    yield "|---|---|---|"
-    for report in reports:
-        agree = sum(finding.agrees for finding in report.findings)
-        yield (
-            f"| [{report.name}](#{report.name}) | {agree} of {len(report.findings)} | "
-            f"{_about(report.seconds)} |"
-        )
+    yield "Statements that agree: " + ", ".join(map(_agreement, reports)) + "."
     for report in reports:
         name, title = report.name, report.title
         yield f"\n## {name}\n"
@@ -47,16 +40,7 @@ def _lines(reports: Sequence[Report]) -> Iterator[str]:
         yield f"\n{' '.join(report.notes)}"
 
 
-def _about(seconds: float) -> str:
-    """Round a duration.
-
-    Examples
-    --------
-    >>> _about(0.3), _about(27.0), _about(130.0)
-    ('1 s', '30 s', '2 min')
-    """
-    if seconds < 1:
-        return "1 s"
-    if seconds < 95:
-        return f"{float(f'{seconds:.1g}'):g} s"
-    return f"{seconds / 60:.0f} min"
+def _agreement(report: Report) -> str:
+    """Count the statements that agree, after a link to the result."""
+    agree = sum(finding.agrees for finding in report.findings)
+    return f"[{report.name}](#{report.name}) {agree} of {len(report.findings)}"
