@@ -235,10 +235,30 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     0.000292
     """
     ds = ordered(open_store(path))
-    ds = ds.drop_vars("checksum")
+    ds = ds.drop_vars(["checksum", "message"], errors="ignore")  # so that all of it is numbers
     words = [name for name, values in ds.coords.items() if values.dtype.kind == "T"]
     ds = ds.assign_coords({name: ds[name].astype(object) for name in words})  # as netCDF has text
-    return identified(ds)
+    return ds
+
+
+def messages(ds: xr.Dataset) -> xr.DataArray:
+    """Warnings of the points of a dataset, and reasons of failures; empty where none is known.
+
+    They are those of its store, unless the dataset carries them as a variable.
+    """
+    status = ds["status"]
+    if "message" in ds:
+        return ds["message"].transpose(*status.dims)
+    found = xr.zeros_like(status, object)
+    found[...] = ""
+    keeper = status.encoding.get("keeper")
+    if keeper is None:
+        return found
+    stored = keeper.messages()
+    labels = {name: ds[name] for name in stored.dims if name in ds.coords}
+    with suppress(KeyError, ValueError):  # of a dataset with places of its own
+        found = stored.sel(labels).transpose(*status.dims)
+    return found
 
 
 def identified(ds: xr.Dataset) -> xr.Dataset:

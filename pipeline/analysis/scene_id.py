@@ -16,13 +16,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.store.schema import DONE, IDS, PLANE, SCENE_ID, VARIABLES
+from pipeline.store.schema import DONE, IDS, SCENE_ID
 from pipeline.sweep.variants import Label, Variants
 from tribo import InputError
 from tribo.types import Array
 
 _NAMED = 6  # values of an axis that a message names
-_ROUNDING = 1e-9  # relative
 
 
 def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
@@ -38,7 +37,6 @@ def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
 def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
     """Raise an `InputError` at points of another scene than that of the attributes."""
     if SCENE_ID not in ds.variables:
-        _require_places(ds)
         return
     if SCENE_ID not in ds.attrs:
         raise InputError(
@@ -87,22 +85,6 @@ def _numbers(values: Sequence[Label], labels: Any) -> Array:
 @functools.lru_cache(maxsize=64)
 def _parsed(text: str) -> tuple[int, ...]:
     return tuple(json.loads(text))
-
-
-def _require_places(ds: xr.Dataset) -> None:
-    """Raise an `InputError` at loads or velocities that the store of a dataset has not."""
-    if "store" not in ds.attrs:
-        return
-    axes = json.loads(ds.attrs["store"])["axes"]
-    for name in PLANE:
-        labels, held = np.ravel(ds[name]), np.array(axes[name])
-        is_held = np.isclose(labels[:, None], held, rtol=_ROUNDING, atol=0).any(1)
-        if not is_held.all():
-            raise InputError(
-                f"the dataset has {name} {_listed(labels[~is_held])} {VARIABLES[name].units}, "
-                f"which the store of its attributes does not have, and no {SCENE_ID}, which tells "
-                "scenes apart; open stores by pipeline.open_sweep"
-            )
 
 
 def _places_in_words(ds: xr.Dataset, wrong: xr.Variable) -> str:

@@ -20,6 +20,7 @@ from pipeline.analysis.dataset import (
     Kind,
     dataset_of,
     judged_dims,
+    messages,
     read_conditions,
     require_variables,
     stored_sweep,
@@ -161,12 +162,15 @@ def _boundary_neighbours(ds: xr.Dataset) -> xr.DataArray | None:
 
 def _first(ds: xr.Dataset, chosen: xr.DataArray, flags: xr.DataArray) -> str:
     """The first message of those chosen, and its point; empty if a writer has just cleared it."""
+    said = messages(ds).transpose(*chosen.dims)
     for place in np.argwhere(chosen.values):
-        point = ds[["message"]].isel(dict(zip(chosen.dims, place.tolist(), strict=True)))
+        point = said[tuple(place)]
         flag = flags.values[tuple(place)]
         slow = SLOW if flag & WarningKind.SLOW_RISE else ""
         melted = MOLTEN if flag & WarningKind.MOLTEN else ""
-        if message := "; ".join(filter(None, (str(point["message"].item()), slow, melted))):
+        kinds = ", ".join(kind.label for kind in WarningKind if flag & kind)  # of a copy
+        told = str(point.item()) or (kinds if not (slow or melted) else "")
+        if message := "; ".join(filter(None, (told, slow, melted))):
             names = [str(dim) for dim in chosen.dims if dim not in ("load", "velocity")]
             values = tuple((name, value_text(ds[name], point[name].item())) for name in names)
             return f"{Point(point['load'].item(), point['velocity'].item(), values)}: {message}"

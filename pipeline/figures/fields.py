@@ -9,7 +9,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.analysis.dataset import corrected_field, drawn_row, one_row, temperature_conditions
+from pipeline.analysis.dataset import (
+    corrected_field,
+    drawn_row,
+    messages,
+    one_row,
+    temperature_conditions,
+)
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.figures import style
 from pipeline.quantities import UNITS, shown_in
@@ -53,7 +59,7 @@ def chosen_points(
         points += [(i, j) for j in velocities or [int(np.nanargmin(distance))]]
     for point in points:
         if not is_finite[point]:
-            reason = str(ds["message"].transpose("load", "velocity").values[point])
+            reason = str(messages(ds).transpose("load", "velocity").values[point])
             raise PendingError(
                 f"the point {point_name(ds, point)} is not done{reason and ': '}{reason}; "
                 "give another load or velocity, or go on with irg run"

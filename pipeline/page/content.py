@@ -22,6 +22,7 @@ from pipeline.analysis.dataset import (
     asked,
     corrected_sweep,
     end_of_point,
+    messages,
     moving_points,
     ordered,
     plane_of,
@@ -51,7 +52,7 @@ from pipeline.figures.overlays import MILD, SEVERE, reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, POINT, coloured, packed_fields
 from pipeline.quantities import shown_in
-from pipeline.store.schema import DONE
+from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.codec import content_hash
@@ -214,7 +215,7 @@ def _point_states(ds: xr.Dataset) -> dict[str, Any]:
         ],
         "messages": {
             str(place): str(message)
-            for place, message in enumerate(values_of(ds, "message").ravel())
+            for place, message in enumerate(messages(ds).transpose(..., *PLANE).values.ravel())
             if isinstance(message, str) and message  # NaN at points that were masked
         },
     }

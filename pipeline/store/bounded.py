@@ -13,15 +13,18 @@ import numpy as np
 from numcodecs.zstd import Zstd
 from zarr.codecs import ZstdCodec
 
+from pipeline.store.place import DamagedError
+
 if TYPE_CHECKING:
     from zarr.abc.buffer import Buffer
     from zarr.core.array_spec import ArraySpec
 
+_ADVICE = "copy the dataset again from its store"
 _MOST_OF_TEXT = 2**16  # bytes of a text: messages have 2000 characters, and labels fewer
 
 
 class BoundedZstd(ZstdCodec):
-    """Zarr's codec of this name, with a `ValueError` for a chunk that is not of its array."""
+    """Zarr's codec of this name, with a `DamagedError` for a chunk that is not of its array."""
 
     async def _decode_single(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
         return await asyncio.to_thread(self._decode_sync, chunk_bytes, chunk_spec)
@@ -32,11 +35,16 @@ class BoundedZstd(ZstdCodec):
         is_text = dtype.kind in "TO"
         size, most = stated_size(packed), count * (_MOST_OF_TEXT if is_text else dtype.itemsize)
         if size > most or (size < most and not is_text):
-            raise ValueError(f"a chunk states {size} bytes, and {most} are those of its array")
+            raise DamagedError(
+                f"a chunk is damaged: it states {size} bytes, and its array has {most}; {_ADVICE}"
+            )
         content = np.empty(size, np.uint8)  # another frame behind the first one finds no room
-        Zstd().decode(packed, content)
+        try:
+            Zstd().decode(packed, content)
+        except RuntimeError as error:
+            raise DamagedError(f"a chunk is damaged; {_ADVICE}") from error
         if is_text and int.from_bytes(content[:4].tobytes(), "little") != count:  # room is made for
-            raise ValueError(f"a chunk has another number of texts than {count}")
+            raise DamagedError(f"a chunk has another number of texts than {count}; {_ADVICE}")
         return chunk_spec.prototype.buffer.from_array_like(content)
 
 
@@ -52,7 +60,7 @@ def stated_size(packed: bytes) -> int:
     is_single = descriptor >> 5 & 1
     width = (is_single, 2, 4, 8)[descriptor >> 6]
     if not width:
-        raise ValueError("a chunk does not state its size")
+        raise DamagedError(f"a chunk does not state its size; {_ADVICE}")
     start = 6 - is_single + (0, 1, 2, 4)[descriptor & 3]
     size = int.from_bytes(packed[start : start + width], "little")
     return size + 256 if width == 2 else size

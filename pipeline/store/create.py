@@ -6,6 +6,7 @@ over the points of the old one.
 
 from __future__ import annotations
 
+import json
 import math
 import shlex
 from collections.abc import Iterator, Sequence
@@ -22,6 +23,7 @@ from pipeline.store.layout import (
     documents,
     grown_axes,
     made_coordinates,
+    spread_ids,
 )
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
@@ -42,16 +44,16 @@ from pipeline.store.root import (
     find_root,
     read_root,
     require_same_scene,
-    root_document,
+    root_documents,
 )
-from pipeline.store.schema import INPUTS, POINT, variables_of
+from pipeline.store.schema import INPUTS, POINT, SCENE_ID, path_of, variables_of
 from pipeline.store.versions import package_versions
 from pipeline.store.write import Store
 from pipeline.sweep.codec import Arrays, sweep_text
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import Report, silent
-from pipeline.sweep.stored import join
+from pipeline.sweep.stored import join, scene_ids
 
 
 @contextmanager
@@ -100,27 +102,35 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
             "fewer loads or velocities"
         )
     if before:
-        _require_room(place, before.axes, axes)
+        _require_room(place, before, axes)
         facts = replace(before.facts.note_versions(), axes=axes)
     else:
         chunk = block_of(sizes, bytes_of_a_point(wanted, axes))
         facts = Facts(axes=axes, points_per_chunk=chunk, versions=package_versions())
+    ids = scene_ids(kept, {})
     values: dict[str, Any] = axes | made_coordinates(kept, axes)
+    values[SCENE_ID] = spread_ids(kept, axes, ids)
     if arrays:
         wanted[INPUTS] = inputs_variable(arrays)
         values |= {DIM: range(len(held := joined_arrays(arrays))), INPUTS: held}
     contents, metadata = documents(wanted, values, facts.points_per_chunk)
-    root = Root(kept, facts, metadata)
-    is_new = before is None or root_document(root) != root_document(before)
+    others = before.others if before else {"attributes": {}, "metadata": {}}
+    root = Root(kept, facts, ids, metadata, others)
+    groups = root_documents(root)
+    is_new = before is None or groups != root_documents(before)
+    document = groups.pop(ROOT)
+    contents |= groups
     if isinstance(place, Bucket) and before and not is_new:
         return before
     if before:
         with reaches(place):  # also coordinates and metadata that were damaged
-            contents = {key: new for key, new in contents.items() if new != place.read(key)}
+            found = {key: place.read(key) for key in contents}
+        contents = {key: keep_others(found[key], new) for key, new in contents.items()}
+        contents = {key: new for key, new in contents.items() if new != found[key]}
     place.put(contents)
     if before and not is_new:
         return before
-    place.put({ROOT: root_document(root)})
+    place.put({ROOT: document})
     if not before and isinstance(place, Folder):
         # Their names may come from a process that was killed before it synced them.
         for folder in place.path.parents[:2]:
@@ -129,11 +139,28 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
     return read_root(place)
 
 
-def _require_room(place: StorePlace, before: Axes, axes: Axes) -> None:
+def keep_others(found: bytes | None, new: bytes) -> bytes:
+    """A document of metadata with attributes that others have added to the one that was found."""
+    with suppress(ValueError, KeyError, TypeError):  # a chunk, or damaged
+        old, document = json.loads(found or b""), json.loads(new)
+        whole = document | {"attributes": old["attributes"] | document["attributes"]}
+        if whole != document:  # there are others
+            return found if found and whole == old else json.dumps(whole).encode()
+    return new
+
+
+def _require_room(place: StorePlace, before: Root, axes: Axes) -> None:
     """Raise a `StoreError` if axes do not begin with those that a store has."""
-    unlike = (name for name, values in axes.items() if not _begins(values, before.get(name)))
+    old = before.axes
+    unlike = (name for name, values in axes.items() if not _begins(values, old.get(name)))
     if name := next(unlike, None):
         raise _no_room(place, f"{name} would not grow at its upper end")
+    grown = {name for name, values in axes.items() if len(values) > len(old[name])}
+    own = {path_of(name) for name in variables_of(before.sweep)}
+    for path, array in before.others["metadata"].items():
+        dims = array.get("dimension_names") if isinstance(array, dict) else None
+        if path not in own and not grown.isdisjoint(dims or ()):
+            raise _no_room(place, f"{path}, which is not of the store, would not grow with it")
 
 
 def _begins(values: Sequence[Any], first: Sequence[Any] | None) -> bool:

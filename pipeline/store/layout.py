@@ -19,13 +19,15 @@ from pipeline.store.place import ROOT, StorePlace
 from pipeline.store.schema import (
     AT_END,
     COMPRESSION,
-    MADE,
     PLANE,
     POINT,
+    SCENE_ID,
     STEPPED,
     Variable,
+    attributes_of,
     is_coordinate,
     is_of_points,
+    path_of,
     variables_of,
 )
 from pipeline.sweep.model import Point, Sweep
@@ -168,6 +170,19 @@ def made_coordinates(sweep: Sweep, axes: Axes) -> dict[str, Array]:
     return {"time": time, "normal_load": normal_load, "sliding_distance": distance}
 
 
+def spread_ids(sweep: Sweep, axes: Axes, ids: Sequence[int]) -> Array:
+    """Id of the scene of each point, by those of the rows of a sweep."""
+    by_row = dict(zip(sweep.variants.names, ids, strict=True))
+    if POINT in axes:
+        return np.array([by_row[point.variant] for point in listed_points(sweep, axes)], np.int32)
+    dims = variables_of(sweep)[SCENE_ID].dims
+    rows = combinations({dim: axes[dim] for dim in sweep.variants.axes})
+    inner = [len(axes[dim]) for dim in dims if dim not in sweep.variants.axes]
+    outer = [len(axes[dim]) for dim in sweep.variants.axes]
+    values = np.array([by_row[row] for row in rows], np.int32).reshape(*outer, *[1] * len(inner))
+    return np.broadcast_to(values, (*outer, *inner))
+
+
 def _ramps(sweep: Sweep, axes: Axes, dims: Sequence[str]) -> Iterator[tuple[Variant, float]]:
     """Variant and load of each ramp along dimensions that end with the step."""
     if POINT in dims:
@@ -191,44 +206,48 @@ def documents(
     for name, variable in wanted.items():
         shape = [len(axes[dim]) for dim in variable.dims]
         chunks = {**dict(zip(variable.dims, shape, strict=True)), **block}
-        if is_coordinate(name) and name not in MADE:  # which are as large as those of points
-            chunks |= {dim: _GROWING for dim in variable.dims if is_of_points(dim)}
+        if variable.dims == (name,) and is_of_points(name):
+            chunks[name] = _GROWING
         elif name in AT_END:
             chunks |= {dim: 1 for dim in variable.dims if is_of_points(dim)}
         is_real = variable.dtype.startswith("float")
-        units = {} if variable.units is None else {"units": variable.units}
         array = group.create_array(
-            name,
+            path_of(name),
             shape=shape,
             chunks=tuple(chunks[dim] for dim in variable.dims),
             dtype=str if variable.dtype == "str" else variable.dtype,
             fill_value="" if variable.dtype == "str" else np.nan if is_real else 0,
             compressors=ZstdCodec(**COMPRESSION),
             dimension_names=variable.dims,
-            attributes={"long_name": variable.long_name, **units, **variable.attributes},
+            attributes=attributes_of(variable),
             chunk_key_encoding={"name": "default", "separator": "."},
         )
         if is_coordinate(name):
             array[:] = np.array(axes[name], variable.dtype)
     memory.pop(ROOT)
     contents = {key: content.to_bytes() for key, content in memory.items()}
-    return contents, {name: json.loads(contents[f"{name}/{ROOT}"]) for name in wanted}
+    return contents, {name: json.loads(contents[f"{path_of(name)}/{ROOT}"]) for name in wanted}
 
 
 def arrays_of(place: StorePlace, metadata: Mapping[str, Any], read_only: bool) -> dict[str, Any]:
     """Open the arrays of a store by the metadata of its root, which may have changed since."""
     store = place.zarr(read_only)
-    codec = BoundedZstd(**COMPRESSION)
-    arrays: dict[str, Any] = {
-        name: {**array, "codecs": [array["codecs"][0], codec]} for name, array in metadata.items()
-    }
+    arrays = bounded(metadata)
     # A chunk of nothing but fill values that is not written looks like one that was lost. Zarr's
     # own setting of this belongs to all threads, and one that ends would change it for another.
     opened = {
-        name: zarr.AsyncArray(array, StorePath(store, name), {"write_empty_chunks": True})
+        name: zarr.AsyncArray(array, StorePath(store, path_of(name)), {"write_empty_chunks": True})
         for name, array in arrays.items()
     }
     return {name: zarr.Array(array) for name, array in opened.items()}
+
+
+def bounded(metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """Metadata of arrays that unpack no chunk of another size than they say."""
+    codec = BoundedZstd(**COMPRESSION)
+    return {
+        name: {**array, "codecs": [array["codecs"][0], codec]} for name, array in metadata.items()
+    }
 
 
 def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Slices]]:
@@ -245,7 +264,7 @@ def slices_of(numbers: Sequence[int], sizes: Sequence[int]) -> Slices:
 
 def chunk_key(name: str, numbers: Sequence[int]) -> str:
     """Key of a chunk of an array, such as ``time/c.0.2.0``."""
-    return f"{name}/" + ".".join(map(str, ("c", *numbers)))
+    return f"{path_of(name)}/" + ".".join(map(str, ("c", *numbers)))
 
 
 def field_key(name: str, index: Sequence[int]) -> str:

@@ -116,9 +116,10 @@ class Folder:
                 yield from self.entries(arrays, f"{key}/")
 
     def keys(self, arrays: Collection[str] | None = None) -> set[str]:
-        """Names of all entries but folders of the folder; if arrays are given, of a store of these.
+        """Names of all files below the folder; if arrays are given, of those of a store of these.
 
-        An `OSError` is raised for a link under a name of that store.
+        An `OSError` is raised for a link under a name of that store. A folder in the place of one
+        of its files counts as that file.
         """
         found = dict(self.entries(arrays))
         if arrays is not None:
@@ -126,7 +127,10 @@ class Folder:
             for entry in found.values():
                 require_no_link(entry)
         return {
-            key for key, it in found.items() if "/" in key or not it.is_dir(follow_symlinks=False)
+            key
+            for key, entry in found.items()
+            if not entry.is_dir(follow_symlinks=False)
+            or (arrays is not None and not _is_above(key, arrays))
         }
 
 
@@ -272,7 +276,7 @@ def decodes(place: StorePlace, name: str) -> Iterator[None]:
     """Turn an error of Zarr or its codecs into a `DamagedError` that names what they read."""
     try:
         yield
-    except (RuntimeError, ValueError) as error:
+    except (RuntimeError, ValueError, DamagedError) as error:
         if is_lack_of_memory(error):  # nothing is damaged
             raise
         raise DamagedError(damaged(place, name)) from error

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import itertools
+import json
 from contextlib import suppress
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
-from xarray.backends import BackendArray, BackendEntrypoint
+import zarr
+from xarray.backends import BackendArray, BackendEntrypoint, ZarrStore
 from xarray.core import indexing
+from zarr.storage import StorePath
 
-from pipeline.store.layout import Axes, made_coordinates, row_axes
+from pipeline.store.layout import Axes, bounded, made_coordinates, row_axes, spread_ids
 from pipeline.store.place import (
     KEPT,
+    ROOT,
+    Folder,
     PathLike,
     StoreError,
     StorePlace,
@@ -23,14 +28,17 @@ from pipeline.store.place import (
     reaches,
     reads,
 )
-from pipeline.store.root import read_root
+from pipeline.store.root import read_root, require_plain
 from pipeline.store.schema import (
+    ABOUT,
     DONE,
     INPUTS,
     PENDING,
     PLANE,
     POINT,
     RECORDS,
+    SCENE_ID,
+    attributes_of,
     is_coordinate,
     is_of_points,
     variables_of,
@@ -44,9 +52,40 @@ from tribo.types import Indices, Mask
 def open_store(path: PathLike) -> xr.Dataset:
     """Open a store, which may be written to meanwhile, as it is now; data are read when used.
 
+    Or a dataset of one that xarray wrote elsewhere, as it is.
     Raise a `StoreError` if there is no readable store, or done points lack chunks.
     """
-    return xr.open_dataset(str(place_of(path)), engine=_Backend, chunks=None)
+    place = place_of(path)
+    copy = _open_copy(place)
+    if copy is not None:
+        return copy
+    return xr.open_dataset(str(place), engine=_Backend, chunks=None)
+
+
+def _open_copy(place: StorePlace) -> xr.Dataset | None:
+    """A dataset of a sweep that xarray wrote, as netCDF or Zarr; None for anything else."""
+    if isinstance(place, Folder) and place.path.is_file():
+        with suppress(ValueError, OSError):
+            file = xr.open_dataset(place.path, chunks=None)
+            return file if "sweep" in file.attrs else None
+        return None
+    unlike = suppress(ValueError, KeyError, TypeError, AttributeError, RecursionError)
+    with reaches(place), unlike:
+        document = json.loads(place.read(ROOT) or b"")
+        whole = document.setdefault("consolidated_metadata", {"kind": "inline", "metadata": {}})
+        if not (metadata := whole["metadata"]):
+            names = [
+                key.rpartition("/")[0] for key in sorted(place.keys()) if key.endswith(f"/{ROOT}")
+            ]
+            metadata = {name: json.loads(place.read(f"{name}/{ROOT}") or b"") for name in names}
+        is_store = any(path.split("/")[0] == ABOUT for path in metadata)
+        if "sweep" in document["attributes"] and not is_store:
+            require_plain(metadata)
+            whole["metadata"] = bounded(metadata)
+            at = StorePath(place.zarr(read_only=True))
+            group = zarr.Group(zarr.AsyncGroup.from_dict(at, document))
+            return xr.open_dataset(ZarrStore(group), chunks=None)
+    return None
 
 
 class _Backend(BackendEntrypoint):
@@ -60,18 +99,20 @@ class _Backend(BackendEntrypoint):
         _require_chunks(store)
         sweep, axes, rows = _plane(store)
         made = made_coordinates(sweep, axes)
+        made[SCENE_ID] = spread_ids(sweep, axes, root.ids)
         marks = {"status": store.flags, "asked": store.asked}
         marks = {name: _spread(values, rows) for name, values in marks.items()}
         present: dict[str, Any] = axes | made | marks
         variables = {}
         for name, variable in variables_of(sweep).items():
-            array = store.arrays[name]
             if name not in present:
                 mask = store.flags != PENDING if name in RECORDS else store.flags == DONE
                 present[name] = indexing.LazilyIndexedArray(_Masked(store, name, mask, rows))
             elif name in axes:
-                present[name] = np.array(axes[name], array.dtype)
-            shown = {k: v for k, v in array.metadata.attributes.items() if k != "coordinates"}
+                kind = np.dtypes.StringDType() if variable.dtype == "str" else variable.dtype
+                present[name] = np.array(axes[name], kind)
+            shown = attributes_of(variable)
+            shown.pop("coordinates", None)
             variables[name] = xr.Variable(variable.dims, present[name], shown)
         if INPUTS in store.arrays:
             array = store.arrays[INPUTS]
@@ -88,7 +129,7 @@ def _require_chunks(store: Store) -> None:
     """Raise a `StoreError` if a chunk of a done point is missing."""
     done = store.flags == DONE
     with reaches(store.place):
-        keys = store.place.keys(store.arrays)
+        keys = store.place.keys(store.paths)
     of_points = itertools.filterfalse(is_coordinate, store.arrays)
     if lost := [name for name in of_points if store.lacks(name, done, keys)]:
         raise StoreError(damaged(store.place, ", ".join(sorted(lost))))
@@ -166,6 +207,10 @@ class Keeper:
 
     def __deepcopy__(self, _: Any) -> Keeper:
         return self
+
+    def messages(self) -> xr.DataArray:
+        """Warnings of points, and reasons of failures, as they are now."""
+        return open_store(str(self._place))["message"].load()
 
     def kept(self, name: str) -> bytes | None:
         """Content that is kept under a name; None if there is none."""

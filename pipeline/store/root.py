@@ -9,6 +9,7 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -32,7 +33,19 @@ from pipeline.store.place import (
     reaches,
     reads,
 )
-from pipeline.store.schema import FORMAT, INPUTS, MADE, POINT, is_coordinate, variables_of
+from pipeline.store.schema import (
+    ABOUT,
+    AT_ENDS,
+    FORMAT,
+    INPUTS,
+    MADE,
+    POINT,
+    SCENE_ID,
+    VARIABLES,
+    is_coordinate,
+    path_of,
+    variables_of,
+)
 from pipeline.store.versions import package_versions, provenance
 from pipeline.sweep.codec import Arrays, CodecError, build, fits, sweep_text, text_sweep
 from pipeline.sweep.limits import MOST_BYTES_OF_ROOT, MOST_PARTS_OF_ROOT, MOST_POINTS
@@ -76,12 +89,22 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
+Document = dict[str, Any]
+"""What a file of JSON says."""
+
+
 class Root(NamedTuple):
-    """The sweep of a store, what it says of itself, and the metadata of each array."""
+    """The sweep of a store, what it says of itself, and the metadata of each array.
+
+    `ids` are those of the rows of the sweep, in the order of its table. `others` has attributes and
+    metadata that are not of the store, as users add them, and stays as it is.
+    """
 
     sweep: Sweep
     facts: Facts
-    arrays: dict[str, Any]
+    ids: list[int]
+    arrays: Document
+    others: Document
 
     @property
     def axes(self) -> dict[str, list[Any]]:
@@ -90,14 +113,14 @@ class Root(NamedTuple):
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Attributes of the dataset: words for people, and the texts of sweep and store."""
+        """Attributes of the dataset: words for people, and the texts of the sweep and its ids."""
         facts = self.facts
         return {
             "Conventions": "CF-1.11",
             "title": self.sweep.about.title,
             **provenance(facts.versions, facts.later_versions, facts.worker_versions),
             "sweep": sweep_text(self.sweep, {}),
-            "store": json.dumps({"format": FORMAT, **asdict(facts), "hash": ""}),
+            SCENE_ID: json.dumps(self.ids),
         }
 
 
@@ -137,16 +160,17 @@ def find_root(place: StorePlace) -> Root | None:
 
 
 def find_closed_root(place: StorePlace, sweep: Sweep) -> tuple[Root | None, set[str]]:
-    """The root as `find_root`, and names of the arrays that the store has, or will with a sweep.
+    """The root as `find_root`, and paths of the arrays that the store has, or will with a sweep.
 
     A `StoreError` is raised for a link under a name of a folder's, before anything is written.
     """
     root = find_root(place)
-    arrays = {INPUTS, *variables_of(sweep), *(root.arrays if root else ())}
+    names = {INPUTS, *variables_of(sweep), *(variables_of(root.sweep) if root else ())}
+    paths = {ABOUT, AT_ENDS, *map(path_of, names)}
     if isinstance(place, Folder):
         with reaches(place):
-            place.keys(arrays)
-    return root, arrays
+            place.keys(paths)
+    return root, paths
 
 
 def read_sweep(path: PathLike) -> Sweep:
@@ -160,27 +184,54 @@ def find_sweep(path: PathLike) -> Sweep | None:
     return root.sweep if root else None
 
 
-def root_document(root: Root) -> bytes:
-    """Content of the root as Zarr consolidates it, which would write it in two steps."""
-    document = {
-        "zarr_format": 3,
-        "node_type": "group",
-        "attributes": root.attributes,
-        _CONSOLIDATED: {"kind": "inline", "must_understand": False, "metadata": root.arrays},
+def root_documents(root: Root) -> dict[str, bytes]:
+    """Documents of the groups of a store, by key: the root, as Zarr consolidates it, comes last.
+
+    Zarr itself would write it in two steps. It has all that the others have, which are there for
+    programs that consolidate it anew.
+    """
+    attributes = root.attributes
+    about = {"format": FORMAT, **asdict(root.facts)}
+    about["digest"] = _digest(attributes, about, root.arrays)
+    groups = {ABOUT: _group(about), AT_ENDS: _group({})}
+    whole = root.others["metadata"] | groups
+    whole |= {path_of(name): array for name, array in root.arrays.items()}
+    # Zarr finds the members of a group only where they stand side by side.
+    paths = sorted(whole, key=lambda path: path.rpartition("/")[0])
+    metadata = {path: whole[path] for path in paths}
+    consolidated = {"kind": "inline", "must_understand": False, "metadata": metadata}
+    groups[""] = _group(root.others["attributes"] | attributes) | {_CONSOLIDATED: consolidated}
+    return {
+        f"{name}/{ROOT}".removeprefix("/"): json.dumps(group, allow_nan=False).encode()
+        for name, group in groups.items()
     }
-    return sealed(document)
 
 
-def sealed(document: dict[str, Any]) -> bytes:
-    """The document of a root, with the hash of all of it in the text on its store."""
-    return json.dumps(_hashed(document, _hash(document)), allow_nan=False).encode()
+def _group(attributes: Document) -> Document:
+    return {"zarr_format": 3, "node_type": "group", "attributes": attributes}
 
 
-def _hashed(document: dict[str, Any], digest: str) -> dict[str, Any]:
-    """The document of a root with a hash in the text on its store."""
-    attributes = document["attributes"]
-    text = json.dumps(json.loads(attributes["store"]) | {"hash": digest})
-    return document | {"attributes": attributes | {"store": text}}
+def _digest(attributes: Document, about: Document, arrays: Document) -> str:
+    """Hash of what a store reads of its root; not of words, nor of what users have added."""
+    numbers = {
+        name: {**array, "attributes": _inner_attributes(name, array)}
+        for name, array in arrays.items()
+        if name == INPUTS or not is_coordinate(name)
+    }
+    about = {name: value for name, value in about.items() if name != "digest"}
+    read = [attributes["sweep"], attributes[SCENE_ID], about, numbers]
+    return hashlib.sha256(json.dumps(read, sort_keys=True).encode()).hexdigest()
+
+
+def _inner_attributes(name: str, array: Document) -> Document:
+    """Attributes of an array without which its values cannot be read."""
+    return array["attributes"] if name == INPUTS else {}
+
+
+def _own_arrays(metadata: Document) -> Document:
+    """Metadata of the arrays of points and of the scene, by the names of the variables."""
+    names = [INPUTS, *(name for name in VARIABLES if not is_coordinate(name))]
+    return {name: metadata[path_of(name)] for name in names if path_of(name) in metadata}
 
 
 def _parsed(place: StorePlace, content: bytes) -> Root:
@@ -191,29 +242,23 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         )
     try:
         document = json.loads(content)
-        attributes, arrays = document["attributes"], dict(document[_CONSOLIDATED]["metadata"])
-        text, facts = attributes["sweep"], json.loads(attributes["store"])
-        version, expected = facts.pop("format"), facts.pop("hash")
-        is_as_written = version != FORMAT or _hash(document) == expected
+        attributes, metadata = document["attributes"], document[_CONSOLIDATED]["metadata"]
+        about = dict(metadata[ABOUT]["attributes"])
+        version, expected = about["format"], about.pop("digest")
+        arrays = _own_arrays(metadata)
+        is_as_written = version != FORMAT or _digest(attributes, about, arrays) == expected
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        with reaches(place):
-            has_points = _has_points(place.keys())
-        if has_points:
-            raise StoreError(f"{place}: {ROOT} is damaged; {_ELSEWHERE}") from None
-        raise StoreError(
-            f"{place} is not the store of a sweep; give a folder that irg run made"
-        ) from None
+        raise _unreadable(place, content) from None
+    if version != FORMAT:
+        raise _of_another_format(place, version)
     if not is_as_written:
         raise StoreError(f"{place}: {ROOT} is damaged: it is not what was written; {_ELSEWHERE}")
-    if version != FORMAT:
-        raise StoreError(
-            f"{place} is of another version of this program: it has format {version}, and this one "
-            f"reads {FORMAT}; {_ANEW}"
-        )
+    del about["format"]
     try:
-        built: Facts = build(Facts, facts)
-        _require_plain(arrays)
-        root = Root(text_sweep(text, _inputs(place, arrays)), built, arrays)
+        built: Facts = build(Facts, about)
+        require_plain(arrays)
+        sweep, ids = text_sweep(attributes["sweep"], _inputs(place, arrays)), attributes[SCENE_ID]
+        root = Root(sweep, built, json.loads(ids), arrays, {})
         _require_fitting(root)
     except DamagedError as error:
         raise StoreError(f"{place}: the arrays of its scene are damaged; {_ELSEWHERE}") from error
@@ -221,7 +266,28 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         raise StoreError(
             f"{place} is of another version of this program, or damaged: {error}; {_ANEW}"
         ) from error
-    return root
+    own = root.attributes
+    others = {name: value for name, value in attributes.items() if name not in own}
+    return root._replace(others={"attributes": others, "metadata": metadata})
+
+
+def _unreadable(place: StorePlace, content: bytes) -> StoreError:
+    """What is wrong with a root that does not say what a store is."""
+    with suppress(ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        attributes = json.loads(content)["attributes"]
+        return _of_another_format(place, json.loads(attributes["store"])["format"])
+    with reaches(place):
+        has_points = _has_points(place.keys())
+    if has_points:
+        return StoreError(f"{place}: {ROOT} is damaged; {_ELSEWHERE}")
+    return StoreError(f"{place} is not the store of a sweep; give a folder that irg run made")
+
+
+def _of_another_format(place: StorePlace, version: Any) -> StoreError:
+    return StoreError(
+        f"{place} is of another version of this program: it has format {version}, and this one "
+        f"reads {FORMAT}; {_ANEW}"
+    )
 
 
 def _inputs(place: StorePlace, arrays: Mapping[str, Any]) -> Arrays:
@@ -245,7 +311,7 @@ def _require_small_file(folder: Path) -> None:
         )
 
 
-def _require_plain(arrays: Mapping[str, Any]) -> None:
+def require_plain(arrays: Mapping[str, Any]) -> None:
     """Raise a `CodecError` for arrays that are not as a store has them.
 
     They are made as large as they say, before a chunk of them is read. Codecs of Zarr 2 may
@@ -269,8 +335,10 @@ def _require_plain(arrays: Mapping[str, Any]) -> None:
 def _require_fitting(root: Root) -> None:
     """Raise a `CodecError` for arrays, axes or rows that are not those of the root's sweep."""
     wanted, axes, arrays = variables_of(root.sweep), root.axes, root.arrays
-    labels = {name for name in wanted if is_coordinate(name) and name not in MADE}
-    if unlike := sorted((arrays.keys() - {INPUTS}) ^ wanted.keys() or axes.keys() ^ labels):
+    made = {*MADE, SCENE_ID}
+    labels = {name for name in wanted if is_coordinate(name) and name not in made}
+    of_points = {name for name in wanted if not is_coordinate(name)}
+    if unlike := sorted((arrays.keys() - {INPUTS}) ^ of_points or axes.keys() ^ labels):
         raise CodecError(f"the variable {unlike[0]} is unknown or missing")
     for name in sorted(labels):
         is_of_numbers = all(value == value for value in axes[name])  # and not of NaN
@@ -279,9 +347,12 @@ def _require_fitting(root: Root) -> None:
     for name, variable in wanted.items():
         shape = [len(axes[dim]) for dim in variable.dims]
         is_of_axis = name not in labels or [len(axes[name])] == shape
-        has_dims = arrays[name]["dimension_names"] == [*variable.dims]
-        if not (has_dims and is_of_axis and arrays[name]["shape"] == shape):
+        held = arrays.get(name, {"dimension_names": [*variable.dims], "shape": shape})
+        has_dims = held["dimension_names"] == [*variable.dims]
+        if not (has_dims and is_of_axis and held["shape"] == shape):
             raise CodecError(f"the variable {name} does not have the sizes of its axes")
+    if not fits(root.ids, list[int]) or len(root.ids) != len(root.sweep.variants):
+        raise CodecError("its rows do not have an id each")
     if not _has_rows_of_scene(root):
         raise CodecError("its axes are not those of its scene")
     if (points := math.prod(arrays["status"]["shape"])) > MOST_POINTS:
@@ -310,19 +381,13 @@ def _is_beginning(key: str) -> bool:
     """True for what a creation cut short may leave: metadata, coordinates or the lock, no root."""
     if key.startswith(LOCK) or key == ROOT + PARTIAL:
         return True
-    name, _, rest = key.removesuffix(PARTIAL).partition("/")
+    name, _, rest = key.removesuffix(PARTIAL).rpartition("/")
     return rest == ROOT or (rest.startswith("c.") and is_coordinate(name))
 
 
 def _has_points(keys: set[str]) -> bool:
     """True if a store has any status, by its keys."""
     return any(key.startswith("status/c.") for key in keys)
-
-
-def _hash(document: dict[str, Any]) -> str:
-    """Hash of the document of a root, as it is without one."""
-    text = json.dumps(_hashed(document, ""), sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _no_store(place: StorePlace) -> StoreError:

@@ -10,7 +10,7 @@ from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import ROWS, VARIANT, Column
 from tribo import InputError, WarningKind
 
-FORMAT = 7
+FORMAT = 8
 """Version of the layout."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
@@ -79,7 +79,7 @@ MADE = {
 """Coordinates of steps, which are made from the scene."""
 SCENE_ID = "scene_id"
 IDS = {SCENE_ID: Variable(PLANE, "1", "digest of the scene that the point is of", "int32")}
-"""Coordinate of points, which is made when a store is opened."""
+"""Coordinate of points, made from the ids of rows that the root has."""
 COLUMNS = {
     "own_grid": Variable(
         _STEP, "1", "true on the grid of the point, false on that of its history", "bool"
@@ -161,12 +161,27 @@ RECORDS = {
 
 INPUTS = "inputs"
 """Variable of the arrays of a scene."""
+ABOUT, AT_ENDS = "about", "fields"
+"""Groups beside the numbers of points: texts with the facts of the store, and fields."""
 VARIABLES = COORDINATES | MADE | RECORDS | OF_POINT | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
 """All that a store may hold."""
 STEPPED = COLUMNS | BULK_COLUMNS
 """Variables at each step."""
 AT_END = FIELDS | BULK_FIELDS
 """Variables at the end of a point."""
+
+
+def attributes_of(variable: Variable) -> dict[str, Any]:
+    """Attributes of a variable in the dataset."""
+    units = {} if variable.units is None else {"units": variable.units}
+    return {"long_name": variable.long_name, **units, **variable.attributes}
+
+
+def path_of(name: str) -> str:
+    """Path of a variable in a store, whose main group has numbers alone, all but its labels."""
+    if name in ("message", "checksum"):
+        return f"{ABOUT}/{name}"
+    return f"{AT_ENDS}/{name}" if name in AT_END or name in ("x", "y") else name
 
 
 def is_coordinate(name: str) -> bool:
@@ -219,14 +234,14 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
     if sweep.variants.draw or not any(scene.solved_friction for scene in of_given):
         absent |= {*OF_POINT}
-    for name, variable in VARIABLES.items():
+    for name, variable in (VARIABLES | IDS).items():
         if name in absent or name in table:
             continue
         inner = tuple(dim for dim in variable.dims if dim not in placed)
         outer = _rows_of(name, sweep) if name in MADE else front
         table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))
     columns = [name for name in placed if table[name].dims != (name,)]
-    along = [*sorted(columns), *MADE, "own_grid"]
+    along = [*sorted(columns), *MADE, SCENE_ID, "own_grid"]
     status, names = table["status"], {"coordinates": " ".join(along)}  # as CF wants it
     table["status"] = status._replace(attributes={**status.attributes, **names})
     return table

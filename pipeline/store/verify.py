@@ -18,11 +18,14 @@ from pipeline.store.checksum import SIGNED, checksum
 from pipeline.store.files import THREADS
 from pipeline.store.layout import (
     Slices,
+    arrays_of,
     blocks,
     chunk_key,
+    documents,
     field_key,
     made_coordinates,
     slices_of,
+    spread_ids,
 )
 from pipeline.store.lock import held
 from pipeline.store.place import (
@@ -32,6 +35,7 @@ from pipeline.store.place import (
     PathLike,
     place_of,
     reaches,
+    reads,
     writes,
 )
 from pipeline.store.progress import FailedPoint
@@ -42,8 +46,11 @@ from pipeline.store.schema import (
     OF_POINT,
     PENDING,
     RECORDS,
+    SCENE_ID,
     STEPPED,
     is_coordinate,
+    path_of,
+    variables_of,
 )
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
@@ -137,7 +144,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
     """Read all chunks of points, and the marks into the store; write nothing."""
     damage = _Damage({}, {})
     with reaches(store.place):
-        keys = store.place.keys(store.arrays)
+        keys = store.place.keys(store.paths)
         begun = [
             (numbers, block)
             for numbers, block in blocks(np.ones(store.flags.shape, bool), store.block)
@@ -145,7 +152,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
         ]
         for numbers, block in begun:
             _read_marks(store, damage, numbers, block)
-        keys = store.place.keys(store.arrays)  # a writer may have finished points meanwhile
+        keys = store.place.keys(store.paths)  # a writer may have finished points meanwhile
         names = [n for n in store.arrays if not (n in _MARKS or n in AT_END or is_coordinate(n))]
         count, total = 0, int(np.count_nonzero(store.flags == DONE))
         for numbers, block in begun:
@@ -256,21 +263,29 @@ def _differing_coordinates(store: Store) -> Iterator[str]:
 
     A growth that was killed may have left arrays longer than the root says.
     """
-    expected = store.axes | made_coordinates(store.sweep, store.axes)
-    for name, metadata in store.root.arrays.items():
-        key = f"{name}/{ROOT}"
+    values: dict[str, Any] = store.axes | made_coordinates(store.sweep, store.axes)
+    values[SCENE_ID] = spread_ids(store.sweep, store.axes, store.root.ids)
+    wanted = variables_of(store.sweep)
+    _, expected = documents(wanted, values, store.root.facts.points_per_chunk)
+    coordinates = arrays_of(
+        store.place, {name: expected[name] for name in values.keys() & wanted.keys()}, True
+    )
+    for name, metadata in expected.items():
+        key = f"{path_of(name)}/{ROOT}"
         with reaches(store.place):
             content = store.place.read(key)
-        if _document(content) | {"shape": metadata["shape"]} != metadata:
+        found = _document(content) | {"shape": metadata["shape"]}
+        others = found.get("attributes", {}) if isinstance(found.get("attributes"), dict) else {}
+        if found != metadata | {"attributes": others | metadata["attributes"]}:
             yield key
-        if name in expected and not _has_values(store, name, expected[name]):
+        if name in coordinates and not _has_values(store, name, coordinates[name], values[name]):
             yield name
 
 
-def _has_values(store: Store, name: str, expected: Any) -> bool:
+def _has_values(store: Store, name: str, array: Any, expected: Any) -> bool:
     """True if a coordinate has these values, NaN at the same places."""
-    with suppress(DamagedError):
-        values = store.read(name, ...)
+    with suppress(DamagedError), reads(store.place, name):
+        values = array[...]
         expected = np.array(expected, values.dtype)
         return bool(np.array_equal(values, expected, equal_nan=values.dtype.kind == "f"))
     return False

@@ -44,8 +44,17 @@ from pipeline.store.place import (
     reads,
     writes,
 )
-from pipeline.store.root import Root, now, read_root, root_document
-from pipeline.store.schema import DONE, FAILED, PENDING, PLANE, POINT, STEPPED
+from pipeline.store.root import Root, now, read_root, root_documents
+from pipeline.store.schema import (
+    DONE,
+    FAILED,
+    PENDING,
+    PLANE,
+    POINT,
+    STEPPED,
+    path_of,
+    variables_of,
+)
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.plan import points as points_of
@@ -89,12 +98,17 @@ class Store:
             for name in ("status", "asked")
         )
 
+    @property
+    def paths(self) -> set[str]:
+        """Paths of the arrays in the store."""
+        return {*map(path_of, self.arrays)}
+
     # Places of points
 
     def along(self, name: str) -> str:
         """Dimension of the loads or the velocities: their own, or that of rows with one each."""
-        (dim,) = self.arrays[name].metadata.dimension_names
-        return str(dim)
+        (dim,) = variables_of(self.sweep)[name].dims
+        return dim
 
     def index(self, point: Point) -> _Index:
         """Place of a point."""
@@ -157,7 +171,7 @@ class Store:
         dims = self.arrays["max_rise"].metadata.dimension_names
         sizes = dict(zip(dims, columns["max_rise"].shape, strict=True))
         for name, values in made_coordinates(self.sweep, self.axes).items():
-            made: Any = xr.Variable(self.arrays[name].metadata.dimension_names, values)
+            made: Any = xr.Variable(variables_of(self.sweep)[name].dims, values)
             columns[name] = made.set_dims(sizes).values
         return columns
 
@@ -188,7 +202,8 @@ class Store:
         facts = replace(self.root.facts, worker_versions=noted | {now(): dict(versions)})
         self.root = self.root._replace(facts=facts)
         with self._writes():
-            self.place.put({ROOT: root_document(self.root)})
+            for key, document in root_documents(self.root).items():  # the root last
+                self.place.put({key: document})
 
     def forget(self, points: Iterable[Point]) -> None:
         """Make points pending again."""

@@ -1,6 +1,7 @@
 """Stores of the tiny sweep, made without a cluster, and writers that are killed."""
 
 import functools
+import json
 import os
 import subprocess
 import sys
@@ -10,11 +11,11 @@ from contextlib import contextmanager
 import numpy as np
 import xarray as xr
 
-from pipeline.store import files
+from pipeline.store import files, root
 from pipeline.store.create import writing
-from pipeline.store.place import place_of
+from pipeline.store.place import ROOT, place_of
 from pipeline.store.root import read_root
-from pipeline.store.schema import DONE
+from pipeline.store.schema import DONE, MADE
 from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord, points, run_point
 from tests.helpers import tiny
@@ -81,6 +82,8 @@ def done_points(path):
 def stored_values(path, point, name):
     """Values of a variable at a point."""
     store = opened(path)
+    if name in MADE:
+        return store.read_steps()[name][store.index(point)]
     return store.read(name, store.index(point))
 
 
@@ -90,11 +93,16 @@ def make(path, sweep):
         return store
 
 
+def plain_values(path):
+    """Values of all variables of a store and its groups, as plain xarray reads them."""
+    groups = [xr.open_zarr(path, group=name, chunks=None) for name in (None, "about", "fields")]
+    return {name: ds[name].values for ds in groups for name in ds.variables}
+
+
 def assert_is_as_computed(path, expected):
     """Let the points that are done be these, bit for bit, and the others not a number."""
     assert set(done_points(path)) == set(expected)
-    with xr.open_zarr(path, chunks=None) as ds:
-        stored = {name: ds[name].values for name in ds.variables}
+    stored = plain_values(path)
     loads, velocities = stored["load"].tolist(), stored["velocity"].tolist()
     for point in expected:
         place = loads.index(point.load), velocities.index(point.velocity)
@@ -132,6 +140,28 @@ def killed_after(monkeypatch, count, since=None):
             yield was_killed
         except Killed:
             was_killed.append(True)
+
+
+def sealed(document):
+    """Content of a root with the digest that belongs to it."""
+    metadata = document["consolidated_metadata"]["metadata"]
+    about = metadata["about"]["attributes"]
+    arrays = root._own_arrays(metadata)
+    about["digest"] = root._digest(document["attributes"], about, arrays)
+    return json.dumps(document).encode()
+
+
+def forge(store, file, change):
+    """Let the root of a store be a changed one of a file, with the right digest.
+
+    `change` is called with the sweep and the facts, and with the metadata of arrays by path.
+    """
+    document = json.loads(file.read_bytes())
+    attributes, metadata = document["attributes"], document["consolidated_metadata"]["metadata"]
+    texts = {"sweep": json.loads(attributes["sweep"]), "store": metadata["about"]["attributes"]}
+    change(texts, metadata)
+    attributes["sweep"] = json.dumps(texts["sweep"])
+    (store / ROOT).write_bytes(sealed(document))
 
 
 def contents(path):

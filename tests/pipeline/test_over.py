@@ -186,7 +186,7 @@ def test_failed_and_damaged_points_are_listed_in_the_units_of_the_scene(tmp_path
     assert "failed: 600 N, 4 m/s, pin.radius 4 mm, surface 3: it left the window" in said
     (failed,) = irg("status", tmp_path / "out.zarr", "--json", code=1)["failed"]
     assert (failed["pin.radius"], failed["realization"]) == (0.004, 3)
-    for chunk in (tmp_path / "out.zarr" / "message").glob("c.*"):
+    for chunk in (tmp_path / "out.zarr" / "about" / "message").glob("c.*"):
         chunk.unlink()
     said = irg("verify", tmp_path / "out.zarr", code=1)
     assert "600 N, 4 m/s, pin.radius 4 mm, surface 3: message" in said

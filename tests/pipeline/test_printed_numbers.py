@@ -18,6 +18,7 @@ import xarray as xr
 from scipy import stats
 
 import pipeline
+from pipeline.analysis.dataset import messages
 from pipeline.analysis.field import point_field
 from pipeline.analysis.rise_error import error_of_point
 from pipeline.analysis.transition import outcomes
@@ -207,8 +208,10 @@ def test_status_and_verify_count_the_points_of_the_dataset(ask, stores, kind):
     line = "{} points: {} done, {} failed, {} pending"
     assert line.format(ds["status"].size, counts[1], counts[2], counts[0]) in said
     for point in document["failed"]:
-        there = ds.sel(load=point["load"], velocity=point["velocity"])
-        assert (int(there["status"]), there["message"].item()) == (2, point["message"])
+        there = pipeline.open_sweep(stores(kind)).sel(
+            load=point["load"], velocity=point["velocity"]
+        )
+        assert (int(there["status"]), messages(there).item()) == (2, point["message"])
         assert f"failed: {point['load']:g} N, {point['velocity']:g} m/s: {point['message']}" in said
     assert document["velocity_error"] == ERROR
     assert f"may err by up to {100 * ERROR:g} %" in said

@@ -8,7 +8,7 @@ import pytest
 
 import pipeline
 from pipeline.store.place import place_of
-from pipeline.store.root import read_root, root_document
+from pipeline.store.root import read_root, root_documents
 from pipeline.sweep.laws import Law
 from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE
@@ -88,7 +88,7 @@ def ran(tmp_path):
 
 def write(store, root):
     """Let a store have another root."""
-    (store / "zarr.json").write_bytes(root_document(root))
+    (store / "zarr.json").write_bytes(root_documents(root)["zarr.json"])
 
 
 def forged(done, folder, store, criterion):
@@ -207,7 +207,7 @@ def test_a_store_names_no_files_outside_it_and_no_codecs_of_others(strangers, do
     if name == "message":
         root.arrays[name] = {**root.arrays[name], "codecs": [{"name": "numcodecs.json2"}]}
     else:
-        root.arrays[outside], root.axes[outside] = root.arrays["load"], root.axes["load"]
+        root.arrays[outside], root.axes[outside] = root.arrays["steps"], root.axes["load"]
     write(strangers / store, root)
     for command in ("status", "verify", "boundary"):
         said = irg(command, store, code=2)
@@ -223,9 +223,9 @@ def test_a_store_s_links_lead_nobody_to_write_elsewhere(strangers, done, irg):
     (store / "load/zarr.json.partial").symlink_to(own)
     irg("run", done / "small.toml", "-o", store)
     assert own.read_text() == "mine"
-    (store / "message").rename(strangers / "message")
-    (store / "message").symlink_to(strangers / "message")
-    (store / "message/zarr.json").write_text("{}")
+    (store / "about/message").rename(strangers / "message")
+    (store / "about/message").symlink_to(strangers / "message")
+    (store / "about/message/zarr.json").write_text("{}")
     said = irg("run", done / "small.toml", "-o", store, code=2)
-    assert f"{store}/message cannot be read: it is a link" in said
+    assert f"{store}/about/message cannot be read: it is a link" in said
     assert (strangers / "message/zarr.json").read_text() == "{}"

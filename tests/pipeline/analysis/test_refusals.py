@@ -66,11 +66,6 @@ def unidentified():
     return ds
 
 
-def raw():
-    made()
-    return xr.open_zarr("some_0.zarr", chunks=None)
-
-
 def pins():
     return made(variants=rows("pin", {"a": {}, "b": {"pin.radius": 6e-3}}))
 
@@ -173,8 +168,6 @@ REFUSALS = {
     "mixed": (lambda: pipeline.boundary(joined([made(), made(loads=(700.0,), friction=0.2)])),
               "points at load 700 N are of another one than its attributes describe, by scene_id"),
     "ids": (lambda: pipeline.boundary(unidentified()), "has lost its attribute scene_id"),
-    "loads": (lambda: pipeline.boundary(raw().assign_coords(load=[150.0, 250.0, 700.0])),
-              "has load 700 N, which the store of its attributes does not have, and no scene_id"),
     "one load": (lambda: pipeline.boundary(plane().isel(load=0)), "the dataset has a single load"),
     "one point": (lambda: pipeline.boundary(plane().isel(load=0, velocity=0)),
                   "the dataset has a single load"),

@@ -31,7 +31,7 @@ from pipeline.sweep.plan import PointRecord, Task, run_point
 from tests.helpers import tiny
 from tests.helpers.heard import Heard
 from tests.helpers.processes import python
-from tests.helpers.stores import opened
+from tests.helpers.stores import opened, plain_values
 
 OWN_WORKERS = True
 ROOT = Path(__file__).parents[3]
@@ -40,9 +40,8 @@ SWEEP = tiny.full()
 
 def content(path, names=(*COLUMNS, *FIELDS, "message", "steps", "status")):
     """The bytes of what was computed."""
-    with xr.open_zarr(path, chunks=None) as ds:
-        ds = ds.sortby(["load", "velocity"])
-        return {name: ds[name].values.tolist().__repr__() for name in names}
+    values = plain_values(path)
+    return {name: values[name].tolist().__repr__() for name in names}
 
 
 # What is computed
@@ -87,7 +86,7 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, cop
     with writing(copy, SWEEP) as store:
         store.commit([PointRecord(Point(600.0, 0.5), None, "there was too little memory then")])
         store.forget([Point(150.0, 1.0)])
-    (copy / "pressure/c.2.1.0.0").unlink()
+    (copy / "fields/pressure/c.2.1.0.0").unlink()
     messages = Heard()
     outcome = run_sweep(SWEEP, copy, workers=1, retry_failed=True, progress=messages.hear)
     assert messages == [f"1 damaged points of {copy} are computed again"]

@@ -24,6 +24,7 @@ from pipeline.store.layout import (
     grown_axes,
     made_coordinates,
     slices_of,
+    spread_ids,
 )
 from pipeline.store.place import (
     ROOT,
@@ -39,7 +40,7 @@ from pipeline.store.place import (
     writes,
 )
 from pipeline.store.progress import FailedPoint, Summary, summarized
-from pipeline.store.schema import DONE, FAILED, is_coordinate, is_of_points, variables_of
+from pipeline.store.schema import DONE, FAILED, is_coordinate, is_of_points, path_of, variables_of
 from pipeline.store.verify import verify_store
 from pipeline.store.versions import provenance
 from pipeline.store.write import Writer, stored
@@ -100,7 +101,7 @@ def test_chunks_are_those_that_hold_a_point_of_a_mask():
 
 def test_files_of_chunks_are_called_by_their_numbers():
     assert chunk_key("time", (0, 2, 0)) == "time/c.0.2.0"
-    assert field_key("rise", (3, 1)) == "rise/c.3.1.0.0"
+    assert field_key("rise", (3, 1)) == "fields/rise/c.3.1.0.0"
 
 
 def test_axes_grow_in_order_and_steps_backwards():
@@ -143,10 +144,10 @@ def test_documents_of_arrays_are_written_before_any_root():
     axes = grown_axes({}, SWEEP, SWEEP)
     wanted = variables_of(SWEEP)
     axes = {name: values for name, values in axes.items() if name in wanted}
-    values = axes | made_coordinates(SWEEP, axes)
+    values = axes | made_coordinates(SWEEP, axes) | {"scene_id": spread_ids(SWEEP, axes, [7])}
     contents, metadata = documents(wanted, values, {"load": 3, "velocity": 16})
     assert ROOT not in contents
-    assert {f"{name}/{ROOT}" for name in wanted} <= {*contents}
+    assert {f"{path_of(name)}/{ROOT}" for name in wanted} <= {*contents}
     assert metadata.keys() == wanted.keys()
 
     def chunk(name):
@@ -460,12 +461,12 @@ def test_places_of_points_and_of_their_chunks_go_both_ways(copy):
     assert store.chunk_of((4, 17)) == (1, 1)
     assert store.within((4, 17)) == (1, 1)
     assert [*store.chunk_keys("mean_rise", (0, 0))] == ["mean_rise/c.0.0.0"]
-    assert [*store.chunk_keys("rise", (2, 1))] == ["rise/c.2.1.0.0"]
+    assert [*store.chunk_keys("rise", (2, 1))] == ["fields/rise/c.2.1.0.0"]
     mask = np.zeros((3, 3), bool)
     assert not store.lacks("rise", mask, set())
     mask[2, 1] = True
-    assert store.lacks("rise", mask, {"rise/c.2.2.0.0"})
-    assert not store.lacks("rise", mask, {"rise/c.2.1.0.0"})
+    assert store.lacks("rise", mask, {"fields/rise/c.2.2.0.0"})
+    assert not store.lacks("rise", mask, {"fields/rise/c.2.1.0.0"})
 
 
 def test_steps_are_read_with_their_time_load_and_distance_in_one_shape(copy):

@@ -13,7 +13,6 @@ from pipeline.store import lock, place
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK, ROOT, place_of, require_writable
 from pipeline.store.progress import summary
-from pipeline.store.root import sealed
 from pipeline.store.schema import require_free_names
 from pipeline.store.verify import verify_store
 from pipeline.sweep.codec import sweep_text
@@ -21,7 +20,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.variants import Column, placed_rows, surfaces
 from tests.helpers import tiny
 from tests.helpers.refusals import Refusals
-from tests.helpers.stores import commit
+from tests.helpers.stores import commit, forge
 
 SWEEP = tiny.full()
 MANY = tuple(float(load) for load in range(1, 4001))
@@ -77,12 +76,7 @@ def forged(change):
     """A root with other values and the right hash."""
 
     def write(path):
-        document = json.loads((path / ROOT).read_text())
-        attributes, arrays = document["attributes"], document["consolidated_metadata"]["metadata"]
-        texts = {name: json.loads(attributes[name]) for name in ("sweep", "store")}
-        change(texts, arrays)
-        attributes |= {name: json.dumps(text) for name, text in texts.items()}
-        (path / ROOT).write_bytes(sealed(document))
+        forge(path, path / ROOT, change)
 
     return write
 
@@ -129,6 +123,12 @@ def unfinished(is_held):
 def in_use():
     with writing("a.zarr", SWEEP):
         commit("a.zarr", SWEEP, ())
+
+
+def with_another_variable():
+    commit("a.zarr", SWEEP, ())
+    forged(lambda _, arrays: arrays.update(mine={"dimension_names": ["load"]}))(Path("a.zarr"))
+    commit("a.zarr", tiny.full(loads=(700.0,)), ())
 
 
 def searched():
@@ -213,10 +213,10 @@ REFUSALS = {
     "parts": (changed(put(ROOT, b"[" * 10_000_000)), "is damaged: it has 10000000 lists"),
     "no JSON": (changed(put(ROOT, b"null")), "zarr.json is damaged; restore it from a backup"),
     "other": (changed(lambda path: edit(path / ROOT, lambda root: root["attributes"].update(
-        title="Another"))), "zarr.json is damaged: it is not what was written"),
+        scene_id="[7]"))), "zarr.json is damaged: it is not what was written"),
     "old": (changed(forged(lambda texts, _: texts["store"].update(format=3))), "it has format 3"),
-    "variable": (changed(forged(lambda _, arrays: arrays.update(film=arrays["max_rise"]))),
-                 "the variable film is unknown or missing"),
+    "variable": (changed(forged(lambda _, arrays: arrays.pop("max_rise"))),
+                 "the variable max_rise is unknown or missing"),
     "facts": (changed(forged(lambda texts, _: texts["store"].update(colour=1))), "Facts.colour"),
     "axis": (changed(forged(lambda texts, _: texts["store"]["axes"].update(load=["a", "b", "c"]))),
              "its axis load is not of the kind"),
@@ -238,7 +238,8 @@ REFUSALS = {
     "linked folder": (changed(move_status, lambda path: commit(path, SWEEP)),
                       "a.zarr/status cannot be read: it is a link, and a store has none"),
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
-    "missing": (changed(lambda path: (path / "message" / "c.0.0").unlink(), load), "damaged"),
+    "missing": (changed(lambda path: (path / "steps" / "c.0.0").unlink(), load), "damaged"),
+    "beside": (with_another_variable, "mine, which is not of the store, would not grow with it"),
     "searched": (searched, "a plane and a search of its boundary have a store each; write a new"),
     "grown": (grown, "no room for this: load would not grow at its upper end; write a new store"),
     "many": (lambda: commit("a.zarr", tiny.full(loads=MANY, velocities=MANY), ()),
@@ -251,8 +252,8 @@ REFUSALS = {
 ELSEWHERE = {
     "place._call OSError": "test_s3.py, by servers that refuse",
     "root._require_fitting CodecError": "one of several by nobody: more points than a store has",
-    "bounded._decode_sync ValueError": "test_closed.py, by chunks of other sizes",
-    "bounded.stated_size ValueError": "test_closed.py, by chunks of no stated size",
+    "bounded._decode_sync DamagedError": "test_closed.py, by chunks of other sizes",
+    "bounded.stated_size DamagedError": "test_closed.py, by chunks of no stated size",
     "files._names OSError": "test_parts.py: names are checked before, where a scene is read",
     "root.require_same_scene StoreMismatchError": "test_create.py, in several lines",
     "write.require_lock StoreError": "test_lock.py",

@@ -6,20 +6,27 @@ import shutil
 
 import numpy as np
 import pytest
-import xarray as xr
 import zarr
 
 import pipeline
 from pipeline.store.create import writing
 from pipeline.store.place import Folder, StoreError
-from pipeline.store.schema import COLUMNS, FIELDS, variables_of
+from pipeline.store.schema import COLUMNS, FIELDS, path_of, variables_of
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
 from pipeline.sweep.variants import surfaces
 from tests.crash.drive import computing
 from tests.helpers import tiny
 from tests.helpers.heard import Heard
-from tests.helpers.stores import assert_is_as_computed, commit, contents, fail, killed_after, record
+from tests.helpers.stores import (
+    assert_is_as_computed,
+    commit,
+    contents,
+    fail,
+    killed_after,
+    plain_values,
+    record,
+)
 from tests.pipeline.conftest import commit_all
 
 SWEEP = tiny.full()
@@ -31,7 +38,7 @@ LONG = tiny.full(loads=(250.0,), velocities=(*SHORT.plane.velocities, 2.0))
 
 
 def chunks(path, name):
-    return sorted(file for file in (path / name).iterdir() if file.name.startswith("c."))
+    return sorted(file for file in (path / path_of(name)).iterdir() if file.name.startswith("c."))
 
 
 def flipped(file):
@@ -50,7 +57,7 @@ def missing(file):
 
 def exchanged(file):
     """With another chunk of the same array, or of another one if it has no other."""
-    others = [*chunks(file.parents[1], file.parent.name), *sorted(file.parents[1].glob("*/c.*"))]
+    others = [*sorted(file.parent.glob("c.*")), *sorted(file.parents[1].glob("*/c.*"))]
     content = file.read_bytes()
     other = next(one for one in others if one.read_bytes() != content)
     file.write_bytes(other.read_bytes())
@@ -71,10 +78,11 @@ def resumed(path, sweep, **options):
 
 def stored(path):
     """All values of a store, as they stand on the disk."""
-    with xr.open_zarr(path, chunks=None) as ds:
-        texts = {name: ds[name].values.tolist() for name in ("message", "checksum")}
-        numbers = {name: ds[name].values.tobytes() for name in ds.variables if name not in texts}
-        return texts | numbers
+    texts = "message", "checksum"
+    return {
+        name: values.tolist() if name in texts else values.tobytes()
+        for name, values in plain_values(path).items()
+    }
 
 
 def reasons(path):
@@ -132,7 +140,7 @@ def test_damaged_metadata_of_an_array_are_named_and_written_anew(copy, harm):
 
 
 def test_damage_to_a_field_costs_its_point_alone(copy):
-    (copy / "rise" / "c.1.1.0.0").unlink()
+    (copy / "fields" / "rise" / "c.1.1.0.0").unlink()
     verification = pipeline.verify_store(copy)
     assert reasons(copy) == {POINT: "rise cannot be read"}
     assert (verification.done, verification.shared) == (8, ())
@@ -160,7 +168,7 @@ def test_a_chunk_of_points_that_are_not_done_is_mended_too(path):
 def test_a_failed_point_whose_message_is_lost_is_tried_again(path):
     fail(path, SWEEP, POINT, "it diverged")
     assert pipeline.verify_store(path).is_clean
-    cut(path / "message" / "c.0.0")
+    cut(path / "about" / "message" / "c.0.0")
     assert reasons(path) == {POINT: "message cannot be read"}
     outcome, _ = resumed(path, SWEEP)
     assert (outcome.computed, outcome.failed) == (9, ())
@@ -180,11 +188,11 @@ def test_a_store_that_is_half_done_is_as_sound_as_a_whole_one(path):
 
 
 def values(path, name):
-    return zarr.open_group(path, mode="r+")[name]
+    return zarr.open_group(path, mode="r+")[path_of(name)]
 
 
 def test_data_in_the_place_of_others_are_found(copy):
-    shutil.copy(copy / "rise" / "c.2.1.0.0", copy / "rise" / "c.1.1.0.0")
+    shutil.copy(copy / "fields" / "rise" / "c.2.1.0.0", copy / "fields" / "rise" / "c.1.1.0.0")
     values(copy, "mean_rise")[0, 0, -1] += 1.0
     values(copy, "warning_flags")[0, 1] ^= 1
     values(copy, "message")[2, 2] = "nothing to warn of"
@@ -241,7 +249,13 @@ def a_link_to_itself(file):
 @pytest.mark.parametrize("harm", [a_folder, a_link_to_nowhere, a_link_to_itself])
 @pytest.mark.parametrize(
     "name",
-    ["mean_rise/c.0.0.0", "rise/c.1.1.0.0", "status/c.0.0", "load/c.0", "mean_rise/zarr.json"],
+    [
+        "mean_rise/c.0.0.0",
+        "fields/rise/c.1.1.0.0",
+        "status/c.0.0",
+        "load/c.0",
+        "mean_rise/zarr.json",
+    ],
 )
 def test_what_cannot_be_read_now_is_named_and_nothing_is_changed(copy, irg, harm, name):
     """It may be sound: here are points that nobody can read for a while."""
@@ -273,7 +287,7 @@ def test_a_search_of_the_boundary_begins_with_what_is_sound(tmp_path):
 
 
 def test_the_command_names_what_is_damaged(copy, irg):
-    flipped(copy / "rise" / "c.1.1.0.0")
+    flipped(copy / "fields" / "rise" / "c.1.1.0.0")
     document = irg("verify", copy, "--json", code=1)
     assert document == document | {
         "done": 8,
@@ -290,7 +304,7 @@ def test_damage_on_one_of_several_surfaces_is_named(tmp_path):
     path = tmp_path / "tiny.zarr"
     sweep = tiny.sweep(loads=(150.0,), velocities=(0.5,), variants=surfaces((1, 2)), fields=True)
     commit_all(path, sweep)
-    cut(path / "pressure" / "c.1.0.0.0.0")
+    cut(path / "fields" / "pressure" / "c.1.0.0.0.0")
     cut(path / "realization" / "c.0")
     verification = pipeline.verify_store(path)
     assert list(map(str, verification.damaged)) == [f"150 N, 0.5 m/s, surface 2: {OTHER}"]
