@@ -195,7 +195,7 @@ class SurfaceStatistics:
                 "fitted spectrum",
                 (
                     f"correlation length {x} µm along x, {y} µm along y, Hurst exponent "
-                    f"{self.fit.hurst_exponent:.3g} ± {self.fit.hurst_error:.1g}"
+                    f"{self.fit.hurst_exponent:.3g}"
                 ),
             )
 

@@ -30,7 +30,8 @@ def scan(tmp_path_factory):
 def test_the_tilt_is_taken_off_and_the_printed_table_makes_the_same(scan):
     statistics = surface_statistics(scan, "um", ("0.8 um", "0.9 um"))
     assert statistics.roughness.slopes == pytest.approx((5e-2, -3e-2), abs=2e-3)
-    assert statistics.ra == pytest.approx(0.27e-6, rel=2 * statistics.fit.rms_error)
+    scatter = dict(statistics.likeness)["Rq"].scatter
+    assert statistics.ra == pytest.approx(0.27e-6, rel=3 * scatter)
     assert abs(statistics.roughness.lay) == pytest.approx(90.0, abs=5)
     table = tomllib.loads(statistics.toml)["disk"]["roughness"]
     lengths = tuple(to_si(length, "1 um") for length in table["correlation_length"])
@@ -39,18 +40,10 @@ def test_the_tilt_is_taken_off_and_the_printed_table_makes_the_same(scan):
     np.save(scan.with_name("again.npy"), again.T)
     other = surface_statistics(scan.with_name("again.npy"), 1.0, GRID.spacing)
     assert other.ra == pytest.approx(statistics.ra, rel=0.01)
-    assert other.rq == pytest.approx(statistics.rq, rel=2 * statistics.fit.rms_error)
-    for one, two, error in zip(
-        other.fit.correlation_length,
-        statistics.fit.correlation_length,
-        statistics.fit.length_error,
-        strict=True,
-    ):
-        assert abs(one - two) < 4 * error
-    assert (
-        abs(other.fit.hurst_exponent - statistics.fit.hurst_exponent)
-        < 4 * statistics.fit.hurst_error
-    )
+    assert other.rq == pytest.approx(statistics.rq, rel=4 * scatter)
+    # Of eight such surfaces the lengths scatter by 12 %, the exponents by 6 %; pairs by √2 of it.
+    assert other.fit.correlation_length == pytest.approx(statistics.fit.correlation_length, rel=0.5)
+    assert other.fit.hurst_exponent == pytest.approx(statistics.fit.hurst_exponent, rel=0.25)
 
 
 def test_heights_have_the_moments_and_the_unit_that_is_given(tmp_path):
