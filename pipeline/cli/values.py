@@ -152,8 +152,8 @@ def pair(text: str, like: str = '"load=Normalkraft F_N / N"') -> tuple[str, str]
 
 
 def word(text: str) -> tuple[str, str]:
-    """Read ``WORD=OUTCOME``."""
-    name, outcome = pair(text)
+    """Read ``WORD=OUTCOME``; the word of empty cells is empty."""
+    name, _, outcome = map(str.strip, text.partition("="))
     if outcome not in ("mild", "severe"):
         raise Refused(f'"{outcome}" is no outcome; give {name}=mild or {name}=severe')
     return name, outcome

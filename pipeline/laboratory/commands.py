@@ -34,7 +34,8 @@ _TESTS = (
     ),
     Option(
         "--word", metavar="WORD=OUTCOME", type=values.word, action="append", default=[],
-        help="what a word of the log means, like Fresser=severe; may be repeated",
+        help='what a word of the log means, like Fresser=severe, or an empty cell, "=mild"; may be '
+        "repeated",
     ),
     Option(
         "--form", metavar="NAME",

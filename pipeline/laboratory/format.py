@@ -21,7 +21,8 @@ class Log:
         "Heading of the column of an entry, if it is not recognized.",
         Example({"load": "Kraft / N"})] = None
     words: A[dict[str, str] | None, ByPath(OneOf(OUTCOMES), "words of the log"),
-        "Outcome that a word of the log means.", Example({"Fresser": "severe"})] = None
+        'Outcome that a word of the log means; "" is that of an empty cell.',
+        Example({"Fresser": "severe"})] = None
     where: A[dict[str, Any] | None, ByPath(Scalar(), "headings of the log"),
         "Rows to take: those with this value in a column, such as the name of one oil.",
         Example({"oil": "FVA 3"})] = None

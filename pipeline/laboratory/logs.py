@@ -23,7 +23,7 @@ from pipeline.laboratory.trace import LEAST_ROWS
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import numbered
 from pipeline.scene.format import Stages, Test, Transition
-from pipeline.scene.sheet import Sheet
+from pipeline.scene.sheet import EMPTY, Sheet
 from pipeline.sweep.about import OUTCOMES
 
 MAY_LACK = (
@@ -128,13 +128,10 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
         named = [name for name in ("transition_load", "severe_at") if name in sheet.places]
         sheet.places |= {"load": sheet.places[named[0]]} if named else {}
     sheet.faults += [asked[name] for name in ("load", "velocity") if name in asked]
-    if "outcome" in sheet.places:
-        title = sheet.heading("outcome").title
-        cells = dict.fromkeys(row.cells[sheet.places["outcome"]] for row in sheet.rows)
-        found = {cell: words.get(cell) or outcome_of(cell, title) for cell in cells}
-        log.words = {cell: one for cell, one in found.items() if one and cell not in OUTCOMES}
-    needed = [name for name in ("load", "velocity", "outcome") if name in table_of(row_of).needed]
-    require(sheet, ["velocity"] if row_of is Stages else needed, ["load", "velocity"])
+    needed = [name for name in ("load", "velocity") if name in table_of(row_of).needed]
+    require(sheet, needed, ["load", "velocity"])
+    if row_of is Test:
+        _read_outcomes(log, words)
     _leave_out_repeats(sheet)
     if export.stages and row_of is Test and "run" not in sheet.places:
         _part_runs(sheet, log.words)
@@ -154,6 +151,32 @@ def _row_of(sheet: Sheet, export: Export) -> type | None:
     if "mild_up_to" in sheet.places:
         return Stages
     return Transition if {"severe_at", "transition_load"} & sheet.places.keys() else None
+
+
+def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
+    """Read what the words of outcomes mean, as those of a user.
+
+    The word "" is that of empty cells. A row without an outcome is left out. Where all others have
+    one outcome it may well have the other one, which is asked for.
+    """
+    sheet, place, title = log.sheet, log.sheet.places["outcome"], log.sheet.heading("outcome").title
+    empty = [row for row in sheet.rows if row.cells[place].lower() in EMPTY]
+    for _, cells in empty if "" in words else ():
+        cells[place] = ""
+    said = dict.fromkeys(row.cells[place] for row in sheet.rows)
+    found = {cell: words.get(cell) or outcome_of(cell, title) for cell in said}
+    log.words = {cell: one for cell, one in found.items() if one and cell not in OUTCOMES}
+    outcomes = {*found.values()} - {None}
+    if empty and "" not in words and len(outcomes) == 1:
+        word = next(cell for cell, one in found.items() if one)
+        other = "mild" if found[word] == "severe" else "severe"
+        sheet.faults.append(
+            f"{numbered([row.number for row in empty])}: no outcome, where all others are "
+            f'{found[word]}; say what it means by --word "={other}", or take the others alone by '
+            f'--where "outcome={word}"'
+        )
+    if "" not in words:
+        sheet.require(["outcome"])
 
 
 def _leave_out_repeats(sheet: Sheet) -> None:

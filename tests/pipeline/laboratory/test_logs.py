@@ -92,7 +92,7 @@ def test_rows_that_lack_what_a_test_needs_are_left_out_and_counted(lab, tests):
         "3": "has no load", "4": "is at rest", "5": "has no outcome", "6": "is commented out",
         "8": "has no number",
     }  # fmt: skip
-    (fault,) = tests(log + "#600,2,mild\n", code=2)["faults"]
+    (fault,) = tests(log + "#600,2,severe\n", code=2)["faults"]
     assert 'row 7, load: "#600 N" is not a number' in fault
 
 
@@ -131,7 +131,7 @@ def test_a_log_of_an_office_is_read_as_it_is(lab, encoding, end):
     )
     notes = " ".join(note.words for note in about.notes)
     assert '"Normalkraft F_N / N" as load' in notes
-    assert "3 rows: 2 used, 1 left out: row 6 has no load and no velocity and no outcome" in notes
+    assert "3 rows: 2 used, 1 left out: row 6 has no load and no velocity" in notes
 
 
 ONE = (400, 1.75, "mild")
@@ -278,6 +278,29 @@ def test_an_outcome_that_is_negated_means_the_contrary(tests):
 )  # fmt: skip
 def test_words_mean_an_outcome_by_their_heading(word, heading, outcome):
     assert outcome_of(word, heading) == outcome
+
+
+@pytest.mark.parametrize(
+    ("heading", "cells", "known", "other"),
+    [
+        ("scuffed", ["", "", "x"], "severe", "mild"), ("scuffed", ["-", "", "1"], "severe", "mild"),
+        ("Fresser", ["n/a", "–", "ja"], "severe", "mild"), ("passed", ["yes", "yes", ""], "mild",
+         "severe"), ("result", ["ok", "ok", "---"], "mild", "severe"),
+    ],
+)  # fmt: skip
+def test_empty_outcomes_beside_one_kind_of_outcome_are_asked(tests, heading, cells, known, other):
+    rows = "".join(f"{100 * k},1,{cell}\n" for k, cell in enumerate(cells, 1))
+    log = f"load [N],velocity [m/s],{heading}\n{rows}Mean,,\n"
+    (fault,) = tests(log, code=2)["faults"]
+    assert f"no outcome, where all others are {known}; say what it means by" in fault
+    assert f'--word "={other}"' in fault
+    document = tests(log, "--word", f"={other}")
+    is_empty = [cell not in ("x", "1", "ja", "yes", "ok") for cell in cells]
+    right = [(100 * k, 1, other if empty else known) for k, empty in enumerate(is_empty, 1)]
+    assert contacts(document) == right
+    assert f'"" = "{other}"' in document["toml"]
+    alone = tests(log, "--where", fault[fault.index("outcome=") :].rstrip('"'))
+    assert contacts(alone) == [one for one in right if one[2] == known]
 
 
 OILS = (
