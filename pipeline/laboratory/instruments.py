@@ -28,18 +28,18 @@ _UNSURE = {
     ),
 }
 _HEADER = 512  # bytes of a .sur file, with the sizes of what follows at 334
-_SCALARS = {"b": "?", "c": "c", "i": "i", "q": "q", "d": "d"}
-_ARRAYS = {"C": "u1", "I": "<i4", "Q": "<i8", "D": "<f8"}
-"""Types of components of Gwyddion's format."""
+_VALUES = {"b": "?", "c": "u1", "i": "<i4", "q": "<i8", "d": "<f8"}
+"""Types of components of Gwyddion's format; capital letters are those of arrays."""
 _POINTS = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 
 
 class Raw(NamedTuple):
-    """Heights by x and y, NaN in holes, sides of a pixel [m], and the unit of the heights [m]."""
+    """Heights in their unit, and what a file says of sizes."""
 
-    heights: Array
-    pixel: tuple[float, float] | None
-    unit: float | None
+    heights: Array  # shape (nx, ny), NaN in holes; a profile has ny = 1
+    pixel: tuple[float, float] | None = None  # sides [m]
+    unit: float | None = None  # of heights [m]
+    steps: tuple[float, float] | None = None  # sides of a pixel in an unknown unit
 
 
 def read_instrument(path: Path) -> Raw:
@@ -67,48 +67,41 @@ def _read_x3p(path: Path) -> Raw:
         if main is None:
             raise InputError(f"{path}: an archive without main.xml, which an .x3p has")
         root = ElementTree.fromstring(archive.read(main))
-        said = {element.tag.rpartition("}")[2]: element for element in root.iter()}
-        folder = main.removesuffix("main.xml")
-
-        def member(name: str) -> bytes:
-            return archive.read(folder + (said[name].text or "").strip())
-
-        kind, axes = said["FeatureType"].text, [said[name] for name in ("CX", "CY", "CZ")]
-        if kind != "SUR" or "SizeX" not in said:
+        x_axis, y_axis, z_axis = (root.find(f".//{{*}}{name}") for name in ("CX", "CY", "CZ"))
+        sizes = [_text(root, name) for name in ("SizeX", "SizeY", "SizeZ")]
+        kind = _text(root, "FeatureType")
+        if kind != "SUR" or not sizes[0]:
             what = "a profile" if kind == "PRF" else "no matrix of heights"
             raise InputError(f"{path}: {what} (FeatureType {kind}); give a map of heights")
-        nx, ny, layers = (int(said[name].text or 1) for name in ("SizeX", "SizeY", "SizeZ"))
+        nx, ny, layers = (int(size or 1) for size in sizes)
         if layers > 1:
             raise InputError(f"{path}: {layers} layers; give a file with one")
-        if "PointDataLink" in said:
-            values = np.frombuffer(
-                member("PointDataLink"), _POINTS[_text(axes[2], "DataType", "D")]
-            )
+
+        def member(name: str) -> bytes:
+            return archive.read(main.removesuffix("main.xml") + _text(root, name))
+
+        if _text(root, "PointDataLink"):
+            values = np.frombuffer(member("PointDataLink"), _POINTS[_text(z_axis, "DataType", "D")])
         else:
-            cells = [(one.text or "").split(";")[-1] for one in root.iter() if _is_datum(one)]
+            cells = [(one.text or "").split(";")[-1] for one in root.findall(".//{*}Datum")]
             values = np.array([float(cell) if cell.strip() else np.nan for cell in cells])
         if values.size != nx * ny:
             raise InputError(f"{path}: {values.size} heights, where {nx} × {ny} are said; {_SAVE}")
-        step, offset = (float(_text(axes[2], *x)) for x in (("Increment", "1"), ("Offset", "0")))
+        step, offset = (float(_text(z_axis, *x)) for x in (("Increment", "1"), ("Offset", "0")))
         heights = values.astype(float).reshape(ny, nx) * step + offset
-        if "ValidPointsLink" in said:
+        if _text(root, "ValidPointsLink"):
             bits = np.frombuffer(member("ValidPointsLink"), np.uint8)
             is_valid = np.unpackbits(bits, bitorder="little")[: nx * ny].reshape(ny, nx)
             heights[is_valid == 0] = np.nan
-    if any(_text(axis, "AxisType", "I") != "I" for axis in axes[:2]):
+    if any(_text(axis, "AxisType", "I") != "I" for axis in (x_axis, y_axis)):
         raise InputError(f"{path}: places of its own for each height; give a regular grid")
-    x, y = (abs(float(_text(axis, "Increment", "0"))) for axis in axes[:2])
+    x, y = (abs(float(_text(axis, "Increment", "0"))) for axis in (x_axis, y_axis))
     return Raw(heights.T, (x, y) if x and y else None, 1.0)
 
 
-def _is_datum(element: ElementTree.Element) -> bool:
-    return element.tag.rpartition("}")[2] == "Datum"
-
-
-def _text(axis: ElementTree.Element, name: str, usual: str) -> str:
-    """Text of an entry of an axis."""
-    found = (one.text for one in axis if one.tag.rpartition("}")[2] == name)
-    return (next(found, None) or usual).strip()
+def _text(element: Any, name: str, usual: str = "") -> str:
+    """Text of an entry within an element of XML."""
+    return (element.findtext(f".//{{*}}{name}") or usual).strip()
 
 
 def _read_gwy(path: Path) -> Raw:
@@ -152,17 +145,13 @@ def _gwy_object(content: bytes, place: int) -> tuple[str, dict[str, Any], int]:
     place, stop, fields = place + 4, place + 4 + size, dict[str, Any]()
     while place < stop:
         key, place = text(place)
-        kind, place = chr(content[place]), place + 1
-        if kind in _SCALARS:
-            (fields[key],) = struct.unpack_from(f"<{_SCALARS[kind]}", content, place)
-            place += struct.calcsize(f"<{_SCALARS[kind]}")
-            continue
-        count = 1
+        kind, place, count = chr(content[place]), place + 1, 1
         if kind.isupper():
             (count,), place = struct.unpack_from("<I", content, place), place + 4
-        if kind in _ARRAYS:
-            fields[key] = np.frombuffer(content, _ARRAYS[kind], count, place)
-            place += fields[key].nbytes
+        if kind.lower() in _VALUES:
+            values = np.frombuffer(content, _VALUES[kind.lower()], count, place)
+            fields[key] = values if kind.isupper() else values[0].item()
+            place += values.nbytes
         for _ in range(count if kind in "sSoO" else 0):
             if kind in "sS":
                 fields[key], place = text(place)

@@ -23,7 +23,6 @@ from tribo.surface import average_roughness, rms_height
 from tribo.types import Array
 
 _MOST_BYTES = 2**30  # that a file or an archive may unpack to
-_MOST_HEIGHTS = 10**8
 _SAME = 0.01  # share of a length within which two say the same
 _STEEPEST = 20.0  # tilt [°] that leaves no pixel of an instrument its height
 _LONE = 30.0  # root mean square heights from all others, from which on a value is no height
@@ -71,7 +70,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     """
     path = user_path(path)
     require_file(path)
-    suffix, steps = path.suffix.lower(), None
+    suffix = path.suffix.lower()
     try:
         size = unpacked_size(path) if zipfile.is_zipfile(path) else path.stat().st_size
         if size > _MOST_BYTES:
@@ -80,10 +79,9 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
                 "Crop or average the surface first"
             )
         if suffix in TEXT:
-            text = read_text(path)
-            raw, steps = Raw(text.heights, text.pixel, text.unit), text.steps
+            raw = read_text(path)
         elif suffix == ".npy":
-            raw = Raw(_read_array(path), None, None)
+            raw = Raw(_read_array(path))
         else:
             raw = read_instrument(path)
     except OSError as error:
@@ -101,16 +99,14 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     notes += _lone_values(heights, unit)
     if min(heights.shape) < 2:
         _refuse_profile(path, heights[np.isfinite(heights)])
-    return MeasuredSurface(np.ascontiguousarray(heights), raw.pixel, tuple(notes), steps)
+    return MeasuredSurface(np.ascontiguousarray(heights), raw.pixel, tuple(notes), raw.steps)
 
 
 def _read_array(path: Path) -> Array:
     """Heights of a two-dimensional array as NumPy writes it."""
     try:
         with path.open("rb") as file:
-            if file.read(len(np.lib.format.MAGIC_PREFIX)) != np.lib.format.MAGIC_PREFIX:
-                raise ValueError("the file does not begin as NumPy writes arrays")
-        array = np.load(path, allow_pickle=False)
+            array = np.lib.format.read_array(file, allow_pickle=False)
     except (ValueError, EOFError, tokenize.TokenError, MemoryError) as error:
         raise InputError(f"{path}: not a plain array of numbers: {error}") from error
     if array.ndim != 2 or array.size == 0 or array.dtype.kind not in "fiu":
@@ -118,8 +114,6 @@ def _read_array(path: Path) -> Array:
             f"{path}: an array of shape {array.shape} and type {array.dtype}; needed are "
             "two-dimensional real numbers, a row for each y"
         )
-    if array.size > _MOST_HEIGHTS:
-        raise InputError(f"{path}: {array.size} heights; at most {_MOST_HEIGHTS} are read")
     heights: Array = array.T.astype(np.float64)
     return heights
 

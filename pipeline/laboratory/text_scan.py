@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
+from pipeline.laboratory.instruments import Raw
 from pipeline.scene.sheet import decoded, find_separator, split_lines
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
@@ -43,27 +43,15 @@ _SENTINEL = re.compile(r"no[ _]?data(?:[ _]value)?[\s:=]+(-?\d+\.?\d*(?:e[+-]?\d
 _HEAD = re.compile(r"\b([xyz])\b\s*[\[(/]\s*([^\])/\s;,\t]+)", re.IGNORECASE)
 _AFTER_COMMA = re.compile(r",0\d")  # decimals, for no whole number begins with 0
 _LEAST_PLACES = 9  # rows of two or three numbers from which on they are places and heights
-_MOST_BYTES = 2**30
 _SAMPLE = 30  # lines by which the separator is found
 _TOLERANCE = 1e-3  # share of a step within which places are on a grid
 
 
-class TextScan(NamedTuple):
-    """Heights by x and y in their unit, NaN in holes, and what the text says of sizes."""
-
-    heights: Array  # shape (nx, ny); a profile has ny = 1
-    pixel: tuple[float, float] | None = None  # sides [m]
-    steps: tuple[float, float] | None = None  # the same in an unknown unit
-    unit: float | None = None  # of heights [m]
-
-
-def read_text(path: Path) -> TextScan:
+def read_text(path: Path) -> Raw:
     """Read a matrix, which has a line for each y, or rows of x, y and z, or of a profile.
 
     Raise an `InputError` if there is no matrix of numbers, nor places on a grid, or two tables.
     """
-    if path.stat().st_size > _MOST_BYTES:
-        raise InputError(f"{path}: more than 1 GiB; crop or average the surface first")
     text, _ = decoded(path.read_bytes())
     try:
         head, table, above, blocks = _table([_NO_DATA.sub("nan", x) for x in text.splitlines()])
@@ -79,7 +67,7 @@ def read_text(path: Path) -> TextScan:
     if blocks > 1:
         raise InputError(f"{path}: {blocks} tables, between blank lines; give a file for each")
     if table.shape[1] == 1 or (table.shape[1] == 2 and math.isfinite(_step(table[:, 0]))):
-        return TextScan(np.ascontiguousarray(table[:, -1:]), unit=unit)
+        return Raw(np.ascontiguousarray(table[:, -1:]), unit=unit)
     is_sized = {"width", "height"} <= sizes.keys()
     table, steps = (table, None) if is_sized else _stripped_axes(table, above)
     heights = np.ascontiguousarray(table.T)
@@ -90,7 +78,7 @@ def read_text(path: Path) -> TextScan:
         pixel = steps[0] * length, steps[1] * length
     elif {"x step", "y step"} <= sizes.keys():
         pixel = sizes["x step"], sizes["y step"]
-    return TextScan(heights, pixel, steps, unit)
+    return Raw(heights, pixel, unit, steps)
 
 
 def _step(line: Array) -> float:
@@ -204,16 +192,14 @@ def _length(text: str) -> float | None:
         return None
 
 
-def _placed_heights(
-    path: Path, table: Array, units: dict[str, float], unit: float | None
-) -> TextScan:
+def _placed_heights(path: Path, table: Array, units: dict[str, float], unit: float | None) -> Raw:
     """Heights of rows of x, y and z on a regular grid; places without a row are holes."""
     axes, places = [], []
     for column in table.T[:2]:
         values = np.unique(column[np.isfinite(column)])
         apart = np.diff(values)
         if not apart.size:
-            return TextScan(np.ascontiguousarray(table[:, 2:]), unit=unit)
+            return Raw(np.ascontiguousarray(table[:, 2:]), unit=unit)
         step = float(np.median(apart[apart > _TOLERANCE * apart.max()]))
         place = (column - values[0]) / step
         if np.nanmax(np.abs(place - np.round(place))) > 100 * _TOLERANCE:
@@ -231,4 +217,4 @@ def _placed_heights(
     pixel = None
     if {"x", "y"} <= units.keys():
         pixel = axes[0] * units["x"], axes[1] * units["y"]
-    return TextScan(heights, pixel, steps, unit)
+    return Raw(heights, pixel, unit, steps)
