@@ -12,7 +12,6 @@ import numpy as np
 
 from pipeline.laboratory.spectrum import SelfAffineFit, fit_self_affine
 from pipeline.laboratory.surfaces import (
-    Flip,
     MeasuredSurface,
     axis_note,
     form_words,
@@ -20,7 +19,7 @@ from pipeline.laboratory.surfaces import (
     read_surface,
     tilt_doubts,
 )
-from pipeline.quantities import display, display_sides, shown_in
+from pipeline.quantities import display, display_sides
 from pipeline.scene.units import in_si
 from pipeline.sweep.areal import ArealRoughness, areal_roughness, remove_form
 from pipeline.sweep.shown import shown
@@ -166,11 +165,7 @@ class SurfaceStatistics:
 
     def _quantities(self) -> Iterator[tuple[str, str]]:
         """Quantities of the scan, in words."""
-        rough, lengths, curved = (
-            self.roughness,
-            self.roughness.lengths,
-            form_words(self.roughness.radii),
-        )
+        rough, curved = self.roughness, form_words(self.roughness.radii)
         yield "Ra", display(self.ra, "µm", 4)
         yield "Rq", display(self.rq, "µm", 4)
         yield "skewness, kurtosis", f"{rough.skewness:.2g}, {rough.kurtosis:.2g}"
@@ -179,8 +174,6 @@ class SurfaceStatistics:
         if curved:
             yield "curvature", f"R {curved}, taken off; a pin's radius belongs into pin.radius"
         yield "lay", "none" if rough.lay is None else f"{rough.lay:.0f}° from x"
-        x, y = (_worded(length) for length in (lengths.along_x, lengths.along_y))
-        yield "1/e lengths", f"{x} along x, {y} along y, of the autocorrelation"
         yield "Sal, Str", f"{_worded(rough.sal)}, {rough.aspect:.2g} (ISO 25178, at 1/e for 0.2)"
         for name, one in self.likeness:
             shown_ = _worded if name != "Str" else "{:.2g}".format
@@ -188,15 +181,6 @@ class SurfaceStatistics:
                 f"{name} of random ones",
                 f"{shown_(one.mean)} ± {100 * one.scatter:.2g} % from surface to surface, here "
                 f"{shown_(one.scan)}{'' if one.is_like else ': unlike'}",
-            )
-        if self.fit is not None:
-            x, y = (f"{shown_in(length, 'µm'):.3g}" for length in self.fit.correlation_length)
-            yield (
-                "fitted spectrum",
-                (
-                    f"correlation length {x} µm along x, {y} µm along y, Hurst exponent "
-                    f"{self.fit.hurst_exponent:.3g}"
-                ),
             )
 
     def __str__(self) -> str:
@@ -209,7 +193,6 @@ def surface_statistics(
     height_unit: float | str | None = None,
     pixel_size: Sequence[float | str] | None = None,
     transpose: bool = False,
-    flip: Flip = "no",
 ) -> SurfaceStatistics:
     """Find the roughness of a scan by ISO 25178, and the random roughness that is like it.
 
@@ -225,8 +208,6 @@ def surface_statistics(
         or text with a unit.
     transpose : bool
         Exchange x and y of the file.
-    flip : {"no", "x", "y", "heights"}
-        Reverse an axis, or the heights, as of a replica.
 
     Raises
     ------
@@ -257,7 +238,7 @@ def surface_statistics(
     unit = height_unit
     if isinstance(unit, str):
         unit = in_si("height_unit", unit if unit[:1].isdigit() else f"1 {unit}", "1 um")
-    surface = oriented(read_surface(path, unit), transpose, flip)
+    surface = oriented(read_surface(path, unit), transpose)
     if pixel_size is not None:
         x, y = (in_si("pixel_size", side, "1 um") for side in pixel_size)
         surface = surface.replace_pixels((x, y))
@@ -278,33 +259,25 @@ def _described(
     if highest > _HIGHEST:
         raise InputError(f"heights of {highest:.3g} m; give the unit that they are in, height_unit")
     rough = areal_roughness(heights, sides)
-    fit, likeness, fault = _compare(heights, sides, rough)
+    missing = int(np.count_nonzero(~np.isfinite(heights)))
+    shape, compared = (heights.shape[0], heights.shape[1]), _compare(heights, sides, rough)
     return SurfaceStatistics(
-        file=str(path),
-        shape=(heights.shape[0], heights.shape[1]),
-        pixel_size=sides,
-        missing=int(np.count_nonzero(~np.isfinite(heights))),
-        roughness=rough,
-        fit=fit,
-        fault_of_fit=fault,
-        likeness=likeness,
-        axis=axis,
-        notes=surface.notes,
+        str(path), shape, sides, missing, rough, *compared, axis, surface.notes
     )
 
 
 def _compare(
     heights: Array, sides: tuple[float, float], rough: ArealRoughness
-) -> tuple[SelfAffineFit | None, tuple[tuple[str, Likeness], ...], str]:
-    """The fit of a spectrum, the scan beside random surfaces of it, and why they are unlike."""
+) -> tuple[SelfAffineFit | None, str, tuple[tuple[str, Likeness], ...]]:
+    """The fit of a spectrum, why no surface of it is like the scan, and both beside each other."""
     level, *_ = remove_form(heights, sides)
     holes = ~np.isfinite(level)
     try:
         fit = fit_self_affine(np.where(holes, 0.0, level), sides)
     except InputError as error:
-        return None, (), str(error)
+        return None, str(error), ()
     if fit.misfit > _UNLIKE:
-        return fit, (), f"its spectrum is off the best fit by a factor {fit.misfit:.2g}"
+        return fit, f"its spectrum is off the best fit by a factor {fit.misfit:.2g}", ()
     found = dict[str, list[float]]()
     for seed in range(_LIKENESSES):
         grid, lengths = Grid(level.shape, sides), lengths_of(fit)
@@ -319,7 +292,7 @@ def _compare(
         likeness.append((name, Likeness(getattr(rough, _COMPARED[name]), mean, scatter)))
     unlike = [name for name, one in likeness if not one.is_like]
     fault = f"its {' and '.join(unlike)} {'differ' if unlike[1:] else 'differs'}" if unlike else ""
-    return fit, tuple(likeness), fault
+    return fit, fault, tuple(likeness)
 
 
 def lengths_of(fit: SelfAffineFit) -> tuple[float, float]:

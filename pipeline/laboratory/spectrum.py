@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.sweep.shown import shown
-from tribo.errors import InputError, require_positive
+from tribo.errors import InputError
 from tribo.types import Array
 
 _FEWEST = 16  # heights along either side
@@ -64,7 +64,7 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
     Raises
     ------
     InputError
-        If there are fewer than 16 heights along x or y, or all are equal.
+        If there are fewer than 16 heights along x or y.
 
     Notes
     -----
@@ -87,7 +87,6 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
             f"{heights.shape[0]} × {heights.shape[1]} heights are too few for a spectrum; give at "
             f"least {_FEWEST} along each side"
         )
-    require_positive(rms_height=float(heights.std()))
     power = _Periodogram.of(heights, spacing)
     start = np.array([*np.log(np.multiply(5, spacing)), 0.8])
     sides = zip(spacing, heights.shape, strict=True)
