@@ -17,7 +17,6 @@ from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.laboratory.exports import Export
 from pipeline.laboratory.logs import Log, has_outcomes, read_log
 from pipeline.laboratory.reading import OF_TRACE, Read, goes_on, is_trace, read_table, read_trace
-from pipeline.scene.declare import table_of
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.format import Stages, Test
@@ -68,7 +67,7 @@ def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
         "faults": faults, "toml": "\n".join(toml), "doubts": doubts,
     }  # fmt: skip
     text: list[str | pd.DataFrame] = [*_head(path, log.sheet, log.export)]
-    text += [*_understood(log.sheet, log.words), *_lacking(log), ""]
+    text += [*_understood(log.sheet, log.words), ""]
     if toml:
         text += [f"{_count_tests(found)}; to paste into a scene beside the log:", "", *toml, ""]
         text += remarks("warning", *doubts)
@@ -157,15 +156,6 @@ def _understood(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFrame
         first = f"{first}, {words[first]}" if name == "outcome" and first in words else first
         rows.append((heading.text, name or "not used", f"{first} {unit}".strip()))
     yield frame_of(("column", "read as", "first cell"), rows)
-
-
-def _lacking(log: Log) -> Iterator[str]:
-    """Entries of a test that have no column."""
-    row_of = table_of(log.row_of)
-    lacks = [name for name in row_of.keys if name not in log.sheet.places]
-    if lacks:
-        needed = [f"{name} (needed)" if name in row_of.needed else name for name in lacks]
-        yield f"without a column: {', '.join(needed)}"
 
 
 def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:

@@ -77,24 +77,9 @@ class Log:
 
     @property
     def notes(self) -> list[str]:
-        """What was recognised though not named exactly, what is not used, and the rows counted."""
-        meant = [*((text, name) for name, text in self.renamed.items()), *self.words.items()]
-        read = ", ".join(f'"{said}" as {name}' for said, name in meant)
-        place = self.sheet.places.get("friction")
-        empty = [
-            one.number for one in self.sheet.rows if place is not None and not one.cells[place]
-        ]
+        """The rows counted, and columns that are not used."""
         unused = ", ".join(self.sheet.unused)
-        return [
-            words
-            for words, is_told in (
-                (self.sheet.counted, self.sheet.counted),
-                (f"read {read}", read),
-                (f"{numbered(empty)}: no friction, so the scene's counts" if empty else "", empty),
-                (f"columns not used: {unused}", unused),
-            )
-            if is_told
-        ]
+        return [*filter(None, (self.sheet.counted, unused and f"columns not used: {unused}"))]
 
 
 def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> Log:

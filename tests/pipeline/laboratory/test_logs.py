@@ -67,7 +67,6 @@ def test_rows_of_a_log_stand_beside_tables(lab):
     )
     notes = [note.worded for note in scene.about.notes]
     assert "tested[1].file: columns not used: date" in notes
-    assert "tested[1].file: row 4: no friction, so the scene's counts" in notes
 
 
 @pytest.mark.parametrize(
@@ -130,7 +129,6 @@ def test_a_log_of_an_office_is_read_as_it_is(lab, encoding, end):
         Measurement(1200.5, 2.75, bulk_temperature=298.15, outcome="severe", number="2"),
     )
     notes = " ".join(note.words for note in about.notes)
-    assert '"Normalkraft F_N / N" as load' in notes
     assert "3 rows: 2 used, 1 left out: row 6 has no load and no velocity" in notes
 
 
@@ -427,8 +425,6 @@ def test_what_is_understood_of_a_log_is_printed(tmp_path, irg):
         ["Befund", "outcome", "ok, mild"],
         ["Prüfer", "not used", "M"],
     ]
-    lacks = "load_scatter, velocity_scatter, friction, friction_scatter, bulk_temperature, hold, "
-    assert said[8] == f"without a column: {lacks}number, run"
     tail = said[said.index("[[tested]]") :]
     assert tail[:4] == [
         "[[tested]]", 'file = "log.csv"', 'words = { ok = "mild", Fresser = "severe" }',
