@@ -44,7 +44,7 @@ def infer(options: argparse.Namespace) -> Result:
 
 def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
     """Wear rate from a contact width, or critical temperature from transitions or tests."""
-    if given := values_in(options, "scatter", "discrepancy", "at"):
+    if given := values_in(options, "scatter", "at"):
         raise InputError(
             f"{flags_of(given)} needs samples of unknown inputs: give [unknown] and "
             "sweep.samples in the scene"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -20,9 +19,6 @@ from pipeline.uncertain.inputs import CRITICAL, QUANTILES
 from pipeline.uncertain.posterior import Contrast, Judged, Posterior, contrasts
 from pipeline.uncertain.weigh import FALSE_ALARMS
 
-_TELLS = math.log(3.0)  # gain in evidence from which something is said to be missing
-_SURE = math.log(1000.0)  # from which a power of ten will do
-
 
 def posterior(options: argparse.Namespace, store: Path) -> Result:
     """Print and draw the inputs as the tests leave them."""
@@ -31,9 +27,7 @@ def posterior(options: argparse.Namespace, store: Path) -> Result:
         at = judged_entries(options)
         ensemble = pipeline.Ensemble.of(pipeline.at(ds, **values_in(options, "criterion"), **at))
     with working("weighing the inputs by the tests"):
-        weighed = pipeline.posterior(
-            ensemble, discrepancy=options.discrepancy, **values_in(options, "scatter")
-        )
+        weighed = pipeline.posterior(ensemble, **values_in(options, "scatter"))
     document, text = weighed.as_dict(), list(_describe_inputs(weighed))
     with working("comparing the oils"):
         compared = list(contrasts(weighed))
@@ -49,8 +43,6 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     yield f"{weighed.evidence}, {weighed.scatter_words}; {samples} samples"
     yield from (f"  {one}" for one in weighed.ensemble.fixed)
     yield weighed.draws_words
-    if weighed.judged:
-        yield f"  {weighed.run_words}"
     yield frame_of(("input", "before", "after", "90 % within"), weighed.in_words())
     for a, b, correlation in weighed.hidden():
         signed = f"{correlation:+.2f}".replace("-", "−")
@@ -58,8 +50,6 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     if weighed.judged:
         yield "each test, beside the critical velocity by all tests together:"
         yield short(_test_quantiles(weighed))
-    if weighed.evidence_gain is not None:
-        yield _describe_discrepancy(weighed.evidence_gain)
     if weighed.fits and weighed.judged and any(CRITICAL in one.path for one in weighed.unknown):
         yield (
             "the model fits; velocities that are all read too high would look like a better oil, "
@@ -67,8 +57,6 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
         )
     if not weighed.fits:
         yield from remarks("warning", f"{weighed.draws.misfit}; no test is named")
-        if weighed.evidence_gain is None:
-            yield "next: is a slope over velocity or bulk temperature missing? add --discrepancy"
     contradicting = (
         f"{_place(weighed, judged)}: by the other tests its probability is "
         f"{judged.probability:.1g}; one sound log of {1 / FALSE_ALARMS:.0f} has a test below "
@@ -110,15 +98,6 @@ def _word_contrast(one: Contrast) -> str:
         f"{second} over {first}: {one.what} {signed}; {second} withstands more than {first} with a "
         f"probability of {one.probability:.2g}"
     )
-
-
-def _describe_discrepancy(gain: float) -> str:
-    """What a discrepancy gains in evidence, in a line."""
-    times = f"{math.exp(gain):.2g}" if abs(gain) < _SURE else f"10^{gain / math.log(10):.0f}"
-    meaning = "neither is likelier"
-    if abs(gain) > _TELLS:
-        meaning = "the model lacks these slopes" if gain > 0 else "the model needs no slopes"
-    return f"with the discrepancy the tests are {times} times as likely: {meaning}"
 
 
 def _summary_frame(weighed: Posterior) -> pd.DataFrame:

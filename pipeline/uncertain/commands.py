@@ -12,9 +12,6 @@ _INFER = (
     o.CRITERION,
     *o.KEPT,
     o.SCATTER,
-    o.flag(
-        "--discrepancy", "for samples: {posterior.discrepancy}"
-    ),
     o.quantity(
         "--contact-width", "W", "348 um",
         "width measured at --load and --velocity, to find the specific wear rate instead",

@@ -24,7 +24,7 @@ from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import line_turns, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, prior
-from pipeline.uncertain.rig import SLOPES, join_oils, join_rig, learnt, log_discrepancy
+from pipeline.uncertain.rig import join_oils, join_rig, learnt
 from tribo import InputError
 from tribo.types import Array
 
@@ -74,13 +74,12 @@ class Truths(NamedTuple):
 
     inputs: Array
     rig: Array | None = None  # friction of the rig, and its scatter, (n, 2)
-    slopes: Array | None = None  # those of a discrepancy, (n, 2)
     oils: Mapping[str, Array] = {}  # critical temperatures of oils that have their own, (n,)
 
 
 def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
     """Distances of draws from tests that held the load as long as the ensemble does."""
-    inputs, rig, slopes, oils = truths
+    inputs, rig, oils = truths
     count = _FINE if ensemble.conditions.has_friction_curve else _NODES
     nodes = np.geomspace(*ensemble.velocities, count)
     ends = ensemble.loads[[0, -1]]
@@ -88,7 +87,7 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths
     excess = ensemble.excess(inputs, loads, nodes)
     rises = excess.values + ensemble.log_limit(inputs)[:, None, None]
     x = np.log(nodes)
-    conditions, bulk = ensemble.conditions, ensemble.conditions.bulk_temperature
+    conditions = ensemble.conditions
     # A friction that was measured stands in place of the scene's friction by velocity.
     table = np.log([conditions.friction_at(v) / conditions.friction for v in nodes.tolist()])
     values, signs, variances, told = [], [], [], []
@@ -97,9 +96,6 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths
         critical = oils.get(test.get("oil", ""))
         is_given = friction is not None or rig is not None
         rise = rises[:, number] - table if is_given else rises[:, number]
-        if slopes is not None:
-            warmer = test.get("bulk_temperature", bulk) - bulk
-            rise = rise + log_discrepancy(slopes, x - x.mean(), warmer)
         log_velocity = math.log(test["velocity"])
         by_rig = np.zeros(1)
         by_friction: Any = (test.get("friction_scatter", 0.0) / (friction or 1.0)) ** 2
@@ -236,20 +232,18 @@ class Joint:
     """Inputs of a sweep, of its rig and of the oils that ran on it, and its tests."""
 
     ensemble: Ensemble
-    unknown: tuple[Unknown, ...]  # the sweep's; then of oils, rig, discrepancy
+    unknown: tuple[Unknown, ...]  # the sweep's; then of oils and rig
     rig: tuple[int, ...]  # inputs that are the friction of the rig, and its scatter
     oils: Mapping[str, int]  # inputs that are the critical temperatures of other oils
-    has_discrepancy: bool
     scatters: Array
 
     @classmethod
-    def of(cls, ensemble: Ensemble, scatter: float, discrepancy: bool = False) -> Joint:
+    def of(cls, ensemble: Ensemble, scatter: float) -> Joint:
         """Inputs and tests of a sweep; raises at a test that it says nothing about."""
         require_possible(ensemble)
         unknown, oils = join_oils(ensemble)
         unknown, rig = join_rig(ensemble, unknown)
-        unknown += SLOPES if discrepancy else ()
-        return cls(ensemble, unknown, rig, oils, discrepancy, scatter * FACTORS)
+        return cls(ensemble, unknown, rig, oils, scatter * FACTORS)
 
     @functools.cached_property
     def tests(self) -> list[Test]:
@@ -314,7 +308,6 @@ class Joint:
         truths = Truths(
             inputs[:, : len(self.ensemble.unknown)],
             inputs[:, self.rig] if self.rig else None,
-            inputs[:, -2:] if self.has_discrepancy else None,
             {oil: inputs[:, column] for oil, column in self.oils.items()},
         )
         found = np.empty((4, len(self.tests), len(inputs)))

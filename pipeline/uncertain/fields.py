@@ -141,7 +141,6 @@ class SampleField:
         yield from (f"  {one}" for one in ensemble.fixed)
         if weighed:
             yield weighed.draws_words
-            yield f"  {weighed.run_words}"
         if ensemble.velocity_error is None:
             yield "  the error of the samples' fidelity is not known, and not counted"
         if ensemble.missing:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,13 +14,12 @@ from scipy.special import ndtr
 from pipeline.sweep.about import oils_of
 from pipeline.sweep.shown import shown
 from pipeline.sweep.unknown import Unknown, correlations
-from pipeline.uncertain.answers import draws_of, log_boundary, log_crossings
+from pipeline.uncertain.answers import draws_of, log_boundary
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import Test
 from pipeline.uncertain.inputs import CRITICAL, Draws
 from tribo.types import Array
 
-_NODES = 9  # velocities among which a transition is sought
 _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
 
 
@@ -96,8 +94,6 @@ class Posterior:
     rig: tuple[int, ...] = ()
     #: Inputs that are the critical temperatures of other oils than the first, by their labels.
     oils: Mapping[str, int] = field(default_factory=dict)
-    #: Logarithm of the factor by which a discrepancy makes the tests likelier; None without one.
-    evidence_gain: float | None = None
 
     @property
     def fits(self) -> bool:
@@ -137,40 +133,6 @@ class Posterior:
                 mean, sd = float(draws.mean(column)), draws.spread(column)
                 row[name] = {"mean": mean, "sd": sd, "interval": [low, high]}
             yield row
-
-    @functools.cached_property
-    def run_share(self) -> float:
-        """Share of the variance of ln(critical velocity) of the next run that is from run to run.
-
-        It is that at a middle load: of the scatter of runs, of friction between them, and of inputs
-        that vary from part to part. No test takes it away.
-        """
-        ensemble, draws = self.ensemble, self.draws
-        inputs = draws_of(ensemble, draws).inputs
-        varies = [one.varies for one in ensemble.unknown]
-        chance = np.random.default_rng(ensemble.design.seed)
-        others = self.prior.inputs[chance.integers(len(self.prior.inputs), size=len(inputs))]
-        redrawn = np.where(varies, others[:, : len(varies)], inputs)
-        load = math.sqrt(float(ensemble.loads[0] * ensemble.loads[-1]))
-        nodes = np.geomspace(*ensemble.velocities, _NODES)
-        (own, slope, _), (other, *_) = (
-            log_crossings(nodes, ensemble.excess(some, load, nodes).values)
-            for some in (inputs, redrawn)
-        )
-        by_run = float(draws.mean((own - other) ** 2)) / 2 if any(varies) else 0.0
-        scatter = np.full(len(own), self.scatter**2)
-        if draws.scatters is not None and draws.by_scatter is not None:
-            scatter = draws.by_scatter @ draws.scatters**2
-        scattered = float(draws.mean(scatter + (self.rig_scatter / slope) ** 2))
-        return (by_run + scattered) / (draws.spread(own) ** 2 + scattered)
-
-    @property
-    def run_words(self) -> str:
-        """The share of runs, in words."""
-        return (
-            f"{100 * self.run_share:.0f} % of the variance of the next run's critical velocity is "
-            "from run to run, which no test takes away"
-        )
 
     @property
     def draws_words(self) -> str:
@@ -256,11 +218,9 @@ class Posterior:
             "inferred_scatter_cut_off": self.cut_off or None,
             "fits": self.fits,
             "faults": list(self.draws.faults),
-            "evidence_gain": self.evidence_gain,
             "samples": len(self.ensemble.inputs),
             "draws": len(self.draws.weights),
             "effective_draws": self.draws.effective,
-            "run_share": self.run_share,
         }
 
 

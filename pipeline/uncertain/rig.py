@@ -1,15 +1,9 @@
-"""Inputs that tests add to those of a sweep: of the rig, of other oils, and a discrepancy.
+"""Inputs that tests add to those of a sweep: of the rig, and of other oils.
 
 The friction µ of a test is that of the rig, µ₀, times a scatter of its own, and is measured with an
 error: ln µ = ln µ₀ ± τ, and the measured one is ln µ ± s. So a measured friction tells of µ₀ with
 the variance τ² + s², and the friction that acted in its test is known by both: a mean of ln µ₀ and
 of the measured one, weighed by 1/τ² and 1/s². The scatter τ is inferred, too.
-
-The discrepancy is optional: slopes of the rise that the model does not have.
-
-The logarithm of the rise is taken to be off by a₁ ln(V/V₀) + a₂ (T − T₀)/100 K, with the velocity
-and the bulk temperature of each test, V₀ in the middle of the sweep and T₀ that of the scene
-(Kennedy & O'Hagan, J. R. Stat. Soc. B 63 (2001) 425, with two functions in place of a process).
 """
 
 from __future__ import annotations
@@ -83,20 +77,3 @@ def join_oils(ensemble: Ensemble) -> tuple[tuple[Unknown, ...], dict[str, int]]:
         )
     own = tuple(replace(critical, path=f"{CRITICAL} of {oil}", correlated=()) for oil in others)
     return (*unknown, *own), {oil: len(unknown) + k for k, oil in enumerate(others)}
-
-
-SLOPES = (
-    Unknown("discrepancy.velocity", "normal", (0.0, 0.2)),
-    Unknown("discrepancy.bulk", "normal", (0.0, 0.2)),
-)
-"""Slopes of ln(rise) over ln(velocity), and over the bulk temperature in 100 K."""
-_KELVINS = 100.0  # change of the bulk temperature over which the second slope is given
-
-
-def log_discrepancy(slopes: Array, log_velocities: Array, warmer: float) -> Array:
-    """Logarithm of the factor on the rise (n, n_velocity) by draws of the two slopes (n, 2).
-
-    Velocities (n_velocity,) are over the middle one; the bulk temperature is so much warmer [K].
-    """
-    by_velocity = slopes[:, :1] * log_velocities
-    return np.asarray(by_velocity + slopes[:, 1:] * warmer / _KELVINS)

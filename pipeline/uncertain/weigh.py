@@ -36,7 +36,7 @@ _FIRST, _COUNT = 2**13, 2**13  # draws of the prior, and of the posterior
 
 
 @np.errstate(under="ignore")
-def posterior(ensemble: Samples, scatter: float = SCATTER, discrepancy: bool = False) -> Posterior:
+def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
     """Weigh the unknown inputs by the transitions and tests of the scene.
 
     Without any, the result is the prior.
@@ -49,9 +49,6 @@ def posterior(ensemble: Samples, scatter: float = SCATTER, discrepancy: bool = F
     scatter : float
         Relative standard deviation of measured velocities that give none of their own. The scatter
         is inferred with the inputs, about this value within a factor of 3.
-    discrepancy : bool
-        True to find how much likelier a further slope of the rise over velocity or bulk temperature
-        makes the tests. The slope moves no input.
 
     Raises
     ------
@@ -77,15 +74,11 @@ def posterior(ensemble: Samples, scatter: float = SCATTER, discrepancy: bool = F
     told = Posterior(ensemble, model.unknown, before, before, (), scatter, assumed)
     if not model.tests:
         return told
-    draws, judgement, evidence = _weighed(model, before)
+    draws, judgement = _weighed(model, before)
     inferred = _inferred(model.scatters, softmax(judgement.joint))
     wrong = faults(ensemble.unknown, draws, scatter, inferred)
     by_others = tuple(_left_out_judgements(model, draws, judgement, scatter, not wrong))
     wrong = () if any(one.contradicts for one in by_others) else wrong
-    gain = None
-    if discrepancy:
-        other = Joint.of(ensemble, scatter, discrepancy=True)
-        gain = _weighed(other, prior(other.unknown, _seed(other), _FIRST))[2] - evidence
     by_scatter = softmax(judgement.joint, axis=1)
     return replace(
         told,
@@ -95,12 +88,11 @@ def posterior(ensemble: Samples, scatter: float = SCATTER, discrepancy: bool = F
         cut_off=cut_off(softmax(judgement.joint).sum(axis=0)),
         rig=model.rig,
         oils=model.oils,
-        evidence_gain=gain,
     )
 
 
-def _weighed(model: Joint, before: Draws) -> tuple[Draws, JudgedTests, float]:
-    """Draws that the tests leave, the tests beside them, and the logarithm of the evidence."""
+def _weighed(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
+    """Draws that the tests leave, and the tests beside them."""
     judgement = model.judged(before.inputs)
     model.require_near(judgement.distances)
     inputs, over = before.inputs, np.zeros(len(before.inputs))
@@ -114,8 +106,7 @@ def _weighed(model: Joint, before: Draws) -> tuple[Draws, JudgedTests, float]:
         judgement = model.judged(inputs)
         over = log_weights - logsumexp(judgement.joint, axis=1)
     judgement = judgement._replace(joint=judgement.joint + over[:, None])
-    evidence = float(logsumexp(judgement.joint)) - math.log(len(inputs))
-    return Draws(inputs, softmax(judgement.joint).sum(axis=1)), judgement, evidence
+    return Draws(inputs, softmax(judgement.joint).sum(axis=1)), judgement
 
 
 def _left_out_judgements(

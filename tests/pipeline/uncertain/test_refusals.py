@@ -250,7 +250,7 @@ REFUSALS = {
         asked("infer", "--bulk-temperature", "60 degC"),
         "stay as they were computed; leave out --bulk-temperature",
     ),
-    "needs samples": (inferred("--discrepancy"), "--discrepancy needs samples of unknown inputs"),
+    "needs samples": (inferred("--scatter", "0.1"), "--scatter needs samples of unknown inputs"),
     "ignored": (inferred("--duration", "9 s"), "--duration belongs to --contact-width"),
     "no place": (inferred("--contact-width", "0.2 mm"), "is that of a test; give its --load and"),
     "short": (

@@ -496,13 +496,3 @@ def test_what_varies_from_part_to_part_is_scatter_and_is_not_learnt():
     assert critical["posterior"]["sd"] == pytest.approx(spread, rel=0.04)
     assert friction["posterior"]["mean"] == pytest.approx(0.1, abs=0.0003)
     assert friction["posterior"]["sd"] == pytest.approx(0.005, rel=0.06)
-
-
-@pytest.mark.parametrize("varies", [False, True])
-def test_the_share_of_runs_is_what_no_test_takes_away(varies):
-    friction = dataclasses.replace(FRICTION, varies=varies)
-    posterior = pipeline.posterior(ensemble((CRITICAL, friction)))
-    parts, inputs = (0.05 / EXPONENT) ** 2, (8.0 / 120.0 / EXPONENT) ** 2
-    by_run = 0.05**2 + varies * parts
-    assert posterior.run_share == pytest.approx(by_run / (0.05**2 + parts + inputs), rel=0.06)
-    assert "from run to run, which no test takes away" in posterior.run_words
