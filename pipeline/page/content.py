@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Callable
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -91,12 +90,11 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     system = corrected_sweep(ds, conditions)
     # By load, velocity, bulk ratio, share or quantile, and step.
     deciding, quantiles = _tables(system, conditions.decisive, ratios, shares)
-    own = ratios.index(0.0), shares.index(conditions.failing_share)
     load = values_of(ds, "normal_load")[..., None, None, :]
     worst = worst_moment(deciding, load, ds["load"].values[:, None, None, None, None])
     decisive = np.where(done[..., None, None], _step_values(deciding, worst), np.nan)
     # The step at which each point is shown is the one that decides.
-    steps = worst[..., own[0], own[1]]
+    steps = worst[..., ratios.index(0.0), shares.index(conditions.failing_share)]
     has_fields = set(FIELDS) <= set(ds.data_vars)
     chosen = _nearest(ds, done, conditions, most_fields) if has_fields else []
     return {
@@ -117,7 +115,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "bulk_ratios": ratios,
         "shares": shares,
         "rises": packed_array(_step_values(quantiles, steps[..., None, None]), "<f4"),
-        **_planes(decisive, ds, own, conditions),
+        **_planes(decisive, ds, conditions),
         **_model_facts(ds),
         "fields": packed_fields(ds, chosen, conditions.bulk_ratio)
         | {"stored": int(done.sum()) * has_fields},
@@ -284,14 +282,11 @@ def _step_values(values: Array, steps: Indices) -> Array:
     return chosen
 
 
-def _planes(
-    rises: Array, ds: xr.Dataset, own: tuple[int, int], conditions: Conditions
-) -> dict[str, Any]:
+def _planes(rises: Array, ds: xr.Dataset, conditions: Conditions) -> dict[str, Any]:
     """Tables of the deciding rise on a fine plane, and along load at each velocity of the sweep.
 
-    Rises by load, velocity, bulk ratio and share [K]; `own` are the places of the last two that the
-    scene has, whose error is told. Along velocity the plane goes on beyond the points, far beyond
-    at its outermost nodes.
+    Rises by load, velocity, bulk ratio and share [K]. Along velocity the plane goes on beyond the
+    points, far beyond at its outermost nodes.
     """
     loads, velocities = ds["load"].values, ds["velocity"].values
     done = values_of(ds, "status") == DONE
@@ -310,7 +305,6 @@ def _planes(
     own_columns = np.argwhere(~done.reshape(-1, loads.size, velocities.size).all(axis=1))
     columns = columns[own_columns @ [velocities.size, 1]]
     within = np.where(np.isfinite(columns).all(axis=(-1, -2)), INTERPOLATED, EXTRAPOLATED)
-    at_own = rises[..., own[0], own[1]]
     own_nodes = first + by_velocity * np.arange(velocities.size)
     own_rows, rows_up = by_load * np.arange(loads.size), np.arange(fine_loads.size) / by_load
     below, above = np.floor(rows_up).astype(int), np.ceil(rows_up).astype(int)
@@ -333,10 +327,6 @@ def _planes(
         "errors": packed_array(node_errors(point_field(ds), state, fine_loads, nodes), "<f4"),
         "state": digit_string(state) + digit_string(within),
         "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
-        "error": max(
-            error_of_lines(at_own, velocities, by_velocity, conditions.friction_factor),
-            error_of_lines(at_own.swapaxes(-1, -2), loads, by_load),
-        ),
     }
 
 
@@ -439,7 +429,6 @@ def packed_array(values: Any, dtype: str) -> str:
 
 _PLACES = np.array([60, 30])  # velocities and loads at least, where there is room for them
 _MOST = 400_000  # values of a table, 2 MB of a page
-_FLAT = 0.05  # least exponent of a rise whose crossings are judged
 _FAR = 1e6  # ratio of the velocity of an outermost node to the nearest one of the sweep
 _PARTS_BEYOND = 16  # of an interval between velocities beyond them at which friction is known
 _STEPS, _WIDEST = 241, 7.0  # distances of the model's error, and the widest by its hyperbolic sine
@@ -534,23 +523,3 @@ def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
     on_points[..., :: parts[0], :][..., of_points] = done
     state[on_points] = COMPUTED
     return state
-
-
-def error_of_lines(
-    values: Array, places: Array, parts: int, factor: Callable[[Array], Array] = np.ones_like
-) -> float:
-    """Largest relative error of crossings by straight lines of logarithms, at their middles.
-
-    The factor is that of the friction at each place.
-    """
-    if len(places) == 1:
-        return 0.0
-    double = divided(places, 2 * parts)
-    fine = along(values / factor(places), places, double, -1) * factor(double)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        x, y = np.log(double), np.log(fine)
-        slope = np.diff(y[..., ::2]) / np.diff(x[::2])
-        weight = (x[1::2] - x[:-1:2]) / np.diff(x[::2])
-        off = y[..., 1::2] - (y[..., :-1:2] + weight * np.diff(y[..., ::2]))
-        errors = np.abs(off / slope)[slope > _FLAT]
-    return float(np.max(errors[np.isfinite(errors)], initial=0.0))

@@ -156,7 +156,6 @@ def _plane_scene(held: dict[str, Any]) -> str:
         "severe": held["regions"][1],
         "band": f"10 to 90 % of {surfaces}",
         "frictions": f"transition at friction {' to '.join(f'{end:.4g}' for end in band or ())}",
-        "error": f"{100 * held['error']:.2g} %",
         "accuracy": html.escape(held.pop("accuracy")),
     }
     return _filled("plane.html", _scene_values(held, sizes) | own)

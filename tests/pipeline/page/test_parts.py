@@ -23,7 +23,6 @@ from pipeline.page.content import (
     content,
     digit_string,
     divided,
-    error_of_lines,
     packed_array,
     pieces_of,
     record,
@@ -148,10 +147,6 @@ def test_the_page_of_a_sweep_names_its_sizes(tmp_path):
     (hidden,) = re.findall('<section id="measured-section"[^>]*>', bare)
     (shown,) = re.findall('<section id="measured-section"[^>]*>', whole)
     assert ("hidden" in hidden, "hidden" in shown) == (True, False)
-    bent = synthetic.sweep(*few, rise=sweeps.uneven(1))
-    said = float(re.search(r"within (\S+) % of its velocity as irg", text(bent))[1])
-    assert said == pytest.approx(100 * content(bent)["error"], rel=0.05)  # two digits
-    assert said > 0
     several = text(sweeps.over_surfaces())
     assert (
         f"{len(sweeps._LOADS)} loads, {len(sweeps._VELOCITIES)} velocities, 5 surfaces" in several
@@ -357,29 +352,6 @@ def test_nodes_are_computed_interpolated_beyond_one_row_or_beyond_both():
     assert nothing.tolist() == [[1, 1], [4, 4], [4, 4]]
 
 
-def test_straight_lines_err_by_nothing_on_power_laws_and_by_their_bend_else():
-    places = np.array([1.0, 2.0, 4.0, 8.0])
-    assert error_of_lines(3 * places**0.5, places, 4) == pytest.approx(0.0, abs=1e-12)
-    bent = np.exp(0.5 * np.log(places) + 0.1 * np.log(places) ** 2)
-    coarse, fine = (error_of_lines(bent, places, parts) for parts in (1, 4))
-    assert coarse > 4 * fine > 0
-    assert error_of_lines(bent[:1], places[:1], 4) == 0.0
-
-    def factor(velocity):
-        return np.exp(0.1 * np.log(velocity) ** 2)
-
-    # Of a power law times the factor, the bend of the factor between the nodes is left.
-    nodes = np.log(divided(places, 8))
-    y = 0.5 * nodes + 0.1 * nodes**2
-    slopes = np.diff(y[::2]) / np.diff(nodes[::2])
-    chords = y[:-1:2] + slopes * (nodes[1::2] - nodes[:-1:2])
-    expected = np.max(np.abs(y[1::2] - chords) / slopes)
-    found = error_of_lines(factor(places) * places**0.5, places, 4, factor)
-    assert found == pytest.approx(expected, rel=1e-9)
-    assert error_of_lines(places**0.04, places, 4) == 0.0  # too flat to be judged
-    assert error_of_lines(places**0.4 * places**-0.3, places, 4) == pytest.approx(0.0, abs=1e-12)
-
-
 def test_codes_and_arrays_are_written_as_they_are_read():
     assert digit_string(np.array([[1, 0], [4, np.nan]])) == "1040"
     assert digit_string([True, False]) == "10"
@@ -497,7 +469,6 @@ def test_a_plane_has_the_closed_form_between_the_points_and_far_beyond_them():
     np.testing.assert_allclose(plane, expected, rtol=1e-5)
     assert held["columns"] == {}
     assert held["missing"] == [0]
-    assert held["error"] == pytest.approx(0.0, abs=1e-9)
     assert held["friction_factors"] == [1.0] * 63
     assert held["friction_by_temperature"] == [(0.0,), (1.0,)]
 
