@@ -169,9 +169,8 @@ def _leave_out_repeats(sheet: Sheet) -> None:
 
     Rows that say nothing but what was set and what came out are repeats of a test, and all count.
     """
-    used = {*sheet.places.values(), *sheet.sources}
-    telling = {sheet.places[name] for name in _TELLING if name in sheet.places}
-    telling |= {
+    used = {k for name, k in sheet.places.items() if name not in _TELLING} | sheet.sources
+    telling = {
         k
         for k in range(len(sheet.headings))
         if k not in used and len({row.cells[k] for row in sheet.rows}) > 1

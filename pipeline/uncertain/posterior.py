@@ -88,8 +88,6 @@ class Posterior:
     scatter: float  #: Relative standard deviation of measured velocities, as stated.
     #: That which 5, 50 and 95 % stay below, given the tests.
     inferred_scatter: tuple[float, float, float]
-    #: End at which the inferred scatter is cut off, since no larger or smaller one is considered.
-    cut_off: str = ""
     #: Inputs that are the friction of the rig, and its scatter between tests, if it has its own.
     rig: tuple[int, ...] = ()
     #: Inputs that are the critical temperatures of other oils than the first, by their labels.
@@ -146,11 +144,7 @@ class Posterior:
         said = f"scatter of the velocities as stated, {100 * self.scatter:g} %"
         if not self.judged:
             return said
-        cut_off = ""
-        if self.cut_off:
-            more = {"above": "larger", "below": "smaller"}[self.cut_off]
-            cut_off = f"; it may be {more}, which is not considered"
-        return f"{said}, and by the tests {middle:.2g} % ({low:.2g} to {high:.2g}{cut_off})"
+        return f"{said}, and by the tests {middle:.2g} % ({low:.2g} to {high:.2g})"
 
     def in_words(self) -> Iterator[tuple[str, ...]]:
         """Path of each input, its mean and spread before and after, and 90 % of it, in its units.
@@ -215,7 +209,6 @@ class Posterior:
             "fixed": {one.unknown.path: one.value for one in self.ensemble.fixed},
             "scatter": self.scatter,
             "inferred_scatter": _share_values(self.inferred_scatter),
-            "inferred_scatter_cut_off": self.cut_off or None,
             "fits": self.fits,
             "faults": list(self.draws.faults),
             "samples": len(self.ensemble.inputs),
@@ -230,7 +223,6 @@ def _share_values(values: tuple[float, float, float]) -> dict[str, float]:
 
 _OUTER, _MUCH = 0.03, 0.15  # share of an input's range at either end; of its posterior there
 _RANGE = 3.0  # standard deviations about the mean that are the range of a normal input
-_CUT_OFF = 0.05  # probability at an end of the scatters beyond which it is cut off there
 _EXPLAINED = 1.25  # median scatter over the one said, without a test that explains it
 
 
@@ -256,13 +248,6 @@ def explains(
     """True if the model fits as soon as a test is left out; arguments are those without it."""
     pressed = faults(unknown, draws, scatter, (0.0, *inferred[1:]))
     return inferred[1] <= _EXPLAINED * scatter and not pressed
-
-
-def cut_off(weights: Array) -> str:
-    """End at which the scatters that are considered cut off the inferred one; empty if none."""
-    if weights[-1] > _CUT_OFF:
-        return "above"
-    return "below" if weights[0] > _CUT_OFF else ""
 
 
 def _is_outer(unknown: Unknown, column: Array) -> Array:

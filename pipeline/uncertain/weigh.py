@@ -21,7 +21,7 @@ from pipeline.sweep.unknown import OF_90
 from pipeline.uncertain.ensemble import Ensemble, Samples
 from pipeline.uncertain.evidence import FACTOR, Joint, JudgedTests
 from pipeline.uncertain.inputs import Draws, prior
-from pipeline.uncertain.posterior import Judged, Posterior, cut_off, explains, faults, shown_test
+from pipeline.uncertain.posterior import Judged, Posterior, explains, faults, shown_test
 from pipeline.uncertain.sampler import effective_share, sample
 from tribo import InputError
 from tribo.types import Array
@@ -85,7 +85,6 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
         draws=replace(draws, faults=wrong, scatters=model.scatters, by_scatter=by_scatter),
         judged=by_others,
         inferred_scatter=inferred,
-        cut_off=cut_off(softmax(judgement.joint).sum(axis=0)),
         rig=model.rig,
         oils=model.oils,
     )
