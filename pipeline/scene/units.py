@@ -39,8 +39,8 @@ _TURNS = re.compile(
     rf"\s*(?P<number>{_NUMBER})\s*(?:{'|'.join(map(re.escape, TURNS))})\s+at\s+"
     r"(?P<which>radius|diameter)\s+(?P<length>.+)"
 )
-_DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?![\d,.])")
-_THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d)")
+_COMMA = re.compile(r"\s*[+-]?\d+,\d")
+_SCALE_FIRST = re.compile(r"^\s*(HV|HBW?|HRC)\s*(\d.*)")
 _RANGE = re.compile(
     rf"\s*({_NUMBER})\s*(-|to|\.\.\.?|…|\+/-|±|\+)\s*({_NUMBER})\s*(HV[\d.]*|HBW?|HRC)\s*"
 )
@@ -62,6 +62,7 @@ _PRINTED = tuple(
         (r"(?<=W/)(\(?[cm]?m)(K|degC)\b", r"\1 \2"),  # no millikelvin
         (r"^([^/]*)/\s*((?!.*\^-)[^/()]* [^/()]*)$", r"\1/(\2)"),  # all behind the line
         (r"(?<= )degC(?=\))", "K"),  # a difference
+        (r"\bkp\b", "kgf"),
     )
 )
 """Ways in which data sheets write units, and how they are read; in this order."""
@@ -74,7 +75,7 @@ _CLOCK = re.compile(
     r"(?:.*[\sT])?(\d{1,2}):(\d\d)(?::(\d\d(?:[.,]\d+)?))?\s*([AP]M)?(?:Z|[+-]\d\d:?\d\d)?", re.I
 )
 _OF_TABLES = {
-    "C": "degC", "F": "degF", "kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf", "sec": "s",
+    "C": "degC", "F": "degF", "kg": "kgf", "lb": "lbf", "lbs": "lbf", "sec": "s",
     "m_s": "m/s", "mm_s": "mm/s",
     **dict.fromkeys(("g", "gram", "grams"), "gf"), **dict.fromkeys(TURNS, "rpm"),
 }  # fmt: skip
@@ -237,17 +238,12 @@ def _parts(text: str) -> tuple[str, str]:
     """Split text into a number and a unit."""
     typed = re.sub(f"[{_RAISED[0]}]+", lambda raised: f"^{raised[0]}", text)
     typed = typed.translate(str.maketrans(*_RAISED)).translate(_SIGNS_OF_PRINT)
-    typed = _TIMES_TEN.sub(r"e\1", typed)
+    typed = _SCALE_FIRST.sub(r"\2 \1", _TIMES_TEN.sub(r"e\1", typed))
     match = _QUANTITY.fullmatch(typed) if len(text) <= _LONGEST else None
     if match is None:
         hint = ""
-        if _DECIMAL_COMMA.match(text):
-            short = text[:_LONGEST]
-            hint = f'; write decimals with a point: "{short.replace(",", ".", 1)}"'
-            if _THOUSANDS.match(text):
-                hint += f', and thousands without a comma: "{short.replace(",", "", 1)}"'
-        elif _THOUSANDS.match(text):
-            hint = f'; write thousands without a comma: "{text[:_LONGEST].replace(",", "")}"'
+        if _COMMA.match(text):
+            hint = "; write decimals with a point, and thousands without a mark"
         raise UnitError(f"{_quoted(text)} is not a number followed by a unit{hint}")
     return match[1], match[2].strip()
 
@@ -271,10 +267,10 @@ def middle_of_range(text: str) -> str | None:
 
     Examples
     --------
-    >>> middle_of_range("60-62 HRC"), middle_of_range("60 +4 HRC"), middle_of_range("700 HV")
+    >>> middle_of_range("60-62 HRC"), middle_of_range("HRC 60 +4"), middle_of_range("700 HV")
     ('61 HRC', '62 HRC', None)
     """
-    match = _RANGE.fullmatch(text.translate(_SIGNS_OF_PRINT))
+    match = _RANGE.fullmatch(_SCALE_FIRST.sub(r"\2 \1", text.translate(_SIGNS_OF_PRINT)))
     if match is None:
         return None
     low, sign, high, scale = Decimal(match[1]), match[2], Decimal(match[3]), match[4]

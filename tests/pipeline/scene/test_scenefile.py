@@ -356,7 +356,7 @@ def test_a_value_is_written_as_toml_reads_it(value):
 
 @pytest.mark.parametrize(
     ("given", "taken"),
-    [("60-62 HRC", "61 HRC"), ("60 – 62 HRC", "61 HRC"), ("60 +4 HRC", "62 HRC"),
+    [("60-62 HRC", "61 HRC"), ("60 – 62 HRC", "61 HRC"), ("HRC 60 +4", "62 HRC"),
      ("700±20 HV", "700 HV"), ("225 to 305 HB", "265 HB")],
 )  # fmt: skip
 def test_the_middle_of_a_range_of_hardness_is_taken_and_told(given, taken):
