@@ -7,7 +7,7 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -145,20 +145,14 @@ def _refuse_profile(path: Path, heights: Array) -> None:
     )
 
 
-Flip = Literal["no", "x", "y", "heights"]
-
-
 def oriented(
-    surface: MeasuredSurface, transpose: bool = False, flip: Flip = "no"
+    surface: MeasuredSurface, transpose: bool = False, flip: bool = False
 ) -> MeasuredSurface:
-    """A surface with x and y exchanged, pixels too, and then an axis or the heights reversed."""
+    """A surface with x and y exchanged, pixels too, and then its heights reversed."""
     heights, sides = surface.heights, surface.pixel_size
     if transpose:
         heights, sides = heights.T, sides and (sides[1], sides[0])
-    if flip == "heights":
-        heights = -heights
-    elif flip != "no":
-        heights = np.flip(heights, "xy".index(flip))
+    heights = -heights if flip else heights
     steps = surface.steps and (surface.steps[::-1] if transpose else surface.steps)
     return MeasuredSurface(np.ascontiguousarray(heights), sides, surface.notes, steps)
 

@@ -192,8 +192,7 @@ class MeasuredSurface:
         "ones; the ratio of its places stays."] = None
     transpose: A[bool,
         "True to exchange x and y of the file, with the sides of its pixels."] = False
-    flip: A[str, OneOf(("no", "x", "y", "heights")),
-        "Axis to reverse; or the heights, for a replica."] = "no"
+    flip: A[bool, "True to reverse the heights, as of depths and of a replica."] = False
     crop: A[tuple[int, int] | None, List(Whole(at_least=0), length=2),
         "First pixel of the patch to cut out, along x and y from 0. Without it the surface must "
         "have the size of the window."] = None

@@ -76,9 +76,9 @@ def test_a_scene_turns_its_scan_and_answers_a_narrow_one_with_mirror(scan):
         "disk.roughness.height_unit": "um",
         "window.pixels": [192, 240],
     }
-    turned = {"disk.roughness.transpose": True, "disk.roughness.flip": "x"}
+    turned = {"disk.roughness.transpose": True, "disk.roughness.flip": True}
     sweep = load_scene("first_try", overrides=surface | turned)
-    assert np.array_equal(sweep.scene.roughness.array, 1e-6 * np.load(scan)[::-1])
+    assert np.array_equal(sweep.scene.roughness.array, -1e-6 * np.load(scan))
     with pytest.raises(SceneFileError, match=r"disk\.roughness\.transpose = true"):
         load_scene("first_try", overrides=surface)
     wide = surface | {"window.pixels": [480, 192]}
