@@ -123,11 +123,7 @@ def _about(sheet: Sheet, export: Export) -> dict[str, Any]:
 
 def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
     """Number of tests, of their runs and oils, and of each outcome."""
-    kinds = Counter(
-        test.get("outcome")
-        or ("by steps" if {*test} & {"mild_up_to", "severe_at"} else "of a transition")
-        for test in found
-    )
+    kinds = Counter(test["outcome"] for test in found if "outcome" in test)
     counts = ", ".join(f"{count} {name}" for name, count in sorted(kinds.items()))
     number = counted(len(found), "test", "tests")
     if any("run" in test for test in found):
@@ -135,7 +131,7 @@ def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
         number += f" of {counted(len(runs), 'run', 'runs')}"
     if len(oils := {test.get("oil") for test in found}) > 1:
         number += f", {len(oils)} oils"
-    return f"{number}: {counts}"
+    return f"{number}: {counts}".removesuffix(": ")
 
 
 def _doubts(in_si: Iterable[Mapping[str, Any]]) -> Iterator[str]:

@@ -19,7 +19,6 @@ from pipeline.laboratory.reading import (
     require,
 )
 from pipeline.laboratory.tables import vocabulary
-from pipeline.laboratory.trace import LEAST_ROWS
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import numbered
 from pipeline.scene.format import Stages, Test, Transition
@@ -88,8 +87,7 @@ def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> 
     The key is the list of a scene for which tests are wanted; without one the log decides.
     """
     read = read_table(path, options)
-    is_long = len(read.sheet.rows) >= LEAST_ROWS
-    if is_long and goes_on(read_table(path, options, OF_TRACE).sheet):
+    if goes_on(read_table(path, options, OF_TRACE).sheet):
         read.sheet.faults.append("a record of friction over time is one run, and no row is a test")
         return Log(read.sheet, read.export, Test)
     return log_of(read, options.get("words") or {}, key)

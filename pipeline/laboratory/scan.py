@@ -12,7 +12,6 @@ import numpy as np
 
 from pipeline.laboratory.spectrum import SelfAffineFit, fit_self_affine
 from pipeline.laboratory.surfaces import (
-    MeasuredSurface,
     axis_note,
     form_words,
     oriented,
@@ -244,25 +243,19 @@ def surface_statistics(
         surface = surface.replace_pixels((x, y))
     if surface.pixel_size is None or min(surface.pixel_size) <= 0:
         raise InputError(f"{path}: no size of a pixel; give pixel_size, such as 0.8 um")
-    try:
-        return _described(path, surface, surface.pixel_size, axis_note(transpose))
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
-
-
-def _described(
-    path: str | Path, surface: MeasuredSurface, sides: tuple[float, float], axis: str
-) -> SurfaceStatistics:
-    """Statistics of a surface whose pixels are known."""
-    heights = surface.heights
+    heights, sides = surface.heights, surface.pixel_size
     highest = np.abs(heights[np.isfinite(heights)]).max(initial=0.0)
     if highest > _HIGHEST:
-        raise InputError(f"heights of {highest:.3g} m; give the unit that they are in, height_unit")
-    rough = areal_roughness(heights, sides)
-    missing = int(np.count_nonzero(~np.isfinite(heights)))
-    shape, compared = (heights.shape[0], heights.shape[1]), _compare(heights, sides, rough)
+        raise InputError(f"{path}: heights of {highest:.3g} m; give the unit, height_unit")
+    try:
+        rough = areal_roughness(heights, sides)
+        compared = _compare(heights, sides, rough)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    shape, missing = (heights.shape[0], heights.shape[1]), int(np.isnan(heights).sum())
+    note = axis_note(transpose)
     return SurfaceStatistics(
-        str(path), shape, sides, missing, rough, *compared, axis, surface.notes
+        str(path), shape, sides, missing, rough, *compared, note, surface.notes
     )
 
 

@@ -251,7 +251,7 @@ REFUSALS = {
     "ratio": (lambda: (scan(GRIDDED)(), surface_statistics("scan.csv", "um", ("1 um", "2 um"))),
               "those of the file are as 1 to 1; give that ratio"),
     "plane": (array(np.indices((20, 30))[1] * 0.1), "the heights are a plane, without"),
-    "high": (array(np.random.default_rng(0).normal(size=(20, 20)) * 1e9), "m; give the unit that"),
+    "high": (array(np.random.default_rng(0).normal(size=(20, 20)) * 1e9), "m; give the unit, he"),
     "row": (array(np.ones((1, 20))), "a profile of 20 heights"),
     "unit": (array(np.eye(20), unit="kg"), '"1 kg" cannot be converted'),
     "few heights": (lambda: fit_self_affine(np.eye(6, 5), (1.0, 1.0)), "6 × 5 heights are too few"),
