@@ -11,7 +11,6 @@ import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
-from typing import Any
 
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.sheet import Lines
@@ -30,6 +29,8 @@ class Export:
     scene: str = ""  # that fits the rig
     columns: Mapping[str, str] = field(default_factory=dict)  # patterns of headings; "" for none
     units: Mapping[str, str] = field(default_factory=dict)  # of columns without one
+    unit_row: str = ""  # first cell of a row above the headings that has their units
+    step_row: str = ""  # the same, that has the step of the time, where the rows have none
     restarts: bool = False  # the time begins anew with each step
     sine: str = ""  # pattern of cells that tell that the velocity is the highest of a sine
     stages: bool = False  # rows of a log are stages of one specimen
@@ -61,5 +62,4 @@ def find_export(tables: Sequence[Lines], named: str | None) -> Export:
 
 def has_cell(cells: Iterable[str], pattern: str) -> bool:
     """True if any filled cell is as a pattern says."""
-    known: Any = re.compile(pattern, re.IGNORECASE)
-    return any(cell and known.fullmatch(cell) for cell in cells)
+    return any(cell and re.fullmatch(pattern, cell, re.IGNORECASE) for cell in cells)

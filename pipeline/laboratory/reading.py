@@ -16,8 +16,8 @@ from pipeline.scene.declare import table_of
 from pipeline.scene.faults import did_you_mean, fault_lines, quoted
 from pipeline.scene.format import Stages, Test
 from pipeline.scene.names import Heading
-from pipeline.scene.sheet import Lines, Row, Sheet, read_lines, sheet_of
-from pipeline.scene.units import UnitError, to_si
+from pipeline.scene.sheet import Lines, Row, Sheet, find_headings, read_lines, sheet_of
+from pipeline.scene.units import UnitError, is_unit, to_si, unit_of_table
 from tribo import InputError
 from tribo.types import Array
 
@@ -56,6 +56,8 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
             near, every = did_you_mean(name, known), ", ".join(sorted(known))
             raise InputError(f"{option}.{name}: no such quantity{near}; give one of {every}")
     names = WordNames(units, columns, export.columns)
+    for lines in tables if export.unit_row else ():
+        _add_units(lines, export.unit_row, names)
     sheet = sheet_of(str(path), tables, names, options.get("decimal"))
     for name, head in names.chosen.items():
         _choose_unit(sheet, name, Heading.of(head).unit)
@@ -64,14 +66,33 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
             sheet.faults.append(f"columns.{name}: no column {quoted(head)}; give one of {every}")
     for name, unit in export.units.items():
         _choose_unit(sheet, name, unit)
+    _count_time(sheet, export.step_row)
     _take_rows(sheet, options.get("where") or {}, is_kept=True)
     _take_rows(sheet, options.get("skip") or {}, is_kept=False)
     _add_given(sheet, options.get("given") or {})
-    if export.sine and "velocity" in sheet.places:
-        heads = [*sheet.above, *(one.text for one in sheet.headings)]
-        _take_mean_of_sine(sheet, has_cell(heads, export.sine))
+    heads = [*sheet.above, *(one.text for one in sheet.headings)]
+    if export.sine and "velocity" in sheet.places and has_cell(heads, export.sine):
+        _take_mean_of_sine(sheet)
     _mend_ends(sheet, export.step)
     return Read(sheet, export, derive(sheet))
+
+
+def _add_units(lines: Lines, first: str, names: WordNames) -> None:
+    """Write units of a row above the headings, which begins with a word, behind the headings."""
+    units = next((row.cells for row in lines.rows if row.cells[0] == first), [])
+    heads = lines.rows[find_headings(lines.rows, names)[1]].cells
+    for k, unit in enumerate(units[: len(heads)]):
+        if is_unit(unit_of_table(unit)) and not Heading.of(heads[k]).unit:
+            heads[k] = f"{heads[k]} [{unit}]"
+
+
+def _count_time(sheet: Sheet, first: str) -> None:
+    """Write the time of rows that have none, by a step that stands above behind a word."""
+    place = sheet.places.get("time", -1)
+    if first in sheet.above and not any(row.cells[place] for row in sheet.rows):
+        step = float(sheet.above[sheet.above.index(first) + 1].replace(",", "."))
+        for k, row in enumerate(sheet.rows):
+            row.cells[place] = f"{k * step:.12g}"
 
 
 def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
@@ -183,13 +204,12 @@ def _read_beyond(sheet: Sheet, name: str) -> set[int]:
     return rows
 
 
-def _take_mean_of_sine(sheet: Sheet, is_sine: bool) -> None:
+def _take_mean_of_sine(sheet: Sheet) -> None:
     """Put the mean velocity of a sine in the place of its highest."""
-    if is_sine:
-        place, speeds = sheet.places["velocity"], sheet.numbers("velocity")
-        sheet.add("velocity", "m/s", [f"{_OF_SINE * speed:.12g}" for speed in speeds])
-        sheet.sources.add(place)
-        sheet.form.append("velocity is 2/π of the highest of a sine")
+    place, speeds = sheet.places["velocity"], sheet.numbers("velocity")
+    sheet.add("velocity", "m/s", [f"{_OF_SINE * speed:.12g}" for speed in speeds])
+    sheet.sources.add(place)
+    sheet.form.append("velocity is 2/π of the highest of a sine")
 
 
 def is_trace(sheet: Sheet) -> bool:
@@ -223,7 +243,7 @@ def read_trace(read: Read) -> Trace:
     for name in ("friction", "velocity"):  # whose signs turn with the stroke
         if name in columns:
             columns[name] = np.abs(columns[name])
-    if "load" in columns and np.nanmedian(columns["load"]) < 0:
+    if "load" in columns and np.sum(columns["load"] < 0) > len(sheet.rows) / 2:
         columns["load"] = -columns["load"]
         sheet.form.append("loads below 0 are normal forces downwards")
     needed = [values for name, values in columns.items() if name != "bulk_temperature"]
@@ -236,12 +256,12 @@ def read_trace(read: Read) -> Trace:
             f"to {now:.4g} s, and a trace is one run; give each run in a file of its own, or by "
             "--where, in the order of time"
         )
-    rest = [at_rest(columns[name]) for name in ("load", "velocity") if name in columns]
+    moving = [name for name in ("load", "velocity") if name in columns and sheet.rows]
+    rest = [at_rest(columns[name]) for name in moving]
     _drop(sheet, columns, "is at rest", np.any([np.zeros(len(sheet.rows), bool), *rest], axis=0))
     if len(sheet.rows) < LEAST_ROWS:
-        raise InputError(
-            f"{sheet.name}: {len(sheet.rows)} rows in motion; a trace needs {LEAST_ROWS}"
-        )
+        needed_words = f"{len(sheet.rows)} rows in motion; a trace needs {LEAST_ROWS}"
+        raise InputError("; ".join(filter(None, (f"{sheet.name}: {needed_words}", sheet.counted))))
     return Trace(**columns)
 
 

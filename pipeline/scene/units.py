@@ -76,8 +76,9 @@ _CLOCK = re.compile(
 )
 _OF_TABLES = {
     "C": "degC", "F": "degF", "kg": "kgf", "lb": "lbf", "lbs": "lbf", "sec": "s",
-    "m_s": "m/s", "mm_s": "mm/s",
+    "m_s": "m/s", "mm_s": "mm/s", "newton": "N", "newtons": "N", "celsius": "degC", "m/s": "m/s",
     **dict.fromkeys(("g", "gram", "grams"), "gf"), **dict.fromkeys(TURNS, "rpm"),
+    **dict.fromkeys(("-", "–", "1"), ""),
 }  # fmt: skip
 """Units meant in tables: none is of charges or capacitances, and a mass there is a weight."""
 
@@ -185,7 +186,7 @@ def si_unit(text: str) -> str:
 def unit_of_table(unit: str) -> str:
     """Unit of a column as it is meant, without parentheses around it; empty of a number."""
     unit = re.sub(r"^\((.*)\)$", r"\1", unit.strip())
-    return "" if unit in ("-", "–", "1") else _OF_TABLES.get(unit, unit)
+    return _OF_TABLES.get(unit, _OF_TABLES.get(unit.lower(), unit))
 
 
 def as_entry(cell: str, unit: str = "") -> str | float:

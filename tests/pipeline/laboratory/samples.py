@@ -148,12 +148,14 @@ def ehd():
 
 
 def lvm():
-    heads = ["X_Value", "Load (N)", "Friction force (N)", "Speed (m/s)", "Comment"]
+    heads = ["X_Value", "Load", "Friction force", "Speed", "Comment"]
     rows = lines("\t", TIME, LOAD, FRICTION * LOAD, 0 * TIME + SPEED)
     return text(
         "LabVIEW Measurement\t", "Writer_Version\t2", "Reader_Version\t2", "Separator\tTab",
         "Decimal_Separator\t.", "Date\t2026/03/14", "***End_of_Header***\t", "", "Channels\t3",
-        "Samples\t160\t160\t160", "***End_of_Header***\t\t\t", "\t".join(heads), rows,
+        "Samples\t160\t160\t160", "Y_Unit_Label\tN\tNewtons\tm/s",
+        "X_Dimension\tTime\tTime\tTime", "X0\t0\t0\t0", "Delta_X\t1.000000\t1.000000\t1.000000",
+        "***End_of_Header***\t\t\t", "\t".join(heads), rows,
     )  # fmt: skip
 
 

@@ -67,6 +67,16 @@ def test_a_run_of_a_machine_is_read_with_what_it_lacks(tmp_path, irg, name):
         assert all(re.search(rf'--given "{one}=\.\.\. \w+', asked) for one in given)
 
 
+def test_labview_counts_rows_without_a_time_by_their_step(tmp_path, irg):
+    head, _, rows = samples.lvm().rpartition("X_Value")
+    heads, *rows = rows.splitlines()
+    untimed = "\n".join(["X_Value" + heads, *("\t" + row.partition("\t")[2] for row in rows)])
+    document = irg("tests", write(tmp_path, "run.lvm", head + untimed), "--json")
+    assert_run(document, "lvm", samples.SPEED)
+    lost = write(tmp_path, "run.lvm", head.replace("Delta_X", "") + untimed)
+    assert "0 rows in motion; a trace needs 20; 160 rows: 0 used" in irg("tests", lost, code=2)
+
+
 VARIANTS = {
     "utf-16": lambda text: text.encode("utf-16"),
     "bom": lambda text: text.encode("utf-8-sig"),
