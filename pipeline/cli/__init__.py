@@ -12,7 +12,6 @@ import atexit
 import gc
 import io
 import os
-import resource
 import sys
 import warnings
 from collections.abc import Callable, Sequence
@@ -33,7 +32,6 @@ _SETTINGS = {
     "dask.utils": "a setting of Dask (~/.config/dask, DASK_CONFIG or DASK_…)",
 }
 """Settings of others that a user may have wrong, by the module whose error says so."""
-_LEAST_MEMORY = 700 * 2**20  # [bytes] of addresses, with which the packages can be loaded
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -49,9 +47,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
             import matplotlib  # noqa: F401
     try:
         options = parse(arguments)
-        if (reason := _too_little_memory()) is not None:
-            print(f"irg: {reason}", file=sys.stderr)
-            return 2
         return carried_out(options, _begun)
     except KeyboardInterrupt:  # before a command began
         return 130
@@ -120,14 +115,3 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
         return output.WRONG_USE
     finally:
         output.QUIET.clear()
-
-
-def _too_little_memory() -> str | None:
-    """Reason not to begin: with so little memory OpenBLAS would try for ever to be loaded."""
-    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    if limit == resource.RLIM_INFINITY or limit >= _LEAST_MEMORY:
-        return None
-    return (
-        f"this process may take {limit / 2**20:.0f} MB of memory (ulimit -v), and needs "
-        f"{_LEAST_MEMORY / 2**20:.0f} MB at least: raise the limit"
-    )

@@ -61,7 +61,7 @@ def quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = Fal
     return Option(name, metavar=metavar, type=read, help=f'{use}, like "{like}"')
 
 
-WRITTEN = "output", "watch", "kept", "new_scene"
+WRITTEN = "output", "kept", "new_scene"
 """Options that name what a command writes."""
 
 
@@ -224,16 +224,7 @@ OF_PLOT = (
         choices=("diagram", "ramp", "fields", "temperature", "tests"),
         help="default: diagram; temperature is drawn over the velocity",
     ),
-    Group(
-        "",
-        (
-            output("FILE.png", "file of the figure; default: beside the store"),
-            Option(
-                "--watch", metavar="FILE.png", type=user_path,
-                help="file to draw again and again while a run goes on, until it ends",
-            ),
-        ),
-    ),
+    output("FILE.png", "file of the figure; default: beside the store"),
     quantity("--width", "W", "8.5 cm", "{plot.width}"),
     flag("--no-title", "draw no title, where a caption gives it"),
     flag("--log", "logarithmic axes of the diagram"),

@@ -33,10 +33,6 @@ Spot = tuple[int, int]
 _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 
 
-class PendingError(InputError):
-    """A point that a figure shows is not done."""
-
-
 def chosen_points(
     ds: xr.Dataset, load: Wanted, velocity: Wanted, conditions: Conditions, nearest: bool = False
 ) -> list[Spot]:
@@ -60,7 +56,7 @@ def chosen_points(
     for point in points:
         if not is_finite[point]:
             reason = str(messages(ds).transpose("load", "velocity").values[point])
-            raise PendingError(
+            raise InputError(
                 f"the point {point_name(ds, point)} is not done{reason and ': '}{reason}; "
                 "give another load or velocity, or go on with irg run"
             )
@@ -68,9 +64,9 @@ def chosen_points(
 
 
 def require_done_at(load: float, is_done: Mask) -> None:
-    """Raise a `PendingError` where no point at a load is done."""
+    """Raise an `InputError` where no point at a load is done."""
     if not is_done.any():
-        raise PendingError(
+        raise InputError(
             f"no point at {load:g} N is done; give another load, or go on with irg run"
         )
 

@@ -4,25 +4,20 @@ from __future__ import annotations
 
 import inspect
 import pkgutil
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 
 from pipeline.analysis.dataset import dataset_of
 from pipeline.figures.diagram import diagram
-from pipeline.figures.fields import PendingError, fields
+from pipeline.figures.fields import fields
 from pipeline.figures.ramp import ramp, temperature
 from pipeline.figures.style import figure_path, fit_to_width, save_figure
 from pipeline.figures.tested import measured_over_computed
 from pipeline.scene.units import in_si
-from pipeline.store.place import PathLike
-from pipeline.store.progress import Summary, summary
-from pipeline.sweep.stages import Progress, Report
 from tribo import InputError
 
 _COLUMN = 0.12  # [m], below which panels lie below each other
@@ -125,35 +120,3 @@ def options_of(draw: Callable[..., Figure]) -> list[str]:
     """Names of the options of what draws a kind of figure."""
     _, *names = inspect.signature(draw).parameters  # after what is drawn
     return names
-
-
-_INTERVAL = 1.0  # [s] between two drawings at least
-_SHARE = 2  # times the duration of a drawing between two, so that a run keeps its cores
-
-
-def watch(
-    store: PathLike,
-    out: Path,
-    kind: str,
-    read: Callable[[], xr.Dataset],
-    progress: Report,
-    **options: Any,
-) -> Summary:
-    """Draw a figure of a store again, replaced whole, until its run ends; its state then."""
-    path, drawn = figure_path(out), None
-    while True:
-        state = summary(store)
-        began = time.monotonic()
-        if state.done + len(state.failed) != drawn:
-            try:
-                plot(read(), kind, path, **options)
-            except PendingError:
-                if state.running is None:
-                    raise
-            else:
-                drawn = state.done + len(state.failed)
-                words = f"{state.done} of {state.total} points drawn"
-                progress(Progress(words, state.done, state.total))
-        if state.running is None and summary(store).done == state.done:
-            return state
-        time.sleep(max(_INTERVAL, _SHARE * (time.monotonic() - began)))

@@ -22,7 +22,6 @@ from pipeline.analysis.laboratory import (
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import Scatter
 from pipeline.figures import style
-from pipeline.figures.fields import PendingError
 from pipeline.figures.overlays import TESTS
 from pipeline.figures.style import BLACK, GREY
 from pipeline.store.schema import PENDING
@@ -49,7 +48,7 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
                 found.append((test, one))
     if not found:
         if (asked(ds) & (ds["status"] == PENDING)).any():
-            raise PendingError("too little is done to tell of any test; go on with irg run")
+            raise InputError("too little is done to tell of any test; go on with irg run")
         raise InputError("no test of the scene is in the sweep; add loads and velocities to it")
     figure, axes = style.canvas(ax)
     places = np.array([(one.critical, test.velocity) for test, one in found])

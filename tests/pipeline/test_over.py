@@ -209,7 +209,7 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
     assert page.count("<option") == len(RADII)
     for number, radius in enumerate(RADII):
         assert f'<option value="{number}">pin.radius {radius}</option>' in page
-    for words in (("boundary",), ("plot", "--watch", folder / "d.png")):
+    for words in (("boundary",), ("plot", "-o", folder / "d.png")):
         said = irg(*words, swept, "--at", "pin.radius=3 mm", code=2)
         assert "which the sweep does not have; it has 2 mm, 4 mm" in said
     with pytest.raises(InputError, match=r"it has several of pin\.radius; run the scene"):

@@ -4,7 +4,6 @@ import argparse
 import errno
 import io
 import os
-import resource
 import sys
 import warnings
 from pathlib import Path
@@ -107,19 +106,6 @@ def test_a_reader_that_wants_no_more_is_no_error(monkeypatch):
     monkeypatch.setattr(sys, "stderr", closed)
     assert carry_out(BrokenPipeError()) == 0
     assert closed.closed
-
-
-@pytest.mark.parametrize(
-    ("megabytes", "said"),
-    [(None, None), (700, None), (701, None), (699, "may take 699 MB of memory (ulimit -v), and")],
-)
-def test_with_too_little_memory_no_command_begins(monkeypatch, capsys, megabytes, said):
-    limit = resource.RLIM_INFINITY if megabytes is None else megabytes * 2**20
-    monkeypatch.setattr(resource, "getrlimit", lambda _: (limit, resource.RLIM_INFINITY))
-    monkeypatch.setattr(cli, "carried_out", lambda *_: 7)
-    assert main(["status", "a.zarr"]) == (2 if said else 7)
-    err = capsys.readouterr().err
-    assert err == "" if said is None else f"{said} needs 700 MB at least: raise the limit" in err
 
 
 @pytest.mark.parametrize(

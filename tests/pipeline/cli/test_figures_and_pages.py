@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 import pipeline
-from pipeline.cli import begin, figures, given
+from pipeline.cli import begin, given
 from pipeline.scene.shipped import shipped_pages
 
 
@@ -54,20 +54,6 @@ def test_a_kind_of_figure_refuses_the_options_of_others_and_names_its_own(irg, d
         "plot", "a.zarr", "--kind", "tests", "--load", "400 N", code=2
     )
     assert drawn == []
-
-
-def test_a_figure_that_follows_a_run_says_how_far_it_came(irg, drawn, monkeypatch):
-    def watch(store, out, kind, read, progress, **look):
-        drawn.append((str(store), str(out), kind, read(), look))
-        progress("drawn")
-        return SimpleNamespace(done=3, total=9)
-
-    monkeypatch.setattr(figures, "watch", watch)
-    said = irg("plot", "a.zarr", "--watch", "w.png", "--log")
-    assert said == "a.zarr: 3 of 9 points done, and no run goes on\nirg: drawn\n"
-    assert drawn == [("a.zarr", "w.png", "diagram", "judged", {"log": True, "with_title": True})]
-    document = irg("plot", "a.zarr", "--watch", "w.png", "--json")
-    assert document == {"kind": "diagram", "file": "w.png", "done": 3, "points": 9}
 
 
 def test_pages_are_listed_with_their_titles_and_printed_as_they_are(irg, monkeypatch, tmp_path):

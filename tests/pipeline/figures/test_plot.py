@@ -1,9 +1,7 @@
 """Figures, by what is in them, and one that is drawn again as points come."""
 
-import itertools
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
@@ -20,7 +18,6 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
 from pipeline.figures.ramp import ramp
-from pipeline.store.progress import Summary
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.surface import find_lubrication
@@ -402,26 +399,3 @@ def test_the_temperature_crosses_the_critical_one_at_the_transition(sweep):
     curves = (line for line in axes.lines if line.get_marker() == "None")
     exceeded = next(line for line in curves if line.get_ls() == "-")
     assert np.interp(time, *exceeded.get_data()) == pytest.approx(145.0, abs=0.2)
-
-
-def test_a_figure_of_a_point_waits_until_it_is_done(monkeypatch, tmp_path):
-    begun = Summary("s", "A sweep", total=2, done=1, pending=1, failed=(), running="process 1")
-    over = replace(begun, done=2, pending=0, running=None)
-    states = iter([begun, over, over])
-    monkeypatch.setattr(live, "summary", lambda store: next(states))
-    status = iter([{(750.0, 4.0): PENDING}, {}])
-    clock, slept = itertools.count(100.0, 3.0), []
-    times = SimpleNamespace(monotonic=lambda: next(clock), sleep=slept.append)
-    monkeypatch.setattr(live, "time", times)
-    axes = (400.0, 750.0), (2.0, 4.0)
-    watched = {"read": lambda: synthetic.sweep(*axes, status=next(status)), "progress": [].append}
-    watched |= {"load": 750.0, "velocity": 4.0}
-    assert live.watch("out.zarr", tmp_path / "r.png", "ramp", **watched) == over
-    assert (tmp_path / "r.png").exists()
-    assert slept == [6.0]  # twice the 3 s of the drawing, so that a run keeps its cores
-    assert [*tmp_path.iterdir()] == [tmp_path / "r.png"]
-
-    monkeypatch.setattr(live, "summary", lambda store: over)
-    status = iter([{(750.0, 4.0): PENDING}])
-    with pytest.raises(InputError, match="750 N, 4 m/s is not done"):
-        live.watch("out.zarr", tmp_path / "s.png", "ramp", **watched)
