@@ -174,16 +174,15 @@ _TURNS = 64  # turns of a line that are told; more are waves between points
 def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dict[str, Any]:
     """Transitions along the velocity at each load, or along the load at each velocity."""
     plane, by_load = field.planes[0], line == "load"
-    others = (plane.loads if by_load else plane.velocities).tolist()
-    here = float((plane.velocities if by_load else plane.loads)[-1])
-    rows = (field.lines(axis, *((other, here) if by_load else (here, other))) for other in others)
-    members = [*zip(*rows, strict=True)]
+    others = plane.loads if by_load else plane.velocities
+    here = np.full(others.shape, (plane.velocities if by_load else plane.loads)[-1])
+    members = field.lines(axis, *((others, here) if by_load else (here, others)))
     noun, unit = "velocity" if axis == "velocity" else "normal load", UNITS[axis]
     dims = [*(["realization"] if "realization" in ds.dims else []), line]
     shape = tuple(ds.sizes[name] for name in dims)
 
     def each(take: Callable[[Line], Any]) -> Any:
-        return np.array([[take(one) for one in member] for member in members])
+        return np.array([take(member) for member in members])
 
     first = each(lambda one: one.first)
     critical = np.where(np.isfinite(first), first, math.nan)
@@ -222,8 +221,10 @@ def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dic
     return result
 
 
-def _padded(places: tuple[float, ...]) -> tuple[float, ...]:
-    return (places + (math.nan,) * _TURNS)[:_TURNS]
+def _padded(places: Array) -> Array:
+    """Turns by line, of which the first ones are kept, and NaN behind them."""
+    room = np.full((len(places), _TURNS), math.nan)
+    return np.sort(np.append(places, room, axis=1), axis=1)[:, :_TURNS]
 
 
 _STEPS = 241  # velocities among which the ends of a band are sought
@@ -254,7 +255,7 @@ def _band_alone(ds: xr.Dataset) -> xr.Dataset:
     low, high = (float(end) for end in field.ends["velocity"])
     grid = np.geomspace(low, high, _STEPS)
     scatter = model_error(ds, field)
-    rows = field.plane(loads.tolist(), grid, scatter)
+    rows = field.probability(loads[:, None], grid, scatter)
     lines = [np.interp(DECIDED, np.maximum.accumulate(row), grid, 0.0, math.inf) for row in rows]
     result = xr.Dataset(
         coords={"load": ds["load"].variable, "quantile": ("quantile", list(DECIDED))},

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -114,19 +113,14 @@ def refined(
     x = {name: rise[name].values for name in PLANE}
     axes = {name: np.linspace(values[0], values[-1], resolution) for name, values in x.items()}
 
-    def row_along(name: str, row: Array) -> Array:
+    def along(name: str, rows: Array) -> Array:
         if name == "load" or limit is None:
-            return Curve(x[name], row)(axes[name])
-        return certain(x[name], row, axes[name], limit)
-
-    def along(name: str, axis: int, values: Array) -> Array:
-        if (x[name] > 0).all() and (values > 0).all():  # all at once, if all are known
-            columns = np.moveaxis(values, axis, 0)
-            return np.moveaxis(Curve(x[name], columns)(axes[name]), 0, axis)
-        return np.apply_along_axis(partial(row_along, name), axis, values)
+            return Curve(x[name], rows)(axes[name])
+        return certain(x[name], rows, axes[name], limit)
 
     friction = conditions.friction_factor(axes["velocity"])
-    plane = along("load", -2, along("velocity", -1, rise.values) * friction)
+    by_load = along("velocity", rise.values) * friction
+    plane = along("load", by_load.swapaxes(-1, -2)).swapaxes(-1, -2)
     coords = {
         name: (name, axes[str(name)], coord.attrs) if name in axes else coord.variable
         for name, coord in rise.coords.items()

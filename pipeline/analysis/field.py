@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
@@ -32,8 +32,8 @@ from pipeline.analysis.decisive import (
     decisive_rise,
     strip_friction,
 )
-from pipeline.analysis.model_error import Scatter, severe_share
-from pipeline.analysis.rise_error import RiseError, RisePlane, add_counted, grids_of, rise_error
+from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.rise_error import RiseError, RisePlane, add_counted, grids_of, rise_errors
 from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import LEAST_SLOPE, Line, Transitions, range_of
 from pipeline.quantities import UNITS
@@ -44,15 +44,23 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rise_limit, rise_limits
 from pipeline.sweep.variants import VARIANT
 from tribo import InputError
-from tribo.types import Array, Mask
+from tribo.types import Array, Indices, Mask
 
 _USUAL = COORDINATES.keys() - {VARIANT, "realization"}
 _FAR, _PLACES = 30.0, 1024  # ratio to which a line goes on with its friction, and places of it
 _PARTS = 64  # parts of an interval of velocities, in each of which friction is taken as it is there
 
 
+Places = Array | float
+"""Loads [N] or velocities [m/s] of places, of shape (k,), or one for all."""
+
+
 class Field(Protocol):
-    """What every answer asks of a scene; arrays have a value of each member, shape (m,)."""
+    """What every answer asks of a scene.
+
+    Places are loads [N] and velocities [m/s] of shape (k,), or either is one for all. Arrays have a
+    value of each member (m,), or of each member and place (m, k).
+    """
 
     @property
     def weights(self) -> Array:
@@ -87,6 +95,10 @@ class Field(Protocol):
         """True if the members are draws of unknown inputs; surfaces tell nothing of these."""
 
     @property
+    def at_once(self) -> int:
+        """Number of places that answers are asked for at once."""
+
+    @property
     def misfit(self) -> str:
         """Why the tests contradict the model; empty if they do not."""
 
@@ -97,35 +109,38 @@ class Field(Protocol):
     def judged_by(self, own: Mapping[str, float]) -> Field:
         """The field under the conditions of a row of a table; see `Conditions.row_conditions`."""
 
-    def temperatures(self, load: float, velocity: float) -> Here:
-        """Deciding temperatures at a place, and where they are from."""
+    def temperatures(self, loads: Places, velocities: Places) -> Here:
+        """Deciding temperatures at places, and where they are from."""
 
-    def error(self, load: float, velocity: float) -> RiseError:
-        """Numerical error there, relative to the rise: that of the member that errs most."""
+    def errors(self, loads: Places, velocities: Places) -> list[RiseError]:
+        """Numerical errors there, relative to the rise: of the member that errs most."""
 
-    def transitions(self, axis: str, load: float, velocity: float) -> Transitions:
-        """Where wear first turns severe along an axis through a place."""
+    def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
+        """Where wear first turns severe along an axis through places."""
 
     def probability(
-        self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
+        self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
-        """Probability that the next run is severe, by velocity (k,).
+        """Probability that the next run is severe, by place (k,).
 
-        The shift of ln(rise) makes all rises larger.
+        The shift of ln(rise), one for all places or for each, makes rises larger.
         """
-
-    def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
-        """The same by load and velocity."""
 
 
 class Here(NamedTuple):
-    """Deciding temperatures of the members of a field at a place."""
+    """Deciding temperatures of the members of a field at places."""
 
-    values: Array  # [K]
-    is_severe: Mask
-    critical: Array  # [K]
-    is_computed: bool  # the very point is done
-    is_continued: bool  # beyond the points that are done
+    values: Array  # [K], by member and place (m, k); NaN where not known
+    is_severe: Mask  # likewise
+    critical: Array  # [K], likewise
+    is_computed: Mask  # the very point is done (k,)
+    is_continued: Mask  # beyond the points that are done (k,)
+    reasons: Sequence[str]  # why a place is not known; empty where it is
+
+    def require_known(self) -> None:
+        """Raise an `InputError` at the first place that is not known."""
+        for reason in filter(None, self.reasons):
+            raise InputError(reason)
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +158,9 @@ class PointField:
     from_rest: bool = False  # the sweep has points at rest, below its lowest velocity
     misfit: str = ""
     basis: tuple[Mapping[str, Any], Sequence[str]] = ({}, ())
+    _kept: dict[Any, tuple[list[Line], Indices]] = field(default_factory=dict, init=False)
     counts_inputs = False
+    at_once = 1000  # lines of 1000 places take some 100 MB where friction depends on the velocity
 
     @property
     def weights(self) -> Array:
@@ -168,141 +185,199 @@ class PointField:
         planes = tuple(grids_of(self.source, strip_friction(rise, conditions), conditions))
         return replace(self, planes=planes, conditions=conditions)
 
-    @functools.cached_property
-    def _curves(self) -> list[list[Curve]]:
-        """Curve over velocities of each load, by plane."""
-        return [[Curve(plane.velocities, row) for row in plane.rises] for plane in self.planes]
-
-    def temperatures(self, load: float, velocity: float) -> Here:
-        """See `Field`; an `InputError` where too little is done to tell."""
-        self._require_within(load, velocity)
-        found = [self._rise(number, load, velocity) for number in range(len(self.planes))]
-        if not all(math.isfinite(rise) for rise, _ in found):
-            raise InputError(
-                f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the "
-                "sweep to its end, or add points there"
-            )
+    def temperatures(self, loads: Places, velocities: Places) -> Here:
+        """See `Field`."""
+        loads, velocities = places_of(loads, velocities)
+        found = [self._rise(k, loads, velocities) for k in range(len(self.planes))]
         rises = np.array([rise for rise, _ in found])
+        is_known = np.isfinite(rises).all(axis=0)
+        reasons = [
+            self._reason(load, velocity, known)
+            for load, velocity, known in zip(
+                loads.tolist(), velocities.tolist(), is_known.tolist(), strict=True
+            )
+        ]
+        rises = np.where([not reason for reason in reasons], rises, np.nan)
         return Here(
             self.conditions.contact_temperature(rises),
             rises > self.limit,
-            np.full(len(rises), self.conditions.known_critical_temperature()),
-            all(plane.is_done(load, velocity) for plane in self.planes),
-            not all(is_within for _, is_within in found),
+            np.full(rises.shape, self.conditions.known_critical_temperature()),
+            np.all([plane.is_done(loads, velocities) for plane in self.planes], axis=0),
+            ~np.all([is_within for _, is_within in found], axis=0),
+            reasons,
         )
 
-    def _require_within(self, load: float, velocity: float) -> None:
+    def _reason(self, load: float, velocity: float, is_known: bool) -> str:
+        """Why a place is not known; empty where it is."""
         axes = self.planes[0].loads, self.planes[0].velocities
         for name, x, value in zip(PLANE, axes, (load, velocity), strict=True):
             lowest, highest = min(x[0], self.ends[name][0]), max(x[-1], self.ends[name][1])
             lowest = 0.0 if self.from_rest and name == "velocity" else lowest
             if not (lowest <= value <= highest and value > 0):
-                raise InputError(
+                return (
                     f"{name} is {value:g} {UNITS[name]}; the sweep has {lowest:g} to {highest:g} "
                     f"{UNITS[name]}: give one within, above 0, or add points to the sweep"
                 )
+        if is_known:
+            return ""
+        return (
+            f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the "
+            "sweep to its end, or add points there"
+        )
 
-    def _rise(self, number: int, load: float, velocity: float) -> tuple[float, bool]:
-        """Rise of a member at a place [K], and whether it lies between computed points."""
-        for continued in (False, True):
-            by_load = self._load_rises(number, velocity, continued)
-            rise = Curve(self.planes[number].loads, by_load).at(load)
-            if math.isfinite(rise):
-                break
-        return rise, not continued
+    def _rise(self, number: int, loads: Array, velocities: Array) -> tuple[Array, Mask]:
+        """Rise of a member at places [K], and whether it lies between computed points."""
+        within, continued = (
+            Curve(self.planes[number].loads, by_load)(loads[:, None])[:, 0]
+            for by_load in (
+                self._load_rises(number, velocities, continued) for continued in (False, True)
+            )
+        )
+        is_within = np.isfinite(within)
+        return np.where(is_within, within, continued), is_within
 
-    def _load_rises(self, number: int, velocity: float, continued: bool = False) -> Array:
-        """Rises of a member by load at one velocity [K], with the friction there."""
-        rises = np.array([curve.at(velocity, continued) for curve in self._curves[number]])
-        return rises * self.conditions.friction_factor(np.array(velocity))
+    def _load_rises(self, number: int, velocities: Array, continued: bool = False) -> Array:
+        """Rises of a member by place and load (k, n) [K], with the friction at the place."""
+        rises = self._curves[number](velocities, continued).T
+        return np.asarray(rises * self.conditions.friction_factor(velocities)[:, None])
 
-    def error(self, load: float, velocity: float) -> RiseError:
+    @functools.cached_property
+    def _curves(self) -> list[Curve]:
+        """Curves over velocities at the loads, by plane."""
+        return [Curve(plane.velocities, plane.rises) for plane in self.planes]
+
+    def errors(self, loads: Places, velocities: Places) -> list[RiseError]:
         """See `Field`."""
-        errors = [rise_error(plane, load, velocity, self.promised) for plane in self.planes]
-        worst = max(errors, key=lambda one: math.inf if one.total is None else one.total)
-        is_solved = all(plane.rests_on_solved(load, velocity) for plane in self.planes)
-        rises = [self._rise(number, load, velocity)[0] for number in range(len(self.planes))]
-        return add_counted(worst, self.conditions, max(rises), is_solved)
+        loads, velocities = places_of(loads, velocities)
+        by_plane = [rise_errors(plane, loads, velocities, self.promised) for plane in self.planes]
+        worst = [
+            max(errors, key=lambda one: math.inf if one.total is None else one.total)
+            for errors in zip(*by_plane, strict=True)
+        ]
+        counted = functools.cache(lambda one, *rest: add_counted(one, self.conditions, *rest))
+        if not self.conditions.friction_law.by_temperature:
+            return [counted(one) for one in worst]
+        rises = np.max([self._rise(k, loads, velocities)[0] for k in range(len(self.planes))], 0)
+        solved = (
+            all(plane.rests_on_solved(load, velocity) for plane in self.planes)
+            for load, velocity in zip(loads.tolist(), velocities.tolist(), strict=True)
+        )
+        return [*map(counted, worst, rises.tolist(), solved)]
 
-    def transitions(self, axis: str, load: float, velocity: float) -> Transitions:
+    def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
         """See `Field`."""
-        return Transitions.of(self.lines(axis, load, velocity))
+        return Transitions.of(self.lines(axis, *places_of(loads, velocities)))
 
     def probability(
-        self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
+        self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
         """See `Field`."""
-        limits, here = rise_limits(self.conditions) * math.exp(-shift), float(velocities[0])
-        lines = self.lines("velocity", load, here, self._is_untold(load, velocities))
+        loads, velocities = places_of(loads, velocities)
+        untold = self._is_untold(loads, velocities)
+        lines, rows = self._lines_of("velocity", loads, velocities, untold)
+        # Many places may share a line and its limit.
+        shifted = np.stack([rows, np.broadcast_to(shift, loads.shape)])
+        (numbers, shifts), rows = np.unique(shifted, axis=1, return_inverse=True)
+        limits = rise_limits(self.conditions)[:, None] * np.exp(-shifts)
         shares = np.array([
-            [severe_share(replace(line, limit=limit).severe(), velocities, scatter)
-             for limit in limits.tolist()]
+            [
+                replace(line[numbers.astype(int)], limit=limit).severe_share(
+                    velocities, scatter, rows.ravel()
+                )
+                for limit in limits
+            ]
             for line in lines
         ])  # fmt: skip
         return np.asarray(self.weights @ shares.mean(axis=1))
 
-    def _is_untold(self, load: float, velocities: Array) -> bool:
-        """A row of the sweep has too few points to go on to velocities, on any surface."""
-        rows = np.flatnonzero(self.planes[0].loads == load).tolist()
-        own = [curves[row] for curves in self._curves for row in rows]
-        return any(len(curve.x) < 2 and not np.isin(velocities, curve.x).all() for curve in own)
+    def _is_untold(self, loads: Array, velocities: Array) -> Mask:
+        """A row of the sweep has too few points to go on to a velocity, on any surface."""
+        untold = np.zeros(loads.shape, bool)
+        for curves in self._curves:
+            for load, x, count in zip(self.planes[0].loads, curves.x, curves.count, strict=True):
+                untold |= (loads == load) & (count < 2) & ~np.isin(velocities, x)
+        return untold
 
-    def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
-        """See `Field`."""
-        return np.array([self.probability(load, velocities, scatter) for load in loads])
+    def lines(self, axis: str, loads: Array, velocities: Array) -> list[Line]:
+        """Lines along an axis through places, by member; the places are their rows."""
+        lines, rows = self._lines_of(axis, loads, velocities, np.zeros(loads.shape, bool))
+        return [line[rows] for line in lines]
 
-    @functools.cached_property
-    def lines(self) -> Callable[..., list[Line]]:
-        """Line of each member along an axis, through the rise at a load and a velocity.
+    def _lines_of(
+        self, axis: str, loads: Array, velocities: Array, is_filled: Mask
+    ) -> tuple[list[Line], Indices]:
+        """Lines along an axis by member, and the number of the row of each place.
 
         Between loads or velocities of the sweep, rises go on where wear is certainly mild or
         severe. A row of the sweep has its own points alone, unless those of other rows are asked to
         stand in for points that it lacks.
         """
-        kept = functools.lru_cache(maxsize=2)  # those of one place are asked for several times
-        return kept(lambda *place: [self._line(k, *place) for k in range(len(self.planes))])
+        own, place, along = self.planes[0].loads, loads, velocities
+        if axis == "load":
+            own, place, along = self.planes[0].velocities, velocities, loads
+        is_row = np.isin(place, own) & np.logical_not(is_filled)
+        key = axis, loads.tobytes(), velocities.tobytes(), is_filled.tobytes()
+        if key in self._kept:  # those of the same places are asked for several times
+            return self._kept[key]
+        # A row is the same line through each of its places.
+        keys = np.stack([place, np.where(is_row, -1.0, along)])
+        _, first, rows = np.unique(keys, axis=1, return_index=True, return_inverse=True)
+        lines = [
+            self._lines(number, axis, loads[first], velocities[first], is_row[first])
+            for number in range(len(self.planes))
+        ]
+        if len(self._kept) > 1:
+            self._kept.clear()
+        self._kept[key] = lines, rows.ravel()
+        return self._kept[key]
 
-    def _line(
-        self, number: int, axis: str, load: float, velocity: float, is_filled: bool = False
-    ) -> Line:
+    def _lines(self, number: int, axis: str, loads: Array, velocities: Array, is_row: Mask) -> Line:
         plane, factor, limit = self.planes[number], self.conditions.friction_factor, self.limit
-        x, other, place, along = plane.velocities, plane.loads, load, velocity
+        x, other, place, along = plane.velocities, plane.loads, loads, velocities
         rises = plane.rises * factor(x)
         if axis == "load":
-            x, other, place, along, rises = other, x, velocity, load, rises.T
+            x, other, place, along, rises = other, x, velocities, loads, rises.T
         has_curve = self.conditions.has_friction_curve
-        is_row = place in other and not is_filled
-        if is_row:
-            computed = going_on = rises[int(np.searchsorted(other, place))]
-        elif axis == "load":
-            computed, here = self._load_rises(number, velocity), np.array([velocity])
-            going_on = np.array(
-                [certain(other, row, here, limit / factor(here)[0])[0] for row in plane.rises]
-            ) * factor(here)
+        if axis == "load":
+            computed, here = self._load_rises(number, velocities), factor(velocities)
+            going_on = (certain(other, plane.rises, velocities, limit / here) * here).T
         elif has_curve:  # how friction goes on beyond the points is no power law
-            computed = going_on = np.array([Curve(other, column).at(place) for column in rises.T])
+            computed = going_on = Curve(other, rises.T)(place).T
         else:
-            certainly = np.array([certain(x, row, x, limit) for row in rises])
-            rows = np.where(np.isfinite(rises), rises, certainly)
-            computed, going_on = (
-                np.array([Curve(other, column).at(place) for column in lines.T])
-                for lines in (rises, rows)
-            )
-        done = x[np.isfinite(computed)]
-        rise, is_within = (math.nan, False) if is_row else self._rise(number, load, velocity)
-        known: tuple[Array, Array] = x, going_on
-        through_place = _inserted(*known, along, rise) if math.isfinite(rise) else known
-        line = through_place if is_within else known
+            certainly = np.where(np.isfinite(rises), rises, certain(x, rises, x, limit))
+            computed, going_on = (Curve(other, rows.T)(place).T for rows in (rises, certainly))
+        nearest = np.minimum(np.searchsorted(other, place), len(other) - 1)
+        computed, going_on = (
+            np.where(is_row[:, None], rises[nearest], part) for part in (computed, going_on)
+        )
+        done = np.where(np.isfinite(computed), x, np.nan)
+        rise, is_within = self._rise(number, loads, velocities)
+        rise = np.where(is_row, np.nan, rise)
+        line = _inserted(x, going_on, along, np.where(is_within, rise, np.nan))
         if not (has_curve and axis == "velocity"):
-            return Line(Curve(*line), limit, self.ends[axis], done)
-        continued = continued_friction(*through_place, factor)
-        return Line(Curve(*along_friction(*line, factor)), limit, self.ends[axis], done, continued)
+            return Line(Curve(*line), np.array(limit), self.ends[axis], done)
+        continued = continued_friction(*_inserted(x, going_on, along, rise), factor)
+        near = Curve(*along_friction(*line, factor))
+        return Line(near, np.array(limit), self.ends[axis], done, continued)
 
 
-def _inserted(x: Array, y: Array, place: float, value: float) -> tuple[Array, Array]:
-    """Ascending abscissae and their ordinates, with a value at a place."""
-    others, number = x != place, int(np.searchsorted(x, place))
-    return np.insert(x[others], number, place), np.insert(y[others], number, value)
+def places_of(loads: Places, velocities: Places) -> tuple[Array, Array]:
+    """Loads and velocities of places, each of shape (k,)."""
+    pair = np.broadcast_arrays(*np.atleast_1d(loads, velocities))
+    return np.asarray(pair[0], float), np.asarray(pair[1], float)
+
+
+def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, Array]:
+    """Abscissae by row (k, n + 1), ascending, and ordinates, with a value at the place of each row.
+
+    A value that is NaN is not inserted; its abscissa is NaN, too, and the last one.
+    """
+    is_there = np.isfinite(values)[:, None]
+    others = np.where(is_there & (x == places[:, None]), np.nan, x)
+    wider = np.append(others, np.where(is_there, places[:, None], np.nan), axis=1)
+    order = np.argsort(wider, axis=1)
+    ordinates = np.append(y, values[:, None], axis=1)
+    return np.take_along_axis(wider, order, 1), np.take_along_axis(ordinates, order, 1)
 
 
 def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array, Array]:
@@ -311,22 +386,31 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
     Between two velocities the friction is known, and only the heat is interpolated: rises are
     divided by the factor of their friction, and multiplied by that of each place.
     """
-    steps = np.arange((len(velocities) - 1) * _PARTS + 1) / _PARTS
-    places = np.interp(steps, np.arange(len(velocities)), velocities)
+    steps = np.diff(velocities)[..., None] * (np.arange(_PARTS) / _PARTS)
+    places = (velocities[..., :-1, None] + steps).reshape(*velocities.shape[:-1], -1)
+    places[..., ::_PARTS] = velocities[..., :-1]
+    places = np.append(places, velocities[..., -1:], axis=-1)
     between = Curve(velocities, rises / factor(velocities))(places) * factor(places)
-    between[::_PARTS] = rises
+    between[..., ::_PARTS] = rises
     return places, between
 
 
-def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve | None:
-    """Rises [K] far beyond the velocities [m/s] that are known: only the heat is a power there."""
+def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
+    """Rises [K] far beyond the velocities [m/s] that are known: only the heat is a power there.
+
+    Nothing is known in rows in which that is no power law.
+    """
     heat = Curve(velocities, rises / factor(velocities))
-    if not (heat.x.size and (heat.y > 0).all()):
-        return None
-    if len(heat.x) == 1:  # as the velocity, at most
-        heat = Curve(np.append(heat.x, 2 * heat.x), np.append(heat.y, 2 * heat.y))
-    far = np.geomspace(heat.x[0] / _FAR, heat.x[-1] * _FAR, _PLACES)
-    places = np.union1d(np.append(far, np.linspace(heat.x[0], heat.x[-1], _PLACES)), heat.x)
+    x, y = heat.x, np.where(heat.is_log[..., None], heat.y, np.nan)
+    for part in (x, y):  # a single one goes on as the velocity, at most
+        part[..., 1] = np.where(heat.count == 1, 2 * part[..., 0], part[..., 1])
+    heat = Curve(x, y)
+    (first, _), (last, _) = heat.end(0), heat.end(-1)
+    far = np.geomspace(first / _FAR, last * _FAR, _PLACES, axis=-1)
+    within = np.linspace(first, last, _PLACES, axis=-1)
+    places = np.sort(np.concatenate([far, within, heat.x], axis=-1), axis=-1)
+    places[..., 1:] = np.where(places[..., 1:] == places[..., :-1], np.nan, places[..., 1:])
+    places = np.sort(places, axis=-1)
     return Curve(places, heat(places, continued=True, least_slope=LEAST_SLOPE) * factor(places))
 
 
@@ -370,16 +454,31 @@ def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> Poin
     )
 
 
-def quantile(values: Array, weights: Array, share: float) -> float:
-    """Value that a share of weight stays below: infinite beside an infinite one, NaN if any is."""
-    if np.isnan(values).any():
-        return math.nan
-    order = np.argsort(values)
-    values, weights = values[order], weights[order]
-    total, share = np.cumsum(weights), share * weights.sum()
-    sides = [np.searchsorted(total.round(12), round(share, 12), side) for side in ("left", "right")]
-    for value in values[np.minimum(sides, len(values) - 1)].tolist():
-        if math.isinf(value):
-            return float(value)
-    known = np.isfinite(values)
-    return float(np.interp(share, (total - 0.5 * weights)[known], values[known]))
+def quantile(values: Array, weights: Array, share: float) -> Array:
+    """Value that a share of weight stays below, over the first axis of values.
+
+    It is infinite beside an infinite value, and NaN if any value is.
+    """
+    if len(values) == 1:
+        return np.asarray(values[0])
+    order = np.argsort(values, axis=0)
+    ranked, weight = np.take_along_axis(values, order, 0), weights[order]
+    total, share = np.cumsum(weight, axis=0), share * weights.sum()
+    middles, is_known = total - 0.5 * weight, np.isfinite(ranked)
+    first = np.argmax(is_known, axis=0)
+    last = len(values) - 1 - np.argmax(is_known[::-1], axis=0)
+    low = np.clip(first + ((middles <= share) & is_known).sum(axis=0) - 1, first, last)
+    high = np.minimum(low + 1, last)
+
+    def at(part: Array, number: Any) -> Array:
+        found: Array = np.take_along_axis(part, number[None], 0)[0]
+        return found
+
+    with np.errstate(invalid="ignore", divide="ignore"):
+        way = (share - at(middles, low)) / (at(middles, high) - at(middles, low))
+        way = np.where(high > low, np.clip(way, 0.0, 1.0), 0.0)
+        found = at(ranked, low) + way * (at(ranked, high) - at(ranked, low))
+    for is_before in (total.round(12) <= round(share, 12), total.round(12) < round(share, 12)):
+        beside = at(ranked, np.minimum(is_before.sum(axis=0), len(values) - 1))
+        found = np.where(np.isinf(beside), beside, found)
+    return np.where(np.isnan(values).any(axis=0), math.nan, found)

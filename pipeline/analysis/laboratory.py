@@ -15,7 +15,7 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.dataset import Kind, scene_sweep, stored_sweep, sweep_kind
-from pipeline.analysis.field import Field, Here, PointField, point_field, quantile
+from pipeline.analysis.field import Field, Here, PointField, places_of, point_field, quantile
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import AGREED, USUAL, ModelError, Scatter
 from pipeline.analysis.scenes import frame_by_scene
@@ -175,11 +175,13 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
     InputError
         If the load lies outside the sweep, or too little of it is done to tell.
     """
-    low, high = own.transitions("velocity", test.normal_load, test.velocity).computed
+    computed = own.transitions("velocity", test.normal_load, test.velocity).computed
+    low, high = (float(end[0]) for end in computed)
     end = float(np.clip(test.velocity, low, high))
     if math.isnan(end):
         end = float(np.clip(test.velocity, *own.ends["velocity"]))
     here = own.temperatures(test.normal_load, end)
+    here.require_known()
     turn, critical = (critical_velocity(own, test, continued) for continued in (False, True))
     is_severe = bool(np.mean(here.is_severe) > 0.5)
     is_right = test.outcome is not None and (test.outcome == "severe") == is_severe
@@ -195,9 +197,9 @@ def critical_velocity(own: PointField, test: Measurement, continued: bool = Fals
     For a transition wear turns severe there. The velocity is infinite, or -infinite, if wear is
     mild, or severe, at all computed points [m/s], and their line is not continued.
     """
-    lines = own.lines("velocity", test.normal_load, test.velocity)
+    lines = own.lines("velocity", *places_of(test.normal_load, test.velocity))
     nearest = [line.nearest(test.velocity, test.outcome is None, continued) for line in lines]
-    return quantile(np.array(nearest), own.weights, 0.5)
+    return float(quantile(np.array(nearest), own.weights, 0.5)[0])
 
 
 def tests_beside(
@@ -289,17 +291,19 @@ def _answer(test: Measurement, field: PointField, found: Comparison) -> tuple[st
     The numerical error and the scatter of the measurement count, and not the model's own error,
     which the tests have made.
     """
-    here, error = found.here, field.error(*found.place).total
-    temperature = quantile(here.values, field.weights, 0.5)
-    rises = np.array([*map(field.conditions.temperature_error, here.values.tolist())])
-    known = error is not None and np.abs(here.critical - here.values) > error * rises
+    here, (error,) = found.here, [one.total for one in field.errors(*found.place)]
+    values, critical = (part[:, 0] for part in (here.values, here.critical))
+    is_severe = here.is_severe[:, 0]
+    temperature = float(quantile(values, field.weights, 0.5))
+    rises = np.array([*map(field.conditions.temperature_error, values.tolist())])
+    known = error is not None and np.abs(critical - values) > error * rises
     verdict = NOT_DECIDED
-    if np.all(known) and len({*here.is_severe.tolist()}) == 1:
-        verdict = "severe" if here.is_severe[0] else "mild"
+    if np.all(known) and len({*is_severe.tolist()}) == 1:
+        verdict = "severe" if is_severe[0] else "mild"
     if outcome := test.outcome:
         said = verdict
-        if len({*here.is_severe.tolist()}) > 1:
-            said = f"severe on {here.is_severe.sum()} of {len(here.is_severe)} surfaces"
+        if len({*is_severe.tolist()}) > 1:
+            said = f"severe on {is_severe.sum()} of {len(is_severe)} surfaces"
         agrees = NOT_DECIDED if verdict == NOT_DECIDED else "yes" if verdict == outcome else "no"
         return said, temperature, agrees if found.is_known else NOT_KNOWN
     scatter = test.velocity_scatter or USUAL_SCATTER * test.velocity

@@ -9,6 +9,7 @@ most 5 % at the worst numerical error, severe where of at least 95 %, and else n
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -17,14 +18,14 @@ from typing import Any
 import numpy as np
 
 from pipeline.analysis.dataset import stored_sweep
-from pipeline.analysis.field import Field, continued_friction, quantile
-from pipeline.analysis.model_error import Scatter, severe_share
+from pipeline.analysis.field import Field, Here, continued_friction, quantile
+from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.rise_error import RiseError
 from pipeline.analysis.transition import Line
 from pipeline.quantities import display
 from pipeline.sweep.accuracy import MEASURES
 from pipeline.sweep.shown import shown
-from tribo.types import Array
+from tribo.types import Array, Mask
 
 NOT_DECIDED = "not decided"
 """Verdict on a place whose next run is neither mild nor severe with 95 % probability."""
@@ -182,63 +183,71 @@ def percent(probability: float) -> str:
     return f"{100 * probability:.{digits}g} %"
 
 
-def answer(
-    field: Field, load: float, velocity: float, scatter: Scatter, tested: Sequence[str] = ()
-) -> Margin:
-    """The margin of a field at a load [N] and a velocity [m/s].
+def answers(
+    field: Field,
+    loads: Array,
+    velocities: Array,
+    scatter: Scatter,
+    tested: Sequence[Sequence[str]] | None = None,
+) -> list[Margin | str]:
+    """The margins of a field at loads [N] and velocities [m/s] (k,), or why there is none.
 
-    Raises
-    ------
-    InputError
-        If the place lies outside the sweep, or too little of it is done to tell.
+    Tests at or beside each place may be given in words.
     """
-    here, weights = field.temperatures(load, velocity), field.weights
-    error = field.error(load, velocity)
-    lowest, middle, highest = probabilities(field, load, np.array([velocity]), scatter, error)
-    along = {axis: field.transitions(axis, load, velocity) for axis in ("velocity", "load")}
-    spread = {"decisive_temperature": here.values, "distance": here.critical - here.values}
-    ends_and_middles: list[dict[str, Any]] = [
-        {name: quantile(values, weights, share) for name, values in spread.items()}
-        | {
-            f"critical_{axis}": max(quantile(one.first, weights, share), 0.0)
-            for axis, one in along.items()
-        }
-        for share in DECIDED
-    ]
-    low, middles, high = ends_and_middles
-    intervals = {}
-    if len(weights) > 1:
-        intervals = {name: (low[name], high[name]) for name in low}
-    for name in ("critical_velocity", "critical_load"):
-        middles[name] = middles[name] if 0 < middles[name] < math.inf else math.nan
-    scale = field.conditions.temperature_error(middles["decisive_temperature"])
-    told: dict[str, Any] = {
-        f"{axis}_{name}": value
-        for axis, one in along.items()
-        for name, value in (("outcome", one.worded(axis)), ("range", one.computed))
+    here = field.temperatures(loads, velocities)
+    is_known = np.array([not reason for reason in here.reasons])
+    if not is_known.any():
+        return [*here.reasons]
+    columns = _columns(field, loads[is_known], velocities[is_known], scatter, here, is_known)
+    if tested is not None:
+        columns["tested"] = [tuple(tests) for tests in itertools.compress(tested, is_known)]
+    shared: dict[str, Any] = {
+        "model_error": scatter.worded,
+        "members": len(field.weights),
+        "counts_inputs": field.counts_inputs,
+        "critical_sd": field.conditions.critical_sd,
+        "misfit": field.misfit,
+        "caveats": tuple(caveats_of(field)),
+        "entries": field.entries,
     }
-    return Margin(
-        load=load,
-        velocity=velocity,
-        probability=float(middle[0]),
-        lowest=float(lowest[0]),
-        highest=float(highest[0]),
-        error=error.times(scale),
-        critical_temperature=quantile(here.critical, weights, 0.5),
-        critical_sd=field.conditions.critical_sd,
-        model_error=scatter.worded,
-        is_computed=here.is_computed,
-        is_continued=here.is_continued,
-        members=len(weights),
-        counts_inputs=field.counts_inputs,
-        intervals=intervals,
-        tested=tuple(tested),
-        misfit=field.misfit,
-        caveats=tuple(caveats_of(field)),
-        entries=field.entries,
-        **middles,
-        **told,
+    rows = zip(*columns.values(), strict=True)
+    margins = (Margin(**shared, **dict(zip(columns, row, strict=True))) for row in rows)
+    return [reason or next(margins) for reason in here.reasons]
+
+
+def _columns(
+    field: Field, loads: Array, velocities: Array, scatter: Scatter, here: Here, is_known: Mask
+) -> dict[str, Sequence[Any]]:
+    """Values of the margins at places that are known, by the names of `Margin`."""
+    weights, errors = field.weights, field.errors(loads, velocities)
+    values, critical = here.values[:, is_known], here.critical[:, is_known]
+    chances = probabilities(field, loads, velocities, scatter, errors)
+    along = {axis: field.transitions(axis, loads, velocities) for axis in ("velocity", "load")}
+    spread = {"decisive_temperature": values, "distance": critical - values}
+    spread |= {f"critical_{axis}": one.first for axis, one in along.items()}
+    low, middles, high = (
+        {name: quantile(of_members, weights, share) for name, of_members in spread.items()}
+        for share in DECIDED
     )
+    for name in ("critical_velocity", "critical_load"):
+        low[name], high[name] = (np.maximum(ends[name], 0.0) for ends in (low, high))
+        is_place = (middles[name] > 0) & np.isfinite(middles[name])
+        middles[name] = np.where(is_place, middles[name], math.nan)
+    arrays = middles | dict(zip(("lowest", "probability", "highest"), chances, strict=True))
+    arrays |= {"load": loads, "velocity": velocities}
+    arrays |= {"critical_temperature": quantile(critical, weights, 0.5)}
+    columns: dict[str, Any] = {name: numbers.tolist() for name, numbers in arrays.items()}
+    columns["is_computed"] = here.is_computed[is_known].tolist()
+    columns["is_continued"] = here.is_continued[is_known].tolist()
+    scales = map(field.conditions.temperature_error, columns["decisive_temperature"])
+    columns["error"] = [error.times(scale) for error, scale in zip(errors, scales, strict=True)]
+    for axis, one in along.items():
+        columns[f"{axis}_outcome"] = [*one.worded(axis)]
+        columns[f"{axis}_range"] = [*zip(*(end.tolist() for end in one.computed), strict=True)]
+    if len(weights) > 1:
+        ends = (zip(low[name].tolist(), high[name].tolist(), strict=True) for name in low)
+        columns["intervals"] = [dict(zip(low, row, strict=True)) for row in zip(*ends, strict=True)]
+    return columns
 
 
 def caveats_of(field: Field) -> Iterator[str]:
@@ -251,10 +260,38 @@ def caveats_of(field: Field) -> Iterator[str]:
 
 
 def probabilities(
-    field: Field, load: float, velocities: Array, scatter: Scatter, error: RiseError
+    field: Field,
+    loads: Array,
+    velocities: Array,
+    scatter: Scatter,
+    errors: Sequence[RiseError],
 ) -> tuple[Array, Array, Array]:
-    """Probability of a severe next run by velocity, with colder, the same and hotter rises."""
-    return _bounded(functools.partial(field.probability, load, velocities, scatter), error)
+    """Probability of a severe next run by place, with colder, the same and hotter rises.
+
+    The numerical errors are those at each place, or one at all of them.
+    """
+    return _bounded(functools.partial(field.probability, loads, velocities, scatter), errors)
+
+
+def verdict_plane(
+    field: Field, loads: Array, velocities: Array, scatter: Scatter
+) -> tuple[Array, Array]:
+    """Probabilities of a severe next run at the worst numerical errors, by load and velocity.
+
+    They decide as in a margin; NaN where a margin tells nothing.
+    """
+    places = [axis.ravel() for axis in np.meshgrid(loads, velocities, indexing="ij")]
+    found = np.full((2, places[0].size), math.nan)
+    for begin in range(0, places[0].size, field.at_once):
+        here = slice(begin, begin + field.at_once)
+        reasons = field.temperatures(*(axis[here] for axis in places)).reasons
+        (known,) = np.nonzero([not reason for reason in reasons])
+        at_load, at_velocity = (axis[here][known] for axis in places)
+        errors = field.errors(at_load, at_velocity)
+        lowest, _, highest = probabilities(field, at_load, at_velocity, scatter, errors)
+        found[:, begin + known] = [lowest, highest] if not field.misfit else [[0.0], [1.0]]
+    lowest, highest = found.reshape(2, len(loads), len(velocities))
+    return lowest, highest
 
 
 def probabilities_alone(
@@ -271,28 +308,31 @@ def probabilities_alone(
     """
     curve = continued_friction(np.ones(1), np.array([rise]), friction)
 
-    def share(shift: float) -> Array:
-        if curve is None or not all(map(math.isfinite, limits)):
-            return np.array(0.0)
+    def share(shift: Array | float) -> Array:
+        if not (curve.count and np.isfinite(limits).all()):
+            return np.zeros(1)
         # Neither a sweep's ends nor its places change where it is severe.
-        lines = (
-            Line(curve, limit * math.exp(-shift), (math.nan, math.nan), np.array([]))
-            for limit in limits
-        )
-        shares = [severe_share(line.severe(), np.array(1.0), scatter) for line in lines]
-        return np.asarray(np.mean(shares))
+        moved = np.asarray(limits) * np.exp(-np.asarray(shift))
+        lines = (Line(curve, limit, (math.nan, math.nan), np.zeros(0)) for limit in moved)
+        shares = [line.severe_share(np.array(1.0), scatter) for line in lines]
+        return np.atleast_1d(np.mean(shares))
 
-    low, middle, high = map(float, _bounded(share, error))
+    low, middle, high = (float(one[0]) for one in _bounded(share, [error]))
     return low, middle, high
 
 
-def _bounded(at: Callable[[float], Array], error: RiseError) -> tuple[Array, Array, Array]:
+def _bounded(
+    at: Callable[[Array | float], Array], errors: Sequence[RiseError]
+) -> tuple[Array, Array, Array]:
     """What is so at colder, the same and hotter rises, by the shift of their logarithm."""
-    middle = at(0.0)
-    if error.total is None:
-        return np.zeros_like(middle), middle, np.ones_like(middle)
-    shift = math.log1p(error.total)
-    return (at(-shift), middle, at(shift)) if shift else (middle, middle, middle)
+    totals = np.array([math.nan if one.total is None else one.total for one in errors])
+    middle, is_known = at(0.0), np.isfinite(totals)
+    shift = np.where(is_known, np.log1p(totals), 0.0)
+    if not shift.any():
+        low = high = middle
+    else:
+        low, high = at(-shift), at(shift)
+    return np.where(is_known, low, 0.0), middle, np.where(is_known, high, 1.0)
 
 
 def error_band(
@@ -304,16 +344,17 @@ def error_band(
     """
     ends = field.ends["velocity"]
     here = math.sqrt(max(ends[0], 1e-3 * ends[1]) * ends[1])
-    transitions = field.transitions("velocity", load, here)
-    place = quantile(transitions.first, field.weights, 0.5)
+    transitions = field.transitions("velocity", np.array([load]), np.array([here]))
+    place = float(quantile(transitions.first, field.weights, 0.5)[0])
     if math.isnan(place) or field.misfit:
         return math.nan, math.nan
     place = float(np.clip(place, max(ends[0], velocities[0]), ends[1]))
+    at_load = np.array([load])
 
     def end_beside(side: int, at: float) -> float | None:
         """The end by the error at a place, and then at itself; None where that is unknown."""
         for _ in range(_ROUNDS):
-            error = field.error(load, at)
+            (error,) = field.errors(at_load, np.array([at]))
             if error.total is None:
                 return None
             found = _decided_ends(field, load, velocities, scatter, error)[side]
@@ -324,12 +365,12 @@ def error_band(
 
     def end(side: int) -> float:
         # Between points the error may be unknown, where it is known at the outermost one.
-        outermost = transitions.computed[side]
+        outermost = float(transitions.computed[side][0])
         for start in (place, outermost):
             if (found := end_beside(side, start)) is not None:
                 return found
-        error = field.error(load, outermost)
-        lowest, _, highest = probabilities(field, load, np.array([outermost]), scatter, error)
+        last = at_load, np.array([outermost])
+        lowest, _, highest = probabilities(field, *last, scatter, field.errors(*last))
         kind = verdict_between(float(lowest[0]), float(highest[0]))
         return outermost if kind == ("mild", "severe")[side] else math.nan
 
@@ -340,7 +381,8 @@ def _decided_ends(
     field: Field, load: float, velocities: Array, scatter: Scatter, error: RiseError
 ) -> tuple[float, float]:
     """The same at one numerical error."""
-    lowest, _, highest = probabilities(field, load, velocities, scatter, error)
+    at_load = np.array([load])
+    lowest, _, highest = probabilities(field, at_load, velocities, scatter, [error])
     (open_,), (shut,) = np.nonzero(highest > DECIDED[0]), np.nonzero(lowest < DECIDED[-1])
     below = math.inf if not open_.size else math.nan
     if open_.size and open_[0] > 0:

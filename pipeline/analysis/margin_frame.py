@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,7 +14,8 @@ import xarray as xr
 from pipeline.analysis.dataset import Kind, dataset_of, entry_dims, require_kind, sweep_kind
 from pipeline.analysis.field import Field, fields
 from pipeline.analysis.laboratory import model_error, tests_beside
-from pipeline.analysis.margin import Margin, answer, told
+from pipeline.analysis.margin import Margin, answers, told
+from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.scenes import heads_of, shown_label
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.quantities import column_heads, snap
@@ -131,25 +131,41 @@ def judged(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Judged]:
         require_kind(ds, Kind.PLANE, Kind.SAMPLES)
     for field in fields(ds):
         scatter = model_error(field.source, field)
-        under = functools.cache(lambda *own, field=field: field.judged_by(dict(own)))
         if points is None and field.place is None:
             raise InputError(
                 "no operating point is given, and the rows have none of their own; give a load and "
                 "a velocity (--load and --velocity), or a table of them (--points)"
             )
         own_place = [(Place(*field.place), dict[str, float]())] if field.place else []
-        places = points.rows if points else own_place
-        for place, own in places:
-            try:
-                here = under(*own.items())
-                met = Place(
-                    *(snap(x, *here.ends[name]) for name, x in zip(PLANE, place, strict=True))
-                )
-                tested = [*tests_beside(field.source, here.conditions, *met)]
-                found = answer(here, *met, scatter, tested)
-                yield Judged(here, place, own, found)
-            except InputError as error:
-                yield Judged(field, place, own, None, str(error))
+        places = [*(points.rows if points else own_place)]
+        for begin in range(0, len(places), field.at_once):
+            yield from _judged_places(field, places[begin : begin + field.at_once], scatter)
+
+
+def _judged_places(
+    field: Field, places: Sequence[tuple[Place, Mapping[str, float]]], scatter: Scatter
+) -> list[Judged]:
+    """Places of a field, those with the same conditions at once."""
+    found, alike = dict[int, Judged](), dict[tuple[Any, ...], list[int]]()
+    for number, (_, own) in enumerate(places):
+        alike.setdefault((*own.items(),), []).append(number)
+    for conditions, numbers in alike.items():
+        here, own = [places[number][0] for number in numbers], dict(conditions)
+        try:
+            under = field.judged_by(own)
+            met = [
+                [snap(x, *under.ends[name]) for name, x in zip(PLANE, place, strict=True)]
+                for place in here
+            ]
+            tested = [[*tests_beside(field.source, under.conditions, *place)] for place in met]
+            loads, velocities = np.array(met).T
+            margins = answers(under, loads, velocities, scatter, tested)
+        except InputError as error:
+            under, margins = field, [str(error)] * len(here)
+        for number, place, margin in zip(numbers, here, margins, strict=True):
+            told = (None, margin) if isinstance(margin, str) else (margin, "")
+            found[number] = Judged(under, place, own, *told)
+    return [found[number] for number in range(len(places))]
 
 
 def margin_frame(

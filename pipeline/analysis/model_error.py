@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -90,20 +90,3 @@ class ModelError:
             return "none, as the scene says"
         untold = f"{self.untold}{self.oil and f', of oil {self.oil}'}"
         return f"± {100 * self.usual:g} % in velocity, a prior; {untold}"
-
-
-Ranges = Sequence[tuple[float, float]]
-"""Velocities between which wear is severe [m/s], from 0 and to infinity where they have no end."""
-
-
-def severe_share(ranges: Ranges, velocities: Array, scatter: Scatter) -> Array:
-    """Probability that the next run is severe, by velocity, of wear with these ranges.
-
-    A run at V behaves like the model at V·exp(ε), where ε has the scatter.
-    """
-    share = np.zeros(np.shape(velocities))
-    with np.errstate(divide="ignore"):
-        for begin, end in ranges:
-            low, high = (np.log(x) - np.log(velocities) for x in (begin, end))
-            share += scatter.below(high) - scatter.below(low)
-    return np.clip(share, 0.0, 1.0)

@@ -136,10 +136,11 @@ class RisePlane:
         rests_on = self.rests_on(load, velocity)
         return all(self.is_solved[row, places].all() for row, places in rests_on)
 
-    def is_done(self, load: float, velocity: float) -> bool:
-        """True if that very point is done."""
-        here = self.rises[np.ix_(self.loads == load, self.velocities == velocity)]
-        return bool(np.isfinite(here).any())
+    def is_done(self, loads: Array, velocities: Array) -> Mask:
+        """True at places (k,) whose very point is done."""
+        at_load, at_velocity = loads[:, None] == self.loads, velocities[:, None] == self.velocities
+        done = at_load @ np.isfinite(self.rises)
+        return np.asarray((done & at_velocity).any(axis=1))
 
     def rests_on(self, load: float, velocity: float) -> list[tuple[int, Indices]]:
         """Rows that the rise at a place is taken from: the point itself, or those beside it."""
@@ -167,20 +168,38 @@ def grids_of(ds: xr.Dataset, rise: xr.DataArray, conditions: Conditions) -> list
     return [RisePlane(*axes, *values) for values in zip(*parts, strict=True)]
 
 
-def rise_error(
-    grid: RisePlane, load: float, velocity: float, velocity_error: float | None
-) -> RiseError:
-    """Relative error of the rise at a place, by the error of its preset in velocity."""
-    rows = grid.rests_on(load, velocity)
-    return RiseError(
-        _interpolation(grid, rows, load, velocity),
-        _preset(velocity_error) if rows else None,
-        warned_error(
+def rise_errors(
+    grid: RisePlane, loads: Array, velocities: Array, velocity_error: float | None
+) -> list[RiseError]:
+    """Relative errors of the rise at places (k,), by the error of its preset in velocity.
+
+    Places between the same points rest on the same ones.
+    """
+    slots = np.stack([_slots(grid.loads, loads), _slots(grid.velocities, velocities)])
+    _, first, alike = np.unique(slots, axis=1, return_index=True, return_inverse=True)
+    errors = np.empty(len(loads), dtype=object)
+    for number, place in enumerate(first.tolist()):
+        (here,) = np.nonzero(alike.ravel() == number)
+        load = float(loads[place])
+        rows = grid.rests_on(load, float(velocities[place]))
+        preset = _preset(velocity_error) if rows else None
+        warned = warned_error(
             (int(grid.flags[row, place]), float(grid.durations[row, place]))
             for row, places in rows
             for place in places
-        ),
-    )
+        )
+        between = _interpolation(grid, rows, load, velocities[here])
+        parts = np.broadcast_to(np.nan if between is None else between, here.shape).tolist()
+        errors[here] = [
+            RiseError(None if math.isnan(part) else part, preset, warned) for part in parts
+        ]
+    return errors.tolist()
+
+
+def _slots(points: Array, places: Array) -> Indices:
+    """Numbers of the points, and of the intervals between them, in which places lie."""
+    slots: Indices = 2 * np.searchsorted(points, places) - ~np.isin(places, points)
+    return slots
 
 
 def error_of_point(flags: int, duration: float, velocity_error: float | None) -> RiseError:
@@ -224,23 +243,28 @@ def _neighbours(x: Array, is_done: Array, place: float) -> Indices:
 
 
 def _interpolation(
-    grid: RisePlane, rows: list[tuple[int, Indices]], load: float, velocity: float
-) -> float | None:
-    """Error of interpolating, or of continuing beyond the points; None if that is unknown."""
+    grid: RisePlane, rows: list[tuple[int, Indices]], load: float, velocities: Array
+) -> Array | float | None:
+    """Error of interpolating, or of continuing beyond the points; None if that is unknown.
+
+    Velocities lie between the same points.
+    """
     gaps = [grid.velocities[places] for _, places in rows if len(places) > 1]
     if not rows or any(gap[0] < 0 for gap in gaps):
         return None
-    parts: list[float | None] = []
+    parts: list[Array | float | None] = []
     loads = grid.loads[[row for row, _ in rows]]
     if not loads[0] <= load <= loads[-1]:  # no rise is known beyond the loads
         return None
     if len(loads) > 1:
         parts.append(_gap_error(grid, "load", loads))
-    if gaps and all(0 < gap[0] < velocity < gap[-1] for gap in gaps):
+    if gaps and all(0 < gap[0] < velocities[0] < gap[-1] for gap in gaps):
         parts.append(_gap_error(grid, "velocity", max(gaps, key=lambda gap: gap[-1] / gap[0])))
     elif gaps:
-        parts.append(max(_extrapolation_error(grid, gap, velocity) for gap in gaps))
-    return None if None in parts else math.hypot(*filter(None, parts))
+        beyond = [_extrapolation_errors(grid, gap, velocities) for gap in gaps]
+        parts.append(np.max(beyond, axis=0))
+    squares = [part**2 for part in parts if part is not None]
+    return np.sqrt(sum(squares)) if len(squares) == len(parts) else None
 
 
 def _gap_error(grid: RisePlane, axis: str, gap: Array) -> float | None:
@@ -263,11 +287,11 @@ def _missed(grid: RisePlane, axis: str) -> float | None:
     return float(np.sqrt(np.mean(every**2))) if every.size else None
 
 
-def _extrapolation_error(grid: RisePlane, nearest: Array, velocity: float) -> float:
-    """Error of extrapolating from the nearest velocities, whose exponent changes with distance."""
-    way = max(math.log(nearest[0] / velocity), math.log(velocity / nearest[-1]))
+def _extrapolation_errors(grid: RisePlane, nearest: Array, velocities: Array) -> Array:
+    """Errors of extrapolating from the nearest velocities: the exponent changes with distance."""
+    way = np.maximum(np.log(nearest[0] / velocities), np.log(velocities / nearest[-1]))
     further = way + math.log(nearest[-1] / nearest[0])
-    return way * math.hypot(_slope_spread(grid), BEYOND * further)
+    return np.asarray(way * np.hypot(_slope_spread(grid), BEYOND * further))
 
 
 @functools.lru_cache(maxsize=1024)  # many places lie beyond the same points

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import stored_sweep
+from pipeline.analysis.model_error import Scatter
 from pipeline.quantities import UNITS
 from tribo import Criterion
-from tribo.types import Array
+from tribo.types import Array, Indices, Mask
 
 CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL = range(7)
 """Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
@@ -44,97 +45,143 @@ LEAST_SLOPE = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """Rises of a member of a field along velocities or loads, and where wear turns."""
+    """Rises of a member of a field along velocities or loads, and where wear turns.
+
+    It stands for a line, or for rows of lines. Then arrays have the rows first.
+    """
 
     #: Rises [K] over velocities [m/s] or loads [N]. It may go on beyond the places that are done,
     #: where that leaves wear as it is.
     curve: Curve
-    limit: float  # rise above which wear is severe [K]
+    limit: Array  # rise above which wear is severe [K]
     ends: tuple[float, float]  # of the sweep's own range
-    done: Array  # places that are done, ascending
+    done: Array  # places that are done (..., n), ascending; NaN where not
     #: The curve far beyond its ends, where it is no power law: friction by velocity is known there.
     continued: Curve | None = None
 
+    def __getitem__(self, rows: Indices) -> Line:
+        """Some of the rows, or all in another order."""
+        if np.array_equal(rows, np.arange(len(self.done))):
+            return self
+        limit = np.broadcast_to(self.limit, self.curve.count.shape)[rows]
+        curve, far = Curve(self.curve.x[rows], self.curve.y[rows]), self.continued
+        continued = None if far is None else Curve(far.x[rows], far.y[rows])
+        return Line(curve, limit, self.ends, self.done[rows], continued)
+
     @functools.cached_property
-    def places(self) -> tuple[float, ...]:
-        """Velocities [m/s] or loads [N] at which wear turns, ascending."""
+    def places(self) -> Array:
+        """Velocities [m/s] or loads [N] at which wear turns (..., n), ascending; NaN elsewhere."""
         return self.curve.crossings(self.limit)
 
     @functools.cached_property
-    def begins_severe(self) -> bool:
+    def begins_severe(self) -> Mask:
         """Wear is severe below the first of these places."""
-        return bool(self.curve.x.size) and bool(Criterion.is_severe(self.curve.y[0], self.limit))
+        return np.asarray(Criterion.is_severe(self.curve.end(0)[1], self.limit))
 
     @property
-    def computed(self) -> tuple[float, float]:
+    def computed(self) -> tuple[Array, Array]:
         """Lowest and highest place that is done; NaN where none is."""
-        return (float(self.done[0]), float(self.done[-1])) if self.done.size else (math.nan,) * 2
+        return np.fmin.reduce(self.done, axis=-1), np.fmax.reduce(self.done, axis=-1)
 
-    @property
-    def outcome(self) -> int:
+    @functools.cached_property
+    def outcome(self) -> Array:
         """Key of `outcomes`."""
-        if self.places:
-            return CROSSES if len(self.places) == 1 and not self.begins_severe else SEVERAL
-        if not self.done.size:
-            return UNKNOWN
-        is_whole = (self.computed[0] <= self.ends[0], self.computed[1] >= self.ends[1])
-        if self.continued:  # friction by velocity may turn wear at either end
-            is_whole = (all(is_whole),) * 2
-        if self.begins_severe:
-            return SEVERE if is_whole[0] else BELOW
-        return MILD if is_whole[1] else ABOVE
+        count, (low, high) = np.isfinite(self.places).sum(axis=-1), self.computed
+        is_first, is_last = low <= self.ends[0], high >= self.ends[1]
+        # Friction by velocity may turn wear at either end.
+        turns_back = False if self.continued is None else self.continued.count > 0
+        is_whole = np.where(self.begins_severe, is_first, is_last)
+        is_whole = np.where(turns_back, is_first & is_last, is_whole)
+        beyond = np.where(self.begins_severe, BELOW, ABOVE)
+        throughout = np.where(self.begins_severe, SEVERE, MILD)
+        kinds = (count == 1) & ~self.begins_severe, count > 0, np.isnan(low), is_whole
+        return np.select(kinds, [CROSSES, SEVERAL, UNKNOWN, throughout], beyond)
 
     @property
-    def first(self) -> float:
+    def first(self) -> Array:
         """First place at which wear turns severe.
 
         It is -infinite if wear is severe at the lowest place, infinite if wear is mild at every
         place, and NaN if nothing is known.
         """
-        if self.outcome == UNKNOWN:
-            return math.nan
-        if self.begins_severe:
-            return -math.inf
-        return self.places[0] if self.places else math.inf
+        place = np.fmin.reduce(self.places, axis=-1)
+        place = np.where(np.isnan(place), math.inf, place)
+        place = np.where(self.begins_severe, -math.inf, place)
+        return np.where(self.outcome == UNKNOWN, math.nan, place)
 
-    def nearest(self, here: float, to_severe: bool = False, continued: bool = False) -> float:
+    @property
+    def _turns_severe(self) -> Mask:
+        """True at each of the places at which wear turns severe."""
+        number = np.cumsum(np.isfinite(self.places), axis=-1) - self.begins_severe[..., None]
+        return np.asarray(np.isfinite(self.places) & (number % 2 == 1))
+
+    def nearest(
+        self, here: Array | float, to_severe: bool = False, continued: bool = False
+    ) -> Array:
         """The turn nearest by its ratio, or the nearest to severe wear; without one as `first`.
 
-        If continued, a line without a turn has those of `severe`.
+        If continued, a line without a turn has those beyond its ends.
         """
-        counted: Sequence[float] = (
-            self.places[self.begins_severe :: 2] if to_severe else self.places
+        places, is_severe = self.places, self._turns_severe
+        is_counted = is_severe if to_severe else np.isfinite(places)
+        if continued:
+            others, is_severe, _ = self._all_turns
+            is_other = np.isfinite(others) & (is_severe | (not to_severe))
+            is_other &= ~np.any(is_counted, axis=-1, keepdims=True)
+            places = np.append(places, others, axis=-1)
+            is_counted = np.append(is_counted, is_other, axis=-1)
+        places = np.where(is_counted, places, math.inf)
+        ways = np.abs(np.log(places / np.asarray(here)[..., None]))
+        found = np.take_along_axis(places, ways.argmin(axis=-1)[..., None], -1)[..., 0]
+        return np.where(is_counted.any(axis=-1), found, self.first)
+
+    @functools.cached_property
+    def _all_turns(self) -> tuple[Array, Mask, Mask]:
+        """Places (..., n) at which wear turns where the line goes on by the power law of its ends.
+
+        Then, True where it turns severe, and True if it is severe at last. Without such a law wear
+        stays as it is at an end.
+        """
+        if self.continued is not None:
+            return replace(self, curve=self.continued, continued=None)._all_turns
+        has_law = self.curve.is_log & (self.curve.count > 0) & np.isfinite(self.limit)
+        has_law &= self.limit > 0
+        is_severe = self.begins_severe ^ (np.isfinite(self.places).sum(axis=-1) % 2 == 1)
+        first, last = (
+            np.where(has_law & goes_on, self._continued_end(end), math.nan)[..., None]
+            for end, goes_on in ((0, self.begins_severe), (-1, ~is_severe))
         )
-        if continued and not counted:
-            ends = [place for ends in self.severe() for place in ends[: 1 if to_severe else 2]]
-            counted = [place for place in ends if 0 < place < math.inf]
-        return min(counted, key=lambda place: abs(math.log(place / here)), default=self.first)
+        beyond = np.ones(first.shape, bool)
+        places = np.concatenate([first, self.places, last], axis=-1)
+        turns_severe = np.concatenate([beyond, self._turns_severe, beyond], axis=-1)
+        # In front, as few of many places are turns.
+        is_none = np.isnan(places)
+        most = places.shape[-1] - int(is_none.sum(axis=-1).min(initial=places.shape[-1]))
+        order = np.argsort(is_none, axis=-1, kind="stable")[..., :most]
+        places, turns_severe = (
+            np.take_along_axis(part, order, -1) for part in (places, turns_severe)
+        )
+        return places, turns_severe, has_law | is_severe
 
-    def severe(self) -> list[tuple[float, float]]:
-        """Ranges in which wear is severe, where the line goes on by the power law of its ends.
+    def severe_share(self, velocities: Array, scatter: Scatter, rows: Any = ...) -> Array:
+        """Probability that a run is severe, by velocity on the line of some rows, or of all.
 
-        They begin at 0, or go on to infinity, where it has no such law.
+        A run at V behaves like the model at V·exp(ε), where ε has the scatter.
         """
-        if self.continued:
-            return replace(self, curve=self.continued, continued=None).severe()
-        x, y = self.curve.x, self.curve.y
-        turns = [0.0] * self.begins_severe + [*self.places]
-        tops = [*turns[1::2], *[math.inf] * (len(turns) % 2)]
-        ranges = [*zip(turns[::2], tops, strict=True)]
-        if not (len(x) and 0 < self.limit < math.inf and (x > 0).all() and (y > 0).all()):
-            return ranges
+        places, turns_severe, is_severe = (np.asarray(part)[rows] for part in self._all_turns)
+        below = scatter.below(np.log(places / np.asarray(velocities)[..., None]))
+        shares = np.where(turns_severe, -below, below)
+        shares = np.where(np.isnan(places), 0.0, shares).sum(axis=-1)
+        return np.asarray(np.clip(shares + is_severe, 0.0, 1.0))
 
-        def continued_end(end: int) -> float:
-            slope = 1.0  # at most, of a point by itself
-            if len(x) > 1:
-                slope = max(self.curve.end_exponent(end), LEAST_SLOPE)
-            return float(x[end] * (self.limit / y[end]) ** (1 / slope))
-
-        if ranges and ranges[0][0] == 0:
-            ranges[0] = (min(continued_end(0), float(x[0])), ranges[0][1])
-        if not ranges or ranges[-1][1] < math.inf:
-            ranges.append((max(continued_end(-1), float(x[-1])), math.inf))
-        return ranges
+    def _continued_end(self, end: int) -> Array:
+        """Place beyond an end at which wear turns by the power law there."""
+        x, y = self.curve.end(end)
+        slope = np.maximum(self.curve.end_exponent(end), LEAST_SLOPE)
+        slope = np.where(self.curve.count > 1, slope, 1.0)  # at most, of a point by itself
+        with np.errstate(all="ignore"):
+            turn: Array = x * (self.limit / y) ** (1 / slope)
+        return np.asarray(np.minimum(turn, x) if end == 0 else np.maximum(turn, x))
 
 
 def in_words(
@@ -180,33 +227,39 @@ def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
 
 
 class Transitions(NamedTuple):
-    """Where wear first turns severe on the members of a field, along an axis through a place."""
+    """Where wear first turns severe on the members of a field, along an axis through places."""
 
-    outcome: Array  # of each member, (m,): keys of `outcomes`
-    first: Array  # of each member, (m,); see `Line.first`
-    computed: tuple[float, float]  # lowest and highest place computed
-    places: tuple[float, ...] = ()  # of a single member, all places at which wear turns
+    outcome: Array  # of each member and place, (m, k): keys of `outcomes`
+    first: Array  # of each member and place, (m, k); see `Line.first`
+    computed: tuple[Array, Array]  # lowest and highest place computed, each (k,)
+    places: Array = np.empty((0, 0))  # of a single member, all places at which wear turns (k, n)
 
     @classmethod
     def of(cls, lines: Sequence[Line]) -> Transitions:
-        """Transitions of lines over velocities [m/s] or loads [N]."""
-        ends = [line.computed for line in lines if line.outcome != UNKNOWN]
+        """Transitions of rows of lines over velocities [m/s] or loads [N], by member."""
+        ends = zip(*(line.computed for line in lines), strict=True)
+        outcome = np.array([line.outcome for line in lines])
+        low, high = (np.where(outcome == UNKNOWN, math.nan, np.array(end)) for end in ends)
         return cls(
-            np.array([line.outcome for line in lines]),
+            outcome,
             np.array([line.first for line in lines]),
-            (
-                min((low for low, _ in ends), default=math.nan),
-                max((high for _, high in ends), default=math.nan),
-            ),
-            lines[0].places if len(lines) == 1 else (),
+            (np.fmin.reduce(low, axis=0), np.fmax.reduce(high, axis=0)),
+            *([lines[0].places] if len(lines) == 1 else []),
         )
 
-    def worded(self, along: str) -> str:
-        """Outcome along ``"velocity"`` or ``"load"``, or on how many of the members wear turns."""
-        words, codes = outcomes(along), np.unique(self.outcome).tolist()
-        if len(codes) == 1:
-            begins_severe = bool(self.first[0] == -math.inf)
-            return in_words(words[codes[0]], self.computed, along, self.places, begins_severe)
-        kinds = [code for code in codes if code in (CROSSES, SEVERAL)] or codes
-        counts = [f"{words[kind]} on {np.sum(self.outcome == kind)}" for kind in kinds]
-        return f"{', '.join(counts)} of {len(self.outcome)}"
+    def worded(self, along: str) -> Iterator[str]:
+        """Outcome of each place along ``"velocity"`` or ``"load"``.
+
+        Where the members differ, on how many of them wear turns.
+        """
+        words = outcomes(along)
+        for number, all_codes in enumerate(self.outcome.T.tolist()):
+            codes = sorted(set(all_codes))
+            ends, first = [end[number] for end in self.computed], self.first[0, number]
+            turns = self.places[number] if len(self.places) else ()
+            if len(codes) == 1:
+                yield in_words(words[codes[0]], ends, along, turns, first == -math.inf)
+                continue
+            kinds = [code for code in codes if code in (CROSSES, SEVERAL)] or codes
+            counts = [f"{words[kind]} on {all_codes.count(kind)}" for kind in kinds]
+            yield f"{', '.join(counts)} of {len(all_codes)}"

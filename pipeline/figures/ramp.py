@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from pipeline.analysis.dataset import one_row, sweep_at_bulks, temperature_conditions
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.field import along_friction, point_field
+from pipeline.analysis.field import along_friction, places_of, point_field
 from pipeline.figures import style
 from pipeline.figures.fields import (
     Spot,
@@ -221,8 +221,8 @@ def temperature(
     if conditions.critical_temperature is not None:
         critical = shown_in(conditions.critical_temperature, "°C")
         axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
-        (line,) = point_field(row).lines("velocity", load_here, float(velocities[-1]))
-        for transition in line.places:
+        (line,) = point_field(row).lines("velocity", *places_of(load_here, velocities[-1]))
+        for transition in line.places[np.isfinite(line.places)]:
             label = f"transition, {transition:.3g} m/s"
             axes.axvline(transition, color=VERMILION, label=label)
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")

@@ -124,7 +124,8 @@ def _simulated(one: Mesh, place: MeshPlace, found: Judged) -> Simulated:
     temperature = field.conditions.contact_temperature(
         decisive_rise(field.source, field.conditions).item()
     )
-    error = field.error(*found.place).times(field.conditions.temperature_error(temperature)).total
+    (relative,) = field.errors(*found.place)
+    error = relative.times(field.conditions.temperature_error(temperature)).total
     verdict: tuple[Any, ...] = ()
     if one.pair.critical is not None:
         margin = found.known()

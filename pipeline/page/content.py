@@ -231,7 +231,7 @@ def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
     loads = loads if len(ensemble.loads) > 1 else ensemble.loads
     slowest, fastest = ensemble.velocities
     velocities = np.linspace(slowest, fastest, _VELOCITIES)
-    plane = field.plane(loads.tolist(), velocities, scatter)
+    plane = field.probability(loads[:, None], velocities, scatter)
     return {
         "title": sweep.about.title,
         "name": sweep.about.name,
@@ -324,38 +324,18 @@ def _planes(rises: Array, ds: xr.Dataset, conditions: Conditions) -> dict[str, A
             f"{surface} {own_nodes[j]}": state.size + k * fine_loads.size
             for k, (surface, j) in enumerate(own_columns.tolist())
         },
-        "errors": packed_array(node_errors(point_field(ds), state, fine_loads, nodes), "<f4"),
+        "errors": packed_array(node_errors(point_field(ds), fine_loads, nodes), "<f4"),
         "state": digit_string(state) + digit_string(within),
         "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
     }
 
 
-def node_errors(field: PointField, state: Indices, loads: Array, velocities: Array) -> Array:
-    """Relative numerical error of the rise at nodes: by surface, load and velocity.
-
-    It is the same between the same points; beyond them it grows with the way from the last one.
-    """
-    state = state.reshape(-1, *state.shape[-2:])
-    own, others = field.planes[0].velocities, field.planes[0].loads
-    _, rows, alike = np.unique(_slots(others, loads), return_index=True, return_inverse=True)
-    _, columns, same = np.unique(_slots(own, velocities), return_index=True, return_inverse=True)
-    errors = np.full((len(state), len(rows), len(velocities)), np.nan)
-    for number, plane in enumerate(field.planes):
-        one = replace(field, planes=(plane,))
-        for k, row in enumerate(rows.tolist()):
-            goes_on = np.isin(state[number, row], (BETWEEN, EXTRAPOLATED))
-            asked = np.union1d(columns, np.flatnonzero(goes_on))
-            totals = {j: one.error(float(loads[row]), float(velocities[j])).total for j in asked}
-            errors[number, k] = [
-                totals[j if goes_on[j] else columns[same[j]]] for j in range(len(velocities))
-            ]
-    return errors[:, alike]
-
-
-def _slots(points: Array, nodes: Array) -> Indices:
-    """Numbers of the points, and of the intervals between them, in which nodes lie."""
-    slots: Indices = 2 * np.searchsorted(points, nodes) - ~np.isin(nodes, points)
-    return slots
+def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
+    """Relative numerical error of the rise at nodes: by surface, load and velocity."""
+    nodes = [axis.ravel() for axis in np.meshgrid(loads, velocities, indexing="ij")]
+    planes = (replace(field, planes=(plane,)) for plane in field.planes)
+    totals = [[error.total for error in plane.errors(*nodes)] for plane in planes]
+    return np.array(totals, float).reshape(-1, len(loads), len(velocities))
 
 
 def _model_facts(ds: xr.Dataset) -> dict[str, Any]:
@@ -460,21 +440,8 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
     """
     if len(x) == 1:
         return values
-    rows = np.moveaxis(values, axis, 0)
-    columns = rows.reshape(len(x), -1)
-    fine = np.full((len(places), columns.shape[1]), np.nan)
-    is_positive = ~(columns <= 0).any(axis=0) & (x[0] > 0)
-    # Columns that are finite at the same places are one interpolation, in place of thousands.
-    alike, group = np.unique(
-        np.vstack([np.isfinite(columns), is_positive]), axis=1, return_inverse=True
-    )
-    for number in range(alike.shape[1]):
-        of = np.flatnonzero(group == number)
-        for part in [of] if alike[-1, number] else of:
-            fine[:, part] = Curve(x, columns[:, part])(places, continued, LEAST_SLOPE)
-    at = np.searchsorted(places, x)
-    fine[at] = np.where(np.isfinite(columns), columns, fine[at])
-    return np.moveaxis(fine.reshape(len(places), *rows.shape[1:]), 0, axis)
+    fine = Curve(x, np.moveaxis(values, axis, -1))(places, continued, LEAST_SLOPE)
+    return np.moveaxis(fine, -1, axis)
 
 
 def rows_along(

@@ -13,7 +13,7 @@ import xarray as xr
 from scipy.special import ndtr
 
 from pipeline.analysis.dataset import taken_entries
-from pipeline.analysis.field import Here
+from pipeline.analysis.field import Here, Places, places_of
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
 from pipeline.analysis.scenes import scenes
@@ -72,6 +72,7 @@ class SampleField:
     place: tuple[float, float] | None = None
     _kept: dict[float, tuple[Array, Array]] = field(default_factory=dict, init=False)
     counts_inputs = True
+    at_once = 50
 
     @property
     def weights(self) -> Array:
@@ -158,24 +159,43 @@ class SampleField:
         ensemble = self.ensemble.judged_by(own)
         return replace(self, ensemble=ensemble, draws=draws_of(ensemble, None))
 
-    def temperatures(self, load: float, velocity: float) -> Here:
+    def temperatures(self, loads: Places, velocities: Places) -> Here:
         """See `Field`."""
-        ensemble, inputs = self.ensemble, self.draws.inputs
-        excess = ensemble.excess(inputs, load, velocity).draw_chance(ensemble.design.seed)
+        places = [*zip(*places_of(loads, velocities), strict=True)]
+        inputs, reasons = self.draws.inputs, [""] * len(places)
         friction, bulk, critical = (
-            ensemble.values(path, inputs) for path in (FRICTION, BULK, CRITICAL)
+            self.ensemble.values(path, inputs)[:, None] for path in (FRICTION, BULK, CRITICAL)
         )
-        law = replace(ensemble.conditions.friction_law, coefficient=1.0)
-        rise = friction * np.exp(excess + ensemble.log_limit(inputs))
-        temperatures = np.vectorize(law.temperature, otypes=[float])(rise, bulk)
-        return Here(temperatures, excess > 0, critical, False, False)
+        excess = np.full((len(inputs), len(places)), np.nan)
+        for number, place in enumerate(places):
+            try:
+                here = self.ensemble.excess(inputs, *map(float, place))
+                excess[:, number] = here.draw_chance(self.ensemble.design.seed)
+            except InputError as error:
+                reasons[number] = str(error)
+        law = replace(self.conditions.friction_law, coefficient=1.0)
+        rise = friction * np.exp(excess + self.ensemble.log_limit(inputs)[:, None])
+        temperatures = bulk + rise
+        if law.by_temperature:
+            temperatures = np.vectorize(law.temperature, otypes=[float])(rise, bulk)
+        nowhere = np.zeros(len(places), bool)
+        critical = np.broadcast_to(critical, excess.shape)
+        return Here(temperatures, excess > 0, critical, nowhere, nowhere, reasons)
 
-    def error(self, load: float, velocity: float) -> RiseError:
+    def errors(self, loads: Places, velocities: Places) -> list[RiseError]:
         """See `Field`: that of the preset."""
-        return add_counted(error_of_point(0, 1.0, self.ensemble.velocity_error), self.conditions)
+        error = error_of_point(0, 1.0, self.ensemble.velocity_error)
+        return [add_counted(error, self.conditions)] * len(places_of(loads, velocities)[0])
 
-    def transitions(self, axis: str, load: float, velocity: float) -> Transitions:
+    def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
         """See `Field`."""
+        places = zip(*places_of(loads, velocities), strict=True)
+        outcome, first = zip(*(self._turns(axis, *place) for place in places), strict=True)
+        low, high = (np.full(len(first), end) for end in self.ends[axis])
+        return Transitions(np.column_stack(outcome), np.column_stack(first), (low, high))
+
+    def _turns(self, axis: str, load: float, velocity: float) -> tuple[Array, Array]:
+        """Outcome by draw along an axis through a place, and where wear first turns severe."""
         ends = self.ends[axis]
         if axis == "velocity":
             x, lines = self._lines(load)
@@ -188,12 +208,25 @@ class SampleField:
         outcome = np.where(count == 0, np.where(is_severe, SEVERE, MILD), CROSSES)
         outcome = np.where((count > 1) | ((count == 1) & is_severe), SEVERAL, outcome)
         first = np.exp(np.where(turns > 0, places, math.inf).min(axis=1))
-        return Transitions(outcome, np.where(is_severe, -math.inf, first), ends)
+        return outcome, np.where(is_severe, -math.inf, first)
 
     def probability(
-        self, load: float, velocities: Array, scatter: Scatter, shift: float = 0.0
+        self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
         """See `Field`: of each draw by the places at which its wear turns."""
+        loads, velocities = places_of(loads, velocities)
+        self._keep([load for load in np.unique(loads).tolist() if load not in self._kept])
+        shifts = np.broadcast_to(shift, loads.shape)
+        result = np.empty(loads.shape)
+        for load, shift_there in {
+            *zip(loads.ravel().tolist(), shifts.ravel().tolist(), strict=True)
+        }:
+            here = (loads == load) & (shifts == shift_there)
+            result[here] = self._probability(load, velocities[here], scatter, shift_there)
+        return result
+
+    def _probability(self, load: float, velocities: Array, scatter: Scatter, shift: float) -> Array:
+        """Probability that the next run is severe at a load, by velocity."""
         x, lines = self._lines(load, _FAR)
         turns, places = line_turns(x, lines + shift)
         rows, columns = np.nonzero(turns)
@@ -217,11 +250,6 @@ class SampleField:
             table = np.linspace(-far, far, _GRID)
             result += (1 - np.interp(apart, table, below(table))) @ held[some]
         return np.asarray(np.clip(result, 0.0, 1.0))
-
-    def plane(self, loads: Sequence[float], velocities: Array, scatter: Scatter) -> Array:
-        """Probability that the next run is severe, by load and velocity."""
-        self._keep(loads)  # at once, in place of one by one
-        return np.array([self.probability(load, velocities, scatter) for load in loads])
 
     def _parts(self, scatter: Scatter) -> Iterator[tuple[Callable[[Array], Array], Array]]:
         """Distributions of the next run, each with the weights of the draws that have it."""
@@ -263,11 +291,13 @@ class SampleField:
 
         Friction by velocity is left out of what is kept, since it bends within a step.
         """
+        if not loads:
+            return
         velocities = np.geomspace(*self.ensemble.velocities, STEPS)
         lines = self._chance_excess(loads, velocities)
         if self.conditions.has_friction_curve:
             lines -= self._log_factor(np.log(velocities))
-        if len(self._kept) > _MOST_KEPT:
+        if len(self._kept) + len(loads) > _MOST_KEPT:
             self._kept.clear()
         for number, load in enumerate(loads):
             self._kept[load] = np.log(velocities), lines[:, number]

@@ -36,7 +36,7 @@ def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
     figure, axes = style.canvas(None, (7.2, 5.4))
     x = np.linspace(*ensemble.velocities, _VELOCITIES)
     y = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
-    p = field.plane(y.tolist(), x, scatter)
+    p = field.probability(y[:, None], x, scatter)
     (low, high), levels = style.PALE, np.linspace(0, 1, 21)
     filled = axes.contourf(x, y, p, levels, cmap=style.RISK_COLOURS, vmin=low, vmax=high)
     axes.grid(visible=False)

@@ -58,7 +58,7 @@ class Draws:
 
     def quantile(self, values: Array, share: float) -> float:
         """Value that a share of the probability stays below; values may be infinite."""
-        return quantile(values, self.weights, share)
+        return float(quantile(values, self.weights, share))
 
     def interval(self, values: Array) -> tuple[float, float, float]:
         """Values that 5, 50 and 95 % of the probability stay below."""

@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 
 import tribo
-from pipeline.analysis.margin import answer
 from pipeline.analysis.model_error import ModelError
 from pipeline.store.schema import DONE
 from pipeline.sweep.about import Measurement
@@ -21,6 +20,7 @@ from pipeline.uncertain.inputs import BULK, prior
 from pipeline.uncertain.inputs import CRITICAL as CRITICAL_PATH
 from pipeline.uncertain.inputs import FRICTION as FRICTION_PATH
 from tests.helpers import synthetic
+from tests.helpers.answers import answer
 from tests.helpers.sweeps import attributes_of
 from tests.helpers.unknowns import ALL, LENGTH, RATE
 from tribo import QUANTILES

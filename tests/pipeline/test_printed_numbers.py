@@ -365,8 +365,8 @@ def test_the_band_of_a_boundary_is_that_of_both_errors(ask, stores):
         for name, sign, scale in zip(("mild_below", "severe_above"), (-1, 1), scales, strict=True):
             far = math.exp(scale * stats.t.ppf(0.95, DEGREES))
             end = document[name][place]  # with the error there, which grows beyond the points
-            error = point_field(opened(stores("plane"))).error(load, end).total
-            off = (1 + error) ** (1 / exponent)
+            (error,) = point_field(opened(stores("plane"))).errors(load, end)
+            off = (1 + error.total) ** (1 / exponent)
             assert end == pytest.approx(critical * (off * far) ** sign, rel=NEAR)
     low, high = (document[name][-1] for name in ("mild_below", "severe_above"))
     assert f"mild below {low:.3g} m/s and severe above {high:.3g} m/s at 600 N" in said

@@ -22,7 +22,7 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 import pipeline
-from pipeline.analysis.rise_error import BETWEEN, RisePlane, rise_error
+from pipeline.analysis.rise_error import BETWEEN, RisePlane, rise_errors
 from pipeline.analysis.warned_points import exponents
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_points
@@ -201,6 +201,11 @@ def plane_of(row, preset, share):
     )
 
 
+def error_at(plane, load, velocity, velocity_error):
+    """Relative error of the rise at one place."""
+    return rise_errors(plane, np.array([load]), np.array([velocity]), velocity_error)[0]
+
+
 def interpolated(x, y, place):
     """Monotone cubic of logarithms, as `pipeline.analysis` takes it."""
     return np.exp(PchipInterpolator(np.log(x), np.log(y))(math.log(place)))
@@ -213,7 +218,7 @@ def places(row, preset, share):
         return
     for i, load in enumerate(row["all_loads"]):
         for j, velocity in enumerate(row["all_velocities"]):
-            stated = rise_error(plane, load, velocity, PROMISED[preset])
+            stated = error_at(plane, load, velocity, PROMISED[preset])
             is_point = load in row["loads"] and velocity in row["velocities"]
             if is_point and preset == "fine":
                 continue
@@ -251,7 +256,7 @@ def beyond(row):
         (low, first), (high, last) = zip(x[known], y[known], strict=True)
         for place, true in zip(x[~known], y[~known], strict=True):
             found = first + (last - first) / (high - low) * (place - low)
-            said = rise_error(plane, load, math.exp(place), 0.0).interpolation
+            said = error_at(plane, load, math.exp(place), 0.0).interpolation
             yield math.expm1(found - true) / said
 
 

@@ -82,7 +82,7 @@ def risk(field, load, velocity):
     The error of the emulator is taken as one for all draws.
     """
     draws = field.draws
-    share = float(draws.mean(field.temperatures(load, velocity).is_severe))
+    share = float(draws.mean(field.temperatures(load, velocity).is_severe[:, 0]))
     excess = field.ensemble.excess(draws.inputs, load, velocity)
     low, high = (float(draws.mean(excess.values > sign * excess.error)) for sign in (1, -1))
     by_draws = math.sqrt(share * (1 - share) / draws.effective)

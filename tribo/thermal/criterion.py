@@ -138,12 +138,12 @@ class Criterion:
         return self._rule.severe.format(share=100 * self.share)
 
     @staticmethod
-    def is_severe(rise: Any, limit: float) -> Any:
+    def is_severe(rise: Any, limit: Any) -> Any:
         """True where the deciding rise is above its limit [K]; False where it is NaN."""
         return rise > limit
 
     @staticmethod
-    def is_mild(rise: Any, limit: float) -> Any:
+    def is_mild(rise: Any, limit: Any) -> Any:
         """True where the deciding rise is at most its limit [K]; False where it is NaN."""
         return rise <= limit
 

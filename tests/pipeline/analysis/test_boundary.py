@@ -15,6 +15,7 @@ from pipeline.cli.verdicts import document_of
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
+from tests.helpers.answers import crossings
 from tests.helpers.synthetic import LOADS, VELOCITIES
 from tribo.thermal import failed_share
 
@@ -178,12 +179,12 @@ def test_the_plane_passes_through_the_boundary():
     ds = synthetic.sweep(rise=curved)
     rise = decisive_rise(ds, synthetic.conditions())
     fine = refined(rise, 12 * 14 + 1, synthetic.conditions())  # its velocities hold the sweep's own
-    crossings, limit = boundary(ds), synthetic.limit()
+    found, limit = boundary(ds), synthetic.limit()
     at_sweep = fine.sel(velocity=VELOCITIES, method="nearest", tolerance=1e-9)
-    for velocity, load in zip(VELOCITIES, crossings["critical_load"].values, strict=True):
+    for velocity, load in zip(VELOCITIES, found["critical_load"].values, strict=True):
         if np.isfinite(load):
             column = at_sweep.sel(velocity=velocity, method="nearest").values
-            places = Curve(fine["load"].values, column).crossings(limit)
+            places = crossings(Curve(fine["load"].values, column), limit)
             assert places == pytest.approx((load,), rel=1e-6)
 
 

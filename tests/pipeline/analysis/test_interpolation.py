@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
 from pipeline.analysis.curve import Curve, certain
+from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.transition import Line
+from tests.helpers.answers import crossings
 
 
 @settings(max_examples=40)
@@ -20,21 +22,21 @@ def test_a_crossing_is_where_the_logarithms_of_scipy_reach_the_limit(seed, size)
     x = np.cumsum(rng.uniform(0.05, 2.0, size))
     y = np.exp(np.cumsum(rng.uniform(0.01, 2.0, size)))
     limit = rng.uniform(y[0], y[-1])
-    (root,) = Curve(x, y).crossings(limit)
+    (root,) = crossings(Curve(x, y), limit)
     scipys = PchipInterpolator(np.log(x), np.log(y))
     slope = scipys(np.log(root), nu=1)
     assert abs(scipys(np.log(root)) - np.log(limit)) <= 1e-14 * (10 + np.log(limit) + slope)
 
 
-def crossings(y, limit=4.0):
-    return Curve(np.arange(1.0, len(y) + 1), np.array(y)).crossings(limit)
+def turns(y, limit=4.0):
+    return crossings(Curve(np.arange(1.0, len(y) + 1), np.array(y)), limit)
 
 
 def test_all_places_count_at_which_a_curve_passes_a_limit():
-    assert [int(place) for place in crossings([1.0, 2.0, 6.0, 2.0, 9.0])] == [2, 3, 4]
-    assert [int(place) for place in crossings([5.0, 2.0, 6.0, 2.0, 9.0])] == [1, 2, 3, 4]
-    assert [int(place) for place in crossings([5.0, 3.0, 2.0, 1.0, 0.5])] == [1]
-    assert crossings([5.0, np.nan, 6.0]) == crossings([1.0, np.nan, 3.0]) == ()
+    assert [int(place) for place in turns([1.0, 2.0, 6.0, 2.0, 9.0])] == [2, 3, 4]
+    assert [int(place) for place in turns([5.0, 2.0, 6.0, 2.0, 9.0])] == [1, 2, 3, 4]
+    assert [int(place) for place in turns([5.0, 3.0, 2.0, 1.0, 0.5])] == [1]
+    assert turns([5.0, np.nan, 6.0]) == turns([1.0, np.nan, 3.0]) == ()
 
 
 @settings(max_examples=40)
@@ -42,7 +44,7 @@ def test_all_places_count_at_which_a_curve_passes_a_limit():
 def test_between_crossings_a_curve_stays_on_one_side_of_the_limit(seed, size):
     rng = np.random.default_rng(seed)
     x, y = np.cumsum(rng.uniform(0.05, 2.0, size)), np.exp(rng.uniform(-1.0, 1.0, size))
-    places = Curve(x, y).crossings(1.0)
+    places = crossings(Curve(x, y), 1.0)
     ends = [x[0], *places, x[-1]]
     sides = [y[0] > 1]
     for low, high in itertools.pairwise(ends):
@@ -55,7 +57,7 @@ def test_between_crossings_a_curve_stays_on_one_side_of_the_limit(seed, size):
 
 def test_a_point_on_the_limit_is_the_boundary():
     x, y = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.0])
-    assert [Curve(x, y).crossings(limit) for limit in y] == [(place,) for place in x]
+    assert [crossings(Curve(x, y), limit) for limit in y] == [(place,) for place in x]
 
 
 @settings(max_examples=40)
@@ -73,7 +75,7 @@ def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, 
     np.testing.assert_allclose(Curve(x, y)(x), y, rtol=1e-12, atol=1e-9)
     limit = y[0] + part * (y[-1] - y[0])
     if y[0] < limit <= y[-1]:
-        roots, fine = np.array(Curve(x, y).crossings(limit)), np.linspace(x[0], x[-1], 200)
+        roots, fine = np.array(crossings(Curve(x, y), limit)), np.linspace(x[0], x[-1], 200)
         assert len(roots) == 1
         np.testing.assert_allclose(Curve(x, y)(roots), limit, rtol=1e-9, atol=1e-9)
         assert (np.diff(Curve(x, y)(fine)) >= -1e-9).all()  # as the points do
@@ -85,13 +87,16 @@ def test_rises_go_on_beyond_the_points_only_where_that_cannot_cross_the_limit():
         found = certain(x, y, places, limit)
         assert found == pytest.approx([5.0, 10.0, 20.0, beyond], nan_ok=True)
         assert certain(x, y, np.array([2.0]), limit) == pytest.approx(10 * math.sqrt(2))
-    assert np.isnan(certain(x[:1], y[:1], places[:2], 30.0)).all()
+    assert certain(x[:1], y[:1], places[:2], 30.0) == pytest.approx([np.nan, 10.0], nan_ok=True)
 
 
 def test_wear_that_turns_often_is_severe_in_each_range_and_beyond_the_last():
     x = np.arange(1.0, 7.0)
-    line = Line(Curve(x, np.array([5.0, 2.0, 6.0, 2.0, 9.0, 12.0])), 4.0, (1.0, 6.0), x)
-    first, second, third = line.severe()
-    assert [first[1], *second, third[0]] == pytest.approx(line.places)
-    assert first[0] <= 1.0
-    assert third[1] == np.inf
+    rises = np.array([5.0, 2.0, 6.0, 2.0, 9.0, 12.0])
+    line = Line(Curve(x, rises), np.array(4.0), (1.0, 6.0), x)
+    exact = ModelError(usual=0.0)
+    shares = [float(line.severe_share(np.array(place), exact)) for place in (*x, 100.0)]
+    assert shares == [1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0]
+    turns = line.places[np.isfinite(line.places)]
+    assert [float(line.severe_share(turn, exact)) for turn in turns] == [0.5] * 4
+    assert line.severe_share(np.array(0.01), exact) == 0  # by the power law of the first points

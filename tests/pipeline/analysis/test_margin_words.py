@@ -188,7 +188,9 @@ def transitions_of(*codes, places=()):
     """Transitions of members with these outcomes, from 0.5 to 4 m/s or N."""
     ends = {MILD: math.inf, ABOVE: math.inf, SEVERE: -math.inf, UNKNOWN: math.nan}
     first = np.array([ends.get(code, 2.0) for code in codes])
-    return Transitions(np.array(codes), first, (0.5, 4.0), places)
+    ends = np.array([0.5]), np.array([4.0])
+    turns = np.array([places]) if places else np.empty((0, 0))
+    return Transitions(np.array(codes)[:, None], first[:, None], ends, turns)
 
 
 @pytest.mark.parametrize(
@@ -207,26 +209,26 @@ def transitions_of(*codes, places=()):
     ],
 )
 def test_outcomes_are_one_or_on_how_many_members_wear_turns(codes, said):
-    assert transitions_of(*codes).worded("load") == said
+    assert [*transitions_of(*codes).worded("load")] == [said]
 
 
 def test_the_outcome_of_one_member_that_turns_several_times_is_its_ranges():
     found = transitions_of(SEVERAL, places=(2.0, 3.0, 3.5))
-    assert found.worded("velocity") == "severe from 2 to 3 m/s and from 3.5 m/s on"
-    begun = found._replace(first=np.array([-math.inf]))
-    assert begun.worded("velocity") == "severe up to 2 m/s and from 3 to 3.5 m/s"
+    assert [*found.worded("velocity")] == ["severe from 2 to 3 m/s and from 3.5 m/s on"]
+    begun = found._replace(first=np.array([[-math.inf]]))
+    assert [*begun.worded("velocity")] == ["severe up to 2 m/s and from 3 to 3.5 m/s"]
 
 
 # Numerical errors
 
 
 def test_a_quantity_is_bounded_by_the_shift_of_the_logarithm_of_the_rise():
-    low, middle, high = _bounded(np.array, RiseError(0.03, 0.04, 0.0))
-    assert (low, middle, high) == pytest.approx((-math.log(1.05), 0.0, math.log(1.05)))
+    low, middle, high = _bounded(np.array, [RiseError(0.03, 0.04, 0.0)])
+    assert (low[0], middle, high[0]) == pytest.approx((-math.log(1.05), 0.0, math.log(1.05)))
     calls = []
-    assert _bounded(lambda shift: calls.append(shift) or np.array([0.3]), NONE) == ([0.3],) * 3
+    assert _bounded(lambda shift: calls.append(shift) or np.array([0.3]), [NONE]) == ([0.3],) * 3
     assert calls == [0.0]
-    unknown = _bounded(lambda _: np.array([0.3]), RiseError(0.1, None, 0.0))
+    unknown = _bounded(lambda _: np.array([0.3]), [RiseError(0.1, None, 0.0)])
     assert unknown == ([0.0], [0.3], [1.0])
 
 
@@ -321,13 +323,15 @@ class Line(Shares):
         self.ends = {"velocity": (0.5 * unit, 3.5 * unit)}
         self.total, self.place = total, place
 
-    def error(self, load, velocity):
-        value = self.total(velocity)
-        return RiseError(0.0, None if value is None else math.expm1(value), 0.0)
+    def errors(self, loads, velocities):
+        values = [self.total(velocity) for velocity in velocities.tolist()]
+        totals = (None if value is None else math.expm1(value) for value in values)
+        return [RiseError(0.0, total, 0.0) for total in totals]
 
     def transitions(self, axis, load, here):
         code = UNKNOWN if math.isnan(self.place) else CROSSES
-        return Transitions(np.array([code]), np.array([self.place]), (0.5, 3.5))
+        ends = np.array([0.5]), np.array([3.5])
+        return Transitions(np.array([[code]]), np.array([[self.place]]), ends)
 
 
 def test_ends_of_the_error_band_have_the_error_that_is_there():
@@ -347,10 +351,10 @@ def test_ends_of_the_error_band_have_the_error_that_is_there():
 def test_throughout_mild_or_severe_wear_has_no_end_whatever_is_unknown_farther_on():
     mild, severe = Line(lambda v: None if v > 3.0 else 0.0), Line(lambda v: None if v < 1 else 0.0)
     mild.begin, mild.end, mild.place = 4.0, 5.0, math.inf
-    mild.transitions = lambda *_: transitions_of(MILD)._replace(computed=(0.5, 2.5))
+    mild.transitions = lambda *_: transitions_of(MILD)._replace(computed=([0.5], [2.5]))
     assert error_band(mild, 1.0, VELOCITIES, Normal())[0] == math.inf
     severe.begin, severe.end = 0.0, 0.4
-    severe.transitions = lambda *_: transitions_of(SEVERE)._replace(computed=(1.5, 3.5))
+    severe.transitions = lambda *_: transitions_of(SEVERE)._replace(computed=([1.5], [3.5]))
     assert error_band(severe, 1.0, VELOCITIES, Normal())[1] == 0.0
 
 

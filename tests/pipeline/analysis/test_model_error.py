@@ -19,10 +19,11 @@ from pipeline.analysis.laboratory import (
     laboratory_tests,
     model_error,
 )
-from pipeline.analysis.margin import NOT_DECIDED, answer, error_band, percent
+from pipeline.analysis.margin import NOT_DECIDED, error_band, percent
 from pipeline.analysis.model_error import ModelError
 from pipeline.sweep.about import Measurement
 from tests.helpers import synthetic
+from tests.helpers.answers import answer
 from tests.helpers.sweeps import with_fields
 from tests.pipeline.analysis.test_boundary import falling
 from tribo import Corrections, Friction

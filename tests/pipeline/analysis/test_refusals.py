@@ -9,6 +9,7 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.dataset import read_conditions, select_surface
+from pipeline.analysis.field import point_field
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.store.create import writing
 from pipeline.sweep.about import Measurement
@@ -179,6 +180,8 @@ REFUSALS = {
     "page": (lambda: pipeline.explore(plane()[["max_rise"]], "page.html"),
              "the dataset has no status"),
     "difference": (lambda: pipeline.diff(plane()[["max_rise"]], plane()), "has no status"),
+    "an unknown place": (lambda: point_field(plane()).temperatures(9e3, 1.0).require_known(),
+        "load is 9000 N; the sweep has 200 to 750 N: give one within"),
     "temperatures": (lambda: pipeline.temperatures(plane()[["max_rise"]]),
                      "the dataset has no mean_rise, rise_quantile"),
     "shares": (lambda: pipeline.temperatures(plane().isel(cooler_share=[0])),

@@ -29,7 +29,7 @@ from tribo import WarningKind
 def test_where_nothing_crosses_it_is_said_how_far_was_computed(limit, ends, said):
     velocity, rise = np.array([1.2, 2.2]), np.array([700.0, 900.0])
     found = Line(Curve(velocity, rise), limit, ends, velocity)
-    assert in_words(outcomes("velocity")[found.outcome], found.computed, "velocity") == said
+    assert in_words(outcomes("velocity")[int(found.outcome)], found.computed, "velocity") == said
 
 
 def test_the_range_of_a_scene_begins_at_its_lowest_velocity_above_0():

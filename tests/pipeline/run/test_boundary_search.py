@@ -11,6 +11,7 @@ from pipeline.analysis.field import along_friction
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.sweep.model import Point
 from tests.helpers import synthetic
+from tests.helpers.answers import crossings
 from tribo import Corrections, Friction
 
 LOADS = tuple(float(load) for load in range(200, 751, 50))
@@ -38,7 +39,7 @@ def searched(rise, tolerance=0.01, loads=LOADS, lowest=0.5, highest=5.0, rises=N
 
 def boundary_of(rises, load):
     row = sorted((point.velocity, rise) for point, rise in rises.items() if point.load == load)
-    return next(iter(Curve(*np.array(row).T).crossings(LIMIT)), math.nan)
+    return next(iter(crossings(Curve(*np.array(row).T), LIMIT)), math.nan)
 
 
 @pytest.mark.parametrize(("tolerance", "bend"), [(0.05, -0.05), (0.01, 0.4), (0.0005, 0.1)])
@@ -46,7 +47,7 @@ def test_the_boundary_is_found_within_the_tolerance_at_every_load(tolerance, ben
     rises, _ = searched(lambda load, v: bent(load, v, bend), tolerance)
     for load in LOADS:
         fine = np.geomspace(0.5, 5, 2000)
-        (true,) = Curve(fine, np.array([bent(load, v, bend) for v in fine])).crossings(LIMIT)
+        (true,) = crossings(Curve(fine, np.array([bent(load, v, bend) for v in fine])), LIMIT)
         assert boundary_of(rises, load) == pytest.approx(true, rel=tolerance)
 
 
@@ -113,8 +114,8 @@ def test_friction_that_bends_between_two_velocities_hides_no_boundary():
     for load in loads:
         rising = factors * [bent(load, velocity) for velocity in fine]
         row = np.array(sorted((at.velocity, rise) for at, rise in rises.items() if at.load == load))
-        found = Curve(*along_friction(*row.T, falling.friction.at)).crossings(LIMIT)
-        assert found == pytest.approx(Curve(fine, rising).crossings(LIMIT), rel=0.01)
+        found = crossings(Curve(*along_friction(*row.T, falling.friction.at)), LIMIT)
+        assert found == pytest.approx(crossings(Curve(fine, rising), LIMIT), rel=0.01)
 
 
 def test_a_first_point_that_fails_leaves_its_load_the_ends_of_the_range():
@@ -147,8 +148,8 @@ def test_bands_are_found_whose_ends_no_first_crossing_tells():
     turns = {}
     for load in sweep.plane.loads:
         rising = bands.at(fine) * [bent(load, velocity) for velocity in fine]
-        turns[load] = Curve(fine, rising).crossings(LIMIT)
+        turns[load] = crossings(Curve(fine, rising), LIMIT)
         row = np.array(sorted((at.velocity, rise) for at, rise in rises.items() if at.load == load))
-        found = Curve(*along_friction(*row.T, bands.at)).crossings(LIMIT)
+        found = crossings(Curve(*along_friction(*row.T, bands.at)), LIMIT)
         assert found == pytest.approx(turns[load], rel=0.01)
     assert max(map(len, turns.values())) > 1

@@ -12,6 +12,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_points, tasks
 from pipeline.sweep.severity import momentary_rise, rise_limit
 from tests.helpers.accuracy_scenes import PAPER
+from tests.helpers.answers import crossings
 from tribo import Fidelity, Grid, InputError
 from tribo.simulation import Trunks
 
@@ -41,9 +42,10 @@ def grid():
             rises[result.point] = momentary_rise(SWEEP.scene, result.state, SWEEP.conditions)
     velocities = np.array(SWEEP.plane.velocities)
     return [
-        Curve(
-            velocities, np.array([rises[Point(load, velocity)] for velocity in velocities])
-        ).crossings(rise_limit(SWEEP.conditions))[0]
+        crossings(
+            Curve(velocities, np.array([rises[Point(load, velocity)] for velocity in velocities])),
+            rise_limit(SWEEP.conditions),
+        )[0]
         for load in SWEEP.plane.loads
     ]
 

@@ -1,0 +1,20 @@
+"""Answers at one place, and of one curve, in tests."""
+
+import numpy as np
+
+from pipeline.analysis.margin import answers
+from tribo import InputError
+
+
+def answer(field, load, velocity, scatter):
+    """The margin of a field at one place; an `InputError` where there is none."""
+    (found,) = answers(field, np.array([load]), np.array([velocity]), scatter)
+    if isinstance(found, str):
+        raise InputError(found)
+    return found
+
+
+def crossings(curve, limit):
+    """Places at which one curve passes a limit."""
+    places = curve.crossings(limit)
+    return tuple(places[np.isfinite(places)].tolist())
