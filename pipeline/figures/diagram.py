@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -31,6 +32,7 @@ from pipeline.analysis.dataset import (
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import laboratory_tests, model_error
+from pipeline.analysis.margin import DECIDED, verdict_plane
 from pipeline.analysis.scenes import scenes, value_text
 from pipeline.analysis.transition import BEYOND, in_words, outcomes
 from pipeline.analysis.warned_points import warnings_of
@@ -52,7 +54,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import named
 from pipeline.sweep.severity import rise_limit
 from tribo import Criterion, InputError
-from tribo.types import Mask
+from tribo.types import Array, Mask
 
 _OF_SAMPLES = "the diagram of samples shows probabilities; leave out the surface and ax"
 _OF_A_PLANE = "each row has its own load and velocity, so there is no plane; leave out log"
@@ -97,13 +99,13 @@ def _scene_diagram(ds: xr.Dataset, log: bool, ax: Axes | None) -> Figure:
     if is_plane:
         planes = _planes(ds, conditions)
         plane = _quantile(planes)
-        _regions(axes, plane, limit)
+        legend += _regions(axes, ds)
         if isoline(axes, plane, limit, "boundary", **style.BOUNDARY):
             label = "computed transition" + (", median" if planes.sizes["row"] > 1 else "")
             legend.append(Line2D([], [], label=label, **style.BOUNDARY))
         legend += beyond
         legend += _surface_band(axes, planes, limit)
-        legend += _band(axes, ds, conditions) or _error_band(axes, ds)
+        legend += _friction_lines(axes, ds, conditions)
         legend += film_lines(axes, ds, conditions)
     elif max(sizes) > 1:
         legend += _line_transitions(axes, ds, conditions)
@@ -190,12 +192,34 @@ def _quantile(planes: xr.DataArray, share: float = 0.5) -> xr.DataArray:
     return planes.quantile(share, "row", skipna=False)
 
 
-def _regions(axes: Axes, plane: xr.DataArray, limit: float) -> None:
-    if plane.notnull().any():
-        low, high = float(plane.min()), float(plane.max())
-        levels = [low - 2, float(np.clip(limit, low - 1, high + 1)), high + 2]
-        # Below the grid.
-        _filled(axes, plane, levels, [TINTS["mild"], TINTS["severe"]], "regions", zorder=0)
+_ACROSS = {"load": 48, "velocity": 96}  # places at least at which a verdict is asked for
+_INSIDE = 1e-4  # of an interval between points, at whose ends the error is smaller
+
+
+def _regions(axes: Axes, ds: xr.Dataset) -> list[Artist]:
+    """Shade where the next run is mild, severe, or neither is decided, as a margin says it."""
+    field = point_field(ds)
+    x, y = (_places_between(ds[name].values, _ACROSS[name]) for name in ("velocity", "load"))
+    lowest, highest = verdict_plane(field, y, x, model_error(ds, field))
+    legend, (mild, _, severe) = list[Artist](), DECIDED
+    between = np.minimum(highest - mild, severe - lowest)
+    for values, levels, gid, look in (
+        (highest, [-1.0, mild], "mild region", {"colors": [TINTS["mild"]]}),
+        (lowest, [severe, 2.0], "severe region", {"colors": [TINTS["severe"]]}),
+        (between, [0.0, 1.0], "not decided", {"colors": [TINTS["band"]], "alpha": 0.6}),
+    ):
+        if ((values > levels[0]) & (values < levels[1])).any():
+            axes.contourf(x, y, values, levels, zorder=0, **look).set_gid(gid)  # below the grid
+            if gid == "not decided":
+                legend.append(Patch(label="next run not decided", **style.BAND))
+    return legend
+
+
+def _places_between(points: Array, least: int) -> Array:
+    """Places from the first point to the last, among them both sides of each point."""
+    begins, ends = points[:-1], points[1:]
+    inside, parts = _INSIDE * (ends - begins), max(2, math.ceil(least / len(begins)))
+    return np.linspace(begins + inside, ends - inside, parts, axis=1).ravel()
 
 
 def _filled(
@@ -208,8 +232,10 @@ def _filled(
 
 def _range_notes(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Say at which loads transitions lie beyond what was computed."""
-    is_beyond = _any_surface(boundary_under(ds, conditions)["outcome_at_load"].isin(BEYOND))
-    loads = is_beyond["load"].values[is_beyond.values]
+    field, loads = point_field(ds, conditions), ds["load"].values
+    found = field.transitions("velocity", loads, field.ends["velocity"][1])
+    is_beyond = np.isin(found.outcome, BEYOND).any(axis=0)
+    loads = loads[is_beyond]
     if not loads.size:
         return []
     span = " to ".join(f"{load:g}" for load in dict.fromkeys((loads[0], loads[-1])))
@@ -217,41 +243,20 @@ def _range_notes(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     return [Line2D([], [], ls="none", label=label)]
 
 
-def _band(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
-    """Shade what lies between the boundaries at the lowest and the highest friction measured."""
+def _friction_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
+    """Draw the boundaries at the lowest and the highest friction measured."""
     band = stored_sweep(ds).about.friction_band
     if not band or min(band) == max(band):
         return []
-    ends = [replace(conditions, friction=float(end)) for end in (min(band), max(band))]
-    # In units of the limit; where the bulk temperatures differ, each friction has its own rise.
-    medians = ((_quantile(_planes(ds, end)), rise_limit(end)) for end in ends)
-    low, high = (plane / limit for plane, limit in medians)
-    if not high.notnull().any():
+    look: dict[str, Any] = {"color": GREY, "lw": style.THIN, "ls": "--"}
+    drawn = []
+    for friction in (min(band), max(band)):
+        judged = replace(conditions, friction=float(friction))
+        plane = _quantile(_planes(ds, judged))
+        drawn.append(isoline(axes, plane, rise_limit(judged), "band edge", **look))
+    if not any(drawn):
         return []
-    inside = (high - 1).clip(max=1 - low)
-    # Beyond 1 there is none: no rise is below 0.
-    _filled(axes, inside, [0.0, 2.0], [TINTS["band"]], "friction band", alpha=style.BAND["alpha"])
-    for edge in (low, high):
-        isoline(axes, edge, 1.0, "band edge", GREY, lw=style.THIN, ls="--")
-    text = f"transition at friction {min(band):g}–{max(band):g}"
-    slow, fast = (boundary_under(ds, end)["outcome_at_load"].isin(BEYOND) for end in ends)
-    if cut := int(_any_surface(slow | fast).sum()):
-        text += f",\nbeyond what was computed at {cut} of {ds.sizes['load']} loads"
-    return [Patch(label=text, **style.BAND)]
-
-
-def _error_band(axes: Axes, ds: xr.Dataset) -> list[Artist]:
-    """Shade where the verdict on the next run is not decided."""
-    boundaries = boundary_under(ds)
-    loads, velocities = ds["load"].values, ds["velocity"].values
-    ends = [boundaries[name].values for name in ("mild_below", "severe_above")]
-    low, high = (np.clip(end, velocities[0], velocities[-1]) for end in ends)
-    known = np.isfinite(low) & np.isfinite(high)
-    if known.sum() < 2:
-        return []
-    band = axes.fill_betweenx(loads[known], low[known], high[known], **style.BAND)
-    band.set_gid("error band")
-    return [Patch(label="next run not decided", **style.BAND)]
+    return [Line2D([], [], label=f"transition at friction {min(band):g} and {max(band):g}", **look)]
 
 
 def _surface_band(axes: Axes, planes: xr.DataArray, limit: float) -> list[Artist]:

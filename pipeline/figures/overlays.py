@@ -17,7 +17,7 @@ from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import are_near, critical_velocity, own_conditions
 from pipeline.figures import style
-from pipeline.figures.style import BLACK, BLUE, FAINT, GREY, THIN, TINTS, VERMILION
+from pipeline.figures.style import BLACK, BLUE, FAINT, GREY, THIN, VERMILION
 from pipeline.quantities import display
 from pipeline.store.schema import PLANE
 from pipeline.sweep.about import Measurement
@@ -187,10 +187,7 @@ def name_regions(
             taken += np.concatenate([path.vertices for path in line.get_paths()]).tolist()
     covered = [(across(velocity), up(load)) for velocity, load in taken]
     severe, mild = (of(plane.values, limit) for of in (Criterion.is_severe, Criterion.is_mild))
-    for inside, name, colour, tint in (
-        (mild, MILD, BLUE, TINTS["mild"]),
-        (severe, SEVERE, VERMILION, TINTS["severe"]),
-    ):
+    for inside, name, colour in ((mild, MILD, BLUE), (severe, SEVERE, VERMILION)):
         for words in (name, name.replace(" (", "\n(")):
             parts = words.split("\n")
             width, height = _LETTER[0] * max(map(len, parts)), _LETTER[1] * len(parts)
@@ -199,8 +196,7 @@ def name_regions(
             if place is not None:
                 axes.text(
                     *place, words, transform=axes.transAxes, ha="center", va="center",
-                    fontweight="bold", color=colour, gid=style.REGION,
-                    bbox={"fc": tint, "ec": "none", "pad": 0.5},
+                    fontweight="bold", color=colour, gid=style.REGION, path_effects=style.HALO,
                 )  # fmt: skip
                 break
 

@@ -38,27 +38,42 @@ function drawDiagram() {
   listenToPoints(root);
 }
 
-/** Mild and severe regions, bands over surfaces and frictions, and the boundary. @param {Frame} frame */
+/** Regions of the next run, the band over surfaces, and boundaries. @param {Frame} frame */
 function drawnBoundary(frame) {
   if (!isJudged()) return [];
   const [x, y] = [content.inner.map(frame.x), content.fine.load.map(frame.y)];
   const negative = (/** @type {number[][]} */ grid) => grid.map((row) => row.map((value) => -value));
   const middle = excess(0.5, chosen.conditions);
   /** @type {[string, ...number[][][]][]} */
-  const parts = content.chosen ? [] : [["mild", negative(middle)], ["severe", middle]];
-  if (content.friction_band) {
-    const at = (/** @type {number} */ friction) => excess(0.5, { ...chosen.conditions, friction });
-    const [cold, hot] = content.friction_band.map(at);
-    parts.push(["friction", hot, negative(cold)]);
-  }
+  const parts = regions();
   if (surfaces().length > 1) {
     const [cold, , hot] = BAND.map((share) => excess(share, chosen.conditions));
     parts.push(["band", hot, negative(cold)]);
   }
   const shades = parts.map(([look, ...grids]) => svg("path", { class: look, d: contour(x, y, grids) }));
   const look = surfaces().length > 1 ? "boundary median" : "boundary";
-  const line = svg("path", { class: look, d: contour(x, y, [middle], true) });
-  return [...shades, line, ...(Math.min(x.length, y.length) < 2 ? drawnPlace(frame) : [])];
+  const line = (/** @type {string} */ name, /** @type {number[][]} */ grid) =>
+    svg("path", { class: name, d: contour(x, y, [grid], true) });
+  const frictions = (content.friction_band ?? []).map((friction) =>
+    line("friction", excess(0.5, { ...chosen.conditions, friction })));
+  const place = Math.min(x.length, y.length) < 2 ? drawnPlace(frame) : [];
+  return [...shades, ...frictions, line(look, middle), ...place];
+}
+
+/** Where the next run is mild, severe, or neither is decided: a class, and values that are positive there.
+ * @returns {[string, ...number[][][]][]} */
+function regions() {
+  const [{ conditions }, [mild, severe], own] = [chosen, content.decided, modelError()];
+  const bounds = content.fine.load.map((_, k) => content.inner.map((_place, j) => {
+    const { rises, probabilities } = marginAt([k, j + content.first], conditions, own, 1);
+    if (rises.some(Number.isNaN)) return [NaN, NaN];
+    return content.misfit ? [0, 1] : [probabilities[0], probabilities[2]];
+  }));
+  const grid = (/** @type {(lowest: number, highest: number) => number} */ value) =>
+    bounds.map((row) => row.map(([lowest, highest]) => value(lowest, highest)));
+  const [isMild, isSevere] = [grid((_, highest) => mild - highest), grid((lowest) => lowest - severe)];
+  const open = grid((lowest, highest) => Math.min(highest - mild, severe - lowest));
+  return [["mild", isMild], ["severe", isSevere], ["open", open]];
 }
 
 /** The transition of a sweep at one load or one velocity. @param {Frame} frame */

@@ -155,7 +155,7 @@ def _plane_scene(held: dict[str, Any]) -> str:
         "mild": held["regions"][0],
         "severe": held["regions"][1],
         "band": f"10 to 90 % of {surfaces}",
-        "frictions": f"transition at friction {' to '.join(f'{end:.4g}' for end in band or ())}",
+        "frictions": f"transition at friction {' and '.join(f'{end:.4g}' for end in band or ())}",
         "accuracy": html.escape(held.pop("accuracy")),
     }
     return _filled("plane.html", _scene_values(held, sizes) | own)

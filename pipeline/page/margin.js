@@ -68,11 +68,18 @@ function modelError() {
 }
 
 /** What is known at a node: rises, their error, probabilities that the next run is severe, the verdict.
- * @param {[number, number]} node @param {Conditions} conditions */
-function marginAt([k, j], conditions) {
-  const [plane, { velocity }, { below }] = [planeOf(conditions), content.fine, modelError()];
+ * The error is the largest of some nodes beside it, too, since it is less on a row of points than beside.
+ * @param {[number, number]} node @param {Conditions} conditions @param {{below: (way: number) => number}}
+ * own the model's own error @param {number} beside */
+function marginAt([k, j], conditions, { below } = modelError(), beside = 0) {
+  const [plane, { velocity, load }] = [planeOf(conditions), content.fine];
   const places = surfaces().map((surface) => indexOf(surface, k, j));
-  const error = Math.max(...places.map((place) => content.errors[place]));
+  const near = (/** @type {number} */ node, /** @type {number} */ first, /** @type {number} */ count) =>
+    Array.from({ length: 2 * beside + 1 }, (_, n) => node + n - beside)
+      .filter((other) => other >= first && other < first + count);
+  const [rows, columns] = [near(k, 0, load.length), near(j, content.first, content.inner.length)];
+  const error = Math.max(...surfaces().flatMap((surface) => rows.flatMap((row) =>
+    columns.map((column) => content.errors[indexOf(surface, row, column)]))));
   const share = (/** @type {number} */ place) => below(Math.log(place / velocity[j]));
   const [{ limitOf }, critical] = [heatOf(conditions), conditions.critical_temperature ?? NaN];
   const limits = content.critical_errors.map((kelvin) => limitOf(critical + kelvin));

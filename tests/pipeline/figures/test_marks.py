@@ -116,10 +116,11 @@ def test_loads_whose_transition_is_not_computed_are_counted_and_named():
 def test_load_is_upwards_velocity_to_the_right_and_the_cold_side_has_the_colour_of_mild_wear():
     axes = diagram(synthetic.sweep(*NARROW, measured=(), friction_band=None)).axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("sliding velocity [m/s]", "normal load [N]")
-    (regions,) = (one for one in axes.collections if one.get_gid() == "regions")
-    assert regions.get_zorder() < axes.xaxis.get_zorder()  # that of the grid
-    mild, severe = (matplotlib.colors.to_hex(one).upper() for one in regions.get_facecolor())
-    assert (mild, severe) == (TINTS["mild"], TINTS["severe"])
+    for kind in ("mild", "severe"):
+        (region,) = (one for one in axes.collections if one.get_gid() == f"{kind} region")
+        assert region.get_zorder() < axes.xaxis.get_zorder()  # that of the grid
+        (colour,) = region.get_facecolor()
+        assert matplotlib.colors.to_hex(colour).upper() == TINTS[kind]
 
 
 LIFTS = np.array([1.0, 1.1, 0.9, 1.05])

@@ -84,23 +84,6 @@ def test_a_line_is_drawn_where_the_plane_passes_its_level():
     assert len(axes.collections) == 1
 
 
-@pytest.mark.parametrize(
-    ("limit", "border"), [(7.5, 7.5), (-5.0, None), (25.0, None)], ids=["both", "severe", "mild"]
-)
-def test_the_side_below_the_limit_has_the_colour_of_mild_wear(limit, border):
-    axes = Figure().add_subplot()
-    module._regions(axes, flat(), limit)
-    (areas,) = axes.collections
-    sizes = [np.ptp(path.vertices[:, 0]) if len(path.vertices) else 0 for path in areas.get_paths()]
-    if border:
-        assert sizes == [7.5, 12.5]
-    else:
-        assert sizes == ([0, 20.0] if limit < 0 else [20.0, 0])
-    nothing = Figure().add_subplot()
-    module._regions(nothing, flat() * np.nan, limit)
-    assert not nothing.collections
-
-
 def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
     axes, words, legend = drawn(sweep())
     places = vertices(axes, "boundary")
@@ -114,33 +97,65 @@ def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
     assert (left, right) == pytest.approx((1.0 - 0.04 * 3, 4.0 + 0.04 * 3))
 
 
-def test_the_band_of_errors_lies_where_the_next_run_is_not_decided():
-    ds = sweep()
+REGIONS = {"mild region": "mild", "severe region": "severe", "not decided": "not decided"}
+SWEPT = {
+    "whole": {},
+    "a friction band": {"friction_band": (0.08, 0.12)},
+    "tests": {"measured": synthetic.MEASURED},
+    "half done": {
+        "status": {(load, v): PENDING for load in LOADS[:2] for v in VELOCITIES[2:]}
+        | {(500.0, v): FAILED for v in VELOCITIES}
+    },
+    "hardly begun": {"status": {(load, v): PENDING for load in LOADS[2:] for v in VELOCITIES}},
+    "no known error": {"preset": None},
+    "an uncertain critical temperature": {"critical_sd": 8.0},
+}
+
+
+def drawn_verdicts(axes, load, velocity):
+    """Verdicts whose regions hold a place."""
+    return [
+        REGIONS[area.get_gid()]
+        for area in axes.collections
+        if area.get_gid() in REGIONS
+        and any(path.contains_point((velocity, load)) for path in area.get_paths())
+    ]
+
+
+@pytest.mark.parametrize("ds", [*SWEPT, "surfaces"])
+def test_each_place_of_a_diagram_has_the_verdict_of_its_margin(ds):
+    """But for places where a probability lies within 0.01 of its limit."""
+    if ds == "surfaces":
+        ds = surfaces(0.9, 1.0, 1.1)
+    else:
+        told = dict(SWEPT[ds])
+        judged = {"critical_sd": told.pop("critical_sd", None)}
+        ds = sweep(conditions=synthetic.CONDITIONS | judged, **told)
     axes, words, _ = drawn(ds)
-    assert "next run not decided" in words
-    area, boundaries = vertices(axes, "error band"), pipeline.boundary(ds)
-    for load in LOADS:
-        row = area[area[:, 1] == load][:, 0]
-        ends = [boundaries[name].sel(load=load).item() for name in ("mild_below", "severe_above")]
-        assert (row.min(), row.max()) == pytest.approx(np.clip(ends, 1.0, 4.0), rel=1e-9)
-    assert "error band" in {one.get_gid() for one in drawn(sweep(loads=LOADS[:2]))[0].collections}
-    unknown, words, _ = drawn(sweep(preset=None))
-    assert "next run not decided" not in words
-    assert "error band" not in {one.get_gid() for one in unknown.collections}
+    random, kinds = np.random.default_rng(7), set()
+    for _ in range(60):
+        place = float(random.uniform(200.0, 600.0)), float(random.uniform(1.0, 4.0))
+        try:
+            margin = pipeline.margin(ds, *place)
+        except InputError:
+            assert not drawn_verdicts(axes, *place)
+            continue
+        limits = (margin.highest, 0.05), (margin.lowest, 0.95)
+        if min(abs(probability - limit) for probability, limit in limits) > 0.01:
+            assert drawn_verdicts(axes, *place) == [margin.verdict]
+            kinds.add(margin.verdict)
+    assert ("next run not decided" in words) == ("not decided" in kinds)
+    assert kinds
 
 
-def test_the_band_of_frictions_lies_between_their_boundaries():
+def test_the_frictions_measured_have_a_line_each():
     axes, words, _ = drawn(sweep(friction_band=(0.08, 0.12)))
-    assert any(each.startswith("transition at friction 0.08–0.12") for each in words)
+    assert "transition at friction 0.08 and 0.12" in words
     edges = [one for one in axes.collections if one.get_gid() == "band edge"]
     for edge, friction in zip(edges, (0.08, 0.12), strict=True):
         places = np.concatenate([path.vertices for path in edge.get_paths()])
         expected = synthetic.critical_velocity(places[:, 1], synthetic.limit(friction))
         np.testing.assert_allclose(places[:, 0], expected, rtol=3e-3)
-    area = vertices(axes, "friction band")
-    row = area[np.abs(area[:, 1] - 400.0) < 6.0][:, 0]
-    ends = [synthetic.critical_velocity(400.0, synthetic.limit(f)) for f in (0.12, 0.08)]
-    assert (row.min(), row.max()) == pytest.approx(ends, rel=0.02)
     one = drawn(sweep(friction_band=(0.1, 0.1)))[1]
     assert not any("at friction" in each for each in one)
 

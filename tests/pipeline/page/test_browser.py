@@ -16,12 +16,13 @@ from selenium.webdriver.support.select import Select
 import pipeline
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import agreement, compared, model_error
-from pipeline.analysis.margin import answer, percent
+from pipeline.analysis.margin import percent
 from pipeline.analysis.transition import ABOVE, MILD
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.variants import Column, Variants
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import samples, synthetic
+from tests.helpers.answers import answer
 from tests.helpers.browser import chromium
 from tests.helpers.page_sweeps import column, same
 
@@ -111,7 +112,7 @@ def signs(driver):
 
 def test_the_legend_has_the_signs_of_what_the_diagram_holds(page):
     few = [200.0, 400.0, 600.0], [1.0, 2.0, 4.0, 6.0]
-    regions = {"boundary", "region-mild", "region-severe", "mild", "severe"}
+    regions = {"boundary", "region-mild", "region-severe", "open", "mild", "severe"}
     tested = Measurement(400.0, 2.0, None, outcome="severe")
     driver = page(synthetic.sweep(*few, tested=(tested,)))
     assert signs(driver) == regions | {"friction", "transition", "own", "test-severe"}

@@ -11,12 +11,13 @@ import pipeline
 from pipeline.analysis.dataset import read_conditions
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import model_error
-from pipeline.analysis.margin import answer
 from pipeline.analysis.transition import CROSSES, SEVERAL
 from pipeline.page.content import BETWEEN, EXTRAPOLATED, content
+from pipeline.store.schema import PENDING
 from pipeline.sweep.about import Measurement
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
+from tests.helpers.answers import answer
 from tests.helpers.javascript import run
 from tests.helpers.page_sweeps import same
 from tests.helpers.sweeps import with_fields
@@ -288,6 +289,30 @@ def test_a_page_counts_the_tests_beyond_the_velocities_that_the_command_counts(m
     assert 0 < min(counted) < max(counted) < len(tests)
 
 
+REGIONS = """
+const all = regions().map(([name, grid]) => [name, grid]);
+return content.fine.load.flatMap((_, k) => content.inner.flatMap((_place, j) => {
+  const node = [k, j + content.first];
+  if (content.nodes.load.includes(k) || content.nodes.velocity.includes(node[1])) return [];
+  const here = all.filter(([, grid]) => grid[k][j] >= 0).map(([name]) => name);
+  const { rises, verdict } = marginAt(node, chosen.conditions);
+  return [[rises.some(Number.isNaN) ? "unknown" : verdict, here.join()]];
+}));
+"""
+
+
+@pytest.mark.parametrize("is_whole", [True, False])
+def test_each_node_between_points_lies_in_the_region_of_its_verdict(is_whole):
+    velocities = (1.0, 1.5, 2.0, 3.0, 4.0)
+    told = {} if is_whole else {"status": {(600.0, v): PENDING for v in velocities}}
+    ds = synthetic.sweep((200.0, 300.0, 400.0, 500.0, 600.0), velocities, **told)
+    nodes = run(ds, REGIONS)
+    alike = {"mild": "mild", "severe": "severe", "not decided": "open", "unknown": ""}
+    assert [here for _, here in nodes] == [alike[verdict] for verdict, _ in nodes]
+    assert {verdict for verdict, _ in nodes} >= {"mild", "severe", "not decided"}
+    assert ("unknown" in {verdict for verdict, _ in nodes}) == (not is_whole)
+
+
 GRID = """
 return argument.map((friction) => {
   const middle = excess(0.5, { ...chosen.conditions, friction });
@@ -305,7 +330,7 @@ def test_the_line_that_is_drawn_lies_where_wear_turns_on_the_field():
     assert len(places) > 40
     for velocity, load in places[::7]:
         here = field.temperatures(load, velocity)
-        assert here.values[0] == pytest.approx(here.critical[0], abs=1.0)
+        assert here.values[0, 0] == pytest.approx(here.critical[0, 0], abs=1.0)
 
 
 def test_no_line_is_drawn_beyond_what_was_computed():

@@ -142,7 +142,7 @@ def test_the_page_of_a_sweep_names_its_sizes(tmp_path):
     few = [200.0, 400.0, 600.0], [1.0, 2.0, 4.0, 6.0]
     whole = text(synthetic.sweep(*few))
     assert "3 loads, 4 velocities, 12 points done" in whole
-    assert "transition at friction 0.09 to 0.103" in whole
+    assert "transition at friction 0.09 and 0.103" in whole
     bare = text(synthetic.sweep(*few, friction_band=None, measured=()))
     (hidden,) = re.findall('<section id="measured-section"[^>]*>', bare)
     (shown,) = re.findall('<section id="measured-section"[^>]*>', whole)
