@@ -55,7 +55,7 @@ def _tests_of(about: About) -> tuple[Measurement, ...]:
 
 def untold_oils(about: About) -> list[str]:
     """Oils that the tests of a scene name, if it is not told whose tests count."""
-    names = oils_of(test.as_dict() for test in (*about.measured, *about.tested))
+    names = oils_of(test.oil for test in (*about.measured, *about.tested))
     return [] if "" in names or about.tested_oil else names
 
 

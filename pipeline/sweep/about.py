@@ -54,14 +54,14 @@ class Measurement:
         return {k: v for k, v in asdict(self).items() if v is not None or k in always}
 
 
-def oils_of(tests: Iterable[Mapping[str, Any]]) -> list[str]:
+def oils_of(names: Iterable[str | None]) -> list[str]:
     """Oils of tests in the order of their names, first the scene's: empty, of tests without one."""
-    return sorted({test.get("oil") or "" for test in tests})
+    return sorted({name or "" for name in names})
 
 
 def own_tests(tests: Sequence[Measurement]) -> tuple[Measurement, ...]:
     """Tests of the scene's own oil; of the first by name where all name theirs."""
-    first, *_ = [*oils_of(test.as_dict() for test in tests), ""]
+    first, *_ = [*oils_of(test.oil for test in tests), ""]
     return tuple(test for test in tests if (test.oil or "") == first)
 
 

@@ -280,7 +280,7 @@ def contrasts(posterior: Posterior) -> Iterator[Contrast]:
     """Differences of critical temperature, and of velocity at a middle load, between oils."""
     ensemble, draws = posterior.ensemble, posterior.draws
     inputs = draws_of(ensemble, draws).inputs
-    own = oils_of(ensemble.tests)[:1]
+    own = oils_of(test.get("oil") for test in ensemble.tests)[:1]
     if not posterior.oils:
         return
     column = [one.path for one in ensemble.unknown].index(CRITICAL)

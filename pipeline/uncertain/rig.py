@@ -66,7 +66,7 @@ def join_rig(
 def join_oils(ensemble: Ensemble) -> tuple[tuple[Unknown, ...], dict[str, int]]:
     """Inputs with the critical temperatures of the oils of tests but the scene's; their places."""
     unknown = ensemble.unknown
-    others = oils_of(ensemble.tests)[1:]
+    others = oils_of(test.get("oil") for test in ensemble.tests)[1:]
     if not others:
         return unknown, {}
     critical = next((one for one in unknown if one.path == CRITICAL), None)

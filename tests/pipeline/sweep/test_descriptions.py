@@ -149,7 +149,7 @@ def test_tests_are_of_the_scene_s_oil_if_they_name_none_or_the_first_by_name():
         Measurement(400.0, velocity, oil=oil)
         for velocity, oil in ((1.0, None), (2.0, "mineral"), (3.0, "ester"))
     )
-    assert oils_of(test.as_dict() for test in (mineral, plain, ester)) == ["", "ester", "mineral"]
+    assert oils_of(test.oil for test in (mineral, plain, ester)) == ["", "ester", "mineral"]
     assert own_tests((mineral, plain, ester)) == (plain,)
     assert own_tests((mineral, ester)) == own_tests((ester, mineral)) == (ester,)
     assert own_tests(()) == ()
