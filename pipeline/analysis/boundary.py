@@ -229,16 +229,18 @@ def _padded(places: Array) -> Array:
 
 _STEPS = 241  # velocities among which the ends of a band are sought
 _BEYOND = 3.0  # factor beyond the velocities computed to which they are
+_BESIDE = (1 - 1e-6, 1 + 1e-6)  # sides of a point, at which the numerical error may jump
 
 
 def _add_errors(boundaries: xr.Dataset, field: Field, ds: xr.Dataset) -> xr.Dataset:
     """Add the ends of the band that the errors leave, by load."""
-    loads, scatter = boundaries["load"].values.tolist(), model_error(ds, field)
+    loads, scatter = boundaries["load"].values, model_error(ds, field)
     velocities = ds["velocity"].values
     bands = np.full((len(loads), 2), math.nan)
     if velocities.max() > 0:
         grid = np.geomspace(velocities.min() / _BEYOND, velocities.max() * _BEYOND, _STEPS)
-        bands = np.array([error_band(field, load, grid, scatter) for load in loads])
+        grid = np.union1d(grid, np.multiply.outer(_BESIDE, velocities))
+        bands = error_band(field, loads, grid, scatter)
     for name, ends, words in (
         ("mild_below", bands[:, 0], "below this velocity the next run is mild"),
         ("severe_above", bands[:, 1], "above this velocity the next run is severe"),

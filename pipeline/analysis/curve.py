@@ -162,7 +162,7 @@ class Curve:
         u, v, low, bend, twist = (part[*rows, pieces] for part in self._cubics)
         ends = u, self._cubics[0][*rows, pieces + 1]
         is_log = self.is_log[*rows]
-        target = np.where(is_log, np.log(np.where(is_log, limit, 1.0)), limit) - v
+        target = np.where(is_log, np.log(np.where(is_log & (limit > 0), limit, 1.0)), limit) - v
         starts_above = self.y[*rows, pieces] > limit
         near, far = np.zeros_like(u), ends[1] - u
         for _ in range(_HALVINGS):

@@ -158,7 +158,6 @@ class PointField:
     from_rest: bool = False  # the sweep has points at rest, below its lowest velocity
     misfit: str = ""
     basis: tuple[Mapping[str, Any], Sequence[str]] = ({}, ())
-    _kept: dict[Any, tuple[list[Line], Indices]] = field(default_factory=dict, init=False)
     counts_inputs = False
     at_once = 1000  # lines of 1000 places take some 100 MB where friction depends on the velocity
 
@@ -275,20 +274,23 @@ class PointField:
         loads, velocities = places_of(loads, velocities)
         untold = self._is_untold(loads, velocities)
         lines, rows = self._lines_of("velocity", loads, velocities, untold)
-        # Many places may share a line and its limit.
-        shifted = np.stack([rows, np.broadcast_to(shift, loads.shape)])
-        (numbers, shifts), rows = np.unique(shifted, axis=1, return_inverse=True)
-        limits = rise_limits(self.conditions)[:, None] * np.exp(-shifts)
-        shares = np.array([
-            [
-                replace(line[numbers.astype(int)], limit=limit).severe_share(
-                    velocities, scatter, rows.ravel()
-                )
-                for limit in limits
+        limits = rise_limits(self.conditions)[:, None]
+
+        def shifted(shift: Array) -> Array:
+            # Many places may share a line and its limit.
+            keys = np.stack([rows, shift])
+            (numbers, shifts), places = np.unique(keys, axis=1, return_inverse=True)
+            shares = [
+                [
+                    replace(line, limit=limit).severe_share(velocities, scatter, places.ravel())
+                    for limit in limits * np.exp(-shifts)
+                ]
+                for line in (line[numbers.astype(int)] for line in lines)
             ]
-            for line in lines
-        ])  # fmt: skip
-        return np.asarray(self.weights @ shares.mean(axis=1))
+            return np.asarray(self.weights @ np.mean(shares, axis=1))
+
+        shifts = np.broadcast_to(shift, np.broadcast_shapes(loads.shape, np.shape(shift)))
+        return np.apply_along_axis(shifted, -1, shifts)
 
     def _is_untold(self, loads: Array, velocities: Array) -> Mask:
         """A row of the sweep has too few points to go on to a velocity, on any surface."""
@@ -316,9 +318,6 @@ class PointField:
         if axis == "load":
             own, place, along = self.planes[0].velocities, velocities, loads
         is_row = np.isin(place, own) & np.logical_not(is_filled)
-        key = axis, loads.tobytes(), velocities.tobytes(), is_filled.tobytes()
-        if key in self._kept:  # those of the same places are asked for several times
-            return self._kept[key]
         # A row is the same line through each of its places.
         keys = np.stack([place, np.where(is_row, -1.0, along)])
         _, first, rows = np.unique(keys, axis=1, return_index=True, return_inverse=True)
@@ -326,10 +325,7 @@ class PointField:
             self._lines(number, axis, loads[first], velocities[first], is_row[first])
             for number in range(len(self.planes))
         ]
-        if len(self._kept) > 1:
-            self._kept.clear()
-        self._kept[key] = lines, rows.ravel()
-        return self._kept[key]
+        return lines, rows.ravel()
 
     def _lines(self, number: int, axis: str, loads: Array, velocities: Array, is_row: Mask) -> Line:
         plane, factor, limit = self.planes[number], self.conditions.friction_factor, self.limit

@@ -31,7 +31,6 @@ NOT_DECIDED = "not decided"
 """Verdict on a place whose next run is neither mild nor severe with 95 % probability."""
 DECIDED = (0.05, 0.5, 0.95)
 """Probabilities of severe wear: mild up to the first, severe from the last on."""
-_ROUNDS, _ALIKE = 6, 1e-3  # in which an end of a band is found with the error at it
 _LEAST = 1e-4  # probability that is told as a number; nearer to 0 or 1 nothing is known of tails
 
 
@@ -278,20 +277,17 @@ def verdict_plane(
 ) -> tuple[Array, Array]:
     """Probabilities of a severe next run at the worst numerical errors, by load and velocity.
 
-    They decide as in a margin; NaN where a margin tells nothing.
+    They decide as in a margin, and go on beyond the loads and velocities for which there is one.
     """
-    places = [axis.ravel() for axis in np.meshgrid(loads, velocities, indexing="ij")]
-    found = np.full((2, places[0].size), math.nan)
-    for begin in range(0, places[0].size, field.at_once):
-        here = slice(begin, begin + field.at_once)
-        reasons = field.temperatures(*(axis[here] for axis in places)).reasons
-        (known,) = np.nonzero([not reason for reason in reasons])
-        at_load, at_velocity = (axis[here][known] for axis in places)
+    rows, step = [], max(1, field.at_once // len(velocities))
+    for begin in range(0, len(loads), step):
+        grid = np.meshgrid(loads[begin : begin + step], velocities, indexing="ij")
+        at_load, at_velocity = (axis.ravel() for axis in grid)
         errors = field.errors(at_load, at_velocity)
         lowest, _, highest = probabilities(field, at_load, at_velocity, scatter, errors)
-        found[:, begin + known] = [lowest, highest] if not field.misfit else [[0.0], [1.0]]
-    lowest, highest = found.reshape(2, len(loads), len(velocities))
-    return lowest, highest
+        rows.append(np.reshape([lowest, highest], (2, *grid[0].shape)))
+    lowest, highest = np.concatenate(rows, axis=1)
+    return (0 * lowest, 0 * highest + 1) if field.misfit else (lowest, highest)
 
 
 def probabilities_alone(
@@ -308,90 +304,51 @@ def probabilities_alone(
     """
     curve = continued_friction(np.ones(1), np.array([rise]), friction)
 
-    def share(shift: Array | float) -> Array:
+    def share(shifts: Array) -> Array:
         if not (curve.count and np.isfinite(limits).all()):
-            return np.zeros(1)
+            return np.zeros(shifts.shape)
         # Neither a sweep's ends nor its places change where it is severe.
-        moved = np.asarray(limits) * np.exp(-np.asarray(shift))
-        lines = (Line(curve, limit, (math.nan, math.nan), np.zeros(0)) for limit in moved)
+        lines = (
+            Line(curve, limit, (math.nan, math.nan), np.zeros(0))
+            for limit in np.multiply.outer(np.exp(-shifts.ravel()), limits).ravel()
+        )
         shares = [line.severe_share(np.array(1.0), scatter) for line in lines]
-        return np.atleast_1d(np.mean(shares))
+        return np.asarray(np.mean(np.reshape(shares, (*shifts.shape, -1)), axis=-1))
 
     low, middle, high = (float(one[0]) for one in _bounded(share, [error]))
     return low, middle, high
 
 
 def _bounded(
-    at: Callable[[Array | float], Array], errors: Sequence[RiseError]
+    at: Callable[[Array], Array], errors: Sequence[RiseError]
 ) -> tuple[Array, Array, Array]:
     """What is so at colder, the same and hotter rises, by the shift of their logarithm."""
     totals = np.array([math.nan if one.total is None else one.total for one in errors])
-    middle, is_known = at(0.0), np.isfinite(totals)
+    is_known = np.isfinite(totals)
     shift = np.where(is_known, np.log1p(totals), 0.0)
-    if not shift.any():
-        low = high = middle
-    else:
-        low, high = at(-shift), at(shift)
+    low, middle, high = at(np.stack([-shift, 0 * shift, shift]))
     return np.where(is_known, low, 0.0), middle, np.where(is_known, high, 1.0)
 
 
-def error_band(
-    field: Field, load: float, velocities: Array, scatter: Scatter
-) -> tuple[float, float]:
-    """Velocities below which wear is mild and above which it is severe; NaN where unknown.
+def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) -> Array:
+    """Velocities below which wear is mild and above which it is severe, by load (k, 2).
 
-    Velocities ascend. The numerical error is that at each end itself, as a margin there has it.
+    Velocities ascend. Ends are NaN where they are unknown. If wear is mild at all velocities, or
+    severe at all, it is so below infinity, or above 0. Wear stays severe up to velocities at which
+    the numerical error is unknown.
     """
-    ends = field.ends["velocity"]
-    here = math.sqrt(max(ends[0], 1e-3 * ends[1]) * ends[1])
-    transitions = field.transitions("velocity", np.array([load]), np.array([here]))
-    place = float(quantile(transitions.first, field.weights, 0.5)[0])
-    if math.isnan(place) or field.misfit:
-        return math.nan, math.nan
-    place = float(np.clip(place, max(ends[0], velocities[0]), ends[1]))
-    at_load = np.array([load])
-
-    def end_beside(side: int, at: float) -> float | None:
-        """The end by the error at a place, and then at itself; None where that is unknown."""
-        for _ in range(_ROUNDS):
-            (error,) = field.errors(at_load, np.array([at]))
-            if error.total is None:
-                return None
-            found = _decided_ends(field, load, velocities, scatter, error)[side]
-            if not 0 < found < math.inf or math.isclose(found, at, rel_tol=_ALIKE):
-                return found
-            at = found
-        return found
-
-    def end(side: int) -> float:
-        # Between points the error may be unknown, where it is known at the outermost one.
-        outermost = float(transitions.computed[side][0])
-        for start in (place, outermost):
-            if (found := end_beside(side, start)) is not None:
-                return found
-        last = at_load, np.array([outermost])
-        lowest, _, highest = probabilities(field, *last, scatter, field.errors(*last))
-        kind = verdict_between(float(lowest[0]), float(highest[0]))
-        return outermost if kind == ("mild", "severe")[side] else math.nan
-
-    return end(0), end(1)
+    ends = []
+    for lowest, highest in zip(*verdict_plane(field, loads, velocities, scatter), strict=True):
+        last = np.max(np.flatnonzero(highest - lowest < 1), initial=0)  # with a known error
+        severe_above = _passed(1 - lowest[last::-1], velocities[last::-1], 0.0)
+        ends.append((_passed(highest, velocities, math.inf), severe_above))
+    return np.array(ends)
 
 
-def _decided_ends(
-    field: Field, load: float, velocities: Array, scatter: Scatter, error: RiseError
-) -> tuple[float, float]:
-    """The same at one numerical error."""
-    at_load = np.array([load])
-    lowest, _, highest = probabilities(field, at_load, velocities, scatter, [error])
-    (open_,), (shut,) = np.nonzero(highest > DECIDED[0]), np.nonzero(lowest < DECIDED[-1])
-    below = math.inf if not open_.size else math.nan
-    if open_.size and open_[0] > 0:
-        part = [open_[0] - 1, open_[0]]
-        below = float(np.interp(DECIDED[0], highest[part], velocities[part]))
-    above = math.nan
-    if not shut.size:
-        above = 0.0
-    elif shut[-1] < len(velocities) - 1:
-        part = [shut[-1], shut[-1] + 1]
-        above = float(np.interp(DECIDED[-1], lowest[part], velocities[part]))
-    return below, above
+def _passed(chances: Array, velocities: Array, never: float) -> float:
+    """Velocity at which chances first are too high for a decision; NaN if from the first on."""
+    (above,) = np.nonzero(chances > DECIDED[0])
+    if not above.size:
+        return never
+    part = [above[0] - 1, above[0]]
+    return float(np.interp(DECIDED[0], chances[part], velocities[part])) if above[0] else math.nan

@@ -200,7 +200,10 @@ def _regions(axes: Axes, ds: xr.Dataset) -> list[Artist]:
     """Shade where the next run is mild, severe, or neither is decided, as a margin says it."""
     field = point_field(ds)
     x, y = (_places_between(ds[name].values, _ACROSS[name]) for name in ("velocity", "load"))
-    lowest, highest = verdict_plane(field, y, x, model_error(ds, field))
+    bounds = verdict_plane(field, y, x, model_error(ds, field))
+    here = field.temperatures(*(axis.ravel() for axis in np.meshgrid(y, x, indexing="ij")))
+    is_told = np.reshape([not reason for reason in here.reasons], bounds[0].shape)
+    lowest, highest = (np.where(is_told, bound, np.nan) for bound in bounds)
     legend, (mild, _, severe) = list[Artist](), DECIDED
     between = np.minimum(highest - mild, severe - lowest)
     for values, levels, gid, look in (

@@ -214,15 +214,12 @@ class SampleField:
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
         """See `Field`: of each draw by the places at which its wear turns."""
-        loads, velocities = places_of(loads, velocities)
+        loads, velocities, shifts = np.broadcast_arrays(loads, velocities, shift)
         self._keep([load for load in np.unique(loads).tolist() if load not in self._kept])
-        shifts = np.broadcast_to(shift, loads.shape)
         result = np.empty(loads.shape)
-        for load, shift_there in {
-            *zip(loads.ravel().tolist(), shifts.ravel().tolist(), strict=True)
-        }:
-            here = (loads == load) & (shifts == shift_there)
-            result[here] = self._probability(load, velocities[here], scatter, shift_there)
+        for load, by in {*zip(loads.ravel().tolist(), shifts.ravel().tolist(), strict=True)}:
+            here = (loads == load) & (shifts == by)
+            result[here] = self._probability(load, velocities[here], scatter, by)
         return result
 
     def _probability(self, load: float, velocities: Array, scatter: Scatter, shift: float) -> Array:

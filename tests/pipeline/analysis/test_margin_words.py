@@ -11,7 +11,6 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.margin import (
     _bounded,
-    _decided_ends,
     error_band,
     percent,
     probabilities_alone,
@@ -225,10 +224,7 @@ def test_the_outcome_of_one_member_that_turns_several_times_is_its_ranges():
 def test_a_quantity_is_bounded_by_the_shift_of_the_logarithm_of_the_rise():
     low, middle, high = _bounded(np.array, [RiseError(0.03, 0.04, 0.0)])
     assert (low[0], middle, high[0]) == pytest.approx((-math.log(1.05), 0.0, math.log(1.05)))
-    calls = []
-    assert _bounded(lambda shift: calls.append(shift) or np.array([0.3]), [NONE]) == ([0.3],) * 3
-    assert calls == [0.0]
-    unknown = _bounded(lambda _: np.array([0.3]), [RiseError(0.1, None, 0.0)])
+    unknown = _bounded(lambda shift: 0 * shift + 0.3, [RiseError(0.1, None, 0.0)])
     assert unknown == ([0.0], [0.3], [1.0])
 
 
@@ -266,15 +262,26 @@ def test_a_point_alone_turns_where_its_known_friction_turns_wear():
     assert found == pytest.approx((below[1] - below[0],) * 3, abs=2e-3)
 
 
-class Shares:
-    """A field whose probabilities of severe wear rise evenly between 1 and 3 m/s."""
+class Even:
+    """A field whose probabilities of severe wear rise evenly, with a numerical error by velocity.
 
-    def __init__(self, begin=1.0, end=3.0):
-        self.begin, self.end = begin, end
+    Its rises are larger by the total that a function gives for a velocity; None is unknown.
+    """
 
-    def probability(self, load, velocities, scatter, shift):
-        middle = (np.asarray(velocities) - self.begin) / (self.end - self.begin)
-        return np.clip(middle + shift, 0.0, 1.0)
+    misfit, at_once = "", 1000
+
+    def __init__(self, begin=1.0, end=3.0, total=lambda _: 0.0):
+        self.begin, self.end, self.total = begin, end, total
+
+    def probability(self, loads, velocities, scatter, shift):
+        return np.clip((velocities - self.begin) / (self.end - self.begin) + shift, 0.0, 1.0)
+
+    def errors(self, loads, velocities):
+        totals = (self.total(velocity) for velocity in velocities.tolist())
+        return [RiseError(0.0, one if one is None else math.expm1(one), 0.0) for one in totals]
+
+    def band(self):
+        return error_band(self, np.array([400.0]), VELOCITIES, Normal())[0]
 
 
 VELOCITIES = np.linspace(0.5, 3.5, 301)
@@ -297,90 +304,33 @@ VELOCITIES = np.linspace(0.5, 3.5, 301)
 def test_wear_is_mild_below_and_severe_above_where_5_and_95_percent_are_crossed(
     begin, end, expected
 ):
-    found = _decided_ends(Shares(begin, end), 1.0, VELOCITIES, Normal(), NONE)
-    assert found == pytest.approx(expected, abs=2e-3, nan_ok=True)
+    assert Even(begin, end).band() == pytest.approx(expected, abs=2e-3, nan_ok=True)
 
 
 def test_an_end_between_two_velocities_is_interpolated_from_these_alone():
     """Shares of 0, 25, 75 and 100 % at 1, 1.01, 1.02 and 1.03 m/s."""
-    found = _decided_ends(Shares(1.005, 1.025), 1.0, VELOCITIES, Normal(), NONE)
-    assert found == pytest.approx((1.002, 1.028), abs=1e-6)
-
-
-def test_a_numerical_error_moves_both_ends_apart():
-    error = RiseError(0.0, math.expm1(0.1), 0.0)
-    found = _decided_ends(Shares(), 1.0, VELOCITIES, Normal(), error)
-    assert found == pytest.approx((0.9, 3.1), abs=2e-3)
-
-
-class Line(Shares):
-    """The same with turns at 2 m/s, and a numerical error by velocity."""
-
-    weights, misfit = np.array([1.0]), ""
-
-    def __init__(self, total, place=2.0, unit=1.0):
-        super().__init__(unit, 3.0 * unit)
-        self.ends = {"velocity": (0.5 * unit, 3.5 * unit)}
-        self.total, self.place = total, place
-
-    def errors(self, loads, velocities):
-        values = [self.total(velocity) for velocity in velocities.tolist()]
-        totals = (None if value is None else math.expm1(value) for value in values)
-        return [RiseError(0.0, total, 0.0) for total in totals]
-
-    def transitions(self, axis, load, here):
-        code = UNKNOWN if math.isnan(self.place) else CROSSES
-        ends = np.array([0.5]), np.array([3.5])
-        return Transitions(np.array([[code]]), np.array([[self.place]]), ends)
+    assert Even(1.005, 1.025).band() == pytest.approx((1.002, 1.028), abs=1e-6)
 
 
 def test_ends_of_the_error_band_have_the_error_that_is_there():
-    assert error_band(Line(lambda _: 0.0), 1.0, VELOCITIES, Normal()) == pytest.approx(
-        (1.1, 2.9), abs=2e-3
-    )
-    growing = Line(lambda v: 0.05 * v)  # 0.05 = (v - 1)/2 + 0.05 v, 0.95 = (v - 1)/2 - 0.05 v
-    found = error_band(growing, 1.0, VELOCITIES, Normal())
+    assert Even(total=lambda _: 0.1).band() == pytest.approx((0.9, 3.1), abs=2e-3)
+    found = Even(total=lambda v: 0.05 * v).band()
+    # 0.05 = (v - 1)/2 + 0.05 v, 0.95 = (v - 1)/2 - 0.05 v
     assert found == pytest.approx((1.0, 1.45 / 0.45), rel=2e-3)
-    slow = Line(lambda v: 0.5 * v, place=0.2, unit=0.1)
-    found = error_band(slow, 1.0, VELOCITIES / 10, Normal())
-    assert found == pytest.approx((0.1, 0.145 / 0.45), rel=2e-3)
-    far = Line(lambda v: None if v > 3.2 else 0.0)  # unknown where the sweep ends
-    assert error_band(far, 1.0, VELOCITIES, Normal()) == pytest.approx((1.1, 2.9), abs=2e-3)
 
 
-def test_throughout_mild_or_severe_wear_has_no_end_whatever_is_unknown_farther_on():
-    mild, severe = Line(lambda v: None if v > 3.0 else 0.0), Line(lambda v: None if v < 1 else 0.0)
-    mild.begin, mild.end, mild.place = 4.0, 5.0, math.inf
-    mild.transitions = lambda *_: transitions_of(MILD)._replace(computed=([0.5], [2.5]))
-    assert error_band(mild, 1.0, VELOCITIES, Normal())[0] == math.inf
-    severe.begin, severe.end = 0.0, 0.4
-    severe.transitions = lambda *_: transitions_of(SEVERE)._replace(computed=([1.5], [3.5]))
-    assert error_band(severe, 1.0, VELOCITIES, Normal())[1] == 0.0
-
-
-def test_from_rest_on_the_error_is_asked_for_where_something_moves():
-    asked = []
-    resting = Line(lambda v: asked.append(v) or 0.0)
-    resting.begin, resting.end, resting.ends = 0.0, 0.4, {"velocity": (0.0, 3.5)}
-    resting.transitions = lambda *_: transitions_of(SEVERE)
-    assert error_band(resting, 1.0, VELOCITIES, Normal())[1] == 0.0
-    assert set(asked) == {0.5}
-
-
-def test_an_error_band_is_unknown_where_the_error_or_the_place_is_not_known():
-    unknown = error_band(Line(lambda _: None), 1.0, VELOCITIES, Normal())
-    no_place = error_band(Line(lambda _: 0.0, math.nan), 1.0, VELOCITIES, Normal())
-    misfit = Line(lambda _: 0.0)
-    misfit.misfit = "tests contradict it"
-    contradicted = error_band(misfit, 1.0, VELOCITIES, Normal())
-    assert [*unknown, *no_place, *contradicted] == pytest.approx([math.nan] * 6, nan_ok=True)
-
-
-def test_an_end_whose_error_is_unknown_between_points_is_looked_for_from_the_outermost():
-    found = error_band(Line(lambda v: None if 1.5 < v < 2.5 else 0.0), 1.0, VELOCITIES, Normal())
-    assert found == pytest.approx((1.1, 2.9), abs=2e-3)
-    found = error_band(Line(lambda v: None if 0.6 < v < 3.4 else 0.0), 1.0, VELOCITIES, Normal())
-    assert found == pytest.approx((0.5, 3.5))
+def test_neither_is_decided_where_the_numerical_error_is_unknown():
+    assert np.isnan(Even(total=lambda _: None).band()).all()
+    found = Even(total=lambda v: None if 0.7 < v < 3.3 else 0.0).band()
+    # A step between two velocities, 0.01 m/s apart.
+    assert found == pytest.approx((0.7, 3.3), abs=0.01)
+    farther_on = Even(total=lambda v: None if v > 3.2 else 0.0)
+    assert farther_on.band() == pytest.approx((1.1, 2.9), abs=2e-3)
+    mild = Even(4.0, 5.0, lambda v: None if v > 3.0 else 0.0)
+    assert mild.band()[0] == pytest.approx(3.0, abs=0.01)
+    contradicted = Even()
+    contradicted.misfit = "tests contradict it"
+    assert np.isnan(contradicted.band()).all()
 
 
 # Tables

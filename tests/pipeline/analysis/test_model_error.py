@@ -304,7 +304,7 @@ def test_a_model_that_its_tests_contradict_decides_nothing():
     far = answer(field, 400.0, 0.5, scatter_of(ds))
     assert answer(point_field(ds), 400.0, 0.5, scatter_of(ds)).verdict == "mild"
     assert (far.verdict, far.as_dict()["verdict"]) == (NOT_DECIDED, NOT_DECIDED)
-    band = error_band(field, 400.0, np.geomspace(0.3, 6.0, 50), scatter_of(ds))
+    band = error_band(field, np.array([400.0]), np.geomspace(0.3, 6.0, 50), scatter_of(ds))
     assert np.isnan(band).all()
 
 
