@@ -39,7 +39,7 @@ TINTS = {"mild": "#EAF2F8", "severe": "#FCEEE4", "band": "#BBBBBB"}
 THIN, THICK = 0.9, 2.2  # [pt], lines finer or heavier than those of the style sheet
 BIG, FAINT = 8.5, 0.35  # [pt] of marks that stand out, and opacity of what is there to compare
 BOUNDARY: dict[str, Any] = {"color": BLACK, "lw": THICK}
-BAND: dict[str, Any] = {"fc": TINTS["band"], "ec": GREY, "ls": "--", "lw": THIN, "alpha": 0.6}
+BAND: dict[str, Any] = {"fc": TINTS["band"], "ec": "none", "alpha": 0.6}
 RISK_COLOURS = "RdYlBu_r"
 PALE = -0.15, 1.15  # ends of the colours of risks, so that words on them can be read
 HALO = [withStroke(linewidth=2.5, foreground="white")]

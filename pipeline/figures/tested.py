@@ -95,7 +95,7 @@ def _draw_band(axes: Axes, ends: tuple[float, float], scatter: Scatter | None) -
     if low < high:
         axes.fill_between(
             line, low * line, high * line, label="next run not decided",
-            **style.BAND | {"ec": "none"},
+            **style.BAND,
         )  # fmt: skip
     label = "measured as computed; mild wear below, severe above"
     axes.plot(line, line, color=BLACK, label=label)
