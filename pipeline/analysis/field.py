@@ -44,7 +44,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rise_limit, rise_limits
 from pipeline.sweep.variants import VARIANT
 from tribo import InputError
-from tribo.types import Array, Indices, Mask
+from tribo.types import Array, Mask
 
 _USUAL = COORDINATES.keys() - {VARIANT, "realization"}
 _FAR, _PLACES = 30.0, 1024  # ratio to which a line goes on with its friction, and places of it
@@ -273,12 +273,16 @@ class PointField:
         """See `Field`."""
         loads, velocities = places_of(loads, velocities)
         untold = self._is_untold(loads, velocities)
-        lines, rows = self._lines_of("velocity", loads, velocities, untold)
+        # Places on a row of the sweep share its line.
+        is_row = np.isin(loads, self.planes[0].loads) & ~untold
+        keys = np.stack([loads, np.where(is_row, -1.0, velocities)])
+        _, first, rows = np.unique(keys, axis=1, return_index=True, return_inverse=True)
+        lines = self.lines("velocity", loads[first], velocities[first], untold[first])
         limits = rise_limits(self.conditions)[:, None]
 
         def shifted(shift: Array) -> Array:
             # Many places may share a line and its limit.
-            keys = np.stack([rows, shift])
+            keys = np.stack([rows.ravel(), shift])
             (numbers, shifts), places = np.unique(keys, axis=1, return_inverse=True)
             shares = [
                 [
@@ -300,39 +304,27 @@ class PointField:
                 untold |= (loads == load) & (count < 2) & ~np.isin(velocities, x)
         return untold
 
-    def lines(self, axis: str, loads: Array, velocities: Array) -> list[Line]:
-        """Lines along an axis through places, by member; the places are their rows."""
-        lines, rows = self._lines_of(axis, loads, velocities, np.zeros(loads.shape, bool))
-        return [line[rows] for line in lines]
-
-    def _lines_of(
-        self, axis: str, loads: Array, velocities: Array, is_filled: Mask
-    ) -> tuple[list[Line], Indices]:
-        """Lines along an axis by member, and the number of the row of each place.
+    def lines(
+        self, axis: str, loads: Array, velocities: Array, is_filled: Mask | bool = False
+    ) -> list[Line]:
+        """Lines along an axis through places, by member; the places are their rows.
 
         Between loads or velocities of the sweep, rises go on where wear is certainly mild or
         severe. A row of the sweep has its own points alone, unless those of other rows are asked to
         stand in for points that it lacks.
         """
-        own, place, along = self.planes[0].loads, loads, velocities
-        if axis == "load":
-            own, place, along = self.planes[0].velocities, velocities, loads
-        is_row = np.isin(place, own) & np.logical_not(is_filled)
-        # A row is the same line through each of its places.
-        keys = np.stack([place, np.where(is_row, -1.0, along)])
-        _, first, rows = np.unique(keys, axis=1, return_index=True, return_inverse=True)
-        lines = [
-            self._lines(number, axis, loads[first], velocities[first], is_row[first])
-            for number in range(len(self.planes))
-        ]
-        return lines, rows.ravel()
+        members = range(len(self.planes))
+        return [self._lines(number, axis, loads, velocities, is_filled) for number in members]
 
-    def _lines(self, number: int, axis: str, loads: Array, velocities: Array, is_row: Mask) -> Line:
+    def _lines(
+        self, number: int, axis: str, loads: Array, velocities: Array, is_filled: Mask | bool
+    ) -> Line:
         plane, factor, limit = self.planes[number], self.conditions.friction_factor, self.limit
         x, other, place, along = plane.velocities, plane.loads, loads, velocities
         rises = plane.rises * factor(x)
         if axis == "load":
             x, other, place, along, rises = other, x, velocities, loads, rises.T
+        is_row = np.isin(place, other) & np.logical_not(is_filled)
         has_curve = self.conditions.has_friction_curve
         if axis == "load":
             computed, here = self._load_rises(number, velocities), factor(velocities)

@@ -328,7 +328,7 @@ class Friction:
         "Coefficient of friction. Another one given afterwards (`--at`, `--friction`) scales what "
         "`by_velocity` and `by_temperature` tell; one in the scene (`--set`) leaves their values."]
     band: A[tuple[float, float] | None, List(FRICTION, length=2),
-        "Lowest and highest coefficient, drawn as a band in the diagram."] = None
+        "Lowest and highest coefficient, whose transitions the diagram draws as thin lines."] = None
     same_rig: A[bool,
         "True if tests and scene have the same friction, so that `irg infer` learns from the "
         "tests; false if the scene is another machine than the rig."] = True
