@@ -29,6 +29,7 @@ _STANDARD_DEVIATIONS = 4.0  # of friction about its course, below which a rise i
 _OF_SINE = 2 * math.sqrt(2) / math.pi  # mean of a sine, both ways above 0, of its rms
 _LIKE_SINE = 0.02  # share within which it is one, of which few samples have too low a mean
 _SWING = 0.25  # share of its mean by which a signal that swings is above and below it
+_MANY = 50  # swings that are strokes, however many readings one has
 _COMMANDS = "load", "velocity"
 
 
@@ -237,7 +238,7 @@ def _command(column: Array) -> Array:
     off = column / max(column.mean(), 1e-300) - 1
     crossings = np.count_nonzero(np.diff(np.sign(off[np.abs(off) > _SWING])))
     is_held = np.mean(np.abs(column - np.median(column)) <= 2 * _NEAR * np.median(column)) > 0.5
-    if is_held or crossings < max(20, len(column) / 40):
+    if is_held or crossings < max(20, min(_MANY, len(column) / 40)):
         # Four steps of five are within 1.28 standard deviations, where the load is high, too.
         noise = float(np.quantile(np.abs(np.diff(column)), 0.8)) / 1.28 / math.sqrt(2)
         # The median of n readings is 1.25/√n as scattered as one; four of that are no other level.

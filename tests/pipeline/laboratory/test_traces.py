@@ -204,6 +204,23 @@ def test_reciprocation_counts_with_its_mean_speed(tmp_path, irg, is_signed):
     assert test["friction"] == pytest.approx(0.1, rel=0.02)
 
 
+@pytest.mark.parametrize("is_signed", [True, False])
+def test_strokes_of_many_readings_count_with_their_mean_speed(tmp_path, irg, is_signed):
+    """At 2 Hz and 500 readings a period, stroke 10 mm: 2 · 2 Hz · 10 mm = 0.04 m/s."""
+    time = np.arange(20_000) / 1000
+    phase = np.cos(2 * np.pi * 2 * time)
+    load, friction = np.repeat([50.0, 100.0], 10_000), np.where(time < 16, 0.12, 0.35)
+    sign = 1 if is_signed else np.sign(phase)
+    path = write(tmp_path, **{
+        "Time [s]": time, "Load [N]": load, "v [m/s]": 5e-3 * 4 * np.pi * phase * sign,
+        "Friction force [N]": friction * load * np.where(np.abs(phase) > 0.05, np.sign(phase), 0),
+    })  # fmt: skip
+    (test,) = irg("tests", path, "--json")["tests"]
+    assert (test["mild_up_to"], test["severe_at"], test["velocity"]) == (
+        "50 N", "100 N", "0.04 m/s",
+    )  # fmt: skip
+
+
 def test_rows_at_rest_do_not_count_and_are_told(tmp_path, irg):
     """The load runs down after 100 rows, and the record goes on for 200."""
     count = np.arange(310)
