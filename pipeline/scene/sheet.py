@@ -306,7 +306,10 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
         filled = [cell for cell in cells if cell]
         is_same, is_words = cells == rows[start].cells, not any(map(NUMBER.fullmatch, filled))
         if is_same or (is_words and len(filled) > 1):
-            is_inside = is_same or names.count(headings_at([Row(0, cells)], 0)[0]) < 2
+            others = 0 if is_same else names.count(headings_at([Row(0, cells)], 0)[0])
+            is_inside = others < 2
+            if others >= max(2, len({*places.values()})):
+                sheet.faults.append(f"row {number} begins a second table; give it in its own file")
         if cells[0].startswith("#") and len(filled) == 1:
             sheet.left_out[number] = "is commented out"
         elif is_same or not is_inside:

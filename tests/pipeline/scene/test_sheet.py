@@ -78,7 +78,6 @@ REST = {
     "words": ("mean,of all\n", "4 rows: 3 used, 1 left out: row 5 has no number"),
     "commented out": ("#300\n", "4 rows: 3 used, 1 left out: row 5 is commented out"),
     "the headings": (HEADS, "4 rows: 3 used, 1 left out: row 5 has the headings again"),
-    "another table": ("velocity [m/s],load [N]\n2,9\n", "stand below others"),
     "nan": ("NaN,nan\n", "4 rows: 3 used, 1 left out: row 5 has no number"),
 }
 
@@ -110,6 +109,7 @@ WRONG = {
     "an error": ("#DIV/0!,2\n", 'row 2, load: "#DIV/0! N" is not a number'),
     "a formula": ("=B1,2\n", 'row 2, load: "=B1 N" is not a number'),
     "below 0": ("-300,2\n", 'row 2, load: "-300 N" is out of range'),
+    "another table": ("300,2\nvelocity [m/s],load [N]\n2,9\n", "row 3 begins a second table"),
     "a cell too many": ("300,2,5\n", "row 2: 3 cells below 2 headings"),
     "marks": ('"1,400",2\n', 'row 2, load: "1,400, 1400 or 1.400 by the decimal mark'),
     "two of a kind": ("30O,2\n30O,2\n", "rows 2 and 3, load"),
