@@ -180,6 +180,8 @@ def _read_by_library(path: Path) -> Raw:
             reader = formats.open_topography(source)
         except Exception as error:
             raise InputError(f"{path}: {_why_not(formats, path, error)}; {_SAVE}") from error
+        if reader.default_channel.physical_sizes is None:
+            raise InputError(f"{path}: says no sizes; {_SAVE}")
         topography = reader.topography()
     if topography.dim != 2 or not topography.is_uniform:
         raise InputError(f"{path}: a profile, or unevenly spaced; give a map of heights")

@@ -16,7 +16,6 @@ from pipeline.laboratory.surfaces import (
     form_words,
     oriented,
     read_surface,
-    tilt_doubts,
 )
 from pipeline.quantities import display, display_sides
 from pipeline.scene.units import in_si
@@ -113,7 +112,6 @@ class SurfaceStatistics:
             yield "check the size of the pixels (--pixel-size)"
         if sal < min(self.pixel_size):
             yield "neighbouring heights hardly depend on each other: noise, or too coarse pixels"
-        yield from tilt_doubts(rough.slopes)
         if self.missing:
             share = 100 * self.missing / math.prod(self.shape)
             yield f"{self.missing} heights ({share:.2g} %) are missing and left out"

@@ -24,7 +24,6 @@ from tribo.types import Array
 
 _MOST_BYTES = 2**30  # that a file or an archive may unpack to
 _SAME = 0.01  # share of a length within which two say the same
-_STEEPEST = 20.0  # tilt [°] that leaves no pixel of an instrument its height
 _LONE = 30.0  # root mean square heights from all others, from which on a value is no height
 
 
@@ -88,7 +87,8 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
         raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
     unit = raw.unit if height_unit is None else height_unit
     if not unit or unit < 0:
-        raise InputError(f"{path}: the file says no unit of its heights; give height_unit")
+        lacks = "" if raw.pixel else "; and pixel_size, if it is not given"
+        raise InputError(f"{path}: the file says no unit of its heights; give height_unit{lacks}")
     notes = list[str]()
     if raw.unit and not np.isclose(raw.unit, unit, rtol=_SAME, atol=0):
         notes.append(f"the given height unit counts, {unit:g} m, not the file's, {raw.unit:g} m")
@@ -164,16 +164,6 @@ def form_words(radii: tuple[float, float]) -> str:
     return " and ".join(said)
 
 
-def tilt_doubts(slopes: tuple[float, float]) -> tuple[str, ...]:
-    """A doubt where a scan is steeper than any that an instrument can measure."""
-    if (steepest := max(np.degrees(np.arctan(np.abs(slopes))))) <= _STEEPEST:
-        return ()
-    return (
-        f"the scan is tilted by {steepest:.3g}°: check the unit of the heights and the size of the "
-        "pixels",
-    )
-
-
 def filled(heights: Array) -> Array:
     """Heights with a membrane over each hole, the harmonic function that continues them [m]."""
     from scipy import sparse  # takes 0.1 s, and few surfaces have holes
@@ -219,11 +209,9 @@ def window_heights(
         heights = _cropped(surface.heights, table, pixels, faults)
     said = surface.notes
     if heights is not None and table["level"]:
-        heights, slopes, radii = remove_form(heights, sides or (1.0, 1.0))
-        if sides:
-            said += tilt_doubts(slopes)
-            curved = form_words(radii)
-            said += (f"curvature taken off: R {curved}",) if curved else ()
+        heights, _, radii = remove_form(heights, sides or (1.0, 1.0))
+        curved = form_words(radii) if sides else ""
+        said += (f"curvature taken off: R {curved}",) if curved else ()
     if heights is None or (heights := _fill_holes(heights, table["missing"], faults)) is None:
         return None
     if table["repeat"] != "no" and pixels and np.less(heights.shape, pixels).any():

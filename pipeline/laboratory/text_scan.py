@@ -179,7 +179,8 @@ def _said(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
                     if (length := _length(f"1 {said}" if name == "unit" else said)) is not None:
                         axes = ("x step", "y step") if name == "xy step" else (name,)
                         sizes |= {axis: sizes.get(axis, length) for axis in axes}
-        for axis, unit in _HEAD.findall(line):
+        below = zip("xyz", re.split(r"[\s;,]+", line.strip()), strict=False)
+        for axis, unit in _HEAD.findall(line) or below:
             if (length := _length(f"1 {unit}")) is not None:
                 units[axis.lower()] = length
     return sizes, units

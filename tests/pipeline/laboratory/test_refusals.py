@@ -86,7 +86,7 @@ def bomb(name, size, read):
     return build
 
 
-def instrument(topography, unit=None):
+def instrument(topography, unit=None, sizes=(1.0, 1.0)):
     """A file of an instrument, which a library reads as this topography."""
 
     def read(*_):
@@ -94,7 +94,9 @@ def instrument(topography, unit=None):
             raise topography
         return topography
 
-    library = SimpleNamespace(open_topography=lambda path: SimpleNamespace(topography=read))
+    channel = SimpleNamespace(physical_sizes=sizes)
+    reader = SimpleNamespace(topography=read, default_channel=channel)
+    library = SimpleNamespace(open_topography=lambda path: reader)
 
     def build():
         Path("a.opd").touch()
@@ -230,6 +232,7 @@ REFUSALS = {
     # files of instruments
     "image": (scan(b"", None, "a.tif"), "an image, whose grey"),
     "profile": (instrument(FLAT), "a profile, or unevenly spaced"),
+    "sizeless": (instrument(None, sizes=None), "says no sizes; save the heights as"),
     "unitless": (instrument(BARE), "the file says no unit of its heights"),
     "broken": (instrument(RuntimeError("bad header\nmore")), "cannot be read as .opd: bad header"),
     "no library": (no_library, "pip install SurfaceTopography"),

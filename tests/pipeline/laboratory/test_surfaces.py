@@ -45,7 +45,8 @@ def library(monkeypatch, tmp_path):
                 raise stand_in.topography
             return stand_in.topography
 
-        return SimpleNamespace(topography=read)
+        channel = SimpleNamespace(physical_sizes=SIDES)
+        return SimpleNamespace(topography=read, default_channel=channel)
 
     module = ModuleType("SurfaceTopography.IO")
     module.open_topography = open_topography
