@@ -40,7 +40,7 @@ _TURNS = re.compile(
     r"(?P<which>radius|diameter)\s+(?P<length>.+)"
 )
 _COMMA = re.compile(r"\s*[+-]?\d+,\d")
-_SCALE_FIRST = re.compile(r"^\s*(HV|HBW?|HRC)\s*(\d.*)")
+_SCALE_FIRST = re.compile(r"^\s*(HV|HBW?|HR[Cc])\s*(\d.*)")
 _RANGE = re.compile(
     rf"\s*({_NUMBER})\s*(-|to|\.\.\.?|…|\+/-|±|\+)\s*({_NUMBER})\s*(HV[\d.]*|HBW?|HRC)\s*"
 )
@@ -302,7 +302,8 @@ def _what_to_give(quantity: pint.Quantity[Decimal], needed: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    return json.dumps(text if len(text) <= _LONGEST else f"{text[:_LONGEST]}...")
+    short = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+    return json.dumps(short, ensure_ascii=False)
 
 
 _KGF_PER_MM2 = Decimal("9.80665e6")  # Pa
@@ -330,7 +331,7 @@ _OF_STEEL = {
 
 def hardness_pressure(number: Decimal, unit: str) -> Decimal | None:
     """Pressure of a hardness number [Pa]; None if the unit is not HV, HB, HBW or HRC."""
-    match = _SCALE.fullmatch(unit.strip())
+    match = _SCALE.fullmatch(unit.strip().replace("HRc", "HRC"))
     if match is None:
         return None
     scale = str(match[match.lastindex or 0])
