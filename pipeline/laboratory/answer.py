@@ -15,7 +15,7 @@ import pipeline
 from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.laboratory.exports import Export
-from pipeline.laboratory.logs import Log, has_outcomes, read_log
+from pipeline.laboratory.logs import Log, read_log
 from pipeline.laboratory.reading import OF_TRACE, Read, goes_on, is_trace, read_table, read_trace
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
@@ -43,13 +43,12 @@ def tests(options: argparse.Namespace) -> Result:
         "form": options.form, "sheet": options.sheet, "decimal": options.decimal,
     }  # fmt: skip
     named = {"columns": dict(options.column), **taken}
-    words = dict(options.word)
     read = read_table(path, named, OF_TRACE)
-    if goes_on(read.sheet) or (is_trace(read.sheet) and not has_outcomes(read.sheet, words)):
+    if goes_on(read.sheet) or (is_trace(read.sheet) and "outcome" not in read.sheet.places):
         return _trace_result(path, read, options)
     if options.output:
         raise InputError(f"{path} is no record of friction over time, which -o draws; leave it out")
-    return _log_result(path, read_log(path, named | {"words": words}), named)
+    return _log_result(path, read_log(path, named | {"words": dict(options.word)}), named)
 
 
 def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:

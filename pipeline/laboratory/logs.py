@@ -115,6 +115,10 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     require(sheet, needed, ["load", "velocity"])
     if row_of is Test:
         _read_outcomes(log, words)
+    elif row_of is Stages:
+        ends = [sheet.places[name] for name in ("mild_up_to", "severe_at") if name in sheet.places]
+        no_end = [row.number for row in sheet.rows if not any(row.cells[k] for k in ends)]
+        sheet.leave_out(dict.fromkeys(no_end, "has neither end"))
     _leave_out_repeats(sheet)
     if export.stages and row_of is Test and "run" not in sheet.places:
         _part_runs(sheet, log.words)
@@ -206,11 +210,3 @@ def _double_transitions(log: Log) -> list[str]:
         "one; name the outcomes of its rows, or leave rows out by --skip"
         for run, count in twice.items()
     ]
-
-
-def has_outcomes(sheet: Sheet, words: Mapping[str, str]) -> bool:
-    """True if any cell below an outcome is a word of one."""
-    place = sheet.places.get("outcome")
-    cells = {row.cells[place] for row in sheet.rows} if place is not None else set[str]()
-    title = sheet.heading("outcome").title if cells else ""
-    return any(words.get(cell) or outcome_of(cell, title) for cell in cells)

@@ -59,6 +59,7 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
     for lines in tables if export.unit_row else ():
         _add_units(lines, export.unit_row, names)
     sheet = sheet_of(str(path), tables, names, options.get("decimal"))
+    _join_units(sheet)
     for name, head in names.chosen.items():
         _choose_unit(sheet, name, Heading.of(head).unit)
         if name in sheet.units and name not in sheet.places:
@@ -75,6 +76,15 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
         _take_mean_of_sine(sheet)
     _mend_ends(sheet, export.step)
     return Read(sheet, export, derive(sheet))
+
+
+def _join_units(sheet: Sheet) -> None:
+    """Write units that have a column of their own behind the numbers before it."""
+    for k, heading in enumerate(sheet.headings[1:], 1):
+        if heading.title.lower() in ("unit", "units", "einheit"):
+            sheet.sources.add(k)
+            for row in sheet.rows:
+                row.cells[k - 1] = " ".join(row.cells[k - 1 : k + 1]).strip()
 
 
 def _add_units(lines: Lines, first: str, names: WordNames) -> None:

@@ -25,7 +25,7 @@ BESIDE = "friction.", "temperature."
 """Beginnings of paths of a scene, which say exactly what a column is."""
 _WITH_UNIT = (
     r"(.*?)\s*\[([^\[\]]*)\]", r"(.*?)\s*\(([^()]*(?:\([^()]*\)[^()]*)?)\)", r"(.*?)\s+in\s+(\S.*)",
-    r"(.*?)\s+/\s*(\S.*)", r"(.*?),?\s+(\S+)",
+    r"(.*?)\s+/\s*(\S.*)", r"([^/]*?),?\s+(\S+)",
     r"(.*?)_(k?N|kgf?|g|m?s|sec|min|h|mps|m?m[/_]s|degC|[CK]|rpm|Hz|[mu]m)",
     r"([^/]*?)/(\S.*)", r"(.*?)\s*,\s*(\S.*)",
 )  # fmt: skip

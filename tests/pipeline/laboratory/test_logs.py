@@ -155,10 +155,13 @@ LOGS = {
     "headings again": ("load [N],velocity [m/s],outcome\n400,1.75,mild\n\n"
                        "load [N],velocity [m/s],outcome\n500,1.75,severe\n",
                        [ONE, (500, 1.75, "severe")]),
+    "a slash before a unit of two": ("Load/N,Speed/m s-1,Result\n400,1.75,ok\n", [ONE]),
+    "units in columns": ("Load,Unit,Speed,Unit,Result\n0.4,kN,1750,mm/s,ok\n", [ONE]),
     "quoted semicolons": ('load [N],velocity [m/s],outcome,note\n400,1.75,mild,"a; b; c"\n', [ONE]),
     # words
     "german": ("Kraft [N];Geschwindigkeit [m/s];Bewertung\n400;1,75;i.O.\n", [ONE]),
     "french": ("Charge (N);Vitesse (m/s);Résultat\n400;1,75;ok\n", [ONE]),
+    "italian": ("Carico (N);Velocità (m/s);Grippaggio\n400;1,75;no\n", [ONE]),
     "spanish": ("carga [N];velocidad [m/s];result\n400;1,75;ok\n", [ONE]),
     "asked": ("load [N],velocity [m/s],scuffed?\n400,1.75,no\n400,1.75,yes\n",
               [ONE, (400, 1.75, "severe")]),
@@ -363,9 +366,11 @@ def test_a_specimen_has_one_transition(tests):
 
 def test_runs_by_steps_have_both_ends(tests):
     log = "Sample,Pass load [N],Fail load [N],Speed [m/s]\na,400,500,2\nb,600,,1.5\nc,>700,-,1\n"
+    log += "d,,none,1\n"
     document = tests(log)
     ends = [(one.get("mild_up_to"), one.get("severe_at")) for one in document["tests"]]
     assert ends == [(400, 500), (600, None), (700, None)]
+    assert document["left_out"] == {"5": "has neither end"}
 
 
 def test_a_sheet_of_a_workbook_is_read_as_the_same_csv(tmp_path, irg):
