@@ -83,10 +83,8 @@ class Trace:
         for number, stage in enumerate(self.stages, 1):
             friction, noise = self._course(stage.rows)
             is_first = last is None
-            is_slower = (
-                last is not None
-                and (stage.velocity or 0) < (1 - _APART) * (last.velocity or 0)
-            )  # fmt: skip
+            slowest = (1 - _APART) * (last.velocity or 0) if last else 0
+            is_slower = (stage.velocity or 0) < slowest
             before = math.inf if is_first or is_slower else end
             skipped = max(2, math.ceil(_START * len(friction))) if before == math.inf else 0
             start = end if is_slower else math.inf
@@ -142,10 +140,11 @@ class Trace:
         severe = self.scuff
         number = severe.stage if severe else len(self.stages)
         stages = self.stages[:number]
-        longest = max(self._duration(stage) for stage in stages)
+        longest = max(_span(self.time, stage.rows) for stage in stages)
         mild = stages[: number - 1] if severe else stages
-        mild = [one for one in mild if self._duration(one) >= _SHORT * longest] or mild[-1:]
-        last = stages[-1] if severe else mild[-1]
+        mild = [one for one in mild if _span(self.time, one.rows) >= _SHORT * longest] or mild[-1:]
+        # Of a mild run the stage counts in which most was withstood.
+        last = stages[-1] if severe else max(mild, key=lambda x: (x.load or 1) * (x.velocity or 1))
         common = self._common(last.rows, severe)
         if last.is_ramp:
             row = severe.row if severe else last.rows.stop - 1
@@ -167,13 +166,11 @@ class Trace:
             run |= {"severe_at": _text(name, top)} if severe else {}
             return [run | _place(last._asdict(), without=name) | common]
         return [
-            _place(one._asdict()) | common | {"outcome": outcome, "run": 1}
+            _place(one._asdict())
+            | self._common(one.rows, severe if outcome == "severe" else None)
+            | {"outcome": outcome, "run": 1}
             for one, outcome in outcomes
         ]
-
-    def _duration(self, stage: Stage) -> float:
-        times = self.time[stage.rows]
-        return float(times[-1] - times[0])
 
     def _common(self, rows: slice, severe: Candidate | None) -> dict[str, str | float]:
         """Friction of a stage before a scuff, and the temperature of the run up to it."""
