@@ -259,12 +259,14 @@ def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines
 def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
     """Headings of a row, with units that stand below them, and the number of rows of both."""
     first, *others = rows[k].cells
-    is_mark = first == "#" and any(len(row.cells) == len(others) for row in rows[k + 1 : k + 4])
-    heads = [*map(Heading.of, others if is_mark else [first.lstrip("# "), *others])]
+    widths = [len(row.cells) for row in rows[k + 1 : k + 4] if row.cells[0] != first]
+    is_mark = first in ("#", "%", "//") and len(others) in widths
+    heads = [*map(Heading.of, others if is_mark else [first.lstrip("#% "), *others])]
     for taken, row in enumerate(rows[k + 1 : k + 3], 2):
         if any(map(NUMBER.fullmatch, row.cells)):
             break
-        units = [unit_of_table(cell.strip("[]")) for cell in row.cells[: len(heads)]]
+        cells = row.cells[is_mark and row.cells[0] == first :]
+        units = [unit_of_table(cell.strip("[]")) for cell in cells[: len(heads)]]
         if any(units) and all(map(is_unit, filter(None, units))):
             for place, unit in enumerate(units):
                 text, title, own = heads[place]

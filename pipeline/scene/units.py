@@ -78,7 +78,7 @@ _OF_TABLES = {
     "C": "degC", "F": "degF", "kg": "kgf", "lb": "lbf", "lbs": "lbf", "sec": "s",
     "m_s": "m/s", "mm_s": "mm/s", "newton": "N", "newtons": "N", "celsius": "degC", "m/s": "m/s",
     **dict.fromkeys(("g", "gram", "grams"), "gf"), **dict.fromkeys(TURNS, "rpm"),
-    **dict.fromkeys(("-", "–", "1"), ""),
+    **dict.fromkeys(("-", "–", "1", "hh:mm:ss", "hh:mm"), ""),
 }  # fmt: skip
 """Units meant in tables: none is of charges or capacitances, and a mass there is a weight."""
 
