@@ -30,6 +30,7 @@ _ENDS = "mild_up_to", "severe_at"
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\d\S*.*)|(\d[\d.]*)\s*\+")
 _NEAR = re.compile(r" \(did you mean [^)]*\)")  # of several words, which may mean the contrary
 _MOST = 0.95  # share of the rows in which the time of one run rises
+_MOST_FRICTION = 2.0
 _OF_SINE = 2 / np.pi  # mean of a sine, of its highest value
 
 
@@ -248,7 +249,7 @@ def read_trace(read: Read) -> Trace:
     add_hints(sheet)
     if sheet.faults:
         raise InputError(fault_lines(sheet.name, sheet.faults))
-    if export.restarts:
+    if export.restarts or "step" in sheet.heading("time").title.lower():
         columns["time"] = _continued(columns["time"])
     for name in ("friction", "velocity"):  # whose signs turn with the stroke
         if name in columns:
@@ -266,8 +267,12 @@ def read_trace(read: Read) -> Trace:
             f"to {now:.4g} s, and a trace is one run; give each run in a file of its own, or by "
             "--where, in the order of time"
         )
-    moving = [name for name in ("load", "velocity") if name in columns and sheet.rows]
-    rest = [at_rest(columns[name]) for name in moving]
+    rest = [at_rest(columns[x]) for x in ("load", "velocity") if x in columns and sheet.rows]
+    if sheet.rows and (level := np.median(columns["friction"])) > _MOST_FRICTION:
+        raise InputError(
+            f"{sheet.name}: friction is {level:.4g}, and that of a contact at most "
+            f"{_MOST_FRICTION:g}; give a column of the coefficient itself, or of friction force"
+        )
     _drop(sheet, columns, "is at rest", np.any([np.zeros(len(sheet.rows), bool), *rest], axis=0))
     if len(sheet.rows) < LEAST_ROWS:
         needed_words = f"{len(sheet.rows)} rows in motion; a trace needs {LEAST_ROWS}"
@@ -287,5 +292,4 @@ def _continued(time: Array) -> Array:
     steps = np.diff(time)
     usual = float(np.nanmedian(steps[steps > 0]))
     jumps = np.where(steps < 0, usual - steps, 0.0)
-    result: Array = time + np.concatenate([[0.0], np.cumsum(jumps)])
-    return result
+    return np.asarray(time + np.concatenate([[0.0], np.cumsum(jumps)]))

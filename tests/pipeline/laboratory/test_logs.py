@@ -139,6 +139,7 @@ LOGS = {
     "quoted": ('"Last in kN","v in m/s","Befund"\n"0,4","1,75","kein Fresser"\n', [ONE]),
     "thousands": ('"Load (mN)",speed [m/s],Pass/Fail\n"400,000.0",1.75,pass\n', [ONE]),
     "blanks": ("# rig 3\n# load_N velocity_m/s outcome\n400 1.75 mild\n", [ONE]),
+    "percent signs": ("% rig 3\n% load velocity outcome\n% N m/s -\n400 1.75 mild\n", [ONE]),
     "bars": ("| load (N) | speed (m/s) | outcome |\n|---|---|---|\n| 400 | 1.75 | mild |\n", [ONE]),
     "apostrophes": ("load [N];velocity [mm/s];outcome\n400;1'750.0;mild\n", [ONE]),
     "units below": ("Load,Speed,Result\nN,m/s,\n400,1.75,ok\n", [ONE]),

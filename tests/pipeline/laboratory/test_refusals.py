@@ -281,6 +281,7 @@ REFUSALS = {
     "cell": (log_command(many("1,0.1\n") + "2x,0.1\n"), 'row 22, time: "2x" has an unknown unit'),
     "at rest": (log_command(many("1,0.1,5\n", "time [s],COF,load [N]") + "2,0.1,999\n" * 9),
                 "9 rows in motion; a trace needs 20"),
+    "thousandths": (log_command(many("1,100\n")), "friction is 100, and that of a contact at"),
     "no trace": (log_command("load [N],velocity [m/s],outcome\n4,2,mild\n", "-o", "a.png"),
                  "is no record of friction over time, which -o draws"),
     "column": (log_command("load [N],velocity [m/s],outcome\n4,2,mild\n", "--column", "lod=load"),

@@ -254,6 +254,32 @@ def test_friction_follows_from_a_force_or_a_torque(tmp_path, irg):
     assert other == test
 
 
+def test_a_mild_run_has_the_friction_of_its_hardest_stage(tmp_path, irg):
+    """A Stribeck curve from high to low speed: most was withstood at the first, at 0.04."""
+    speeds, levels = steps(2, 1, 0.5, 0.2, 0.1), steps(0.04, 0.05, 0.07, 0.1, 0.13)
+    friction = levels + noise(len(levels), 0.001)
+    columns = {"Load [N]": 200 + 0 * speeds, "COF": friction, "v [m/s]": speeds}
+    (test,) = irg("tests", write(tmp_path, **columns), "--json")["tests"]
+    assert (test["mild_up_to"], test["load"]) == ("2 m/s", "200 N")
+    assert test["friction"] == pytest.approx(0.04, rel=0.02)
+
+
+def test_friction_in_another_unit_is_refused(tmp_path, irg):
+    columns = {"Load [N]": SIX, "COF x 1000": 1000 * LEVEL, "v [m/s]": 1 + 0 * SIX}
+    said = irg("tests", write(tmp_path, **columns), code=2)
+    assert "friction is 100" in said
+    assert "at most 2" in said
+
+
+def test_the_time_of_steps_begins_anew_with_each(tmp_path, irg):
+    columns = {"Load [N]": SIX, "COF": risen(500), "v [m/s]": 1.5 + 0 * SIX}
+    path = write(tmp_path, **{"Step time [s]": np.arange(COUNT) % 100}, **columns)
+    rows = path.read_text().splitlines(keepends=True)
+    path.write_text("".join(row.partition(",")[2] for row in rows))  # without the other time
+    document = irg("tests", path, "--json")
+    assert document["transition_time"] == pytest.approx(500, abs=2)
+
+
 def test_units_that_a_trace_lacks_are_asked_for_once_with_their_options(tmp_path, irg):
     columns = {"Load": SIX, "v [m/s]": SIX * 0 + 1.5, "Friction force": risen(430) * SIX}
     path = write(tmp_path, **columns)
