@@ -259,8 +259,7 @@ def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines
 def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
     """Headings of a row, with units that stand below them, and the number of rows of both."""
     first, *others = rows[k].cells
-    widths = [len(row.cells) for row in rows[k + 1 : k + 4] if row.cells[0] != first]
-    is_mark = first in ("#", "%", "//") and len(others) in widths
+    is_mark = first in ("#", "%") and len(others) in [len(x.cells) for x in rows[k + 1 : k + 4]]
     heads = [*map(Heading.of, others if is_mark else [first.lstrip("#% "), *others])]
     for taken, row in enumerate(rows[k + 1 : k + 3], 2):
         if any(map(NUMBER.fullmatch, row.cells)):

@@ -242,9 +242,8 @@ def _parts(text: str) -> tuple[str, str]:
     typed = _SCALE_FIRST.sub(r"\2 \1", _TIMES_TEN.sub(r"e\1", typed))
     match = _QUANTITY.fullmatch(typed) if len(text) <= _LONGEST else None
     if match is None:
-        hint = ""
-        if _COMMA.match(text):
-            hint = "; write decimals with a point, and thousands without a mark"
+        marks = "; write decimals with a point, and thousands without a mark"
+        hint = marks if _COMMA.match(text) else ""
         raise UnitError(f"{_quoted(text)} is not a number followed by a unit{hint}")
     return match[1], match[2].strip()
 
