@@ -44,6 +44,7 @@ from pipeline.analysis.transition import (
 from pipeline.quantities import UNITS
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
+from pipeline.sweep.caveats import caveats, joined
 from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
 from pipeline.sweep.physics import cold_bodies, describe_cold_bodies, turn_parts
@@ -84,8 +85,9 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
         - ``rise_exponent`` (at loads alone): d ln(rise) over d ln(velocity) at the crossing.
 
         Attributes are the conditions, with units in ``units_of_attributes``; ``model_error``, what
-        the model's own error rests on; ``missing_points``, the number of points that are pending or
-        failed; and ``misfit``, why the tests contradict the model, where they do.
+        the model's own error rests on; ``caveats``, what a reader must know; ``missing_points``,
+        the number of points that are pending or failed; and ``misfit``, why the tests contradict
+        the model, where they do.
 
         Over several surfaces all but the band have a dimension ``realization`` in front, and these
         are added, likewise for ``critical_load``:
@@ -247,7 +249,8 @@ def _add_errors(boundaries: xr.Dataset, field: Field, ds: xr.Dataset) -> xr.Data
     ):
         boundaries[name] = "load", ends, {"units": "m/s", "long_name": words}
     misfit = {"misfit": field.misfit} if field.misfit else {}
-    return boundaries.assign_attrs(model_error=scatter.worded, **misfit)
+    notes = joined(caveats(stored_sweep(ds), field.conditions, field.counts_inputs))
+    return boundaries.assign_attrs(model_error=scatter.worded, caveats=notes, **misfit)
 
 
 def _band_alone(ds: xr.Dataset) -> xr.Dataset:

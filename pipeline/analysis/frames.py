@@ -38,7 +38,7 @@ def boundary_parts(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
     yield from _next_run_lines(boundaries)
     alone = ["friction"] if "friction" in boundaries.attrs else []
     for frame in frames_of(boundaries):
-        yield short(frame, [*alone, *JUDGED.values()])
+        yield short(frame, [*alone, *JUDGED.values(), "notes"])
     told = dict.fromkeys(attribute_values(boundaries, "model_error"))
     yield f"the model's own error: {' or '.join(told)}"
     if "film_parameter_at_load" in boundaries:
@@ -91,11 +91,11 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
     crossings = xr.Dataset({head: held.drop_attrs() for head, held in values.items()})
     frame = crossings.to_dataframe(dims).reset_index()
     several = {field for field, path in FIELDS.items() if path in dims}
-    judged = [one for one in ("friction", *JUDGED) if one not in several]
+    judged = [one for one in ("friction", *JUDGED, "caveats") if one not in several]
     for one in judged:
         if one not in frame:
             frame[one] = boundaries.attrs.get(one)
-    heads = heads_of(boundaries, dims[:-1]) | column_heads(axis) | JUDGED
+    heads = heads_of(boundaries, dims[:-1]) | column_heads(axis) | JUDGED | {"caveats": "notes"}
     first = [one for one in judged if one == "friction"]
     names = [*dict.fromkeys([*dims[:-1], *first, axis, *values, *judged])]
     found = frame[names].itertuples(index=False, name=None)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -22,8 +22,8 @@ from pipeline.analysis.field import Field, Here, continued_friction, quantile
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.rise_error import RiseError
 from pipeline.analysis.transition import Line
-from pipeline.quantities import display
 from pipeline.sweep.accuracy import MEASURES
+from pipeline.sweep.caveats import caveats
 from pipeline.sweep.shown import shown
 from tribo.types import Array, Mask
 
@@ -126,9 +126,8 @@ class Margin:
         within = ", numerical error not known" if self.error.total is None else within
         likely = f"severe wear is {percent(self.probability)} likely{within}"
         where = f"{abs(self.distance):.3g} K {side} the critical temperature"
-        rest = "" if self.counts_inputs else f"; {_EXACT}"
         tests = f"; tested there: {', '.join(self.tested)}" if self.tested else ""
-        return f"{self.verdict.capitalize()}: {likely}, {where}{rest}{tests}"
+        return f"{self.verdict.capitalize()}: {likely}, {where}{tests}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return all values as plain data."""
@@ -140,9 +139,6 @@ class Margin:
         )  # fmt: skip
         chances = {name: told(plain[name]) for name in ("probability", "lowest", "highest")}
         return {name: getattr(self, name) for name in names} | plain | chances | entries
-
-
-_EXACT = "errors of the inputs, such as the steel's conductivity, are not counted"
 
 
 def verdict_between(lowest: float, highest: float) -> str:
@@ -206,7 +202,7 @@ def answers(
         "counts_inputs": field.counts_inputs,
         "critical_sd": field.conditions.critical_sd,
         "misfit": field.misfit,
-        "caveats": tuple(caveats_of(field)),
+        "caveats": caveats(stored_sweep(field.source), field.conditions, field.counts_inputs),
         "entries": field.entries,
     }
     rows = zip(*columns.values(), strict=True)
@@ -247,15 +243,6 @@ def _columns(
         ends = (zip(low[name].tolist(), high[name].tolist(), strict=True) for name in low)
         columns["intervals"] = [dict(zip(low, row, strict=True)) for row in zip(*ends, strict=True)]
     return columns
-
-
-def caveats_of(field: Field) -> Iterator[str]:
-    """What a reader of each verdict of a field must know, in a line each."""
-    if caveat := stored_sweep(field.source).about.caveat:
-        yield caveat
-    if sd := field.conditions.critical_sd:
-        critical = display(field.conditions.known_critical_temperature(), "°C", 4)
-        yield f"the critical temperature is {critical} ± {display(sd, 'K', 2)}, which is counted"
 
 
 def probabilities(

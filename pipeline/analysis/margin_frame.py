@@ -24,6 +24,7 @@ from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
+from pipeline.sweep.caveats import joined
 from pipeline.sweep.variants import VARIANT
 from tribo import InputError
 
@@ -189,7 +190,7 @@ def margin_frame(
         else:
             values = [_value(one.margin, name) for name in _COLUMNS]
             notes += one.margin.caveats
-        rows.append((*one.place, *values, "; ".join(notes) or None))
+        rows.append((*one.place, *values, joined(notes)))
     results = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS.values(), "notes"), rows)
     return pd.concat([labels, _passed_on(points, results), results], axis="columns")
 

@@ -10,11 +10,20 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import dataset_of, entry_dims, taken_entries
+from pipeline.analysis.dataset import (
+    Kind,
+    dataset_of,
+    entry_dims,
+    read_conditions,
+    stored_sweep,
+    sweep_kind,
+    taken_entries,
+)
 from pipeline.analysis.tables import frame_of
 from pipeline.quantities import display, shown_in
 from pipeline.scene.reference import usual_range
 from pipeline.store.place import PathLike
+from pipeline.sweep.caveats import caveats
 
 Result = TypeVar("Result", xr.Dataset, xr.DataArray)
 
@@ -51,6 +60,13 @@ def map_scenes(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]
     whole = results[0].assign_coords(others)
     whole.attrs = alike
     return whole
+
+
+def caveats_of(ds: xr.Dataset) -> list[str]:
+    """Caveats of answers on a dataset, each once."""
+    is_drawn = sweep_kind(ds) is Kind.SAMPLES
+    lines = (caveats(stored_sweep(one), read_conditions(one), is_drawn) for one in scenes(ds))
+    return [*dict.fromkeys(itertools.chain(*lines))]
 
 
 def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -14,6 +14,7 @@ import pandas as pd
 from pipeline.paths import user_path
 from pipeline.quantities import is_unit_of_head, shown_in, si_of
 from pipeline.store.files import replace_file
+from pipeline.sweep.caveats import parted
 from tribo import InputError
 
 TABLES = (".csv", ".md")
@@ -161,10 +162,14 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
     return path
 
 
-def notes_of(frame: pd.DataFrame) -> list[str]:
-    """Notes of a frame of operating points, each once, and its place unless all places have it."""
+def notes_of(frame: pd.DataFrame, said: Collection[str] = ()) -> list[str]:
+    """Notes of a frame of operating points, each once, and its place unless all places have it.
+
+    Those that are said elsewhere are left out.
+    """
     noted, lines = frame[["load [N]", "velocity [m/s]", "notes"]].dropna(), list[str]()
-    for notes, rows in noted.groupby("notes", sort=False):
+    noted = noted.assign(notes=[parted([cell]) for cell in noted["notes"]]).explode("notes")
+    for notes, rows in noted[~noted["notes"].isin(said)].groupby("notes", sort=False):
         load, velocity, _ = rows.iloc[0]
         others = f" and {len(rows) - 1} more" * (len(rows) > 1)
         is_all = len(rows) == len(frame) > 1

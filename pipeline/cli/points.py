@@ -23,7 +23,8 @@ from pipeline.cli.output import Result, working
 from pipeline.quantities import column_heads
 from pipeline.scene.facts import require_bearable_load
 from pipeline.sweep.about import severe_words
-from pipeline.sweep.accuracy import error_in_words, has_unknown_error, velocity_error
+from pipeline.sweep.accuracy import velocity_error
+from pipeline.sweep.caveats import caveats, joined
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.plan import PointResult
@@ -83,17 +84,17 @@ def point(options: argparse.Namespace) -> Result:
         "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
         "molten": decisive > MELTS,
         "not_counted": note_on_turns(sweep, options.load, options.velocity),
-        "caveat": sweep.about.caveat,
         "wall_time": result.wall_time,
         "decided_by": decided_by,
         **selected(sweep),
     }
-    values = document | {"load": options.load, "distance": distance}
+    notes = caveats(sweep, conditions)
+    values = document | {"load": options.load, "distance": distance, "caveats": joined(notes)}
     frame = frame_of([*_COLUMNS.values()], [[values[name] for name in _COLUMNS]])
     text = [*_point_lines(sweep, result, document, error), "", upright(frame.drop(columns="notes"))]
     text += [f"would decide it: {decided_by}"] if decided_by else []
-    text += [error_in_words(sweep)] if has_unknown_error(sweep) else []
-    return Result(document, text, frames=[frame])
+    text += ["", *notes]
+    return Result(document | {"caveats": notes}, text, frames=[frame])
 
 
 _COLUMNS = {
@@ -104,7 +105,7 @@ _COLUMNS = {
     "contact_width": "contact width [µm]", "contact_fraction": "contact area [%]",
     "mean_pressure": "mean pressure [GPa]", "max_pressure": "highest pressure [GPa]",
     "wear_depth_max": "wear depth [µm]", "wear_volume": "wear volume [mm³]", "time": "time [s]",
-    "sliding_distance": "sliding distance [m]", "wall_time": "computed in [s]", "caveat": "notes",
+    "sliding_distance": "sliding distance [m]", "wall_time": "computed in [s]", "caveats": "notes",
 }  # fmt: skip
 """Heads of the table of a point, by names in its document."""
 

@@ -19,14 +19,13 @@ from pipeline.analysis.dataset import (
     count_missing,
     judged_dims,
     read_conditions,
-    scene_sweep,
     stored_sweep,
     sweep_kind,
 )
 from pipeline.analysis.field import Field, fields
 from pipeline.analysis.margin import Margin
 from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
-from pipeline.analysis.scenes import scenes, words
+from pipeline.analysis.scenes import attribute_values, caveats_of, scenes, words
 from pipeline.analysis.tables import as_dict, notes_of, short, upright
 from pipeline.analysis.transition import outcomes
 from pipeline.cli.given import dataset_in, operating_points_in, table_in, values_in
@@ -34,8 +33,7 @@ from pipeline.cli.output import Result, counted, working
 from pipeline.quantities import shown_in
 from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.about import judged_by
-from pipeline.sweep.accuracy import error_in_words
-from pipeline.sweep.physics import note_on_ends
+from pipeline.sweep.caveats import parted
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
 
@@ -52,17 +50,19 @@ def margin(options: argparse.Namespace) -> Result:
     table = margin_frame(ds, found, points)
     if is_one:
         document, text = _place_lines(ds, found)
-        text += ["", upright(table) if len(table) == 1 else short(table, LONG)]
+        numbers = table.drop(columns="notes")
+        text += ["", upright(numbers) if len(table) == 1 else short(numbers, LONG)]
     else:
         document, text = _table_lines(options, table, points)
     document |= _tell_basis([one.field for one in found], text)
     known = [one for one in found if one.margin]
-    text += [] if is_one else _error_lines(known)
+    document["caveats"] = caveats_of(ds)
+    text += [] if is_one else [*notes_of(table, document["caveats"]), *_error_lines(known)]
     document["missing_points"] = missing = count_missing(ds)
     text += frames.missing_lines(missing)
     text += _deciding_lines(known)
     is_molten = is_one and any(one.known().decisive_temperature > MELTS for one in known)
-    text += remarks("warning", MOLTEN * is_molten)
+    text += [*remarks("warning", MOLTEN * is_molten), "", *document["caveats"]]
     return Result(document, text, pipeline.warned(ds), [table])
 
 
@@ -98,18 +98,17 @@ def _margin_lines(here: Margin) -> list[str]:
         origin = "extrapolated beyond the computed points, as a power of the velocity"
     elif here.members > 1:
         origin = f"that of {here.members} {several}"
-    inputs = "taken as exact" + ", but for the critical temperature" * bool(here.critical_sd)
+    spread = []
     if interval := here.intervals.get("decisive_temperature"):
         low, high = (shown_in(value, "°C") for value in interval)
-        spread = f"{low:.4g} to {high:.4g} °C with 90 %"
-        inputs = spread if here.counts_inputs else f"{inputs}; {spread} of the surfaces"
+        name = "inputs  " if here.counts_inputs else "surfaces"
+        spread = [f"  {name}         {low:.4g} to {high:.4g} °C with 90 %"]
     lines = [
         here.sentence,
         f"  numerical error  {here.error.worded}; the decisive temperature is {origin}",
-        f"  inputs           {inputs}",
+        *spread,
         f"  the model's own  {here.model_error}",
         *remarks("warning", here.misfit),
-        *remarks("note", *here.caveats),
     ]
     for name in ("velocity", "load"):
         outcome = getattr(here, f"{name}_outcome")
@@ -131,7 +130,7 @@ def _table_lines(
     if points and points.counted:
         document["rows_read"] = points.counted
     above, remarks = (points.counted, points.remarks) if points else ("", [])
-    return document, [*filter(None, [above]), said, *shown, *notes_of(frame), *remarks]
+    return document, [*filter(None, [above]), said, *shown, *remarks]
 
 
 def _error_lines(known: list[Judged]) -> list[str]:
@@ -163,22 +162,17 @@ def boundary(options: argparse.Namespace) -> Result:
     text: list[str | pd.DataFrame] = [judged_by(map(read_conditions, scenes(ds)), drawn)]
     for part in frames.boundary_parts(crossings):
         text += ["", part] if isinstance(part, pd.DataFrame) else [part]
-    document["caveat"] = caveat = stored_sweep(ds).about.caveat
-    text += remarks("note", caveat)
-    left_out = [note_on_ends(stored_sweep(ds))]
     if kind is Kind.SAMPLES:
         document |= _tell_basis(fields(ds), text)
     else:
-        left_out.append(turns_left_out(ds, crossings))
+        document["not_counted"] = left_out = turns_left_out(ds, crossings)
+        text += [part for warning in remarks("warning", left_out) for part in ("", warning)]
         # Of several values of a condition none is that of a test which gives none.
         tests = laboratory.compared(ds.isel(dict.fromkeys(judged_dims(ds), 0)))
-    text += [part for warning in remarks("warning", *left_out) for part in ("", warning)]
-    if kind is not Kind.SAMPLES:
-        text += [] if tests is None else ["", *laboratory.test_parts(tests)]
-        text.append(error_in_words(scene_sweep(ds)))
-    document["not_counted"] = "; ".join(filter(None, left_out)) or None
     if tests is not None:
+        text += ["", *laboratory.test_parts(tests)]
         document["tests"] = as_dict(tests)
+    text += ["", *document["caveats"]]
     return Result(document, text, pipeline.warned(ds), frames.frames_of(crossings))
 
 
@@ -195,4 +189,5 @@ def document_of(crossings: xr.Dataset) -> dict[str, Any]:
     names = ("friction", *frames.JUDGED)
     conditions = {name: held[name] for name in names if name in held}
     told = {"conditions": conditions, "model_error": held["model_error"]}
+    told["caveats"] = parted(attribute_values(crossings, "caveats"))
     return document | told | {"missing_points": held["missing_points"]}

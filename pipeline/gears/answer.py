@@ -20,20 +20,17 @@ from pipeline.cli.output import Result
 from pipeline.gears.contact import Mesh, mesh
 from pipeline.gears.doubts import doubts
 from pipeline.gears.fzg import critical_temperature, predict_stages, stage_duty
-from pipeline.gears.pair import UNTESTED, Pair
+from pipeline.gears.pair import Pair
 from pipeline.gears.reading import read_pair
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import judge_spectrum
 from pipeline.quantities import display
 from pipeline.sweep.about import library_tables
+from pipeline.sweep.caveats import joined, parted
 from tribo import InputError, lubrication_regime
 
 T = TypeVar("T")
 
-LIMITS = (
-    f"{UNTESTED.capitalize()}. What a film carries is not counted, nor tip relief. Pressure, flash "
-    "and film are of smooth flanks, in closed form."
-)
 _PLACES = {
     "letter": "place", "position": "position [mm]", "radius_1": "radius 1 [mm]",
     "radius_2": "radius 2 [mm]", "reduced_radius": "reduced radius [mm]",
@@ -72,14 +69,14 @@ def gears(options: argparse.Namespace) -> Result:
         critical = _simulated(options, critical_temperature, pair, options.failure_stage)
         pair = pair.changed(critical=critical.value, critical_sd=critical.doubt)
         answers["critical_temperature"] = asdict(critical)
-        text, table = [*critical.words], _frame(_CRITICAL, [critical]).assign(notes=pair.caveat)
+        text, table = [*critical.words], _frame(_CRITICAL, [critical])
     one = mesh(pair, options.places)
     meshes = [one]
     if options.stages or options.points:
         told, lines, table, meshes = (_stages if options.stages else _spectrum)(options, pair)
         answers, text = answers | told, [*text, *lines]
     if not text:
-        table = _frame(_PLACES, one.places).assign(notes=pair.caveat)
+        table = _frame(_PLACES, one.places)
         text = [frame_of(("subject", "value"), [*_facts(one)]), "", short(table, _WIDE)]
     if options.new_scene:
         note = f"Written by irg gears {options.pair}."
@@ -88,10 +85,13 @@ def gears(options: argparse.Namespace) -> Result:
         text += ["", f"{options.new_scene} is written; its margins, place by place:"]
         text += [f"  irg run {options.new_scene} -o {store}", f"  irg margin {store}"]
     slips = [*map(str, doubts(meshes))]
-    document = {"title": pair.title, "limits": LIMITS, "notes": pair.caveat, "doubts": slips}
+    if "notes" not in table:
+        table["notes"] = joined(pair.caveats)
+    caveats = parted(table["notes"])
+    document = {"title": pair.title, "caveats": caveats, "doubts": slips}
     return Result(
         document | _document(one) | answers,
-        [pair.title, LIMITS, "", *text, *slips],
+        [pair.title, "", *text, *slips, "", *caveats],
         frames=[table],
         draw=lambda: pipeline.gears.draw_mesh(mesh(pair, _DRAWN)),
     )

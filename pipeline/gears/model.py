@@ -19,6 +19,7 @@ from pipeline.analysis.margin import NOT_DECIDED, told
 from pipeline.analysis.margin_frame import Judged, judged
 from pipeline.gears.contact import Mesh, MeshPlace
 from pipeline.gears.scene import scene_toml
+from pipeline.sweep.caveats import joined
 from pipeline.sweep.stages import Report, silent
 
 MILD, SEVERE = "mild", "severe"
@@ -35,7 +36,7 @@ class Simulated:
     error: float  #: Numerical error of that temperature [K]; infinite where it is not known.
     verdict: str = ""  #: That of `pipeline.margin`; empty without a critical temperature.
     probability: float = 0.0  #: Probability that the next run is severe.
-    notes: str = ""  #: What a reader of the verdict must know.
+    notes: str | None = None  #: What a reader of the verdict must know.
 
     @property
     def distance(self) -> float:
@@ -129,8 +130,8 @@ def _simulated(one: Mesh, place: MeshPlace, found: Judged) -> Simulated:
     verdict: tuple[Any, ...] = ()
     if one.pair.critical is not None:
         margin = found.known()
-        notes = *margin.caveats, f"the model's own error: {margin.model_error}"
-        verdict = margin.verdict, margin.probability, "; ".join(notes)
+        notes = *one.pair.caveats, *margin.caveats, f"the model's own error: {margin.model_error}"
+        verdict = margin.verdict, margin.probability, joined(notes)
     return Simulated(one, place, temperature, math.inf if error is None else error, *verdict)
 
 
@@ -141,6 +142,6 @@ def _is_too_hot(one: Mesh) -> bool:
 
 def _unsimulated(one: Mesh) -> Simulated:
     """A mesh whose teeth alone are too hot, with the temperature of smooth flanks."""
-    notes = f"{one.pair.caveat}; the teeth alone are above the critical temperature: not simulated"
-    hot = one.hottest
+    alone = "the teeth alone are above the critical temperature: not simulated"
+    notes, hot = joined([*one.pair.caveats, alone]), one.hottest
     return Simulated(one, hot, hot.temperature, math.nan, SEVERE, 1.0, notes)

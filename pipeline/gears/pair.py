@@ -10,13 +10,17 @@ from typing import Any
 from pipeline.gears.involute import Involutes
 from pipeline.quantities import display
 from pipeline.sweep.about import FromLibrary
+from pipeline.sweep.caveats import critical_in_words
 from tribo import Material, Oil
 
 UNTESTED = (
-    "not validated: no scuffing test of gears was compared with this model of boundary "
-    "lubrication, while gears run mixed"
+    "not validated: no scuffing test of gears was compared with this model of boundary lubrication"
 )
-"""What a reader of each answer must know."""
+_LIMITS = (
+    UNTESTED,
+    "gears run in mixed lubrication: what a film carries is not counted, nor is tip relief",
+    "pressure, flash and film are of smooth flanks, in closed form",
+)
 _RQ_OF_RA = math.sqrt(math.pi / 2)  # where heights are distributed normally
 
 
@@ -70,10 +74,11 @@ class Pair:
         return display(self.critical, "°C", 3) + doubt if self.critical is not None else ""
 
     @property
-    def caveat(self) -> str:
-        """What a reader of each answer must know, in a line."""
-        critical = f"; the critical temperature is {self.critical_words}" if self.critical else ""
-        return UNTESTED + critical
+    def caveats(self) -> tuple[str, ...]:
+        """What a reader of each answer must know, in a line each."""
+        if self.critical is None:
+            return _LIMITS
+        return *_LIMITS, critical_in_words(self.critical, self.critical_sd)
 
     def changed(self, **fields: Any) -> Pair:
         """The pair with some fields replaced."""

@@ -110,8 +110,7 @@ def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
         tables["oil"] = {k: v for k, v in pair.written["oil"].items() if k != "like"}
     lines = [f"# {note}"] if note else []
     lines += [*_HEAD, "", f"title = {as_toml(f'{pair.title}: places of mesh')}"]
-    # Verdicts on a scene tell a standard deviation themselves.
-    lines += [f"caveat = {as_toml(UNTESTED if pair.critical_sd else pair.caveat)}"]
+    lines += [f"caveat = {as_toml(UNTESTED)}"]
     for name, table in tables.items():
         lines += ["", f"[{name}]", *(f"{key} = {as_toml(value)}" for key, value in table.items())]
     lines += ["", "[sweep]", "along = [", *(f"  {as_toml(row)}," for row in rows), "]"]

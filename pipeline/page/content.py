@@ -45,6 +45,7 @@ from pipeline.analysis.laboratory import (
 )
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import AGREED, WORTH, ModelError
+from pipeline.analysis.scenes import caveats_of
 from pipeline.analysis.tables import html_of
 from pipeline.analysis.transition import LEAST_SLOPE, outcomes, range_of
 from pipeline.figures.overlays import MILD, SEVERE, reachable_tests
@@ -53,7 +54,6 @@ from pipeline.page.pictures import FIELDS, POINT, coloured, packed_fields
 from pipeline.quantities import shown_in
 from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.about import Measurement
-from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.codec import content_hash
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
@@ -108,7 +108,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
                 conditions, sweep.scene.friction_heat, len(ratios) > 1, len(shares) > 1
             )
         ],
-        "accuracy": error_in_words(sweep),
+        "caveats": caveats_of(ds),
         "deciding": conditions.decisive.temperature,
         "times": packed_array(_step_values(values_of(ds, "time"), steps), "<f4"),
         "course": _course(sweep_at_bulks(ds, conditions)),
@@ -236,7 +236,11 @@ def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
         "title": sweep.about.title,
         "name": sweep.about.name,
         "evidence": f", given {weighed.evidence}" if weighed else "",
-        "basis": [*samples.basis_of(ensemble, weighed), f"the model's own error: {scatter.worded}"],
+        "basis": [
+            *samples.basis_of(ensemble, weighed),
+            f"the model's own error: {scatter.worded}",
+            *caveats_of(ds),
+        ],
         "measured": [_told(test) for test in laboratory_tests(ds)],
         "outside": _outside(loads, velocities),
         "misfit": [("wear", field.misfit)] if field.misfit else [],

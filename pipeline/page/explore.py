@@ -6,7 +6,7 @@ import base64
 import hashlib
 import html
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from importlib import resources
 from pathlib import Path
@@ -156,7 +156,7 @@ def _plane_scene(held: dict[str, Any]) -> str:
         "severe": held["regions"][1],
         "band": f"10 to 90 % of {surfaces}",
         "frictions": f"transition at friction {' and '.join(f'{end:.4g}' for end in band or ())}",
-        "accuracy": html.escape(held.pop("accuracy")),
+        "caveats": _items(held["caveats"]),
     }
     return _filled("plane.html", _scene_values(held, sizes) | own)
 
@@ -165,9 +165,9 @@ def _samples_scene(held: dict[str, Any]) -> str:
     """A scene of samples."""
     table, scale = held.pop("table"), held.pop("scale")
     own = {
-        "basis": "".join(f"<li>{html.escape(one)}</li>" for one in held["basis"]),
+        "basis": _items(held["basis"]),
         "evidence": html.escape(held["evidence"]),
-        "table": html_of(short(table)),
+        "table": html_of(short(table, ["notes"])),
         "scale": scale,
     }
     sizes = f"{len(table)} loads, {held['samples']} samples"
@@ -184,6 +184,10 @@ def _scene_values(held: dict[str, Any], sizes: str) -> dict[str, str]:
         f"{sizes}, {held['done']} points done</summary>{entries}</details>",
         "data": _json_text({name: value for name, value in held.items() if name != "record"}),
     }
+
+
+def _items(lines: Iterable[str]) -> str:
+    return "".join(f"<li>{html.escape(line)}</li>" for line in lines)
 
 
 def _filled(name: str, parts: dict[str, str]) -> str:

@@ -23,7 +23,7 @@ from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.frames import boundary_parts
 from pipeline.analysis.laboratory import compared, test_parts
 from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
-from pipeline.analysis.scenes import parts_of, scenes, value_text
+from pipeline.analysis.scenes import caveats_of, parts_of, scenes, value_text
 from pipeline.analysis.tables import (
     frame_of,
     html_of,
@@ -42,7 +42,6 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.versions import package_versions
 from pipeline.sweep.about import judged_by, plane_rows
-from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.codec import content_hash
 from pipeline.sweep.laws import LawError
 from pipeline.sweep.model import Sweep
@@ -127,13 +126,13 @@ def body_of(ds: xr.Dataset, points: OperatingPoints | None) -> str:
     sections: Sections = answers | {
         "Warnings": _warnings(ds),
         "Inputs": _inputs(ds, sweep),
-        "Numerical choices and their error": _fidelity(sweep),
+        "Numerical choices": _fidelity(sweep),
         "Model": [_MODEL],
         "Versions": _versions(ds, sweep),
         "Citation": citation(),
     }
     parts = [f"<h1>{html.escape(sweep.about.title)}</h1>"]
-    parts += [f"<p>{html.escape(sweep.about.caveat)}</p>"] if sweep.about.caveat else []
+    parts += [f"<p>{html.escape(one)}</p>" for one in caveats_of(ds)]
     for heading, section in sections.items():
         if body := [_html(part, heading) for part in _or_reason(section)]:
             parts += [f"<h2>{heading}</h2>", *body]
@@ -254,7 +253,7 @@ def _operating_points(ds: xr.Dataset, points: OperatingPoints | None) -> Iterato
     """Margins of operating points."""
     table = margin(ds, points)
     yield short(table, LONG)
-    yield from notes_of(table)
+    yield from notes_of(table, caveats_of(ds))
     yield from filter(None, (points.counted, *points.remarks)) if points else ()
     yield (
         "A factor is the critical velocity or load over that of the point: at 1.5, wear turns "
@@ -311,8 +310,7 @@ def _meaning(path: str) -> str:
 
 
 def _fidelity(sweep: Sweep) -> Iterator[Part]:
-    """Numerical choices, and the error of the boundary that they bring."""
-    yield error_in_words(sweep)
+    """Numerical choices."""
     entries, prefix = scene_entries(sweep), "fidelity."
     rows = (
         (path.removeprefix(prefix), text)

@@ -161,8 +161,6 @@ class _Reader:
         )
         made = {"fidelity": fidelity, "surface": roughness}
         check_tables(vars(scene) | made, changed, faults)
-        if scene.caveat:
-            faults.note("caveat", scene.caveat)
         oil = self._once(("oil", scene.oil), lambda: oil_of(scene.oil, faults))
         wear = laws.get("wear") or wear_of(scene.wear, faults)
         if faults or loading is None:

@@ -63,15 +63,13 @@ def note_on_turns(
 
 
 def note_on_ends(sweep: Sweep) -> str | None:
-    """Say how much hotter the ends of a pin are where they are sharp; None of other pins."""
+    """Say when sharp ends of a pin turn severe; None of other pins."""
     pin_turns = any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
     if sweep.scene.pin.length is None or pin_turns:
         return None
     return (
-        "the pin is computed in its middle: if its ends are sharp, the rise within 0.1 mm of them "
-        "is 4 to 11 % higher where wear has doubled the contact's width (a smooth cylinder of 2 mm "
-        "at 750 to 200 N), and severe wear begins there at velocities 9 to 23 % lower; it is up to "
-        "64 % higher where the pin has hardly worn, and not higher once the width has tripled"
+        "only the pin's middle is computed: at sharp ends, wear turns severe at velocities 9 to "
+        "23 % lower"
     )
 
 

@@ -100,17 +100,10 @@ class Selection:
         return asdict(self) | {"points": places}
 
     def __str__(self) -> str:
-        picked = self.name
+        name, more = self.name, ""
         if self.accuracy is not None:
-            picked = f"accuracy {100 * self.accuracy:g} %: picked {self.name}"
-        err = f"errs by at most {100 * self.error:.2g} % at any load"
-        if self.accuracy is not None and self.error > self.accuracy:
-            err += ", more than asked for: nothing finer is known"
-        measured = ", ".join(
-            f"{one.name} {100 * one.error_at_any_load:.2g} % in {one.seconds:.2g} s"
-            for one in self.choices
-        )
+            name = f"accuracy {100 * self.accuracy:g} %: picked {self.name}"
+            more = ", more than asked for" * (self.error > self.accuracy)
         return (
-            f"{picked}, whose boundary velocity {err} (measured at {len(self.points)} points in "
-            f"{self.seconds:.1f} s: {measured})"
+            f"{name}; boundary velocities err by at most {100 * self.error:.2g} % at any load{more}"
         )

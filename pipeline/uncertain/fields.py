@@ -142,8 +142,6 @@ class SampleField:
         yield from (f"  {one}" for one in ensemble.fixed)
         if weighed:
             yield weighed.draws_words
-        if ensemble.velocity_error is None:
-            yield "  the error of the samples' fidelity is not known, and not counted"
         if ensemble.missing:
             yield f"  {ensemble.missing} samples are left out: not done at every load"
         yield f"  {_describe_left_out(ensemble)}"

@@ -91,11 +91,10 @@ def changed(margin, **values):
     )
 
 
-def test_the_sentence_tells_verdict_probability_distance_and_what_does_not_count(here):
+def test_the_sentence_tells_verdict_probability_and_distance(here):
     mild = changed(here, lowest=0.001, probability=0.01, highest=0.02, distance=28.43)
     assert mild.sentence == (
-        "Mild: severe wear is 1 % likely (0.1 to 2 %), 28.4 K below the critical temperature; "
-        "errors of the inputs, such as the steel's conductivity, are not counted"
+        "Mild: severe wear is 1 % likely (0.1 to 2 %), 28.4 K below the critical temperature"
     )
     severe = changed(
         here,
@@ -390,7 +389,7 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
     assert first["probability"] == pytest.approx(max(one.probability, 1e-4))
     assert first["critical load [N]"] == pytest.approx(one.critical_load)
     assert np.isnan(first["distance low [K]"])
-    assert pd.isna(first["notes"])
+    assert first["notes"] == " | ".join(one.caveats)
     assert "9000 N" in found.iloc[2]["notes"] or "9 kN" in found.iloc[2]["notes"]
     assert found.iloc[2, 3:-1].isna().all()
     assert {*LONG} < {*found}
@@ -399,8 +398,9 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
 def test_a_note_says_why_a_place_is_not_known_before_it_doubts_a_condition():
     points = {"load": ["400 N"], "velocity": ["1 m/s"], "bulk temperature": ["333 degC"]}
     (note,) = pipeline.margin(synthetic.sweep(), points)["notes"]
-    assert note.startswith("critical_temperature is 145 °C")
-    assert note.endswith("the bulk temperature is 333 °C, where -50 °C to 250 °C are usual: check "
+    why, doubt = note.split(" | ")
+    assert why.startswith("critical_temperature is 145 °C")
+    assert doubt.endswith("the bulk temperature is 333 °C, where -50 °C to 250 °C are usual: check "
                          "its unit")  # fmt: skip
 
 

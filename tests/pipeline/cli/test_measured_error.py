@@ -41,7 +41,7 @@ def test_an_error_that_nobody_asked_for_is_measured_later_on_the_finished_store(
     known = irg("margin", tmp_path / "a.zarr", *PLACE, "--json")
     assert known["temperature_error"] > 0
     assert known["probability"] == unknown["probability"]
-    assert "the scene's own fidelity, whose boundary" in irg("status", tmp_path / "a.zarr")
+    assert "the scene's own fidelity; boundary velocities err" in irg("status", tmp_path / "a.zarr")
 
 
 def test_an_accuracy_and_a_measurement_exclude_each_other(scene, irg):

@@ -50,13 +50,12 @@ def changed(margin, **values):
 )
 def test_the_temperature_that_decides_has_its_origin_and_its_error(here, changes, origin):
     error = RiseError(1.5, 2.0, 0.0)
-    sentence, numerical, inputs, model, *_ = _margin_lines(changed(here, error=error, **changes))
+    sentence, numerical, model, *_ = _margin_lines(changed(here, error=error, **changes))
     assert sentence.startswith("Mild: ")
     assert numerical == (
         "  numerical error  ± 2.5 K: interpolation 1.5 K, preset 2 K; the decisive temperature is "
         f"{origin}"
     )
-    assert inputs == "  inputs           taken as exact"
     assert model == f"  the model's own  {here.model_error}"
 
 
@@ -65,9 +64,7 @@ def test_inputs_have_their_interval_of_draws_or_of_surfaces(here):
     draws = changed(here, members=64, counts_inputs=True, intervals=interval)
     assert _margin_lines(draws)[2] == "  inputs           100 to 120 °C with 90 %"
     several = changed(here, members=5, intervals=interval)
-    assert _margin_lines(several)[2] == (
-        "  inputs           taken as exact; 100 to 120 °C with 90 % of the surfaces"
-    )
+    assert _margin_lines(several)[2] == "  surfaces         100 to 120 °C with 90 %"
 
 
 def test_lines_along_velocity_and_load_tell_what_is_known_beyond_the_outcome(here):
@@ -79,11 +76,11 @@ def test_lines_along_velocity_and_load_tell_what_is_known_beyond_the_outcome(her
         velocity_outcome="mild at every velocity computed (to 4 m/s)",
         load_outcome="severe at every load computed (from 200 N)",
     )
-    assert _margin_lines(mild)[4:] == [
+    assert _margin_lines(mild)[3:] == [
         "in velocity: mild at every velocity computed (to 4 m/s)",
         "in load: severe at every load computed (from 200 N)",
     ]
-    assert _margin_lines(changed(mild, velocity_outcome="mild throughout"))[4:] == [
+    assert _margin_lines(changed(mild, velocity_outcome="mild throughout"))[3:] == [
         "in load: severe at every load computed (from 200 N)"
     ]
     twice = changed(here, velocity_outcome="severe from 1 to 2 m/s")

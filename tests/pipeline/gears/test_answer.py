@@ -14,6 +14,7 @@ import pipeline
 import pipeline.gears as gears
 from pipeline.gears import model
 from pipeline.gears.model import Simulated
+from pipeline.sweep.caveats import joined
 from tribo import InputError
 
 ROOT = Path(__file__).parents[3]
@@ -32,7 +33,7 @@ def warm(monkeypatch):
         spread = NormalDist(pair.critical, math.hypot(1.0, pair.critical_sd or 0.0))
         severe = spread.cdf(hot.temperature)
         verdict = "mild" if severe < 0.05 else "severe" if severe > 0.95 else "not decided"
-        return Simulated(one, hot, hot.temperature, 1.0, verdict, severe, pair.caveat)
+        return Simulated(one, hot, hot.temperature, 1.0, verdict, severe, joined(pair.caveats))
 
     def simulate(meshes, preset=None, workers=None, progress=None):
         return [judged(one) for one in meshes]
@@ -52,7 +53,9 @@ def test_places_are_told_in_si(irg):
         (-3.3177e-3, 14.7637e-3), rel=1e-4
     )
     assert last["radius_1"] == pytest.approx(28.734e-3, rel=1e-4)
-    assert "boundary lubrication" in document["limits"]
+    assert "boundary lubrication" in document["caveats"][0]
+    assert len({*document["caveats"]}) == len(document["caveats"]) > 2
+    assert max(map(len, document["caveats"])) <= 100
 
 
 def test_without_a_number_of_steps_there_are_25_places_and_those_with_letters(irg):
@@ -61,11 +64,12 @@ def test_without_a_number_of_steps_there_are_25_places_and_those_with_letters(ir
     assert len(irg("gears", "fzg_a", "--json")["places"]) == 25 + 3
 
 
-def test_limits_are_the_first_paragraph(irg):
-    title, paragraph, blank = irg("gears", "fzg_a").splitlines()[:3]
+def test_caveats_are_the_last_lines(irg):
+    title, *lines = irg("gears", "fzg_a").splitlines()
     assert title == "FZG test gears A, A/8.3/90"
-    assert paragraph.startswith("Not validated: no scuffing test of gears")
-    assert blank == ""
+    assert lines[-4] == ""
+    assert lines[-3].startswith("not validated: no scuffing test of gears")
+    assert lines[-1].startswith("pressure, flash and film are of smooth flanks")
 
 
 def test_a_load_stage_is_a_duty(irg):
@@ -262,7 +266,8 @@ def test_the_doubt_of_a_failure_stage_is_in_all_that_is_written(irg, tmp_path):
     assert scene["temperature"]["critical"] == f"{found['value'] - 273.15:.7g} degC"
     assert scene["temperature"]["critical_sd"] == f"{found['doubt']:.7g} K"
     assert scene["caveat"].startswith("not validated")
-    assert f"{found['value'] - 273.15:.0f} °C ± {found['doubt']:.3g} K" in document["notes"]
+    doubt = f"°C ± {found['doubt']:.2g} K, which is counted"
+    assert sum(doubt in one for one in document["caveats"]) == 1
     for options in ((), ("--failure-stage", "10"), ("--stages", *CRITICAL)):
         irg("gears", "fzg_a", *options, "-o", tmp_path / "table.csv")
         notes = pd.read_csv(tmp_path / "table.csv")["notes"]

@@ -19,7 +19,7 @@ from tests.helpers.scenes import STEEL
 POINTS = {"load": ["300 N", "500 N"], "velocity": ["1.5 m/s", "2 m/s"], "gear": ["first", "second"]}
 HEADINGS = (
     "Question and answer", "Transition diagram", "Boundary in numbers", "Tests",
-    "Operating points", "Warnings", "Inputs", "Numerical choices and their error", "Model",
+    "Operating points", "Warnings", "Inputs", "Numerical choices", "Model",
     "Versions", "Citation",
 )  # fmt: skip
 

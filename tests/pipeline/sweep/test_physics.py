@@ -83,4 +83,4 @@ def test_earlier_turns_that_are_not_counted_are_said_with_what_they_would_warm(s
 def test_sharp_ends_are_said_of_a_cylinder_at_rest(scene, entries, is_said):
     note = note_on_ends(scene(entries))
     assert (note is not None) == is_said
-    assert note is None or note.startswith("the pin is computed in its middle: if its ends are")
+    assert note is None or note.startswith("only the pin's middle is computed: at sharp ends")

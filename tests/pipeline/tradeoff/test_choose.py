@@ -34,7 +34,7 @@ def test_it_picks_the_cheapest_that_is_good_enough_and_says_why():
     assert changed.scene.fidelity == selection.fidelity == cheapest.fidelity
     assert selection.seconds > 0
     said = str(selection)
-    for word in ("accuracy 5 %", f"picked {selection.name}", "errs by", "reference"):
+    for word in ("accuracy 5 %", f"picked {selection.name}", "err by at most"):
         assert word in said
     document = json.loads(json.dumps(selection.as_dict()))
     assert document["points"][0] == {"load": 60.0, "velocity": selection.points[0][1]}

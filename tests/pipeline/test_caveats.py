@@ -1,0 +1,61 @@
+"""What a reader of a verdict must know is said by every door, each line once."""
+
+import json
+import re
+
+import pandas as pd
+import pytest
+
+import pipeline
+from tests.helpers import synthetic
+from tests.pipeline.conftest import commit_all
+
+OWN = "Not validated: no test of this steel."
+
+
+@pytest.fixture
+def store(tmp_path):
+    """A small sweep of a scene with a caveat of its own."""
+    scene = pipeline.load_scene(
+        "first_try",
+        overrides={"caveat": OWN, "temperature.critical_sd": "8 K"},
+    )
+    commit_all(tmp_path / "out.zarr", scene)
+    return tmp_path / "out.zarr"
+
+
+def doors(irg, store, tmp_path):
+    """Caveats by door: as data, and the text that says them."""
+    place = "--load=400 N", "--velocity=2 m/s"
+    for command in (("margin", store, *place), ("boundary", store)):
+        out = tmp_path / f"{command[0]}.csv"
+        text = irg(*command, "-o", out)
+        yield irg(*command, "--json")["caveats"], text
+        for cell in pd.read_csv(out)["notes"]:
+            yield cell.split(" | "), text
+    html = irg("explore", store, "-o", tmp_path / "page.html") and (tmp_path / "page.html")
+    text = html.read_text(encoding="utf-8")
+    held = json.loads(re.search(r'id="content">(.*?)</script>', text, re.DOTALL)[1])
+    # The record below has the entries of the scene, its caveat among them.
+    yield held["caveats"], text.split("<footer>")[0].replace("&#x27;", "'")
+
+
+def test_every_door_says_the_same_caveats_each_once(irg, store, tmp_path):
+    expected = pipeline.margin(store, 400.0, 2.0).caveats
+    assert expected[0] == OWN
+    for part in ("the pin's middle", "taken as exact", "145 °C ± 8 K", "preset draft"):
+        assert sum(part in line for line in expected) == 1
+    for told, text in doors(irg, store, tmp_path):
+        assert told == [*expected]
+        assert [text.count(line) for line in expected] == [1] * len(expected)
+    report = pipeline.report(store, tmp_path / "report.html").read_text(encoding="utf-8")
+    assert [report.count(line.split("'")[0]) for line in expected[1:]] == [1] * (len(expected) - 1)
+
+
+def test_a_caveat_of_ours_is_a_line_of_at_most_100_columns():
+    for ds in (
+        synthetic.sweep(conditions=synthetic.CONDITIONS | {"critical_sd": 12.5}),
+        synthetic.sweep(preset="standard", selection=synthetic.selection()),
+    ):
+        for line in pipeline.margin(ds, 400.0, 2.0).caveats:
+            assert len(line) <= 100
