@@ -185,8 +185,11 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     temperature = tables.temperature
     if temperature and not faults and (temperature.bulk is None) == (temperature.oil is None):
         faults.refuse("temperature", "give one of bulk, that of the teeth, and oil")
-    has_own = {key.partition(".")[0] for key in overrides or {}}
-    if temperature and temperature.bulk and "duty" in has_own and "temperature" not in has_own:
+    duty, bulk = (
+        next((k for k, layer in enumerate(document.layers) if entry_at(layer.entries, path)), 0)
+        for path in ("duty", "temperature.bulk")
+    )
+    if temperature and temperature.bulk and duty < bulk:
         faults.refuse(
             "temperature.bulk",
             "that of the file is for its own duty; give temperature.bulk of the other duty, too, "

@@ -1,5 +1,6 @@
 """All refusals of gear pairs: what causes each, and what its message says."""
 
+import shutil
 from functools import partial
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from pipeline import gears
 from pipeline.gears.contact import mesh
 from pipeline.gears.fzg import critical_temperature, rig_pair
 from pipeline.gears.pair import Duty
+from pipeline.gears.reading import shipped_pairs
 from pipeline.gears.rules import friction_coefficient, stage_torque, warm_duty
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import read_spectrum
@@ -47,6 +49,17 @@ def duties(text):
     def build():
         Path("duty.csv").write_text(text)
         return read_spectrum("duty.csv", gears.read_pair("fzg_a"))
+
+    return build
+
+
+def extending(entry):
+    """Read a file that extends the test gears with another entry."""
+
+    def build():
+        shutil.copy(shipped_pairs()["fzg_a"], "base.toml")
+        Path("own.toml").write_text(f'extends = "base.toml"\n{entry}\n')
+        return gears.read_pair("own.toml")
 
     return build
 
@@ -106,6 +119,8 @@ REFUSALS = {
                         "give the bulk temperature of this duty, or the temperature of the oil"),
     "bulk of a file": (partial(gears.read_pair, "fzg_a", {"duty.torque": "534.5 N m"}),
                        "temperature.bulk: that of the file is for its own duty"),
+    "bulk of a base": (extending('duty.torque = "534.5 N m"'),
+                       "temperature.bulk (in base.toml): that of the file is for its own duty"),
     "bulk and oil": (duties("torque [N m],speed [rpm],oil temperature [degC],bulk temperature "
                             "[degC]\n534.5,2170,90,203\n"), "give one of both columns"),
     "duty": (duties("torque [N m],speed [rpm]\nx,3\n"), "row 2, torque"),
