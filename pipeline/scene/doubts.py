@@ -229,9 +229,9 @@ def _smooth_temperature(sweep: Sweep, load: float, velocity: float, width: float
         for body, speed in zip((pin.material, sweep.scene.disk), speeds, strict=True)
     )
     rise = load * velocity / (width * along_y * conducted)  # at friction 1
-    columns = columns_in_closed_form(sweep, load, velocity, rise)
-    corrections = conditions.corrections or Corrections()
-    rise = float(corrections.applied(columns)["mean_rise"][-1])
+    if corrections := conditions.corrections:
+        columns = columns_in_closed_form(sweep, load, velocity, rise)
+        rise = float(corrections.applied(columns)["mean_rise"][-1])
     return float(conditions.contact_temperature(rise))
 
 
