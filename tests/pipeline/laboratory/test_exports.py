@@ -157,6 +157,11 @@ def test_a_form_is_named_where_a_file_has_too_few_signs(tmp_path, irg):
     assert 'did you mean "trb3"' in irg("tests", path, "--form", "trb", code=2)
 
 
+def test_each_export_has_a_sample():
+    forms = {form for form, *_ in TRACES.values()}
+    assert {*exports()} == forms | {"srv", "fzg", "twin_disc"}  # whose tests stand above
+
+
 @pytest.mark.parametrize("name", exports())
 def test_an_export_is_recognised_by_two_signs_and_has_a_scene(name):
     export = exports()[name]

@@ -272,7 +272,8 @@ def test_an_outcome_that_is_negated_means_the_contrary(tests):
         ("kein Fresser", "Befund", "mild"), ("n.i.O.", "Befund", "severe"),
         ("verschweißt", "Befund", "severe"), ("not passed", "result", "severe"),
         ("yes", "scuffed", "severe"), ("no", "scuffed", "mild"), ("ja", "gefressen", "severe"),
-        ("yes", "passed", "mild"), ("no", "bestanden", "severe"), ("1", "severe", "severe"),
+        ("yes", "no scuffing", None), ("x", "not passed", None), ("yes", "passed", "mild"),
+        ("no", "bestanden", "severe"), ("1", "severe", "severe"),
         ("yes", "result", None), ("not 1", "scuffed", None), ("perhaps", "scuffed", None),
         ("no seizure", "remarks", "mild"), ("ohne Fresser", "Befund", "mild"),
         ("Verschweißung", "Befund", "severe"), ("not true", "scuffed", None),
@@ -447,6 +448,7 @@ def test_conditions_that_are_probably_in_another_unit_are_doubted(tests):
 @pytest.mark.parametrize(
     ("log", "options", "said"),
     [
+        ("load [N],max speed [m/s],outcome\n400,1,ok\n", [], "no column velocity [m/s] in"),
         ("a;b;c\n400;1,75;kaputt\n", [], 'no column load [N], velocity [m/s] in "a", "b", "c"'),
         ("load;v [m/s];outcome\n400;1;ok\n", [],
          'row 2, load: 400 has no unit; give a load above 0, such as "200 N"; write the unit in '
