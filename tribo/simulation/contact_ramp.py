@@ -195,14 +195,14 @@ def _last_part(
     levels: tuple[Scene, ...], velocity: float, before: State, station: Station
 ) -> tuple[State, State]:
     """States at both ends of the last part of a step, on the grid of the history."""
-    scene, after, iterations, work = levels[0], before, 0, 0
+    scene, after, iterations = levels[0], before, 0
     for part in parts_of(scene, before, station, velocity):
         begin, after = after, advance(scene, after, part, velocity, observed=len(levels) == 1)
         if scene.remembers_heat:
             # The heat of all steps acts on the last, and so each has to know its own pressure.
             after = replace(ended(scene, begin, after, part, velocity), history=None)
-        iterations, work = iterations + after.iterations, work + after.work
-    return begin, replace(after, iterations=iterations, work=work)
+        iterations += after.iterations
+    return begin, replace(after, iterations=iterations)
 
 
 def _shown(

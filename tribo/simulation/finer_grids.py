@@ -39,7 +39,6 @@ def refine_step(
         state = replace(
             finer,
             iterations=state.iterations + finer.iterations,
-            work=state.work + finer.work,
             history=after,
         )
     return ended(finest, on_grid, state, station, velocity)
@@ -58,7 +57,6 @@ def _observed(scene: Scene, after: State) -> State:
         pressure=contact.pressure,
         wear_depth=wear_depth,
         iterations=after.iterations + contact.iterations,
-        work=after.work + contact.iterations * contact.pressure.size,
         residual=max(after.residual, contact.residual),
         displacement=displacement,
         previous_displacement=None,

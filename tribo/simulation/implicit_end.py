@@ -39,7 +39,6 @@ def ended(scene: Scene, before: State, after: State, station: Station, velocity:
     return replace(
         end,
         iterations=sum(state.iterations for state in states),
-        work=sum(state.work for state in states),
         residual=max(state.residual for state in states),
         history=after.history or after,
     )

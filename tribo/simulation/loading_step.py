@@ -118,7 +118,6 @@ def advance(
         on_trunk=station.on_trunk,
         index=station.index,
         iterations=iterations,
-        work=iterations * contact.pressure.size,
         residual=residual,
         previous_pressure=state.pressure,
         previous_load=state.normal_load,

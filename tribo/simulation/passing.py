@@ -31,7 +31,6 @@ def position_means(scene: Scene, before: State, state: State, velocity: float) -
         state,
         passing=tuple(contact.pressure for contact in contacts),
         iterations=state.iterations + iterations,
-        work=state.work + iterations * state.pressure.size,
         residual=max(state.residual, *(contact.residual for contact in contacts)),
         history=state.history or state,
     )

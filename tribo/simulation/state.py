@@ -93,8 +93,6 @@ class State:
         Steps of the loading that lead here.
     iterations : int
         Convolutions that the contact took, on all grids.
-    work : int
-        Convolutions of the contact times the elements of their grids.
     residual : float
         Residual of the contact, see `ContactSolution`.
     previous_pressure : ndarray, shape (nx, ny)
@@ -141,7 +139,6 @@ class State:
     previous_load: float
     displacement: Array | None = None
     previous_displacement: Array | None = None
-    work: int = 0
     is_asked: bool = False
     heat: Heat | None = None
     history: State | None = None

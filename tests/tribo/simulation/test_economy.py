@@ -37,7 +37,9 @@ def with_hardness(scene, hardness):
 
 
 def total_work(states):
-    return sum(s.work + (s.heat.iterations * s.pressure.size if s.heat else 0) for s in states)
+    # The iterations of a last step are counted on the finest grid, where most of them are done.
+    counts = (s.iterations + (s.heat.iterations if s.heat else 0) for s in states)
+    return sum(s.pressure.size * count for s, count in zip(states, counts, strict=True))
 
 
 # The history of a point on a coarser grid.
