@@ -34,7 +34,7 @@ _HALF_BLOCK = 2048  # bytes of the disk that the end of each file leaves empty
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
 _FIELDS_OF_STATE = 3  # arrays of an increment of a ramp
 _MANY = 20_000  # tasks, from which they are divided evenly
-_OF_FRICTION = 2.0  # heat partitions a point on average to solve friction by temperature
+_OF_FRICTION = 2.0  # heat partitions a point on average to solve friction, but not of samples
 _MOST_PIXELS = 2e7  # of a surface that is made for a forecast
 _PATIENCE = 3.0  # [s] of processor time, after which no further step is timed
 
@@ -98,7 +98,7 @@ def estimate(
     asked = _searched(sweep) if boundary_only else sweep
     every = tasks(points_of(asked), asked)
     given = list(sweep.variants.given)
-    scene = sweep.variant(given[len(given) // 2])
+    scene = sweep.below(given[len(given) // 2])
     contact_time, heat_time, state = time_steps(scene)
     work = _Work(scene, contact_time, heat_time)
     alone = makespan(every, 1, work)[1]
@@ -157,9 +157,9 @@ class _Work:
             has[task.ramp[0], load] = True
         self.contacts += steps
         self.temperatures += heats_on_way + heats
-        share = 1 / scene.coarsening**2
-        solving = _OF_FRICTION * warms * len(task.points) if scene.solved_friction else 0.0
-        of_heat = (heats_on_way * share + heats + solving) * self.heat_time
+        is_solved = bool(scene.solved_friction and not self.sweep.variants.draw)
+        solving = _OF_FRICTION * warms * len(task.points) * is_solved
+        of_heat = (heats_on_way / scene.coarsening**2 + heats + solving) * self.heat_time
         commits = len(task.points) * _SECONDS_TO_COMMIT
         return float(steps * self.contact_time + of_heat + commits)
 

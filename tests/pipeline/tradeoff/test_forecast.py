@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from pipeline import load_scene
 from pipeline.sweep import plan
 from pipeline.sweep.plan import points, run_point, run_points, step_count, tasks
 from pipeline.sweep.variants import surfaces
@@ -115,6 +116,15 @@ def test_friction_by_temperature_takes_two_partitions_more_a_point(monkeypatch):
     more = estimate(table, 1).seconds - estimate(plain, 1).seconds
     moving = sum(1 for point in points(plain) if point.velocity)
     assert more == pytest.approx(2 * 9.0 * moving)
+
+
+def test_samples_take_no_partition_more_since_their_friction_is_not_solved(monkeypatch):
+    monkeypatch.setattr(forecast, "time_steps", lambda *_: (1.0, 9.0, None))
+    monkeypatch.setattr(forecast, "_point_bytes", lambda *_: 0.0)
+    rows = [{"temperature": f"{at} K", "coefficient": mu} for at, mu in ((300, 0.1), (400, 0.08))]
+    table = load_scene("uncertain", overrides={"friction.by_temperature": rows})
+    assert table.scene.solved_friction
+    assert estimate(table, 1).seconds == estimate("uncertain", 1).seconds
 
 
 def test_measuring_an_error_takes_the_steps_of_both_choices_and_finds_the_boundary(monkeypatch):
