@@ -22,10 +22,10 @@ from tribo.simulation import Trunks
 TRUTH = Path(__file__).with_name("truth.json")
 
 
-def deciding_rises(sweep, velocity, loads=None):
-    """Deciding rise at loads of a sweep and one velocity, at friction 1 [K]; they share a ramp."""
-    trunks, conditions = Trunks(), sweep.conditions
-    for load in loads or sweep.plane.loads:
+def deciding_rises(sweep, velocity, trunks):
+    """Deciding rise at each load of a sweep and one velocity, at friction 1 [K]."""
+    conditions = sweep.conditions
+    for load in sweep.plane.loads:
         verdict = judge(sweep.scene, load, velocity, conditions, trunks)
         rise = verdict.decisive_temperature - verdict.bulk_temperature
         yield rise / conditions.friction
@@ -57,7 +57,7 @@ def compute(case, ends):
         if key in rises or time.monotonic() > ends:
             continue
         began = time.process_time()
-        rises[key] = [float(f"{rise:.8g}") for rise in deciding_rises(sweep, velocity)]
+        rises[key] = [float(f"{rise:.8g}") for rise in deciding_rises(sweep, velocity, Trunks())]
         _write(case, rises)
         took = time.process_time() - began
         print(f"{case.name}, {velocity:g} m/s: {took:.0f} s", file=sys.stderr, flush=True)
