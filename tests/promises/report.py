@@ -14,12 +14,19 @@ SILENT = 0.02
 """Share of scenes that may break it without a warning, or beyond the stated error."""
 
 
+DEARER = 1.5
+"""Time of the row that `--accuracy` picks, at most, over that of the fastest within the bound.
+
+Rows are ordered by their work; times of these short probes vary by up to a third on a busy machine.
+"""
+
+
 def kept(name, bound, errors, excuses):
     """Row of a promise; scenes with an excuse do not break it in silence."""
     errors, excused = np.array(errors), np.array([bool(one) for one in excuses])
     silent = np.sum((errors > bound) & ~excused)
     shown = (f"{size:.2%}" for size in (*np.quantile(errors, [0.5, 0.9]), errors.max()))
-    return f"{name}: {bound:.0%}", len(errors), np.sum(errors <= bound), silent, *shown
+    return f"{name}: {100 * bound:g}%", len(errors), np.sum(errors <= bound), silent, *shown
 
 
 def are_right(rows, family):
@@ -45,14 +52,18 @@ def report(rows_by_seed, family):
         notes.append(f"- {name}: {past} within, with the heat of the past in the truth")
     for accuracy in ACCURACIES if accuracies else ():
         found = [row[f"{accuracy:g}"] for row in accuracies]
-        said = [one["error"] <= one["foretold"] for one in found]
+        said = [one["error"] <= one["stated"] for one in found]
+        shares = [one["error"] / one["stated"] for one in found]
+        dearer, excuses = _columns(found, "dearer", "warnings")
+        words = f"{accuracy:.0%}"
         rows.append(kept("--accuracy", accuracy, [one["error"] for one in found], said))
-        notes.append(f"- {accuracy:.0%}: stated error high enough in {np.mean(said):.1%}")
+        rows.append(kept(f"share of the error that {words} states", 1.0, shares, excuses))
+        rows.append(kept(f"time over that of the fastest within {words}", DEARER, dearer, found))
         notes += [
-            f"- {accuracy:.0%}: scene {row['seed']} errs by {one['error']:.2%}, said to be "
-            f"{one['foretold']:.2%} ({one['name']}; {', '.join(one['warnings']) or 'no warning'})"
+            f"- {accuracy:.0%}: scene {row['seed']} errs by {one['error']:.2%}, stated "
+            f"{one['stated']:.2%} ({one['name']}; {', '.join(one['warnings']) or 'no warning'})"
             for row, one in zip(accuracies, found, strict=True)
-            if one["error"] > max(accuracy, one["foretold"])
+            if one["error"] > max(accuracy, one["stated"])
         ]
     is_right = are_right(rows, family) and len(failed) <= SILENT * len(rows_by_seed)
     return conclude(f"promises_{family}", "\n".join([table(COLUMNS, rows), "", *notes]), is_right)
