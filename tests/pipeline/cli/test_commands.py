@@ -117,7 +117,7 @@ def test_a_point_within_its_error_is_not_decided_and_what_would_decide_it_is_sai
     scene, store, irg, irg_both
 ):
     """By the numerical error alone: the model has none of its own here."""
-    place = ["point", scene, "--load", "600 N", "--velocity", "2 m/s", "--preset", "draft"]
+    place = ["point", scene, "--load", "200 N", "--velocity", "2 m/s", "--preset", "draft"]
     place += ["--set", "model.scatter=0"]
     temperature = irg(*place, "--json")["decisive_temperature"]
     critical = f"{temperature + 1:.6g} K"

@@ -88,6 +88,13 @@ def test_from_400_elements_on_there_are_enough(nodes, words):
     assert_told(words if nodes < 100 else None, by_rule, state, WarningKind.FEW_NODES)
 
 
+@pytest.mark.parametrize(("nodes", "words"), [(199, "only 199 elements"), (200, None)])
+def test_of_pixels_200_are_enough(nodes, words):
+    scene = replace(small_scene(), pixels=Grid((96, 64), (4e-6, 4e-6)))
+    state = touching(scene, np.unravel_index(np.arange(nodes) + 48, scene.grid.shape))
+    assert_told(words, scene, state, WarningKind.FEW_NODES)
+
+
 @pytest.mark.parametrize(("nodes", "words"), [(19, "only 19 elements"), (20, None)])
 def test_rows_that_nothing_divides_count_as_if_divided_alike(nodes, words):
     plane = small_scene(roughness=False, pixels_per_element=2)
