@@ -46,7 +46,7 @@ def varied():
         "increments": (0.5, 2.0),
         "hold_increments": (0.5, 2.0),
         "imprint": (0.4, 2.5),
-        "contact_tolerance": (0.3, 3.0),
+        "contact_tolerance": (0.6, 3.0),
         "heat_tolerance": (0.1, 10.0),
     }
     factors = {"fewest_elements", "increments", "hold_increments", "imprint"}
