@@ -164,7 +164,7 @@ PRESETS: dict[str, Fidelity] = {
         increments=6,
         hold_increments=25,
         imprint=3.0,
-        contact_tolerance=0.15,
+        contact_tolerance=0.09,
         wear_scheme="sdirk2",
         heat_tolerance=3e-3,
     ),
