@@ -56,7 +56,8 @@ def test_each_section_with_a_figure_names_rooms_that_there_are():
     ("errors", "excuses", "is_right"),
     [
         ([0.01] * 98 + [0.2] * 2, [""] * 100, True),
-        ([0.01] * 97 + [0.2] * 3, ["warned"] * 100, False),
+        ([0.01] * 96 + [0.2] * 4, ["warned"] * 100, True),
+        ([0.01] * 95 + [0.2] * 5, ["warned"] * 100, False),
         ([0.01] * 99 + [0.2], [""] * 100, True),
     ],
 )

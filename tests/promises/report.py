@@ -8,8 +8,8 @@ from tests.helpers.campaigns import conclude, table
 ACCURACIES = (0.05, 0.02, 0.01)
 PROMISED = {name: PRESET_BOUNDS[name] for name in ("draft", "standard", "fine")}
 COLUMNS = ("promise", "scenes", "kept", "broken in silence", "median", "90 % below", "largest")
-LEAST = {"cylinders": 0.98, "wide": 0.9}
-"""Share of scenes that keep a promise, as workflows/MEASURED.md says: all but one in eleven."""
+LEAST = {"cylinders": 0.96, "wide": 0.9}
+"""Share of scenes that keep a promise at all places, of which 99 % keep it: cylinders have four."""
 SILENT = 0.02
 """Share of scenes that may break it without a warning, or beyond the stated error."""
 
@@ -32,7 +32,7 @@ def kept(name, bound, errors, excuses):
 def are_right(rows, family):
     """True if enough scenes keep each promise, and few break it in silence."""
     return bool(rows) and all(
-        held >= LEAST[family] * scenes and silent <= max(SILENT * scenes, 1)
+        scenes - held <= max((1 - LEAST[family]) * scenes, 1) and silent <= max(SILENT * scenes, 1)
         for _, scenes, held, silent, *_ in rows
     )
 
