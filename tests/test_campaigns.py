@@ -160,6 +160,15 @@ def test_the_truth_is_that_of_the_scenes_of_all_families_and_of_no_other():
     assert sum(len(case.loads) * len(case.velocities) for case in judged.values()) >= 300
 
 
+def test_scenes_of_a_search_are_drawn_from_all_families_and_each_is_drawn_once():
+    every = front.drawn(range(0, front.NUMBERS, 2), None)
+    assert len({case.digest for case in every}) == len(every) > 70
+    assert {case.family for case in every} == FAMILIES.keys()
+    some = front.drawn(range(0, front.NUMBERS, 2), 5)
+    assert [case.name for case in some] == [case.name for case in every[:5]]
+    assert len({case.family for case in some}) > 1
+
+
 @pytest.mark.parametrize("name", front.PROMISED)
 @pytest.mark.parametrize("family", ["lay", "coarse pixels", "wide summits"])
 def test_presets_keep_their_promises_on_scenes_on_which_none_was_chosen(family, name):

@@ -8,7 +8,7 @@ front if none takes a tenth less time at no larger quantile. All of these scenes
 so that some of them may be drawn.
 
     python -m tests.promises.front
-    python -m tests.promises.front --search --scenes 1
+    python -m tests.promises.front --search --scenes 10
 """
 
 import argparse
@@ -98,11 +98,11 @@ def warned(sweep, velocity, trunks):
         yield bool(warnings(sweep.scene, state))
 
 
-def computed(path, choices, numbers, ends):
+def computed(path, choices, scenes, ends):
     """Compute what a file has not, and return all of it by choice and scene."""
     rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
     known_rows = {(row["choice"], row["digest"]): row for row in rows}
-    for case in cases(numbers):
+    for case in scenes:
         for name, fidelity in choices.items():
             key = json.dumps(asdict(fidelity)), case.digest
             if key in known_rows or time.monotonic() > ends:
@@ -139,8 +139,9 @@ def worded(row):
 
 
 def drawn(numbers, count):
-    """So many numbers at random, in order; all if no count is given."""
-    return sorted(np.random.default_rng(0).permutation(numbers)[:count].tolist())
+    """So many scenes of some numbers, each once, in random order; all if no count is given."""
+    scenes = [*{case.digest: case for case in cases(numbers)}.values()]
+    return [scenes[place] for place in np.random.default_rng(0).permutation(len(scenes))[:count]]
 
 
 def are_kept(rows):
@@ -159,25 +160,25 @@ def beaten(rows):
 def main():
     parser = argparse.ArgumentParser(prog="python -m tests.promises.front", description=__doc__)
     parser.add_argument("--search", action="store_true", help="what else was tried")
-    parser.add_argument("--scenes", type=int, help="of each family, drawn; all if not given")
+    parser.add_argument("--scenes", type=int, help="so many, drawn; all if not given")
     parser.add_argument("--minutes", type=float, default=120.0, help="begin no scene later")
     options = parser.parse_args()
     np.seterr(all="raise", under="ignore")
     path = Path("results/front.jsonl")
     path.parent.mkdir(exist_ok=True)
-    numbers = drawn(range(0 if options.search else 1, NUMBERS, 2), options.scenes)
+    scenes = drawn(range(0 if options.search else 1, NUMBERS, 2), options.scenes)
     choices = varied() if options.search else {name: PRESETS[name] for name in PROMISED}
-    rows = computed(path, choices, numbers, time.monotonic() + 60 * options.minutes)
+    rows = computed(path, choices, scenes, time.monotonic() + 60 * options.minutes)
     texts = [json.dumps(asdict(fidelity)) for fidelity in choices.values()]
-    scenes = {case.digest for case in cases(numbers)}  # some shipped ones come twice
-    digests = [one for one in scenes if all((text, one) in rows for text in texts)]
+    done = [one for one in scenes if all((text, one.digest) in rows for text in texts)]
+    digests = [one.digest for one in done]
     found = [summary(name, fidelity, rows, digests) for name, fidelity in choices.items()]
-    said = f"{len(digests)} of {len(scenes)} scenes, of each family number {numbers}"
     if options.search:
+        names = ", ".join(one.name for one in done)
         worse = list(beaten(found))
         lines = [table(_COLUMNS, map(worded, sorted(found, key=lambda row: row[6]))), "", *worse]
-        return conclude("front_search", "\n".join([*lines, said]), not worse)
-    lines = table(_COLUMNS, map(worded, found)), "", said
+        return conclude("front_search", "\n".join([*lines, f"drawn scenes: {names}"]), not worse)
+    lines = table(_COLUMNS, map(worded, found)), "", f"{len(done)} scenes"
     return conclude("front", "\n".join(lines), are_kept(found))
 
 
