@@ -233,7 +233,7 @@ def test_what_cannot_be_is_refused_with_its_name(swept, irg, monkeypatch, argume
         (["run"], "SCENE.toml"),
         (["sing", "scene.toml"], "sing"),
         (["point", "scene.toml", "--load", "5", "--velocity", "1 m/s"], "750 N"),
-        (["boundary", "out.zarr", "--bulk-temperature", "60,5 degC"], "write decimals with a point"),
+        (["boundary", "out.zarr", "--bulk-temperature", "60,5 degC"], "decimals with a point"),
         (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
         (["check", "scene.toml", "--acuracy=2%"], 'did you mean "--accuracy"?'),
         (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
