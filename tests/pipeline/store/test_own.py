@@ -1,6 +1,5 @@
 """What users add to a store stays, and is in nobody's way; what they copy of it is read."""
 
-import shutil
 import warnings
 from pathlib import Path
 
@@ -11,9 +10,13 @@ import zarr
 from numcodecs.zstd import Zstd
 
 import pipeline
+import tribo
+from pipeline.store.create import writing
 from pipeline.sweep.model import Point
+from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.variants import rows, surfaces
 from tests.helpers import tiny
-from tests.helpers.stores import commit, plain_values, record
+from tests.helpers.stores import commit, record
 
 SWEEP = tiny.full()
 ZEROS = Zstd(level=1, checksum=True).encode(np.zeros(2**28, np.uint8))
@@ -89,45 +92,70 @@ def test_a_store_that_lost_its_facts_is_no_copy(copy):
 
 
 PLAIN = {
-    "where": lambda ds: ds.where(ds["status"] == 1),
-    "where, drop": lambda ds: ds.where((ds["status"] == 1).compute(), drop=True),
-    "reindex": lambda ds: ds.reindex(load=[*ds["load"].values, 1e3]),
-    "merge": lambda ds: xr.merge(
-        [ds.isel(load=[0]), ds.isel(load=[1, 2])], join="outer", compat="no_conflicts"
-    ),
-    "fillna": lambda ds: ds.fillna(0),
-    "max": lambda ds: ds.max(),
-    "coarsen": lambda ds: ds.coarsen(load=2, boundary="trim").mean(),
-    "rolling": lambda ds: ds.rolling(load=2).mean(),
-    "quantile": lambda ds: ds.compute().fillna(0).quantile(0.5, "load"),
-    "diff": lambda ds: ds.diff("load"),
-    "concat": lambda ds: xr.concat([ds.isel(load=[0]), ds.isel(load=[1, 2])], "load"),
-    "sel": lambda ds: ds.sel(load=slice(200, 700)).sel(velocity=1.1, method="nearest"),
-    "interp": lambda ds: ds.compute().interp(load=400.0),
-    "chunks": lambda ds: ds.chunk(),
-    "map_blocks": lambda ds: ds.chunk().map_blocks(lambda d: d * 1, template=ds.chunk()),
+    "where": lambda ds, dim: ds.where(ds["status"] == 1),
+    "where, drop": lambda ds, dim: ds.where((ds["status"] == 1).compute(), drop=True),
+    "reindex": lambda ds, dim: ds.reindex({dim: [*ds[dim].values, 1e3]}),
+    "merge": lambda ds, dim: xr.merge(halves(ds, dim), join="outer", compat="no_conflicts"),
+    "fillna": lambda ds, dim: ds.fillna(0),
+    "max": lambda ds, dim: ds.max(),
+    "coarsen": lambda ds, dim: ds.coarsen({dim: 2}, boundary="trim").mean(),
+    "rolling": lambda ds, dim: ds.rolling({dim: 2}).mean(),
+    "quantile": lambda ds, dim: ds.compute().fillna(0).quantile(0.5, dim),
+    "diff": lambda ds, dim: ds.diff(dim),
+    "concat": lambda ds, dim: xr.concat(halves(ds, dim), dim),
+    "sel": lambda ds, dim: ds.sel({dim: slice(*ds[dim].values[[0, 1]])}),
+    "nearest": lambda ds, dim: ds.sel({dim: 400.0}, method="nearest"),
+    "interp": lambda ds, dim: ds.compute().interp({dim: float(ds[dim][0]) + 0.5}),
+    "map_blocks": lambda ds, dim: ds.chunk().map_blocks(lambda d: d * 1, template=ds.chunk()),
 }
 
 
+def halves(ds, dim):
+    return [ds.isel({dim: [0]}), ds.isel({dim: slice(1, None)})]
+
+
+RAMPS = {"slow": {"loading": tribo.Ramp(50.0, 750.0)}, "fast": {}}
+SWEEPS = {
+    "plane": SWEEP,
+    "surfaces": tiny.full(variants=surfaces((1, 2)), loads=(150.0, 600.0)),
+    "rows": tiny.full(variants=rows("ramp", RAMPS, velocities=(1.5, 0.5)), loads=(150.0, 600.0)),
+    "search": SWEEP.changed(
+        chosen=frozenset([Point(150.0, 0.5), Point(150.0, 1.5), Point(600.0, 1.0)])
+    ),
+}
+
+
+@pytest.fixture(scope="module", params=[f"{kind}, {part}" for kind in SWEEPS for part in (1, 2)])
+def made(request, tmp_path_factory):
+    """A store of each kind, whose points are done, or one of two."""
+    kind, _, part = request.param.partition(", ")
+    path, sweep = tmp_path_factory.mktemp("made") / "store.zarr", SWEEPS[kind]
+    with writing(path, sweep) as store:
+        done = points(sweep)[:: int(part)]
+        store.commit([run_point(sweep, *point).record(with_fields=True) for point in done])
+    return path
+
+
 @pytest.mark.parametrize("name", PLAIN)
-@pytest.mark.parametrize("done", [4, 9])
-def test_plain_xarray_works_on_whole_and_half_done_sweeps(path, name, done):
-    commit(path, SWEEP, [Point(load, v) for load in tiny.LOADS for v in tiny.VELOCITIES][:done])
-    for ds in (xr.open_zarr(path), pipeline.open_sweep(path)):
+def test_plain_xarray_works_on_whole_and_half_done_sweeps(made, name):
+    for ds in (xr.open_zarr(made), pipeline.open_sweep(made)):
         assert ds.chunks is not None  # one length of chunks along each axis
-        assert PLAIN[name](ds).load().data_vars
-    numbers = {values.dtype.kind for values in plain_values(path).values()}
-    assert numbers <= {*"bif", "T"}
-    assert {array.dtype.kind for array in xr.open_zarr(path).data_vars.values()} <= {*"bif"}
+        assert {values.dtype.kind for values in ds.data_vars.values()} <= {*"bif"}
+        assert PLAIN[name](ds, "load" if "load" in ds.dims else "point").load().data_vars
 
 
-def test_plain_xarray_writes_tables_and_files(copy, tmp_path):
-    ds = xr.open_zarr(copy)
-    assert len(ds[["max_rise", "status"]].to_dataframe()) == ds["max_rise"].size
-    for engine in ("scipy", "h5netcdf"):
-        ds.to_netcdf(tmp_path / f"{engine}.nc", engine=engine)
-    ds.to_zarr(tmp_path / "copy.zarr", consolidated=False)
+def test_plain_xarray_writes_tables_and_files(made, tmp_path):
+    for number, ds in enumerate([xr.open_zarr(made), pipeline.open_sweep(made)]):
+        assert len(ds[["max_rise", "status"]].to_dataframe()) == ds["max_rise"].size
+        for engine in ("scipy", "h5netcdf"):
+            ds.to_netcdf(file := tmp_path / f"{engine}{number}.nc", engine=engine)
+            with xr.open_dataset(file, engine=engine) as written:
+                xr.testing.assert_equal(written.load(), ds.compute())
+        ds.to_zarr(target := tmp_path / f"copy{number}.zarr", consolidated=False)
+        xr.testing.assert_equal(xr.open_zarr(target, consolidated=False).load(), ds.compute())
+
+
+def test_fields_lie_in_a_group_of_their_own(copy):
     fields = xr.open_zarr(copy, group="fields")
     rise = record(Point(600.0, 1.5)).data["rise"]
     np.testing.assert_array_equal(fields["rise"][-1, -1], rise)
-    shutil.rmtree(tmp_path / "copy.zarr")
