@@ -40,7 +40,6 @@ from pipeline.store.place import (
 from pipeline.store.root import (
     Facts,
     Root,
-    find_closed_root,
     find_root,
     read_root,
     require_same_scene,
@@ -64,11 +63,11 @@ def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator
     in its place, another process writes to it, or it cannot be read or written.
     """
     place = place_of(path)
-    _, arrays = find_closed_root(place, sweep)  # before a lock is laid in what is no store
+    find_root(place)  # before a lock is laid in what is no store
     with held(place, progress) as lock:
         if isinstance(place, Folder):
             with writes(place):
-                for key in place.keys(arrays):
+                for key in sorted(place.keys()):
                     if key.endswith(PARTIAL):
                         remove_file(place.path, key)
         yield grown(place, sweep, lock)

@@ -15,8 +15,7 @@ from __future__ import annotations
 
 import errno
 import os
-import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -24,7 +23,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.paths import user_path
-from pipeline.store.files import PARTIAL, is_there, make_folder, replace_files, require_no_link
+from pipeline.store.files import is_there, make_folder, replace_files
 from tribo import TriboError
 
 if TYPE_CHECKING:
@@ -38,7 +37,6 @@ LOCK = "status/lock"
 SCHEME = "s3://"
 KEPT = "status/kept-"
 """Beginning of the keys of what commands keep beside the lock, which is no data."""
-_IN_ARRAY = re.compile(r"zarr\.json|c(\.\d+)+")
 
 
 class StoreError(TriboError):
@@ -100,38 +98,17 @@ class Folder:
         """Replace files; return once they are on the disk."""
         replace_files(self.path, contents)
 
-    def entries(
-        self, arrays: Collection[str] | None, within: str = ""
-    ) -> Iterator[tuple[str, os.DirEntry[str]]]:
-        """Entries of the folder, and of the folders of some arrays in it; of all folders if None.
+    def keys(self) -> set[str]:
+        """Names of all files and links below the folder; no link is followed."""
+        above = len(f"{self.path}/")
+        walked = os.walk(self.path, onerror=_require_missing)
+        return {f"{folder}/{name}"[above:] for folder, _, files in walked for name in files}
 
-        No link is followed.
-        """
-        folder = self.path / within
-        for entry in [*os.scandir(folder)] if folder.is_dir() else ():
-            key = within + entry.name
-            yield key, entry
-            is_wanted = not within if arrays is None else _is_above(key, arrays)
-            if is_wanted and entry.is_dir(follow_symlinks=False):
-                yield from self.entries(arrays, f"{key}/")
 
-    def keys(self, arrays: Collection[str] | None = None) -> set[str]:
-        """Names of all files below the folder; if arrays are given, of those of a store of these.
-
-        An `OSError` is raised for a link under a name of that store. A folder in the place of one
-        of its files counts as that file.
-        """
-        found = dict(self.entries(arrays))
-        if arrays is not None:
-            found = {key: entry for key, entry in found.items() if is_of_store(key, arrays)}
-            for entry in found.values():
-                require_no_link(entry)
-        return {
-            key
-            for key, entry in found.items()
-            if not entry.is_dir(follow_symlinks=False)
-            or (arrays is not None and not _is_above(key, arrays))
-        }
+def _require_missing(error: OSError) -> None:
+    """Raise an error of a folder that is there, and cannot be read."""
+    if not isinstance(error, FileNotFoundError | NotADirectoryError):
+        raise error
 
 
 @dataclass(frozen=True)
@@ -161,7 +138,7 @@ class Bucket:
         """Replace objects, side by side."""
         self._call("pipe", {self._key(key): content for key, content in contents.items()})
 
-    def keys(self, arrays: Collection[str] | None = None) -> set[str]:
+    def keys(self) -> set[str]:
         """Names of all objects."""
         return {name.removeprefix(self._key("")) for name in self._call("find", self._key(""))}
 
@@ -215,20 +192,6 @@ def place_of(path: PathLike) -> StorePlace:
     if not folder.name:
         raise StoreError(f"{folder} cannot be a store; give a folder below it")
     return Folder(folder)
-
-
-def is_of_store(key: str, arrays: Collection[str]) -> bool:
-    """True for a name that a store of some arrays has, or has while it is written."""
-    key = key.removesuffix(PARTIAL)
-    folder, _, name = key.rpartition("/")
-    is_file = folder in arrays and _IN_ARRAY.fullmatch(name)
-    is_beside = key in (ROOT, LOCK) or key.startswith(KEPT)
-    return is_beside or bool(is_file) or _is_above(key, arrays)
-
-
-def _is_above(key: str, arrays: Collection[str]) -> bool:
-    """True for the folder of an array or a folder above it: names of arrays may have a slash."""
-    return any(f"{array}/".startswith(f"{key}/") for array in arrays)
 
 
 def require_writable(path: PathLike) -> None:

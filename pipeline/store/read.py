@@ -129,7 +129,7 @@ def _require_chunks(store: Store) -> None:
     """Raise a `StoreError` if a chunk of a done point is missing."""
     done = store.flags == DONE
     with reaches(store.place):
-        keys = store.place.keys(store.paths)
+        keys = store.place.keys()
     of_points = itertools.filterfalse(is_coordinate, store.arrays)
     if lost := [name for name in of_points if store.lacks(name, done, keys)]:
         raise StoreError(damaged(store.place, ", ".join(sorted(lost))))

@@ -9,7 +9,6 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -18,7 +17,7 @@ from typing import Any, NamedTuple
 from pipeline.paths import near_path
 from pipeline.store.files import PARTIAL
 from pipeline.store.inputs import split_arrays
-from pipeline.store.layout import arrays_of, listed_points, row_axes
+from pipeline.store.layout import arrays_of
 from pipeline.store.lock import holder_of
 from pipeline.store.place import (
     LOCK,
@@ -38,8 +37,6 @@ from pipeline.store.schema import (
     AT_ENDS,
     FORMAT,
     INPUTS,
-    MADE,
-    POINT,
     SCENE_ID,
     VARIABLES,
     is_coordinate,
@@ -47,14 +44,12 @@ from pipeline.store.schema import (
     variables_of,
 )
 from pipeline.store.versions import package_versions, provenance
-from pipeline.sweep.codec import Arrays, CodecError, build, fits, sweep_text, text_sweep
+from pipeline.sweep.codec import Arrays, CodecError, build, sweep_text, text_sweep
 from pipeline.sweep.limits import MOST_BYTES_OF_ROOT, MOST_PARTS_OF_ROOT, MOST_POINTS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stored import misfits
 from tribo import InputError
 
-_AXES = {"float64": list[float], "int64": list[int], "str": list[str]}
-"""Values along an axis, by the type of its variable."""
 _CONSOLIDATED = "consolidated_metadata"
 _CODECS = ["bytes", "zstd"], ["vlen-utf8", "zstd"]
 _TYPES = {"bool", "int8", "int32", "int64", "float32", "float64", "string"}
@@ -159,20 +154,6 @@ def find_root(place: StorePlace) -> Root | None:
     return None
 
 
-def find_closed_root(place: StorePlace, sweep: Sweep) -> tuple[Root | None, set[str]]:
-    """The root as `find_root`, and paths of the arrays that the store has, or will with a sweep.
-
-    A `StoreError` is raised for a link under a name of a folder's, before anything is written.
-    """
-    root = find_root(place)
-    names = {INPUTS, *variables_of(sweep), *(variables_of(root.sweep) if root else ())}
-    paths = {ABOUT, AT_ENDS, *map(path_of, names)}
-    if isinstance(place, Folder):
-        with reaches(place):
-            place.keys(paths)
-    return root, paths
-
-
 def read_sweep(path: PathLike) -> Sweep:
     """The sweep of a store; raises as `read_root` does."""
     return read_root(place_of(path)).sweep
@@ -258,24 +239,24 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         built: Facts = build(Facts, about)
         require_plain(arrays)
         sweep, ids = text_sweep(attributes["sweep"], _inputs(place, arrays)), attributes[SCENE_ID]
-        root = Root(sweep, built, json.loads(ids), arrays, {})
-        _require_fitting(root)
+        wanted = {name for name in variables_of(sweep) if not is_coordinate(name)}
+        if unlike := sorted((arrays.keys() - {INPUTS}) ^ wanted):
+            raise CodecError(f"the variable {unlike[0]} is unknown or missing")
+        if (points := math.prod(arrays["status"]["shape"])) > MOST_POINTS:
+            raise CodecError(f"it has {points:.4g} points, and a store at most {MOST_POINTS:.0e}")
     except DamagedError as error:
         raise StoreError(f"{place}: the arrays of its scene are damaged; {_ELSEWHERE}") from error
     except (InputError, ValueError, KeyError, TypeError) as error:
         raise StoreError(
             f"{place} is of another version of this program, or damaged: {error}; {_ANEW}"
         ) from error
-    own = root.attributes
-    others = {name: value for name, value in attributes.items() if name not in own}
+    root = Root(sweep, built, json.loads(ids), arrays, {})
+    others = {name: attributes[name] for name in attributes.keys() - root.attributes.keys()}
     return root._replace(others={"attributes": others, "metadata": metadata})
 
 
 def _unreadable(place: StorePlace, content: bytes) -> StoreError:
     """What is wrong with a root that does not say what a store is."""
-    with suppress(ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        attributes = json.loads(content)["attributes"]
-        return _of_another_format(place, json.loads(attributes["store"])["format"])
     with reaches(place):
         has_points = _has_points(place.keys())
     if has_points:
@@ -330,42 +311,6 @@ def require_plain(arrays: Mapping[str, Any]) -> None:
         are_plain = False
     if not are_plain:
         raise CodecError("its arrays are not of Zarr 3, or not those of a store")
-
-
-def _require_fitting(root: Root) -> None:
-    """Raise a `CodecError` for arrays, axes or rows that are not those of the root's sweep."""
-    wanted, axes, arrays = variables_of(root.sweep), root.axes, root.arrays
-    made = {*MADE, SCENE_ID}
-    labels = {name for name in wanted if is_coordinate(name) and name not in made}
-    of_points = {name for name in wanted if not is_coordinate(name)}
-    if unlike := sorted((arrays.keys() - {INPUTS}) ^ of_points or axes.keys() ^ labels):
-        raise CodecError(f"the variable {unlike[0]} is unknown or missing")
-    for name in sorted(labels):
-        is_of_numbers = all(value == value for value in axes[name])  # and not of NaN
-        if not (fits(axes[name], _AXES[wanted[name].dtype]) and is_of_numbers):
-            raise CodecError(f"its axis {name} is not of the kind that a run writes")
-    for name, variable in wanted.items():
-        shape = [len(axes[dim]) for dim in variable.dims]
-        is_of_axis = name not in labels or [len(axes[name])] == shape
-        held = arrays.get(name, {"dimension_names": [*variable.dims], "shape": shape})
-        has_dims = held["dimension_names"] == [*variable.dims]
-        if not (has_dims and is_of_axis and held["shape"] == shape):
-            raise CodecError(f"the variable {name} does not have the sizes of its axes")
-    if not fits(root.ids, list[int]) or len(root.ids) != len(root.sweep.variants):
-        raise CodecError("its rows do not have an id each")
-    if not _has_rows_of_scene(root):
-        raise CodecError("its axes are not those of its scene")
-    if (points := math.prod(arrays["status"]["shape"])) > MOST_POINTS:
-        raise CodecError(f"it has {points:.4g} points, and a store at most {MOST_POINTS:.0e}")
-
-
-def _has_rows_of_scene(root: Root) -> bool:
-    """True if the rows of a store are those of its sweep, or points of a search among them."""
-    if POINT not in root.axes:
-        return all(root.axes[name] == values for name, values in row_axes(root.sweep).items())
-    points = listed_points(root.sweep, root.axes)
-    are_known = all(point.variant in root.sweep.variants for point in points)
-    return are_known and len({*points}) == len(points)
 
 
 def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:

@@ -51,7 +51,7 @@ def _sound_blocks(store: Store) -> Iterator[list[tuple[Point, dict[str, Any]]]]:
     """Done points of each chunk with their entries, as far as these have their checksum."""
     done = store.flags == DONE
     with reaches(store.place):
-        keys = store.place.keys(store.paths)
+        keys = store.place.keys()
     names = [*(store.arrays.keys() & {*RECORDS, *STEPPED, *OF_POINT})]
     for numbers, block in blocks(done, store.block):
         values = read_chunks(store, names, numbers, keys)

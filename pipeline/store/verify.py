@@ -39,7 +39,7 @@ from pipeline.store.place import (
     writes,
 )
 from pipeline.store.progress import FailedPoint
-from pipeline.store.root import find_closed_root, read_root, require_same_scene
+from pipeline.store.root import find_root, read_root, require_same_scene
 from pipeline.store.schema import (
     AT_END,
     DONE,
@@ -118,7 +118,7 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
     Raise as `writing` does. Nothing is changed in a store of another scene, nor in a bucket.
     """
     place = place_of(path)
-    if isinstance(place, Bucket) or not find_closed_root(place, sweep)[0]:
+    if isinstance(place, Bucket) or not find_root(place):
         return 0
     with held(place) as lock:
         root = read_root(place)
@@ -144,7 +144,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
     """Read all chunks of points, and the marks into the store; write nothing."""
     damage = _Damage({}, {})
     with reaches(store.place):
-        keys = store.place.keys(store.paths)
+        keys = store.place.keys()
         begun = [
             (numbers, block)
             for numbers, block in blocks(np.ones(store.flags.shape, bool), store.block)
@@ -152,7 +152,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
         ]
         for numbers, block in begun:
             _read_marks(store, damage, numbers, block)
-        keys = store.place.keys(store.paths)  # a writer may have finished points meanwhile
+        keys = store.place.keys()  # a writer may have finished points meanwhile
         names = [n for n in store.arrays if not (n in _MARKS or n in AT_END or is_coordinate(n))]
         count, total = 0, int(np.count_nonzero(store.flags == DONE))
         for numbers, block in begun:
@@ -202,7 +202,9 @@ def read_chunks(
     """Values of variables in the chunks of these numbers, None where lost."""
 
     def read(name: str) -> Any:
-        is_there = keys.issuperset(store.chunk_keys(name, numbers))
+        lacked = (key for key in store.chunk_keys(name, numbers) if key not in keys)
+        with reaches(store.place):  # also of a link, behind which nobody looks
+            is_there = all(store.place.read(key) is not None for key in lacked)
         return _read(store, name, numbers, is_there)
 
     with ThreadPoolExecutor(THREADS) as threads:  # which an object store answers side by side

@@ -52,7 +52,6 @@ from pipeline.store.schema import (
     PLANE,
     POINT,
     STEPPED,
-    path_of,
     variables_of,
 )
 from pipeline.sweep.model import Point, Sweep
@@ -97,11 +96,6 @@ class Store:
             np.zeros(status.shape, np.int8) if is_damaged else self.read(name, ...)
             for name in ("status", "asked")
         )
-
-    @property
-    def paths(self) -> set[str]:
-        """Paths of the arrays in the store."""
-        return {*map(path_of, self.arrays)}
 
     # Places of points
 

@@ -60,12 +60,8 @@ LINKS = {
     "field": lambda store, out: link(store / FIELD, out / "key"),
     "chunk": lambda store, out: link(store / CHUNK, out / "key"),
     "chunk of statuses": lambda store, out: link(store / "status/c.0.0", out / "status/c.0.0"),
-    "another chunk": lambda store, out: link(store / "fields/rise/c.7.7.0.0", out / "key"),
     "metadata": lambda store, out: link(store / "load/zarr.json", out / "load/zarr.json"),
     "root": lambda store, out: link(store / "zarr.json", out / "key"),
-    "file half written": lambda store, out: link(store / f"{CHUNK}{PARTIAL}", out / "key"),
-    "root half written": lambda store, out: link(store / f"zarr.json{PARTIAL}", out / "key"),
-    "what is kept": lambda store, out: link(store / "status/kept-answer", out / "key"),
     "nowhere": lambda store, out: link(store / CHUNK, "nowhere"),
     "itself": lambda store, out: link(store / FIELD, (store / FIELD).name),
     "within the store": lambda store, out: link(store / "load", store / "velocity"),
@@ -84,6 +80,23 @@ def test_a_link_is_refused_with_its_path_before_anything_is_written(copy, outsid
     for command in ("status", "verify", "boundary"):
         assert main([command, str(copy)]) in (0, 1, 2)  # as the link is of what they read, or not
     assert tree(copy.parent) == before
+
+
+UNREACHED = {
+    "another chunk": lambda store, out: link(store / "fields/rise/c.7.7.0.0", out / "key"),
+    "file half written": lambda store, out: link(store / f"{CHUNK}{PARTIAL}", out / "key"),
+    "root half written": lambda store, out: link(store / f"zarr.json{PARTIAL}", out / "key"),
+    "what is kept": lambda store, out: link(store / "status/kept-answer", out / "key"),
+}
+
+
+@pytest.mark.parametrize("lay", UNREACHED.values(), ids=UNREACHED)
+def test_a_link_that_no_run_reads_is_not_followed(copy, outside, irg, lay):
+    lay(copy, outside)
+    before = tree(outside)
+    assert pipeline.run_sweep(SWEEP, copy, workers=1).computed == 0
+    assert "9 points are done and intact" in irg("verify", copy)
+    assert tree(outside) == before
 
 
 def test_a_link_that_is_laid_while_a_run_writes_is_not_followed(path, outside):

@@ -146,7 +146,7 @@ def test_all_files_of_a_store_follow_the_umask(tmp_path):
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (Path.symlink_to, "cannot be read: it is a link, and a store has none"),
+        (Path.symlink_to, "cannot be written: it is a link, and a store has none"),
         (lambda file, _: os.mkfifo(file), "cannot be written: it is not a file"),
         (lambda file, _: file.mkdir(), "cannot be written: it is not a file"),
     ],

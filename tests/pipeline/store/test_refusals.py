@@ -15,9 +15,8 @@ from pipeline.store.place import LOCK, ROOT, place_of, require_writable
 from pipeline.store.progress import summary
 from pipeline.store.schema import require_free_names
 from pipeline.store.verify import verify_store
-from pipeline.sweep.codec import sweep_text
 from pipeline.sweep.model import Point
-from pipeline.sweep.variants import Column, placed_rows, surfaces
+from pipeline.sweep.variants import Column, placed_rows
 from tests.helpers import tiny
 from tests.helpers.refusals import Refusals
 from tests.helpers.stores import commit, forge
@@ -79,21 +78,6 @@ def forged(change):
         forge(path, path / ROOT, change)
 
     return write
-
-
-def with_rows(numbers):
-    def change(texts, _):
-        other = tiny.full(variants=surfaces(numbers))
-        texts["sweep"]["variants"] = json.loads(sweep_text(other, {}))["variants"]
-
-    return change
-
-
-def other_rows():
-    """Rows of other surfaces than its axes have."""
-    commit("a.zarr", tiny.full(variants=surfaces((1, 2))), ())
-    forged(with_rows((1, 3)))(Path("a.zarr"))
-    return summary("a.zarr")
 
 
 def measured(change):
@@ -202,7 +186,7 @@ REFUSALS = {
     "foreign": (foreign, "is not the store of a sweep"),
     # locks
     "no locks": (patched(lock, "fcntl", None, lambda: go_on("a.zarr")), "no file locks"),
-    "no lock": (changed(link(LOCK), go_on), f"a.zarr/{LOCK} cannot be read: it is a link, and a"),
+    "no lock": (changed(link(LOCK), go_on), f"a.zarr/{LOCK} cannot be written: it is a link, and"),
     "in use": (in_use, f"in use by process {os.getpid()}"),
     "elsewhere": (changed(put(LOCK, b"process 7 on node7\n"), go_on),
                   "on node7; if that has ended, delete"),
@@ -218,11 +202,6 @@ REFUSALS = {
     "variable": (changed(forged(lambda _, arrays: arrays.pop("max_rise"))),
                  "the variable max_rise is unknown or missing"),
     "facts": (changed(forged(lambda texts, _: texts["store"].update(colour=1))), "Facts.colour"),
-    "axis": (changed(forged(lambda texts, _: texts["store"]["axes"].update(load=["a", "b", "c"]))),
-             "its axis load is not of the kind"),
-    "rows": (other_rows, "its axes are not those of its scene"),
-    "sizes": (changed(forged(lambda _, arrays: arrays["max_rise"].update(shape=[9, 9, 9]))),
-              "max_rise does not have the sizes of its axes"),
     "codecs": (changed(forged(lambda _, arrays: arrays["max_rise"].update(codecs=[{}]))),
                "its arrays are not of Zarr 3"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "the arrays of its scene are damaged"),
@@ -236,7 +215,7 @@ REFUSALS = {
     "link": (changed(link("load/c.0"), verify_store), "c.0 cannot be read: it is a link, and a"),
     "lost folder": (changed(lost_folder, verify_store), "it is a link, and a store has none"),
     "linked folder": (changed(move_status, lambda path: commit(path, SWEEP)),
-                      "a.zarr/status cannot be read: it is a link, and a store has none"),
+                      "a.zarr/status cannot be written: it is a link, and a store has none"),
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
     "missing": (changed(lambda path: (path / "steps" / "c.0.0").unlink(), load), "damaged"),
     "beside": (with_another_variable, "mine, which is not of the store, would not grow with it"),
@@ -251,7 +230,7 @@ REFUSALS = {
 
 ELSEWHERE = {
     "place._call OSError": "test_s3.py, by servers that refuse",
-    "root._require_fitting CodecError": "one of several by nobody: more points than a store has",
+    "root._parsed CodecError": "test_parts.py: more points than a store has",
     "bounded._decode_sync DamagedError": "test_closed.py, by chunks of other sizes",
     "bounded.stated_size DamagedError": "test_closed.py, by chunks of no stated size",
     "files._names OSError": "test_parts.py: names are checked before, where a scene is read",
