@@ -18,7 +18,6 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,7 +33,6 @@ ROOT = "zarr.json"
 """Key of the metadata of a group; that of an array lies below its name."""
 LOCK = "status/lock"
 """Key of the lock of a store: within it, where no other path misses it."""
-SCHEME = "s3://"
 KEPT = "status/kept-"
 """Beginning of the keys of what commands keep beside the lock, which is no data."""
 
@@ -113,7 +111,7 @@ def _require_missing(error: OSError) -> None:
 
 @dataclass(frozen=True)
 class Bucket:
-    """A folder of an object store, such as ``s3://bucket/sweep.zarr``; what is put is safe."""
+    """An address of fsspec, such as ``s3://bucket/sweep.zarr``; what is put is safe."""
 
     address: str
 
@@ -143,14 +141,15 @@ class Bucket:
         return {name.removeprefix(self._key("")) for name in self._call("find", self._key(""))}
 
     def _key(self, key: str) -> str:
-        return f"{self.address.removeprefix(SCHEME)}/{key}"
+        return f"{self._call('_strip_protocol', self.address)}/{key}"
 
     def _call(self, name: str, *arguments: Any) -> Any:
-        """Call a method of s3fs; what goes wrong is an `OSError`."""
+        """Call a method of the file system; what goes wrong is an `OSError`."""
         import fsspec  # which stores in folders do without
 
         try:
-            return getattr(fsspec.filesystem("s3", **_OPTIONS), name)(*arguments)
+            scheme = self.address.partition("://")[0]
+            return getattr(fsspec.filesystem(scheme, **_OPTIONS), name)(*arguments)
         except OSError:
             raise
         except Exception as error:
@@ -168,18 +167,12 @@ StorePlace = Folder | Bucket
 def place_of(path: PathLike) -> StorePlace:
     """Place of a store; raises a `StoreError` for a path that cannot be one."""
     address = os.fspath(path)
-    if address.startswith(SCHEME):
-        if find_spec("s3fs") is None:
-            raise StoreError(f"{address} needs s3fs; get it with: pip install s3fs")
-        bucket, _, key = address.removeprefix(SCHEME).rstrip("/").partition("/")
-        if not (bucket and key):
-            raise StoreError(
-                f"{address} cannot be a store; give a folder of a bucket, like "
-                f"{SCHEME}bucket/sweep.zarr"
-            )
-        return Bucket(f"{SCHEME}{bucket}/{key}")
-    no_path = StoreError(f"{address}: a store is a local folder or an {SCHEME} address")
-    if "://" in address or "\0" in address:
+    if "://" in address:
+        return Bucket(address.rstrip("/"))
+    no_path = StoreError(
+        f"{address}: a store is a local folder, or an address such as s3://a/b.zarr"
+    )
+    if "\0" in address:
         raise no_path
     try:
         folder = Path(os.path.realpath(user_path(address).absolute()))

@@ -37,6 +37,7 @@ from pipeline.store.schema import (
     AT_ENDS,
     FORMAT,
     INPUTS,
+    MADE,
     SCENE_ID,
     VARIABLES,
     is_coordinate,
@@ -239,8 +240,8 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         built: Facts = build(Facts, about)
         require_plain(arrays)
         sweep, ids = text_sweep(attributes["sweep"], _inputs(place, arrays)), attributes[SCENE_ID]
-        wanted = {name for name in variables_of(sweep) if not is_coordinate(name)}
-        if unlike := sorted((arrays.keys() - {INPUTS}) ^ wanted):
+        wanted = variables_of(sweep).keys() - {*MADE, SCENE_ID}
+        if unlike := sorted((arrays.keys() - {INPUTS} | built.axes.keys()) ^ wanted):
             raise CodecError(f"the variable {unlike[0]} is unknown or missing")
         if (points := math.prod(arrays["status"]["shape"])) > MOST_POINTS:
             raise CodecError(f"it has {points:.4g} points, and a store at most {MOST_POINTS:.0e}")

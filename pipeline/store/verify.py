@@ -5,7 +5,6 @@ What `irg verify` names, `irg run` makes pending, and computes.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -29,7 +28,6 @@ from pipeline.store.layout import (
 )
 from pipeline.store.lock import held
 from pipeline.store.place import (
-    ROOT,
     Bucket,
     DamagedError,
     PathLike,
@@ -49,7 +47,6 @@ from pipeline.store.schema import (
     SCENE_ID,
     STEPPED,
     is_coordinate,
-    path_of,
     variables_of,
 )
 from pipeline.store.write import Store
@@ -261,42 +258,20 @@ def signed_data(entries: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _differing_coordinates(store: Store) -> Iterator[str]:
-    """Coordinates and metadata of arrays that differ from the root, which has them too.
+    """Coordinates that have other values than the root, which plain xarray reads.
 
     A growth that was killed may have left arrays longer than the root says.
     """
     values: dict[str, Any] = store.axes | made_coordinates(store.sweep, store.axes)
     values[SCENE_ID] = spread_ids(store.sweep, store.axes, store.root.ids)
     wanted = variables_of(store.sweep)
-    _, expected = documents(wanted, values, store.root.facts.points_per_chunk)
-    coordinates = arrays_of(
-        store.place, {name: expected[name] for name in values.keys() & wanted.keys()}, True
-    )
-    for name, metadata in expected.items():
-        key = f"{path_of(name)}/{ROOT}"
-        with reaches(store.place):
-            content = store.place.read(key)
-        found = _document(content) | {"shape": metadata["shape"]}
-        others = found.get("attributes", {}) if isinstance(found.get("attributes"), dict) else {}
-        if found != metadata | {"attributes": others | metadata["attributes"]}:
-            yield key
-        if name in coordinates and not _has_values(store, name, coordinates[name], values[name]):
+    _, metadata = documents(wanted, values, store.root.facts.points_per_chunk)
+    metadata = {name: metadata[name] for name in values.keys() & metadata.keys()}
+    for name, array in sorted(arrays_of(store.place, metadata, read_only=True).items()):
+        is_right = False
+        with suppress(DamagedError), reads(store.place, name):
+            found = array[...]
+            is_real, expected = found.dtype.kind == "f", np.array(values[name], found.dtype)
+            is_right = np.array_equal(found, expected, equal_nan=is_real)
+        if not is_right:
             yield name
-
-
-def _has_values(store: Store, name: str, array: Any, expected: Any) -> bool:
-    """True if a coordinate has these values, NaN at the same places."""
-    with suppress(DamagedError), reads(store.place, name):
-        values = array[...]
-        expected = np.array(expected, values.dtype)
-        return bool(np.array_equal(values, expected, equal_nan=values.dtype.kind == "f"))
-    return False
-
-
-def _document(content: bytes | None) -> dict[str, Any]:
-    """Content of a JSON document; empty if it is lost, or nested without an end."""
-    with suppress(ValueError, RecursionError):
-        document = json.loads(content or b"")
-        if isinstance(document, dict):
-            return document
-    return {}

@@ -244,11 +244,8 @@ def test_a_failed_record_has_no_data_and_a_message_that_somebody_can_read():
 
 def test_a_place_is_a_folder_or_an_address_without_its_last_slash(tmp_path, monkeypatch):
     assert place_of("s3://bucket/a/b.zarr/") == Bucket("s3://bucket/a/b.zarr")
-    for wrong in ("s3://bucket", "s3://bucket/", "s3:///a"):
-        with pytest.raises(StoreError, match=r"cannot be a store; give a folder of a bucket, like"):
-            place_of(wrong)
-    for wrong in ("http://a/b", "a\0b", "a\ud800b"):
-        with pytest.raises(StoreError, match=r"a store is a local folder or an s3:// address"):
+    for wrong in ("a\0b", "a\ud800b"):
+        with pytest.raises(StoreError, match=r"a store is a local folder, or an address such as"):
             place_of(wrong)
     with pytest.raises(StoreError, match=r"^/ cannot be a store; give a folder below it"):
         place_of("/")

@@ -2,6 +2,7 @@
 
 import functools
 import os
+import sys
 
 import boto3
 import pytest
@@ -10,7 +11,6 @@ from aiobotocore.endpoint import AioEndpoint
 
 from pipeline.analysis.dataset import open_sweep
 from pipeline.run.sweep import run_sweep
-from pipeline.store import place
 from pipeline.store.create import writing
 from pipeline.store.place import Bucket, StoreError, StoreMismatchError, place_of
 from pipeline.store.progress import summary
@@ -174,8 +174,9 @@ def test_a_store_that_lost_its_root_is_not_written_over(made):
 
 
 def test_without_s3fs_it_says_what_to_install(monkeypatch, irg):
-    monkeypatch.setattr(place, "find_spec", lambda name: None)
-    assert "pip install s3fs" in irg("status", "s3://irg/tiny.zarr", code=2)
+    monkeypatch.setitem(sys.modules, "s3fs", None)
+    monkeypatch.delitem(sys.modules["fsspec.registry"]._registry, "s3", raising=False)
+    assert "Install s3fs to access S3" in irg("status", "s3://irg/tiny.zarr", code=2)
 
 
 def test_a_server_that_is_gone_is_an_error_in_a_line(made, monkeypatch):
