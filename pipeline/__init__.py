@@ -17,7 +17,7 @@ each point stands at step 0, which `end_of_point` takes. A dataset of a sweep ha
 
 The public names, in the order of the page ``API.md``, which says what each is for:
 
-- scenes: `new_scene`, `load_scene`, `scene_entry`, `Sweep`
+- scenes: `new_scene`, `load_scene`, `Sweep`
 - simulation: `run_point`, `estimate`, `run_sweep`, `summary`, `verify_store`
 - dataset: `open_sweep`, `end_of_point`
 - answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `warned`, `diff`,

@@ -18,7 +18,6 @@ from .scene.faults import SceneFileError as SceneFileError
 from .scene.reference import new_scene as new_scene
 from .scene.scenefile import load_scene as load_scene
 from .scene.scenefile import run_point as run_point
-from .scene.scenefile import scene_entry as scene_entry
 from .scene.units import to_si as to_si
 from .store.place import StoreError as StoreError
 from .store.place import StoreMismatchError as StoreMismatchError

@@ -14,6 +14,7 @@ from pipeline.cli.parser import parse
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import facts_of
 from pipeline.sweep.physics import note_on_ends
+from tests.helpers.entries import changed
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -28,7 +29,7 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("readme")
     (folder / "workflows").symlink_to(ROOT / "workflows")
     sweep = pipeline.load_scene(ROOT / "workflows" / "first_try.toml")
-    sweep = sweep.changed(loads=(600.0,), velocities=(1.5,))
+    sweep = changed(sweep, loads=(600.0,), velocities=(1.5,))
     pipeline.run_sweep(sweep, folder / "results" / "irg_transition.zarr", workers=1)
     return folder
 

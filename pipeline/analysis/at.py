@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.special import ndtr
 
+from pipeline import extras
 from pipeline.analysis.dataset import (
     GIVEN_MEASURED,
     OIL,
@@ -33,7 +33,7 @@ from pipeline.analysis.dataset import (
     whole_sweep,
 )
 from pipeline.analysis.scenes import scenes, value_text
-from pipeline.quantities import ALIKE, display, snap
+from pipeline.quantities import ALIKE, display
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import OIL_WORKS
 from pipeline.scene.reference import acts_later, all_keys, find_entry, needed_beside
@@ -42,10 +42,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.about import oils_of
 from pipeline.sweep.conditions import FIELDS, PATHS, UNITS, Bulk
-from pipeline.sweep.judged import open_inputs
 from pipeline.sweep.laws import name_of
-from pipeline.sweep.samples import REACH
-from pipeline.sweep.unknown import Unknown
 from tribo import InputError, Rule
 from tribo.types import Array
 
@@ -141,7 +138,7 @@ def at(
     if oil is not None:
         ds = _of_oil(ds, oil)
     ds, wanted = _taken(ds, wanted | entries)
-    known = _NAMES.keys() | open_inputs(whole_sweep(ds)).keys()
+    known = {*_NAMES, *open_inputs(ds)}
     if others := [path for path in wanted if path not in known]:
         raise InputError(_needs_run(ds, others[0], wanted[others[0]]))
     wanted = {path: _si_value(path, value) for path, value in wanted.items()}
@@ -232,16 +229,12 @@ def _changed(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     """The dataset that says itself at which values it is judged."""
     if not values:
         return ds
-    sweep = whole_sweep(ds)
-    inputs = open_inputs(sweep)
     attributes, values = dict(ds.attrs), dict(values)
     if isinstance(rule := values.get(PATHS["criterion"]), Rule):
         attributes["rule"] = secrets.token_hex(8)  # which no store can name
         RULES[attributes["rule"]] = rule
         values[PATHS["criterion"]] = name_of(rule)
-    inner = {
-        path: _drawn_value(inputs[path], values[path]) for path in values.keys() - _NAMES.keys()
-    }
+    inner = {path: _drawn_value(ds, path, values[path]) for path in values.keys() - _NAMES.keys()}
     both = judged_values(ds) | values | inner
     if PATHS["share"] in values and PATHS["criterion"] not in values:
         both.pop(PATHS["criterion"], None)  # a share alone makes "share" the criterion
@@ -251,29 +244,17 @@ def _changed(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     return identified(ds.drop_vars(labels).assign_attrs(attributes))
 
 
-def _drawn_value(unknown: Unknown, value: float | str) -> float:
+def open_inputs(ds: xr.Dataset) -> list[str]:
+    """Paths of unknown inputs of samples that may have one value, or another one."""
+    draw = whole_sweep(ds).variants.draw
+    listed = extras.modules("drawn") if draw else ()
+    return [path for extra in listed for path in extra.open_inputs(draw)]
+
+
+def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
     """A value of an unknown input in SI; raises if the samples do not reach it."""
-    shown = unknown.shown
-    if isinstance(value, str) and unknown.unit == "1":
-        raise InputError(f'{unknown.path} is "{value}"; give a plain number')
-    number = in_si(unknown.path, value, f"1 {shown.name}")
-    if unknown.kind == "list":
-        nearest = min(unknown.parameters, key=lambda one: abs(one - number))
-        if math.isclose(nearest, number, rel_tol=ALIKE):
-            return nearest
-        listed = ", ".join(f"{shown.express(one):g}" for one in unknown.parameters)
-        allowed = f"one of {listed}{shown.suffix}"
-    else:
-        low, high = unknown.quantile(ndtr(np.array([-REACH, REACH]))).tolist()
-        if unknown.kind == "uniform":
-            low, high = unknown.parameters
-        if low <= (number := snap(number, low, high)) <= high:
-            return number
-        allowed = f"one from {shown.express(low):.4g} to {shown.express(high):.4g}{shown.suffix}"
-    raise InputError(
-        f"{unknown.path} is {shown.express(number):.6g}{shown.suffix}, beyond the samples; give "
-        f"{allowed}, or run the scene with --set {unknown.path}=… into another store"
-    )
+    draw = whole_sweep(ds).variants.draw
+    return next(float(extra.drawn_value(draw, path, value)) for extra in extras.modules("drawn"))
 
 
 def _taken(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
@@ -326,7 +307,7 @@ def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
             f"with it{also} into the same store, which computes no point anew and judges by it"
         )
     has = f"; it has several of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""
-    if unknown := open_inputs(sweep):
+    if unknown := open_inputs(ds):
         has = f"; its samples have {', '.join(unknown)}"
     return (
         f"{path} is not one of the entries that this sweep can be judged at{has}; run the scene "

@@ -264,9 +264,7 @@ def _band_alone(ds: xr.Dataset) -> xr.Dataset:
     lines = [np.interp(DECIDED, np.maximum.accumulate(row), grid, 0.0, math.inf) for row in rows]
     result = xr.Dataset(
         coords={"load": ds["load"].variable, "quantile": ("quantile", list(DECIDED))},
-        attrs=_condition_attributes(
-            field.conditions, [one.path for one in stored_sweep(ds).variants.unknown]
-        ),
+        attrs=_condition_attributes(field.conditions, stored_sweep(ds).variants.unknown),
     )
     words = "velocity at which the next run is severe with a probability"
     attrs = {"units": "m/s", "long_name": words}

@@ -14,16 +14,17 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pipeline import extras
 from pipeline.analysis import accessor as accessor  # ds.irg
 from pipeline.analysis.scene_id import identify, require_one_sweep
+from pipeline.scene.kept import text_sweep
 from pipeline.scene.units import to_si
 from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import AT_END, COORDINATES, DONE, INPUTS, MADE, PLANE, STEPPED, VARIABLES
-from pipeline.sweep.codec import text_sweep
 from pipeline.sweep.conditions import PATHS, UNITS, Conditions, changes_of
-from pipeline.sweep.judged import fix_inputs, replace_conditions
+from pipeline.sweep.identity import scene_ids
 from pipeline.sweep.laws import Law, name_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.severity import (
@@ -33,8 +34,7 @@ from pipeline.sweep.severity import (
     require_bulks,
     rises_above_colder,
 )
-from pipeline.sweep.stored import scene_ids
-from pipeline.sweep.variants import VARIANT, Column, Label, Variant, Variants, written_of
+from pipeline.sweep.variants import VARIANT, Column, Label, Variant, Variants
 from tribo import InputError, Rule
 from tribo.types import Array
 
@@ -142,7 +142,7 @@ def taken_at(ds: xr.Dataset) -> Variant:
 
 def taken_entries(ds: xr.Dataset) -> dict[str, Any]:
     """Values of entries that a dataset was taken at, as its scene writes them."""
-    return written_of(scene_sweep(ds).variants, taken_at(ds))
+    return scene_sweep(ds).variants.written(taken_at(ds))
 
 
 def _text(ds: xr.Dataset) -> str:
@@ -166,15 +166,14 @@ def _judged_at(text: str, source: _Source, at: str, rule: str) -> Sweep:
     given = {name: values[path] for name, path in PATHS.items() if path in values}
     if rule in RULES and name_of(RULES[rule]) == given.get("criterion"):
         given["criterion"] = RULES[rule]
-    changes = changes_of(**given)
-    if oil := values.get(OIL):
-        about = sweep.about
-        measured, tested = (
-            tuple(test.under_oil(oil) for test in tests) for tests in (about.measured, about.tested)
-        )
-        title = f"{about.title}, oil {oil}"
-        sweep = sweep.changed(measured=measured, tested=tested, tested_oil=oil, title=title)
-    return fix_inputs(replace_conditions(sweep, changes), values) if values else sweep
+    if not values:
+        return sweep
+    table = sweep.variants
+    if table.draw:
+        for extra in extras.modules("drawn"):
+            table = replace(table, draw=extra.fixed_at(table.draw, values))
+    judged = {**sweep.judged, **changes_of(**given)}
+    return replace(sweep, judged=judged, oil=values.get(OIL), variants=table)
 
 
 @functools.lru_cache(maxsize=64)
@@ -182,8 +181,9 @@ def _taken_at(text: str, source: _Source, at: str, rule: str, name: Variant) -> 
     whole = _judged_at(text, source, at, rule)
     if not name:
         return whole
-    words = ", ".join(f"{path} {value}" for path, value in written_of(whole.variants, name).items())
-    return whole.below(name).changed(title=f"{whole.about.title}, {words}")
+    words = ", ".join(f"{path} {value}" for path, value in whole.variants.written(name).items())
+    title = f"{whole.parts().about.title or whole.name}, {words}"
+    return whole.below(name).changed("title", title)
 
 
 def _label(column: Column, value: Any) -> Label:
@@ -386,7 +386,7 @@ class Kind(Enum):
 def sweep_kind(ds: xr.Dataset) -> Kind:
     """What the rows of a sweep are."""
     draw = stored_sweep(ds).variants.draw
-    if draw and (draw.unknown or draw.fixed):
+    if draw and (draw["unknown"] or draw["fixed"]):
         return Kind.SAMPLES
     return Kind.PLANE if all(set(ds[name].dims) <= {name} for name in PLANE) else Kind.PLACES
 

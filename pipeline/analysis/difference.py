@@ -22,10 +22,10 @@ from pipeline.analysis.dataset import (
     stored_sweep,
     sweep_kind,
 )
-from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.margin_frame import margin, row_labels
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.analysis.transition import CROSSES, MILD, SEVERE, outcomes
+from pipeline.scene.written import differing
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE
 from pipeline.sweep.laws import LawError
@@ -99,9 +99,8 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
 
 def _entries(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
     """Entries that differ, in the order of the scene."""
-    of_a, of_b = (scene_entries(stored_sweep(ds)) for ds in (a, b))
-    rows = ((path, of_a.get(path), of_b.get(path)) for path in of_a | of_b)
-    return frame_of(("entry", "a", "b"), (row for row in rows if row[1] != row[2]))
+    rows = differing(stored_sweep(a), stored_sweep(b))
+    return frame_of(("entry", "a", "b"), ((path, x or None, y or None) for path, x, y in rows))
 
 
 def _boundary(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Container, Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from pipeline.cli.output import tell
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.reference import unit_example
+from pipeline.sweep.conditions import changes_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
 from pipeline.tradeoff.choose import choose_accuracy, measure_error
@@ -113,12 +115,13 @@ def scene_in(
     sweep: Sweep = pipeline.load_scene(options.scene, options.preset, settings)
     if conditions := conditions_in(options):
         changed = sweep.conditions.changed(**conditions)
-        sweep = sweep.changed(
-            conditions=changed,
-            friction_heat=sweep.scene.friction_heat or changed.friction > 0,
-            unequal_bulks=changed.disk_temperature is not None,
-        )
-
+        if changed.friction > 0 and not sweep.scene.friction_heat:
+            sweep = sweep.changed("friction.coefficient", changed.friction)
+        if "bulk_temperature" in conditions:
+            pin, disk = changed.bulk_temperature, changed.disk_temperature
+            bulks = {"pin": f"{pin!r} K", "disk": f"{disk or pin!r} K"}
+            sweep = sweep.changed("temperature.bulk", bulks)
+        sweep = replace(sweep, judged=changes_of(**conditions))
     accuracy = getattr(options, "accuracy", None)
     named = ["--preset"] if options.preset else []
     named += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]

@@ -41,7 +41,7 @@ def point(options: argparse.Namespace) -> Result:
     sweep = sweep.take_surface(options.realization)
     with working("simulating") as progress:
         result = pipeline.run_point(
-            sweep.changed(steps="end"), options.load, options.velocity, progress=progress
+            sweep.changed("sweep.steps", "end"), options.load, options.velocity, progress=progress
         )
     conditions, verdict = sweep.conditions, result.verdict(sweep.conditions)
     decisive, critical = verdict.decisive_temperature, conditions.critical_temperature

@@ -12,7 +12,7 @@ from stat import S_ISDIR
 from typing import Any
 
 import pipeline
-from pipeline.analysis.dataset import whole_sweep
+from pipeline.analysis.at import open_inputs
 from pipeline.analysis.tables import as_dict, frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import dataset_in
@@ -22,7 +22,6 @@ from pipeline.store.progress import summary
 from pipeline.store.root import read_sweep
 from pipeline.sweep.accuracy import error_in_words, velocity_error
 from pipeline.sweep.conditions import PATHS
-from pipeline.sweep.judged import open_inputs
 
 _MOST_POINTS = 10  # that are printed; files have all
 
@@ -99,7 +98,7 @@ def diff(options: argparse.Namespace) -> Result:
     """Print the differences between two stores."""
     paths = options.store, options.other
     taken = [
-        {*map(str, ds.dims), *open_inputs(whole_sweep(ds)), *PATHS.values()}
+        {*map(str, ds.dims), *open_inputs(ds), *PATHS.values()}
         for ds in map(pipeline.open_sweep, paths)
     ]
     stores = [  # an entry that one store alone has is of that one

@@ -103,7 +103,10 @@ def check(options: argparse.Namespace) -> Result:
             "needs: the time is not estimated; give fewer window.pixels, or a coarser fidelity"
         )
         warned += (Remark("window.pixels", "warning", words),)
-    on_unknown, unknown = _unknown_inputs(sweep)
+    on_unknown, unknown = list[_Row](), dict[str, Any]()
+    for extra in extras.modules("drawn") if sweep.variants.draw else ():
+        count = len(sweep.variants.axes[VARIANT])
+        on_unknown, unknown = extra.described(sweep.variants.draw, count)
     saved, said = [*savings(sweep)], [*sweep.about.notes, *warned]
     nx, ny = sweep.scene.grid.shape
     document: dict[str, Any] = {
@@ -222,34 +225,6 @@ def _text(span: Span, unit: str = "") -> str:
     """A span, or the one value that it has."""
     low, high = (f"{shown_in(value, unit):.3g}" for value in span)
     return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
-
-
-def _unknown_inputs(sweep: Sweep) -> tuple[list[_Row], dict[str, Any]]:
-    """Inputs that are not known exactly, and their samples: in words, and as plain data."""
-    draw = sweep.variants.draw
-    if draw is None:
-        return [], {}
-    design, count = draw.design, len(sweep.variants.axes[VARIANT])
-    simulated = {one.path for one in design.inputs}
-    document = {
-        "unknown": [one.as_dict() | {"simulated": one.path in simulated} for one in draw.unknown],
-        "fixed": {one.unknown.path: one.value for one in draw.fixed},
-        "samples": count,
-        "samples_per_contact": design.per_contact,
-        "sample_seed": design.seed,
-    }
-    afterwards = "; applied afterwards, at no cost"
-    rows = [
-        ("unknown", f"{one}{'' if one.path in simulated else afterwards}") for one in draw.unknown
-    ]
-    rows += [("fixed", str(one)) for one in draw.fixed]
-    low, high = design.velocities
-    more = "would share their contacts" if count == design.sufficient else "can be added"
-    sequence = f"a scrambled Sobol' sequence, seed {design.seed}, from {low:g} to {high:g} m/s"
-    rows.append(("samples", f"{count} of {sequence}; more {more}"))
-    if design.per_contact > 1:
-        rows.append(("", f"{design.per_contact} share each contact; heat is computed for each"))
-    return rows, document
 
 
 def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:

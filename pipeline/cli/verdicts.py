@@ -158,7 +158,7 @@ def boundary(options: argparse.Namespace) -> Result:
         crossings = pipeline.boundary(ds)
     tests = None
     document = document_of(crossings)
-    drawn = [one.path for one in stored_sweep(ds).variants.unknown]
+    drawn = stored_sweep(ds).variants.unknown
     text: list[str | pd.DataFrame] = [judged_by(map(read_conditions, scenes(ds)), drawn)]
     for part in frames.boundary_parts(crossings):
         text += ["", part] if isinstance(part, pd.DataFrame) else [part]

@@ -17,7 +17,7 @@ from pipeline.gears.rules import warm_duty
 from pipeline.paths import user_path
 from pipeline.scene.declare import List, declared, table_of
 from pipeline.scene.document import override_entries, read_document
-from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, quoted
+from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, quoted
 from pipeline.scene.format import (
     ANY_WEAR_RATE,
     BULK,
@@ -32,6 +32,7 @@ from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import material_of, oil_of
 from pipeline.scene.units import TURNS
 from pipeline.sweep.about import FromLibrary
+from pipeline.sweep.tables import entry_at
 from tribo import InputError
 
 _PAIRS = Path(__file__).parent / "pairs"

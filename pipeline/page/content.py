@@ -31,7 +31,6 @@ from pipeline.analysis.dataset import (
     values_of,
 )
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.frames import frames_of
 from pipeline.analysis.laboratory import (
@@ -52,10 +51,11 @@ from pipeline.figures.overlays import MILD, SEVERE, reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, POINT, coloured, packed_fields
 from pipeline.quantities import shown_in
+from pipeline.scene.written import scene_entries
 from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.about import Measurement
-from pipeline.sweep.codec import content_hash
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.digest import digest
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.severity import above_colder, critical_errors, rise_limit, worst_moment
 from tribo import Criterion
@@ -147,7 +147,7 @@ def _page_facts(ds: xr.Dataset, sweep: Sweep) -> dict[str, Any]:
         "outside": _outside(ds["load"].values, ds["velocity"].values),
         "origins": _ORIGINS,
         "friction_band": sweep.about.friction_band,
-        "chosen": sweep.plane.chosen is not None,
+        "chosen": sweep.chosen is not None,
         "range": {name: range_of(ds, name) for name in ("load", "velocity")},
         "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
         "loads": ds["load"].values.tolist(),
@@ -374,7 +374,7 @@ def record(ds: xr.Dataset, sweep: Sweep) -> dict[str, str]:
         {k: v for k, v in entries.items() if not k.startswith(("measured", "tested"))}
         | ({"accuracy": str(selection)} if selection else {})
         | {"history": str(ds.attrs.get("history", ""))}
-        | {"scene hash": content_hash(sweep.scene)}
+        | {"scene hash": digest(sweep.scene)}
     )
 
 

@@ -19,7 +19,6 @@ from matplotlib.figure import Figure
 from pipeline import extras
 from pipeline.analysis import dataset
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.frames import boundary_parts
 from pipeline.analysis.laboratory import compared, test_parts
 from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
@@ -38,11 +37,12 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.style import fit_to_width, svg_of
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.reference import all_keys
+from pipeline.scene.written import scene_entries
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.versions import package_versions
 from pipeline.sweep.about import judged_by, plane_rows
-from pipeline.sweep.codec import content_hash
+from pipeline.sweep.digest import digest
 from pipeline.sweep.laws import LawError
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import surface_words
@@ -323,7 +323,7 @@ def _fidelity(sweep: Sweep) -> Iterator[Part]:
 def _versions(ds: xr.Dataset, sweep: Sweep) -> Iterator[Part]:
     """Programs that computed the store, and the identity of its scene."""
     yield from str(ds.attrs.get("history", "")).splitlines()
-    yield f"Scene {content_hash(sweep.scene)} (SHA-256 of its inputs)."
+    yield f"Scene {digest(sweep.scene)} (SHA-256 of its inputs)."
     yield f"This report was written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC."
 
 

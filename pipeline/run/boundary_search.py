@@ -263,7 +263,7 @@ def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
             asked = search.wanted(rises_here, () if retry_failed else hopeless)
             same = alike[sweep.variant(variant).scene]
             chosen |= {Point(*point[:2], other) for point in asked for other in same}
-        return sweep.changed(chosen=frozenset(chosen))
+        return replace(sweep, chosen=frozenset(chosen))
 
     return further
 

@@ -17,7 +17,7 @@ import uuid
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from concurrent.futures import CancelledError
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from distributed import Future
 from distributed.scheduler import KilledWorker
@@ -93,7 +93,7 @@ def compute(
     written. `StoreError` if points cannot be written, `ExecutionError` if nothing moves.
     """
     news, label = threading.Event(), uuid.uuid4().hex[:8]  # a scheduler may know other runs
-    asked = sweep.changed(chosen=None, stations=writer.store.sweep.record.stations)
+    asked = replace(sweep, chosen=None, stations=writer.store.sweep.stations)
     parcel = parcel_of(asked, "pressure" in writer.store.arrays)
     with Reports(connection, news, label, parcel) as reports:
         run = _Run(connection, label, writer, reports, tally, waiting)

@@ -18,6 +18,7 @@ from pipeline.run.forkserver import UNGUARDED, end_if_imported
 from pipeline.run.schedule import compute
 from pipeline.run.tally import Tally, shown_progress
 from pipeline.run.work import ExecutionError
+from pipeline.scene.resume import acting
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
 from pipeline.store.create import grown, writing
@@ -29,7 +30,6 @@ from pipeline.store.take import take_points
 from pipeline.store.verify import mend_store
 from pipeline.store.versions import package_versions
 from pipeline.store.write import Store, Writer, opened
-from pipeline.sweep.codec import differences
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, tasks
 from pipeline.sweep.shown import shown
@@ -189,14 +189,14 @@ def _rounds(
             in_order = waiting if further else coarse_first(waiting, sweep.plane.velocities)
             yield sweep, store, in_order
         following = further(store) if further else sweep
-        if following.plane.chosen == sweep.plane.chosen:
+        if following.chosen == sweep.chosen:
             return
         sweep, store = following, grown(store.place, following, store.lock)
 
 
 def _notes(store: Store, before: Sweep) -> Iterator[str]:
     """Notes on a store that is resumed, which had another sweep before."""
-    if changed := [*differences(before.conditions, store.sweep.conditions, "conditions")]:
+    if changed := [*acting(before, store.sweep, lambda one: one.conditions)]:
         yield (
             f"the conditions of {store.place} are now those of the scene, and every command judges "
             f"by them: {'; '.join(changed)}"

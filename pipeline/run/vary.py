@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,16 +16,16 @@ from pipeline.analysis.frames import frames_of
 from pipeline.analysis.laboratory import untold_oils
 from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
 from pipeline.run.sweep import run_sweep
-from pipeline.scene.laws import law_entries
-from pipeline.scene.over import notes_on_first_values, scale_friction
-from pipeline.scene.scenefile import load_scene, scene_entry
+from pipeline.scene.over import notes_on_first_values
+from pipeline.scene.scenefile import load_scene
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.store.write import opened, stored
-from pipeline.sweep.model import PART_OF, Sweep, differing_inputs
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report
-from pipeline.sweep.variants import Label, rows
+from pipeline.sweep.tables import changes, entry_at
+from pipeline.sweep.variants import Label, labelled_rows
 from tribo import InputError
 from tribo.types import Array
 
@@ -159,11 +159,9 @@ def vary(
         for note in notes_on_first_values(sweep.variants):
             progress(Progress(note))
     others = {
-        (key, str(value)): scale_friction(
-            load_scene(scene, preset, {**overrides, key: value}, laws), sweep, [key]
-        )
+        (key, str(value)): load_scene(scene, preset, {**overrides, key: value}, laws)
         for key, values in over.items()
-        for value in _absolute(scene, key, values, {**law_entries(laws), **overrides})
+        for value in _absolute(sweep, key, values)
     }
     variations = [("", ""), *others]
     scenes = [sweep, *others.values()]
@@ -187,30 +185,30 @@ def vary(
     return Variations(sweep.about.title, loads, unvaried, tuple(rest), *counts, carried)
 
 
-def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Iterable[Sweep]) -> Sweep:
-    """The sweep with a variant for each scene, by the inputs in which that differs."""
+def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequence[Sweep]) -> Sweep:
+    """The sweep with a variant for each scene, by the entries in which that differs."""
     words = (f"{key} = {value}" if key else "the unchanged scene" for key, value in variations)
-    changes: dict[Label, dict[str, Any]] = {
+    for scene in scenes:
+        sweep.reader.contents.arrays.update(scene.reader.contents.arrays)
+    rows: dict[Label, Any] = {
         label: {
-            name: value
-            for name, value in differing_inputs(sweep, scene)
-            if PART_OF[name] not in ("plane", "record")
+            path: value
+            for path, value in changes(sweep.entries, scene.entries)
+            if not path.startswith("sweep.")
         }
         for label, scene in zip(words, scenes, strict=True)
     }
-    return sweep.changed(variants=rows(_ROW, changes))
+    return replace(sweep, variants=labelled_rows(_ROW, rows))
 
 
-def _absolute(
-    scene: PathLike, key: str, values: Iterable[Any], overrides: Mapping[str, Any]
-) -> Iterator[Any]:
+def _absolute(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
     """Values of an entry, those such as ``"+20%"`` as the scene's own value changed by so much."""
     for value in values:
         relative = _RELATIVE.fullmatch(value) if isinstance(value, str) else None
         if relative is None:
             yield value
             continue
-        present = scene_entry(scene, key, overrides)
+        present = entry_at(sweep.entries, key)
         factor = 1 + float(relative[1]) / 100
         if isinstance(present, int | float) and not isinstance(present, bool):
             changed = float(f"{present * factor:.12g}")

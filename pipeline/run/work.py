@@ -31,10 +31,10 @@ from distributed import Worker, get_worker
 
 import tribo
 from pipeline.store.checksum import packed
+from pipeline.sweep.identity import Simulated
 from pipeline.sweep.laws import code_of, given_laws
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, run_points
-from pipeline.sweep.stored import Simulated
 from tribo import TriboError
 from tribo.simulation import Trunks
 

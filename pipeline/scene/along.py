@@ -14,18 +14,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.paths import user_path
-from pipeline.scene.declare import Table, declared, flat, table_of
+from pipeline.scene.declare import Table, declared, table_of
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
-from pipeline.scene.faults import Faults, entry_at, quoted
+from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import BULK, CRITICAL, FRICTION, LOAD, SPEED, SceneFile
 from pipeline.scene.names import BESIDE, UNITS, Heading
-from pipeline.scene.over import column_of, scene_with
+from pipeline.scene.over import column_of, with_rows
 from pipeline.scene.sheet import Lines, Row, Sheet, read_sheet
 from pipeline.scene.units import as_entry
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.limits import MOST_SCENES
-from pipeline.sweep.model import Sweep, differing_inputs
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.tables import entry_at, flat
 from pipeline.sweep.variants import Column, placed_rows
 from tribo import InputError
 
@@ -190,7 +191,8 @@ def _pairs(document: Document, faults: Faults) -> list[dict[str, Any]]:
         if row.keys() != first:
             other = ", ".join(sorted(row.keys() ^ first))
             faults.refuse(f"sweep.along[{number}]", f"not all rows have {other}; give it in each")
-        row |= _PLACE.read(place, f"sweep.along[{number}]", faults)
+        read = _PLACE.read(place, f"sweep.along[{number}]", faults)
+        row |= {name: (one, row[name]) for name, one in read.items() if name in row}
     return rows if len(faults) == before else []
 
 
@@ -200,8 +202,8 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
     if not pairs:
         return document, None
     places = {
-        f"sweep.{axis}": [f"{one!r} {UNITS[name]}" for one in sorted({row[name] for row in pairs})]
-        for axis, name in (("loads", "load"), ("velocities", "velocity"))
+        f"sweep.{name}": [f"{one!r} {unit}" for one in sorted({row[key][0] for row in pairs})]
+        for name, key, unit in (("loads", "load", "N"), ("velocities", "velocity", "m/s"))
     }
     first = {path: pairs[0][path] for path in pairs[0] if "." in path}  # others are labels
     return document.above(places | first), partial(_extend, pairs)
@@ -216,28 +218,20 @@ def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Swee
         )
     if len(pairs) > MOST_SCENES:
         raise InputError(f"sweep.along: {len(pairs)} rows are too many; give {MOST_SCENES} at most")
-    paths = [head for head in pairs[0] if "." in head]
-    written = [{path: row[path] for path in paths} for row in pairs]
-    scenes = [scene_with(values, sweep, reading.make, "sweep.along") for values in written]
-    if CONDITIONS["friction"] in paths:  # measured at the place, and not by velocity
-        scenes = [
-            scene.changed(conditions=scene.conditions.replace_friction(scene.conditions.friction))
-            for scene in scenes
-        ]
-    parts = [tuple(differing_inputs(sweep, scene)) for scene in scenes]
-    columns = [column_of(path, [row[path] for row in pairs], "row") for path in paths]
-    labels = [head for head in pairs[0] if head not in (*paths, *_PLACE.keys)]
-    columns += [_label(head, [row[head] for row in pairs]) for head in labels]
-    loads, velocities = ([row[name] for row in pairs] for name in _PLACE.keys)
-    table = placed_rows(parts, columns, loads, velocities)
-    plane = {"loads": tuple(sorted({*loads})), "velocities": tuple(sorted({*velocities}))}
-    return sweep.changed(variants=table * sweep.variants, **plane)
+    heads = [head for head in pairs[0] if head not in _PLACE.keys]
+    loads, velocities = ([row[name][0] for row in pairs] for name in _PLACE.keys)
+    columns = [
+        (column_of if "." in head else _label)(head, [row[head] for row in pairs], "row")
+        for head in heads
+    ]
+    rows = [row | {name: row[name][1] for name in _PLACE.keys} for row in pairs]
+    return with_rows(sweep, placed_rows(rows, columns, loads, velocities), "sweep.along")
 
 
-def _label(head: str, cells: Sequence[Any]) -> Column:
+def _label(head: str, cells: Sequence[Any], owner: str) -> Column:
     """A label of the rows: numbers of one unit in that, or words."""
     numbers, _, units = zip(*(str(cell).partition(" ") for cell in cells), strict=True)
-    meaning = f"{head} of the row"
+    meaning = f"{head} of the {owner}"
     if len(set(units)) == 1:
         with suppress(ValueError):
             return Column(head, tuple(map(float, numbers)), units[0] or "1", meaning=meaning)

@@ -11,11 +11,12 @@ from typing import Any
 
 import tribo
 from pipeline.quantities import display
-from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
+from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.format import Bulks, Ramp
 from pipeline.scene.library import library
 from pipeline.scene.parts import DISC, track_of
 from pipeline.scene.runs import run_faults
+from pipeline.sweep.tables import entry_at
 from tribo.simulation.pins import sizes_of
 
 _PLATE = "track_length", "capacity", "loss"

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass, replace
 from decimal import Decimal
 from types import NoneType, UnionType
@@ -41,6 +41,7 @@ from pipeline.scene.kinds import (
 )
 from pipeline.scene.units import exact_decimals, exact_si
 from pipeline.sweep.limits import MOST_ON_AXIS
+from pipeline.sweep.tables import flat
 from tribo.loading.ramp import MOST_STEPS
 
 _Class = TypeVar("_Class")
@@ -50,6 +51,10 @@ _Class = TypeVar("_Class")
 def declared(table: type[_Class]) -> type[_Class]:
     """Declare a table: its entries are the fields of the class; `form_name` is that of a form."""
     return dataclass(frozen=True, kw_only=True)(table)
+
+
+class Kept(NamedTuple):
+    """Marks an entry of stores, which no file may have."""
 
 
 class Example(NamedTuple):
@@ -67,6 +72,7 @@ class Entry:
     example: Any = None
     default: Any = None
     is_needed: bool = False
+    is_kept: bool = False  # by stores alone
 
 
 @functools.cache
@@ -81,8 +87,8 @@ def _entry(hint: Any, field: Field[Any]) -> Entry:
     notes = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
     meaning = next((note for note in notes if isinstance(note, str)), "")
     example = next((note.value for note in notes if isinstance(note, Example)), None)
-    needed = field.default is MISSING
-    return Entry(kind_of(hint), meaning, example, None if needed else field.default, needed)
+    needed, kept = field.default is MISSING, any(isinstance(note, Kept) for note in notes)
+    return Entry(kind_of(hint), meaning, example, None if needed else field.default, needed, kept)
 
 
 def kind_of(hint: Any) -> Kind:
@@ -243,16 +249,22 @@ class Table(Kind):
         """Keys that may not be left out."""
         return [key for key, entry in self.keys.items() if entry.is_needed]
 
+    @property
+    def listed(self) -> dict[str, Entry]:
+        """Keys that a file may have."""
+        return {key: entry for key, entry in self.keys.items() if not entry.is_kept}
+
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
         require(value, dict, "is not a table")
+        known = self.keys if faults.has_kept else self.listed
         for key in value:
-            if key not in self.keys:
-                hint = did_you_mean(key, self.keys)
-                problem = f"unknown key{hint}; give one of {', '.join(self.keys)}"
+            if key not in known:
+                hint = did_you_mean(key, known)
+                problem = f"unknown key{hint}; give one of {', '.join(known)}"
                 faults.refuse(joined(place, key), problem)
         entries = {}
         for key, entry in self.keys.items():
-            entries[key] = entry.default
+            entries[key] = None if faults.is_complete else entry.default
             if key in value:
                 entries[key] = entry.kind.read(value[key], joined(place, key), faults)
             elif entry.is_needed:
@@ -298,15 +310,3 @@ class ByPath(Kind):
     def leaves(self, value: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         """Paths of entries, and what stands at each in the file."""
         return flat(value, "", self.of.leaf_keys)
-
-
-def flat(
-    tables: dict[str, Any], above: str = "", ends: Collection[str] = ()
-) -> Iterator[tuple[str, Any]]:
-    """Paths and values of nested tables; a table that is empty or has a key of `ends` is one."""
-    for key, inner in tables.items():
-        path = f"{above}.{key}" if above else key
-        if isinstance(inner, dict) and inner and not set(ends) & set(inner):
-            yield from flat(inner, path, ends)
-        else:
-            yield path, inner

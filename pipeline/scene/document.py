@@ -22,11 +22,11 @@ from pipeline.scene.faults import (
     did_you_mean,
     joined,
     quoted,
-    replace_value,
 )
 from pipeline.scene.format import SceneFile
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
 from pipeline.sweep.limits import MOST_BYTES_OF_SCENE, MOST_IN_LIST, MOST_KEYS, MOST_LAYERS
+from pipeline.sweep.tables import entry_at, replace_value
 
 _KEYS = table_of(SceneFile).keys
 _REPLACED = {"count": ("step",), "step": ("count", "spacing")}
@@ -70,8 +70,11 @@ class Document(NamedTuple):
 
     def replaced(self, path: str, value: Any) -> Document:
         """The document with an entry replaced everywhere, or removed if the value is None."""
-        pairs = ((file, replace_entry(entries, path, value)) for file, entries in self.layers)
-        return Document(tuple(FileEntries(*pair) for pair in pairs))
+        layers = (
+            (file, replace_value(entries, path, value) if entry_at(entries, path) else entries)
+            for file, entries in self.layers
+        )
+        return Document(tuple(FileEntries(*layer) for layer in layers))
 
     def file_of(self, key: str) -> Path:
         """The file in which an entry stands or, if it stands in none, the table it belongs to."""
@@ -136,18 +139,6 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
         else:
             top = _merged(top, replace_value({}, key, value))
     return Document((FileEntries(document.file, top), *document.layers))
-
-
-def replace_entry(tables: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
-    """Tables with an entry that they have replaced, or removed if the value is None."""
-    first, _, rest = path.partition(".")
-    if first not in tables:
-        return tables
-    if rest:
-        inner = tables[first]
-        value = replace_entry(inner, rest, value) if isinstance(inner, dict) else inner
-    others = {key: entry for key, entry in tables.items() if key != first}
-    return others if value is None else others | {first: value}
 
 
 def _leave_out(value: Any, has_preset: bool, base: Document, path: Path, faults: Faults) -> None:

@@ -7,17 +7,15 @@ makes the table of variants afterwards.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from importlib import import_module
 from typing import Any, NamedTuple
 
 from pipeline import extras
 from pipeline.scene.document import Document
-from pipeline.scene.faults import Faults, entry_at
+from pipeline.scene.faults import Faults
 from pipeline.sweep.model import Sweep
-
-Make = Callable[[Mapping[str, Any]], Sweep]
-"""Makes the sweep with other values of some entries, by their paths; raises their first fault."""
+from pipeline.sweep.tables import entry_at
 
 
 class Reading(NamedTuple):
@@ -25,7 +23,6 @@ class Reading(NamedTuple):
 
     document: Document
     scene: Any  # the file as it is declared
-    make: Make
     faults: Faults
 
 

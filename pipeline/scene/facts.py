@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline.quantities import display, display_sides
 from pipeline.scene.expected import expect_contacts
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.model import Parts, Sweep
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, unit_value
 from tribo import Corrections, InputError, Track, contact_modulus
 from tribo.types import Array
@@ -71,7 +71,7 @@ class Facts:
         return {name: entry for name, entry in facts.items() if entry is not None}
 
 
-def facts_of(sweep: Sweep) -> Facts:
+def facts_of(sweep: Sweep | Parts) -> Facts:
     """Calculate the facts of a scene in closed form."""
     scene, surface = sweep.scene, surface_facts(sweep)
     velocities = sweep.plane.velocities
@@ -111,14 +111,14 @@ def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
     )
 
 
-def tracks_of(sweep: Sweep) -> dict[str, Track]:
+def tracks_of(sweep: Sweep | Parts) -> dict[str, Track]:
     """Tracks that earlier turns have warmed, by their body."""
     corrections = sweep.conditions.corrections or Corrections()
     tracks = {"pin": corrections.pin_track, "disk": corrections.track}
     return {body: track for body, track in tracks.items() if track}
 
 
-def track_faults(sweep: Sweep) -> Iterator[tuple[str, str]]:
+def track_faults(sweep: Sweep | Parts) -> Iterator[tuple[str, str]]:
     """Bodies whose track is too short, and why: each turn is taken to release its heat at once."""
     tracks = tracks_of(sweep)
     width = facts_of(sweep).contact_width.high if tracks else 0.0

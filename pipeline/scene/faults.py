@@ -5,10 +5,10 @@ from __future__ import annotations
 import difflib
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pipeline.scene.shipped import name_of
 from pipeline.scene.units import UnitError
@@ -41,9 +41,11 @@ class Fault(NamedTuple):
 class Faults(list[Fault]):
     """All that is wrong with a scene, and notes on what is not."""
 
-    def __init__(self) -> None:
+    def __init__(self, is_complete: bool = False, has_kept: bool = False) -> None:
         super().__init__()
         self.notes: list[Remark] = []
+        self.is_complete = is_complete  # the entries of a store, which no default completes
+        self.has_kept = has_kept  # entries that no file may have are allowed
 
     def refuse(self, key: str, problem: str, rival: str = "") -> None:
         """Add a fault of the entry at a key path."""
@@ -157,22 +159,6 @@ def did_you_mean(word: str, words: Iterable[str]) -> str:
     longer = [other for other in known if len(word) > 2 and other.startswith(word)]
     near = ends or longer or difflib.get_close_matches(word, known, n=1, cutoff=0.67)
     return f' (did you mean "{known[near[0]]}"?)' if near else ""
-
-
-def entry_at(tables: Any, path: str) -> Any:
-    """Look up a path; None where it, or a table on the way to it, is missing or faulty."""
-    entry = tables
-    for key in path.split("."):
-        entry = entry.get(key) if isinstance(entry, Mapping) else getattr(entry, key, None)
-    return entry
-
-
-def replace_value(tables: Mapping[str, Any], path: str, value: Any) -> dict[str, Any]:
-    """Tables with another value at a path; those on the way are copied, or made."""
-    first, _, rest = path.partition(".")
-    inner = tables.get(first)
-    other = replace_value(inner if isinstance(inner, dict) else {}, rest, value) if rest else value
-    return {**tables, first: other}
 
 
 def joined(place: str, key: str) -> str:

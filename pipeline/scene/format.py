@@ -14,6 +14,7 @@ from pipeline.scene.declare import (
     ByPath,
     Either,
     Example,
+    Kept,
     List,
     Range,
     declared,
@@ -204,6 +205,7 @@ class MeasuredSurface:
     repeat: A[str, OneOf(("no", "mirror", "tile")),
         "How a surface smaller than the window is continued: not, mirrored at each end, or as "
         "tiles."] = "no"
+    content: A[str | None, Kept()] = None
 
 @declared
 class Film:
@@ -246,6 +248,7 @@ class LoadRecord:
         "folder of the scene.", Example("load.csv")]
     reference_load: A[float | None, Quantity("750 N"), _REFERENCE_LOAD] = None
     fit: A[bool, "True to replace the record by a straight line through it."] = False
+    content: A[str | None, Kept()] = None
 
 @declared
 class Motion:
@@ -367,9 +370,6 @@ class Model:
         "Relative scatter of measured velocities about the model. It weighs as much as four tests; "
         f"0 for none. {LATER}"] = 0.1
 
-_OF_PAPER = ("kernel", "contact_criterion", "wear_scheme", "heat_kernel")
-"""Choices that the results of the paper compare, in Python; a scene has those of its preset."""
-
 _CHOICES = {
     "pixels_per_element":
         "Pixels of the surface, along each axis, that make up one element; at most, where "
@@ -405,8 +405,8 @@ class _Fidelity:
         'Preset, from "draft", the fastest, to "reference", the most accurate.'] = USUAL_PRESET
 
 Fidelity = _extended(_Fidelity, entries=[
-    (name, A[hint | None, _CHOICES[name]], None)
-    for name, hint in get_type_hints(tribo.Fidelity).items() if name not in _OF_PAPER
+    (name, A[hint | None, _CHOICES.get(name, Kept())], None)
+    for name, hint in get_type_hints(tribo.Fidelity).items()
 ])
 
 @declared

@@ -172,17 +172,6 @@ class Scalar(Kind):
 
 
 @dataclass(frozen=True)
-class Rounded:
-    """Text of a quantity, and the exact value in SI for which it stands."""
-
-    text: str
-    value: float
-
-    def __str__(self) -> str:
-        return quoted(self.text)
-
-
-@dataclass(frozen=True)
 class Quantity(Kind):
     """A number above 0, or from 0 on, with a unit, read in SI; its example fixes the dimension."""
 
@@ -203,22 +192,20 @@ class Quantity(Kind):
         return self.example.partition(" ")[2]
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
-        text = value.text if isinstance(value, Rounded) else value
-        if not isinstance(text, str):
+        if not isinstance(text := value, str):
             raise UnfitError(f"{quoted(value)} has no unit")
         if middle := middle_of_range(text):
             faults.note(place, f"{quoted(text)} is a range; {middle}, its middle, is taken")
             text = middle
         exact = exact_si(text, like=self.example)
-        in_si = value.value if isinstance(value, Rounded) else float(exact)
         if exact == 0 and self.zero:
-            return in_si
+            return float(exact)
         if exact <= 0:
             raise UnfitError(f"{quoted(value)} is out of range")
         low, high = self.ends or DIMENSIONS[si_unit(self.example)].limits
         if not exact_si(low, self.example) <= exact <= exact_si(high, self.example):
             raise UnfitError(f"{quoted(value)} is out of range, which is from {low} to {high}")
-        return in_si
+        return float(exact)
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import asdict, fields, is_dataclass, replace
 from typing import Any
 
 import tribo
-from pipeline.scene.document import Document, replace_entry
-from pipeline.scene.faults import Faults, entry_at, quoted
-from pipeline.sweep.codec import encode
-from pipeline.sweep.laws import name_of
+from pipeline.scene.document import Document
+from pipeline.scene.faults import Faults, quoted
+from pipeline.sweep.laws import ASKED, Law, is_given, law_record, name_of
+from pipeline.sweep.model import Parts
+from pipeline.sweep.tables import entry_at, replace_value
 from tribo.errors import law_errors
 from tribo.simulation.pins import sizes_of
 
@@ -23,18 +25,21 @@ _REPLACED = {
 }
 """Entries of a scene that each law stands for."""
 _PROTOCOLS: dict[str, Any] = {"wear": tribo.WearLaw, "surface": tribo.Surface, "pin": tribo.Pin}
-_PARAMETERS = {
-    "wear": "wear.parameters",
-    "surface": "disk.surface.parameters",
-    "pin": "pin.parameters",
+_NAMES = {
+    "wear": "wear.law",
+    "surface": "disk.surface.law",
+    "criterion": "temperature.criterion",
+    "pin": "pin.law",
 }
+"""Entry with the name of each law."""
+_PARAMETERS = {kind: f"{_NAMES[kind].rpartition('.')[0]}.parameters" for kind in _PROTOCOLS}
 """Tables of the fields of each law, where the scene gives them other values."""
-_NAMES = {"wear.law": "wear", "disk.surface.law": "surface", "temperature.criterion": "criterion"}
+_SOURCE = "source_sha256"
 
 
 def named_code(entries: dict[str, Any]) -> Iterator[str]:
     """Say of each law that a scene names as ``"module:name"`` that it is an object in Python."""
-    for path, kind in _NAMES.items():
+    for kind, path in _NAMES.items():
         if ":" in str(name := entry_at(entries, path)):
             yield (
                 f"{path}: {quoted(name)} is code, which a scene file cannot name; give the object "
@@ -75,17 +80,12 @@ def _require_law(kind: str, law: Any) -> None:
                 f"{name_of(law)}: {error}; write @dataclass(frozen=True), and with an array "
                 "@dataclass(frozen=True, eq=False)"
             ) from error
-    encode(law, {})
-
-
-def law_entries(laws: Mapping[str, Any]) -> dict[str, Any]:
-    """Fields of laws, by the paths of the entries that give them other values."""
-    return {
-        f"{_PARAMETERS[kind]}.{one.name}": getattr(law, one.name)
-        for kind, law in laws.items()
-        if kind in _PARAMETERS
-        for one in fields(law)
-    }
+    try:
+        json.dumps([_plain(value) for _, value in law_record(law).parameters])
+    except TypeError as error:
+        raise tribo.InputError(
+            f"{name_of(law)}: {error}, which a store cannot keep; give its fields numbers or text"
+        ) from error
 
 
 def take_laws(
@@ -93,19 +93,28 @@ def take_laws(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Laws with the values that entries give their fields, and the other entries.
 
-    A pin of the same length stands in these for one that is a law.
+    A law that only a store names is a `Law`. A pin of the same length stands in the entries for one
+    that is a law.
     """
     taken = dict(laws)
-    for kind, law in laws.items():
-        if path := _PARAMETERS.get(kind):
-            taken[kind] = _with_values(law, entry_at(entries, path) or {}, path, faults)
-            entries = replace_entry(entries, path, None)
-            table = path.rpartition(".")[0]
-            entries = entries if entry_at(entries, table) else replace_entry(entries, table, None)
+    for kind, path in _NAMES.items():
+        table, sources = path.rpartition(".")[0], f"{path.rpartition('.')[0]}.{_SOURCE}"
+        values, source = (entry_at(entries, one) for one in (_PARAMETERS.get(kind, ""), sources))
+        if kind in laws and values:
+            taken[kind] = _with_values(laws[kind], values, _PARAMETERS[kind], faults)
+        elif source and kind not in laws:
+            pairs = ((name, _read(name, value)) for name, value in dict(values or {}).items())
+            taken[kind] = Law(str(entry_at(entries, path)), tuple(pairs), str(source))
+        if source:
+            entries = replace_value(replace_value(entries, path, None), sources, None)
+        if kind in taken and kind in _PARAMETERS:
+            entries = replace_value(entries, _PARAMETERS[kind], None)
+            entries = entries if entry_at(entries, table) else replace_value(entries, table, None)
+    for kind in taken:
         for path in _REPLACED[kind]:
             if entry_at(entries, path) is not None:
                 faults.refuse(path, f"laws.{kind} stands in its place; leave it out")
-                entries = replace_entry(entries, path, None)
+                entries = replace_value(entries, path, None)
     if pin := taken.get("pin"):
         shape = "ball" if pin.length is None else "cylinder"
         sizes = {"radius": pin.radius} | ({} if pin.length is None else {"length": pin.length})
@@ -115,10 +124,50 @@ def take_laws(
     return taken, entries
 
 
+def _laws_of(parts: Parts) -> dict[str, Any]:
+    scene = parts.scene
+    laws = {"wear": scene.wear, "surface": scene.roughness, "pin": scene.pin}
+    return laws | {"criterion": parts.conditions.rule}
+
+
+def add_laws(entries: dict[str, Any], parts: Parts, like: Parts | None = None) -> dict[str, Any]:
+    """Entries with those of the laws of a scene: name, fields and the hash of the source.
+
+    Laws that other parts have, too, are left out.
+    """
+    present = _laws_of(like) if like else {}
+    for kind, part in _laws_of(parts).items():
+        if not is_given(part) or (like and present[kind] == part):
+            continue
+        law, table = law_record(part), _NAMES[kind].rpartition(".")[0]
+        for path in _REPLACED[kind]:
+            entries = replace_value(entries, path, None)
+        named: dict[str, Any] = {_NAMES[kind]: law.name, f"{table}.{_SOURCE}": law.source_sha256}
+        if kind in _PARAMETERS:
+            named[_PARAMETERS[kind]] = {name: _plain(value) for name, value in law.parameters}
+        for path, value in named.items():
+            entries = replace_value(entries, path, value)
+    return entries
+
+
+def _plain(value: Any) -> Any:
+    """A parameter of a law as an entry."""
+    if isinstance(value, tribo.Material):
+        return asdict(value)
+    return [*map(_plain, value)] if isinstance(value, tuple) else value
+
+
+def _read(name: str, value: Any) -> Any:
+    if isinstance(value, dict) and name == "material":
+        return tribo.Material(**value)
+    return tuple(_read("", one) for one in value) if isinstance(value, list) else value
+
+
 def _with_values(law: Any, values: Any, path: str, faults: Faults) -> Any:
     """A law with other values of some fields; those of numbers are in SI, and no text."""
-    if not values:
-        return law
+    if isinstance(values, dict):
+        own = {one.name for one in fields(law)}
+        values = {key: one for key, one in values.items() if key in own or key not in ASKED}
     with faults.at(path), law_errors(name_of(law)):
         made = replace(law, **values)
         for name, value in values.items():

@@ -13,9 +13,10 @@ from importlib import resources
 from typing import Any
 
 from pipeline.scene.declare import table_of
-from pipeline.scene.faults import Faults, did_you_mean, entry_at, joined, quoted
+from pipeline.scene.faults import Faults, did_you_mean, joined, quoted
 from pipeline.scene.format import Material
 from pipeline.sweep.about import FromLibrary
+from pipeline.sweep.tables import entry_at
 
 Entries = dict[str, Any]
 _NUMBER = re.compile(r"\d+")

@@ -7,23 +7,27 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.scene.declare import flat
+from pipeline.scene.declare import table_of
 from pipeline.scene.document import Document
-from pipeline.scene.extensions import Extend, Make, Reading
-from pipeline.scene.faults import Faults, entry_at, quoted
+from pipeline.scene.extensions import Extend, Reading
+from pipeline.scene.faults import Faults, quoted
+from pipeline.scene.format import Oil
+from pipeline.scene.reading import contents_of
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.limits import MOST_SCENES
-from pipeline.sweep.model import Sweep, differing_inputs
+from pipeline.sweep.model import Parts, Sweep
 from pipeline.sweep.remarks import remarks
-from pipeline.sweep.variants import VARIANT, Column, Variants, combinations
+from pipeline.sweep.tables import entry_at, flat
+from pipeline.sweep.variants import VARIANT, Column, Label, Variant, Variants
 from tribo import InputError
 
+_LIKE = {"oil": "oil.like"}
+"""Entry of a table that is given by the name of one of the library."""
 _FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
-_SAME = ("loads", "velocities", "variants", "unequal_bulks", "steps")
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
@@ -39,22 +43,37 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     if not asked:
         return sweep
     axes = {path: _axis(path, values) for path, values in asked.items()}
-    if (count := math.prod(len(axis.values) for axis in axes.values())) > MOST_SCENES:
+    if (count := math.prod(len(axis) for _, axis in axes.values())) > MOST_SCENES:
         raise InputError(f"sweep.over: {count} values are too many; give {MOST_SCENES} at most")
-    names = combinations({path: axis.values for path, axis in axes.items()})
-    texts = {path: axis.text_of for path, axis in axes.items()}
-    written = [{path: texts[path][value] for path, value in name} for name in names]
-    scenes = [scene_with(values, sweep, reading.make, "sweep.over") for values in written]
-    parts = tuple(tuple(differing_inputs(sweep, scene)) for scene in scenes)
-    if len(parts) > 1 and all(part == parts[0] for part in parts):
+    listed = [axis for _, axis in axes.values()]
+    rows = [dict(zip(axes, pairs, strict=True)) for pairs in itertools.product(*listed)]
+    columns = tuple(
+        replace(
+            column,
+            values=tuple(row[path][0] for row in rows),
+            entry="oil.like" if path == "oil" else "",
+        )
+        for path, (column, _) in axes.items()
+    )
+    written = tuple(
+        {key: one for path, (_, text) in row.items() for key, one in _entries(path, text)}
+        for row in rows
+    )
+    made = with_rows(sweep, Variants(columns, written), "sweep.over")
+    scenes = [made.variant(name) for name in made.variants.given]
+    read = [(scene.scene, scene.conditions, scene.about) for scene in scenes]
+    if len(read) > 1 and all(one == read[0] for one in read):
         raise InputError(
             f"sweep.over: {' and '.join(asked)} changes nothing in this scene; leave it out"
         )
-    columns = tuple(
-        axis.taken([axis.values.index(dict(name)[path]) for name in names])
-        for path, axis in axes.items()
-    )
-    return sweep.changed(variants=Variants(columns, parts) * sweep.variants)
+    return made
+
+
+def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """What a value of an entry replaces: the name of an oil its whole table."""
+    if path in _LIKE:
+        yield from ((f"{path}.{key}", None) for key in table_of(Oil).keys)
+    yield _LIKE.get(path, path), value
 
 
 def notes_on_first_values(table: Variants) -> Iterator[str]:
@@ -78,14 +97,14 @@ def column_of(path: str, values: Sequence[Any], owner: str) -> Column:
     try:
         if isinstance(first, str):
             in_si = tuple(to_si(str(value), like=first) for value in values)
-            return Column(path, in_si, si_unit(first), meaning=meaning, texts=tuple(values))
+            return Column(path, in_si, si_unit(first), meaning=meaning)
         return Column(path, tuple(map(float, values)), meaning=meaning)
     except (UnitError, TypeError, ValueError):
         return Column(path, tuple(map(str, values)), None, meaning=meaning)
 
 
-def _axis(path: str, values: tuple[Any, ...]) -> Column:
-    """An entry with its values in SI in rising order, or as words."""
+def _axis(path: str, values: tuple[Any, ...]) -> tuple[Column, list[tuple[Label, Any]]]:
+    """An entry, and its values in SI in rising order, or as words, each beside its text."""
     key = f"sweep.over.{quoted(path)}"
     if path.partition(".")[0] in _FIXED:
         raise InputError(
@@ -95,46 +114,52 @@ def _axis(path: str, values: tuple[Any, ...]) -> Column:
     if len({isinstance(value, str) for value in values}) > 1:
         raise InputError(f"{key}: {quoted(list(values))}: give all with a unit, or none")
     column = column_of(path, values, "scene")
+    pairs = [*zip(column.values, values, strict=True)]
     if column.unit is None:
-        return column
-    pairs = sorted(zip(column.values, values, strict=True), key=lambda pair: pair[0])
+        return column, pairs
+    pairs.sort(key=lambda pair: pair[0])
     for (one, text), (other, again) in itertools.pairwise(pairs):
         if one == other:
             both = f"{quoted(text)} and {quoted(again)}"
             raise InputError(f"{key}: {both} are the same; give each value once")
-    labels, texts = zip(*pairs, strict=True)
-    return replace(column, values=labels, texts=texts)
+    return column, pairs
 
 
-def scale_friction(scene: Sweep, sweep: Sweep, changed: Container[str]) -> Sweep:
-    """A scene with entries of a sweep changed: its friction coefficient scales its curves.
+def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
+    """The sweep with rows in front of its own; raises at the first that is faulty.
 
-    In a file `friction.by_velocity` and `by_temperature` are the friction itself, and the
-    coefficient a typical one.
+    What was read of a file for a row is named in it.
     """
-    present, own = scene.conditions.corrections, sweep.conditions.corrections
-    if "friction.coefficient" not in changed or not (present and own):
-        return scene
-    corrections = replace(present, friction=own.friction)
-    return scene.changed(conditions=replace(scene.conditions, corrections=corrections))
+    made, rows = replace(sweep, variants=table, made=dict(sweep.made)), []
+    known = contents_of(made.parts())
+    for name in table.names:
+        row = dict(table.row(name))
+        words = ", ".join(f"{path} = {quoted(value)}" for path, value in row.items() if "." in path)
+        try:
+            parts = made.parts(name)
+        except InputError as error:
+            raise InputError(f"{key}: {words}: {error}") from error
+        require_alike(made.variant(name), sweep, f"{key}: {words}")
+        contents = contents_of(parts)
+        rows.append(row | {path: one for path, one in contents.items() if one != known.get(path)})
+    table = replace(table, rows=tuple(rows))
+    kept: dict[Variant, Parts] = {(): made.parts()}
+    kept = kept if sweep.variants.columns else made.made
+    return replace(sweep, variants=table * sweep.variants, made=kept)
 
 
-def scene_with(values: Mapping[str, Any], sweep: Sweep, make: Make, key: str) -> Sweep:
-    """The scene with some values; raises if it is faulty, or has other axes."""
-    place = ", ".join(f"{path} = {quoted(value)}" for path, value in values.items())
-    try:
-        scene = scale_friction(make(values), sweep, values)
-    except InputError as error:
-        raise InputError(f"{key}: {place}: {error}") from error
-    for name in _SAME:
-        if scene.get(name) != sweep.get(name):
+def require_alike(scene: Sweep, sweep: Sweep, place: str) -> None:
+    """Raise an `InputError` if a row of a sweep has other axes."""
+    first, second = ((s.plane, s.scene.unequal_bulks, s.record.steps) for s in (scene, sweep))
+    names = "loads and velocities", "unequal bulks", "steps"
+    for name, one, other in zip(names, first, second, strict=True):
+        if one != other:
             raise InputError(
-                f"{key}: {place} changes the {name.replace('_', ' ')}, which must be "
-                "the same for all values; sweep each value into a separate store"
+                f"{place} changes the {name}, which must be the same for all values; sweep each "
+                "value into a separate store"
             )
     if sweep.record.fields and scene.scene.grid != sweep.scene.grid:
         raise InputError(
-            f"{key}: {place} changes the grid of the stored fields, which every value has in "
-            "common; leave out sweep.fields, or give an entry that keeps the grid"
+            f"{place} changes the grid of the stored fields, which every value has in common; "
+            "leave out sweep.fields, or give an entry that keeps the grid"
         )
-    return scene

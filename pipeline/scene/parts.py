@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +14,7 @@ import numpy as np
 import tribo
 from pipeline import extras
 from pipeline.paths import user_path
-from pipeline.scene.document import Document
-from pipeline.scene.faults import Faults, entry_at, quoted
+from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import (
     Body,
     LoadRecord,
@@ -27,7 +29,11 @@ from pipeline.scene.format import (
 from pipeline.scene.names import UNITS
 from pipeline.scene.sheet import read_sheet
 from pipeline.scene.viscosity import viscosity_line, warm_viscosity
+from pipeline.sweep.digest import array_digest
+from pipeline.sweep.laws import MissingError, MissingSurface
+from pipeline.sweep.tables import entry_at
 from tribo.loading.record import fault as record_fault
+from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
 _Ends = tuple[float, float]
@@ -41,30 +47,69 @@ _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 def material_of(asked: Material) -> tribo.Material:
     """A material of sound entries."""
-    return tribo.Material(**{key: value for key, value in vars(asked).items() if key != "like"})
+    given = {key: value for key, value in vars(asked).items() if value is not None}
+    return tribo.Material(**{key: value for key, value in given.items() if key != "like"})
+
+
+@dataclass
+class Contents:
+    """What was read of files: arrays by their digests; files are relative to folders by path."""
+
+    arrays: dict[str, Array] = field(default_factory=dict)
+    folders: Mapping[str, Path] = field(default_factory=dict)
+
+    def keep(self, array: Array) -> str:
+        """Keep what was read of a file; return its digest."""
+        self.arrays[key := array_digest(array)] = array
+        return key
+
+    def take(self, key: str, shape: tuple[int, ...]) -> Array:
+        """An array by its digest; raise an `InputError` if it is another one."""
+        with suppress(ValueError):  # of another size
+            array = self.arrays[key].reshape(shape)
+            if array_digest(array) == key:
+                return array
+        raise tribo.InputError(f"the array {key} is another one")
+
+    def find(self, asked: Any, path: str, faults: Faults) -> Path | None:
+        """The file of a table, if its content is not known; a store opens none."""
+        if asked.content in self.arrays:
+            return None
+        if faults.is_complete or asked.content:
+            name = quoted(asked.file)
+            raise MissingError(
+                f"{path}: what was read of {name} is not beside the sweep; open its store"
+            )
+        return self.folders[f"{path}.file"] / user_path(asked.file)
 
 
 def loading_of(
-    asked: Ramp | LoadRecord | None, document: Document, faults: Faults, stops: tuple[float, ...]
-) -> Loading | None:
-    """The ramp or the recorded load; a note says by which line a record was fitted.
+    asked: Ramp | LoadRecord | None, contents: Contents, faults: Faults, stops: tuple[float, ...]
+) -> tuple[Loading | None, str | None]:
+    """The ramp or the recorded load, and the digest of a record; a note tells of a fitted line.
 
     Steps of a hold end at the stops that are shorter [s].
     """
     if asked is None or faults.touch("loading"):
-        return None
+        return None, None
     with faults.at("loading" if isinstance(asked, Ramp) else "loading.file"):
         if isinstance(asked, Ramp):
-            return tribo.Ramp(**vars(asked), stops=tuple(s for s in stops if s < asked.hold))
-        folder = document.file_of("loading.file").parent
-        record = _read_record(folder / user_path(asked.file), asked.reference_load, faults)
+            stops = tuple(s for s in stops if s < asked.hold)
+            return tribo.Ramp(**vars(asked), stops=stops), None
+        if path := contents.find(asked, "loading", faults):
+            record = _read_record(path, asked.reference_load, faults)
+            content = contents.keep(np.array([record.times, record.loads]))
+        else:
+            content = str(asked.content)
+            times, loads = contents.take(content, (2, -1))
+            record = tribo.MeasuredLoad(times, loads, asked.reference_load)
         if not asked.fit:
-            return record
+            return record, content
         rate, onset = record.linear_fit()
         line = f"{rate:.4g} N/s from {round(onset, 3) + 0:g} s on"
         faults.note("loading.file", f"fitted by {line}")
-        return record.ramp()
-    return None
+        return record.ramp(), content
+    return None, None
 
 
 def _read_record(path: Path, reference_load: float | None, faults: Faults) -> tribo.MeasuredLoad:
@@ -222,23 +267,27 @@ def realizations_of(scene: Any, faults: Faults) -> tuple[int, ...]:
     return tuple(sorted(asked))
 
 
-def roughness_of(
-    scene: Any, seeds: tuple[int, ...], document: Document, faults: Faults
-) -> Roughness | None:
-    """The disk's roughness, of the first of some seeds; None if there is none, or a faulty one."""
+def roughness_of(scene: Any, contents: Contents, faults: Faults) -> Roughness | None:
+    """The disk's roughness; None if there is none, or a faulty one."""
     asked = entry_at(scene, "disk.roughness")
     if asked is None or faults.touch("disk.roughness"):
         return None
     if isinstance(asked, MeasuredSurface):
-        folder = document.file_of("disk.roughness.file").parent
         with faults.at("disk.roughness.file"):
+            try:
+                path = contents.find(asked, "disk.roughness", faults)
+            except MissingError as error:
+                return MissingSurface(asked.content or "", str(error))
+            if path is None:
+                heights = contents.take(str(asked.content), scene.window.pixels)
+                return tribo.MeasuredRoughness(heights)
             scans = extras.module("laboratory", "surfaces")
             window = vars(scene.window) if scene.window else {}
-            path = folder / user_path(asked.file)
             heights = scans.window_heights(vars(asked), window, path, faults)
-            return None if heights is None else tribo.MeasuredRoughness(heights)
+            if heights is not None:
+                contents.keep(made := tribo.MeasuredRoughness(heights).array)
+                return tribo.MeasuredRoughness(made)
         return None
     length = asked.correlation_length
     pair = length if isinstance(length, tuple) else (length, length)
-    own = {"correlation_length": pair, "seed": seeds[0] if seeds else asked.seed}
-    return tribo.SelfAffineRoughness(**vars(asked) | own)
+    return tribo.SelfAffineRoughness(**vars(asked) | {"correlation_length": pair})

@@ -18,11 +18,12 @@ import tribo
 from pipeline.paths import user_path
 from pipeline.scene.declare import ByPath, Either, Entry, List, Range, Table, Tables, table_of
 from pipeline.scene.document import as_toml
-from pipeline.scene.faults import did_you_mean, entry_at
+from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import LATER, SceneFile
 from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
 from pipeline.scene.shipped import shipped_scenes
 from pipeline.scene.units import typeset
+from pipeline.sweep.tables import entry_at
 from tribo import InputError
 
 
@@ -54,7 +55,7 @@ class Section:
         forms = forms_of(self.entry.kind)
         keys: dict[str, tuple[Entry, str]] = {}
         for table in forms:
-            for key, entry in table.keys.items():
+            for key, entry in table.listed.items():
                 if not forms_of(entry.kind):
                     everywhere = all(key in other.keys for other in forms)
                     keys.setdefault(key, (entry, "" if everywhere else table.form))
@@ -178,7 +179,7 @@ def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, s
     return own, like
 
 
-_FILES = ("disk.roughness.file", "loading.file")
+FILES = ("disk.roughness.file", "loading.file")
 _MEANT, _LONGEST = 40, 80  # column in which meanings begin, and their characters
 
 
@@ -227,7 +228,7 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
     if like is not None:
         text = shipped[like].read_text(encoding="utf-8")
         entries, folder = tomllib.loads(text), shipped[like].parent
-        beside = [str(name) for key in _FILES if (name := entry_at(entries, key))]
+        beside = [str(name) for key in FILES if (name := entry_at(entries, key))]
         copies = [(folder / name, path.parent / Path(name).name) for name in beside]
     elif full:
         head = "".join(itertools.takewhile(lambda line: line[0] == "#", text.splitlines(True)))

@@ -8,8 +8,9 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.quantities import UNITS, display
-from pipeline.scene.faults import Faults, entry_at
+from pipeline.scene.faults import Faults
 from pipeline.scene.format import LOAD, VELOCITY, Stages, Test
+from pipeline.sweep.tables import entry_at
 
 _STAGES = ("mild", "mild_up_to"), ("severe", "severe_at")
 _KINDS = {"load": LOAD, "velocity": VELOCITY}

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import tribo
-from pipeline.quantities import DIMENSIONS, ZERO
+from pipeline.quantities import DIMENSIONS, ZERO, display
+from pipeline.quantities import UNITS as VARIABLE_UNITS
 from pipeline.scene.declare import ByPath, Either, List, Table, Tables, table_of
 from pipeline.scene.format import Fidelity
 from pipeline.scene.kinds import Kind, Quantity
-from pipeline.scene.units import si_unit, to_si
+from pipeline.scene.units import si_unit, to_si, typeset
+from pipeline.sweep.conditions import FIELDS
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.tables import flat
 
 _FEWEST, _MOST = 6, 17  # digits of a number
 
@@ -18,7 +23,7 @@ _FEWEST, _MOST = 6, 17  # digits of a number
 def entries_of(kind: Kind, value: Any) -> Any:
     """Entries that read as a value of a kind, defaults among them; None where there is none."""
     match kind:
-        case _ if value is None or value == math.inf or value == ():
+        case _ if value is None or value == math.inf or (isinstance(value, tuple) and not value):
             return None
         case Either():
             return entries_of(_form_of(kind, value), value)
@@ -27,17 +32,103 @@ def entries_of(kind: Kind, value: Any) -> Any:
             return {key: text for key, text in texts.items() if text is not None}
         case List(of):
             return [entries_of(of, one) for one in value]
-        case Tables(of) | ByPath(of):
+        case Tables(of):
             return {key: entries_of(of, one) for key, one in value.items()}
+        case ByPath():  # which stand for rows, or are not completed
+            return None
         case Quantity():
             return _quantity_text(kind, value)
     return value
 
 
-def complete_fidelity(preset: str, made: tribo.Fidelity) -> Any:
+def completed(tables: Any, written: Any) -> Any:
+    """Entries in full, in the words of those that were written of them."""
+    match tables, written:
+        case dict(), dict():
+            full = {key: completed(value, written.get(key)) for key, value in tables.items()}
+            return full | {key: written[key] for key in written.keys() & {"unknown"}}
+        case list(), list() if len(tables) == len(written):
+            return [*map(completed, tables, written)]
+        case dict(), _:
+            return tables
+    return tables if written is None else written
+
+
+def complete_fidelity(preset: str | None, made: tribo.Fidelity) -> Any:
     """The table of numerical choices with each of them, and the preset's name beside them."""
     choices = [key for key in table_of(Fidelity).keys if key != "preset"]
     return Fidelity(preset=preset, **{key: getattr(made, key) for key in choices})
+
+
+def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None) -> Sweep:
+    """The sweep with other numerical choices, and the name of their preset if they equal one."""
+    choices = entries_of(table_of(Fidelity), complete_fidelity(preset, made))
+    return sweep.changed("fidelity", choices)
+
+
+def scene_entries(sweep: Sweep) -> dict[str, str]:
+    """Entries of a sweep by their paths, in words; conditions as it is judged.
+
+    The title is left out.
+    """
+    drawn = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
+    leaves = _leaves(sweep.entries)
+    told = {path: in_words(value) for path, value in leaves if path not in drawn}
+    unknown = {
+        f'unknown."{path}"': in_words(one)
+        for path, one in (sweep.entries.get("unknown") or {}).items()
+        if path in sweep.variants.unknown
+    }
+    kept = {path: words for path, words in told.items() if not path.startswith("unknown.")}
+    return kept | unknown | _judged(sweep)
+
+
+def differing(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]]:
+    """Paths of entries that mean something else in another sweep, and both in words."""
+    plain = [dict(_leaves(sweep.reader.complete({}, sweep.parts()))) for sweep in (one, other)]
+    words = [scene_entries(sweep) for sweep in (one, other)]
+    for path in {**words[0], **words[1]}:
+        judged = path in {**_judged(one), **_judged(other)}
+        is_other = words[0].get(path) != words[1].get(path)
+        if is_other and (judged or plain[0].get(path) != plain[1].get(path) or "unknown" in path):
+            yield path, words[0].get(path, ""), words[1].get(path, "")
+
+
+def _judged(sweep: Sweep) -> dict[str, str]:
+    """Conditions in place of the entries, in words."""
+    named = {FIELDS[name]: (name, one) for name, one in sweep.judged.items() if name in FIELDS}
+    return {
+        path: display(one, VARIABLE_UNITS.get(name, "")) if isinstance(one, float) else str(one)
+        for path, (name, one) in named.items()
+    }
+
+
+def _leaves(tables: Any) -> Iterator[tuple[str, Any]]:
+    """Paths and values of nested tables; tables of a list by their numbers, from 1 on."""
+    for path, value in flat(tables):
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            inner = {str(number): one for number, one in enumerate(value, 1)}
+            yield from ((f"{path}.{place}", one) for place, one in _leaves(inner))
+        else:
+            yield path, value
+
+
+def in_words(value: Any) -> str:
+    """An entry in words."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, dict):
+        return " ".join(f"{key} {in_words(one)}" for key, one in value.items())
+    if isinstance(value, list):
+        pairs = [in_words(one).partition(" ")[::2] for one in value]
+        if len(units := {unit for _, unit in pairs}) == 1:
+            return f"{', '.join(number for number, _ in pairs)} {units.pop()}".strip()
+        return ", ".join(map(in_words, value))
+    if not isinstance(value, str):
+        return f"{value:g}"
+    number, _, unit = value.partition(" ")
+    is_quantity = unit and number[-1:].isdigit() and "," not in unit
+    return f"{number} {typeset(unit)}" if is_quantity else value
 
 
 def _form_of(kind: Either, value: Any) -> Kind:

@@ -13,9 +13,9 @@ import numpy as np
 from numcodecs.zstd import Zstd
 
 from pipeline.store.schema import AT_END, COMPRESSION, VARIABLES
+from pipeline.sweep.identity import Simulated
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
-from pipeline.sweep.stored import Simulated
 
 _LONGEST = 2000  # characters of a message, which somebody is to read
 _ENCODER = Zstd(**COMPRESSION)  # as Zarr's codec of this name uses it

@@ -14,6 +14,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from typing import Any
 
+from pipeline.scene.kept import files_of
+from pipeline.scene.resume import join
 from pipeline.store.files import PARTIAL, remove_file, sync
 from pipeline.store.inputs import DIM, inputs_variable, joined_arrays
 from pipeline.store.layout import (
@@ -48,11 +50,10 @@ from pipeline.store.root import (
 from pipeline.store.schema import INPUTS, POINT, SCENE_ID, path_of, variables_of
 from pipeline.store.versions import package_versions
 from pipeline.store.write import Store
-from pipeline.sweep.codec import Arrays, sweep_text
+from pipeline.sweep.identity import scene_ids
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import Report, silent
-from pipeline.sweep.stored import join, scene_ids
 
 
 @contextmanager
@@ -86,10 +87,10 @@ def grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
 
 def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
     """Root of a store with room for a sweep: the arrays are written first, then the root."""
-    if before and (POINT in before.axes) != (sweep.plane.chosen is not None):
+    if before and (POINT in before.axes) != (sweep.chosen is not None):
         raise _no_room(place, "a plane and a search of its boundary have a store each")
-    kept, arrays = join(before and before.sweep, sweep), Arrays()
-    sweep_text(kept, arrays)
+    kept = join(before and before.sweep, sweep)
+    arrays = files_of(kept)
     wanted = variables_of(kept)
     axes = grown_axes(before.axes if before else {}, kept, sweep)
     axes = {name: values for name, values in axes.items() if name in wanted}

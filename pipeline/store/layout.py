@@ -86,7 +86,7 @@ def grown_axes(before: Axes, kept: Sweep, sweep: Sweep) -> Axes:
     `kept` is the sweep of the store with the rows of both.
     """
     loads, velocities = sweep.plane.loads, sweep.plane.velocities
-    if sweep.plane.chosen is not None:
+    if sweep.chosen is not None:
         return _listed_axes(before, kept, sweep)
     values = {"load": loads, "velocity": velocities}
     plane = {name: in_order([*before.get(name, ()), *added]) for name, added in values.items()}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -143,7 +144,7 @@ def _plane(store: Store) -> tuple[Sweep, Axes, Indices | None]:
     """
     if POINT not in store.axes:
         return store.sweep, store.axes, None
-    sweep = store.sweep.changed(chosen=None)
+    sweep = replace(store.sweep, chosen=None)
     inner = {name: store.axes[name] for name in store.axes if not is_of_points(name)}
     loads = in_order([*sweep.plane.loads, *store.axes["load"]])
     axes = {**row_axes(sweep), "load": loads, "velocity": in_order(store.axes["velocity"])}

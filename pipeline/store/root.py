@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.paths import near_path
+from pipeline.scene.kept import SweepTextError, sweep_text, text_sweep
+from pipeline.scene.resume import misfits
 from pipeline.store.files import PARTIAL
 from pipeline.store.inputs import split_arrays
 from pipeline.store.layout import arrays_of
@@ -45,11 +47,10 @@ from pipeline.store.schema import (
     variables_of,
 )
 from pipeline.store.versions import package_versions, provenance
-from pipeline.sweep.codec import Arrays, CodecError, build, sweep_text, text_sweep
 from pipeline.sweep.limits import MOST_BYTES_OF_ROOT, MOST_PARTS_OF_ROOT, MOST_POINTS
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.stored import misfits
 from tribo import InputError
+from tribo.types import Array
 
 _CONSOLIDATED = "consolidated_metadata"
 _CODECS = ["bytes", "zstd"], ["vlen-utf8", "zstd"]
@@ -115,7 +116,7 @@ class Root(NamedTuple):
             "Conventions": "CF-1.11",
             "title": self.sweep.about.title,
             **provenance(facts.versions, facts.later_versions, facts.worker_versions),
-            "sweep": sweep_text(self.sweep, {}),
+            "sweep": sweep_text(self.sweep),
             SCENE_ID: json.dumps(self.ids),
         }
 
@@ -237,14 +238,16 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         raise StoreError(f"{place}: {ROOT} is damaged: it is not what was written; {_ELSEWHERE}")
     del about["format"]
     try:
-        built: Facts = build(Facts, about)
+        built = Facts(**about)
         require_plain(arrays)
         sweep, ids = text_sweep(attributes["sweep"], _inputs(place, arrays)), attributes[SCENE_ID]
         wanted = variables_of(sweep).keys() - {*MADE, SCENE_ID}
         if unlike := sorted((arrays.keys() - {INPUTS} | built.axes.keys()) ^ wanted):
-            raise CodecError(f"the variable {unlike[0]} is unknown or missing")
+            raise SweepTextError(f"the variable {unlike[0]} is unknown or missing")
         if (points := math.prod(arrays["status"]["shape"])) > MOST_POINTS:
-            raise CodecError(f"it has {points:.4g} points, and a store at most {MOST_POINTS:.0e}")
+            raise SweepTextError(
+                f"it has {points:.4g} points, and a store at most {MOST_POINTS:.0e}"
+            )
     except DamagedError as error:
         raise StoreError(f"{place}: the arrays of its scene are damaged; {_ELSEWHERE}") from error
     except (InputError, ValueError, KeyError, TypeError) as error:
@@ -272,7 +275,7 @@ def _of_another_format(place: StorePlace, version: Any) -> StoreError:
     )
 
 
-def _inputs(place: StorePlace, arrays: Mapping[str, Any]) -> Arrays:
+def _inputs(place: StorePlace, arrays: Mapping[str, Any]) -> dict[str, Array]:
     """Arrays of the scene that a store has."""
     if INPUTS not in arrays:
         return {}
@@ -294,7 +297,7 @@ def _require_small_file(folder: Path) -> None:
 
 
 def require_plain(arrays: Mapping[str, Any]) -> None:
-    """Raise a `CodecError` for arrays that are not as a store has them.
+    """Raise a `SweepTextError` for arrays that are not as a store has them.
 
     They are made as large as they say, before a chunk of them is read. Codecs of Zarr 2 may
     unpickle chunks, and those of Zarr 3 are looked up among all that is installed.
@@ -311,7 +314,7 @@ def require_plain(arrays: Mapping[str, Any]) -> None:
     except (KeyError, TypeError, AttributeError):
         are_plain = False
     if not are_plain:
-        raise CodecError("its arrays are not of Zarr 3, or not those of a store")
+        raise SweepTextError("its arrays are not of Zarr 3, or not those of a store")
 
 
 def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:

@@ -10,7 +10,7 @@ from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import ROWS, VARIANT, Column
 from tribo import InputError, WarningKind
 
-FORMAT = 8
+FORMAT = 9
 """Version of the layout."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
@@ -222,7 +222,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     table = {column.name: _variable_of(column) for column in sweep.variants.columns}
     front = tuple(sweep.variants.axes)
     absent = {*ROWS, POINT}  # which the table has, or not
-    if sweep.plane.chosen is not None:
+    if sweep.chosen is not None:
         front, absent = (POINT,), {*ROWS}
         table |= {name: COORDINATES[name] for name in PLANE}
         table = {name: variable._replace(dims=front) for name, variable in table.items()}
@@ -250,7 +250,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
 def _rows_of(name: str, sweep: Sweep) -> tuple[str, ...]:
     """Dimensions of the rows that a coordinate of steps differs between."""
     table = sweep.variants
-    if sweep.plane.chosen is not None:
+    if sweep.chosen is not None:
         return (POINT,)
     placed = {column.name for column in table.columns} & {*PLANE}
     if "load" in placed or (placed and name == "sliding_distance"):

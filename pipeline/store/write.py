@@ -54,11 +54,10 @@ from pipeline.store.schema import (
     STEPPED,
     variables_of,
 )
+from pipeline.sweep.identity import Simulated
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.plan import points as points_of
-from pipeline.sweep.stored import Simulated
-from pipeline.sweep.variants import written_of
 from tribo.types import Indices, Mask
 
 _ADVICE = "; what is finished is safe, go on when there is room and permission to write"
@@ -137,7 +136,7 @@ class Store:
 
     def in_words(self, point: Point) -> str:
         """A point in words, with values of entries as the scene writes them, such as ``2 mm``."""
-        written = written_of(self.sweep.variants, point.variant)
+        written = self.sweep.variants.written(point.variant)
         return str(point._replace(variant=tuple(written.items())))
 
     def chunk_keys(self, name: str, numbers: Sequence[int]) -> Iterator[str]:

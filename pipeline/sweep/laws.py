@@ -3,7 +3,8 @@
 ::
 
     InputError
-    └── LawError   a law is asked of a store, which has its name alone
+    ├── LawError       a law is asked of a store, which has its name alone
+    └── MissingError   heights are asked for that are not beside the sweep
 """
 
 from __future__ import annotations
@@ -24,13 +25,32 @@ _ROOTS: Final = ("tribo", "pipeline")
 """Packages whose laws ship."""
 _METHODS: Final = ("over", "heights", "profile")
 """Methods of a wear law, a surface and a pin."""
-_ASKED: Final = ("pattern", "radius", "length", "material", "words")
+ASKED: Final = ("pattern", "radius", "length", "material", "words")
 """Attributes of a wear law and of a pin that answers look at."""
 _KEPT: Final = "_source_sha256"
 
 
 class LawError(InputError, AttributeError):
     """A law that a store names, whose object is not here."""
+
+
+class MissingError(InputError):
+    """What was read of a file is not beside the entries that name it."""
+
+
+@dataclass(frozen=True)
+class MissingSurface(UnknownHeights):
+    """A measured surface whose heights are not beside the sweep."""
+
+    digest: str
+    words: str
+
+    def heights(self, pixels: Any) -> Any:
+        """Raise a `MissingError`."""
+        raise MissingError(self.words)
+
+    def __str__(self) -> str:
+        return self.words
 
 
 @dataclass(frozen=True)
@@ -100,7 +120,7 @@ def law_record(law: Any) -> Law:
     if isinstance(law, Law):
         return law
     names = [one.name for one in fields(law) if one.name != "rise"]
-    names += [name for name in _ASKED if name not in names and hasattr(law, name)]
+    names += [name for name in ASKED if name not in names and hasattr(law, name)]
     parameters = tuple((name, _kept(getattr(law, name))) for name in names)
     return Law(name_of(law), parameters, _source_sha256(code_of(law)))
 

@@ -3,15 +3,34 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Self
 
-from pipeline.sweep.about import About, condition_rows, plane_rows, scene_rows
+from pipeline.sweep.about import (
+    About,
+    FromLibrary,
+    Measurement,
+    condition_rows,
+    plane_rows,
+    scene_rows,
+)
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.digest import digest
+from pipeline.sweep.remarks import Remark
+from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stations import Stations, Steps
-from pipeline.sweep.variants import Part, Variant, Variants
+from pipeline.sweep.tables import (
+    CURVES,
+    FRICTION,
+    Entries,
+    changes,
+    entry_at,
+    replace_value,
+    replace_values,
+)
+from pipeline.sweep.variants import Row, Variant, Variants, surfaces
 from tribo import InputError, Ramp, Scene, SelfAffineRoughness
 from tribo.simulation import inseparable, mechanics, wear_number
 
@@ -89,7 +108,6 @@ class Plane:
 
     loads: tuple[float, ...]  # on the whole pin [N]
     velocities: tuple[float, ...]  # [m/s]
-    chosen: Collection[Point] | None = None  # the points to simulate, if not all of them
 
     def __post_init__(self) -> None:
         if not (self.loads and self.velocities):
@@ -102,33 +120,52 @@ class Record:
 
     fields: bool = False  # those at the end of each point
     steps: Steps | None = None  # None for what is usual
-    stations: Stations | None = None  # that a store has
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """What the entries of a scene read as."""
+
+    declared: Any  # the file as it is declared
+    scene: Scene
+    plane: Plane
+    conditions: Conditions
+    record: Record
+    about: About
 
 
 @shown
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Sweep:
     """A scene, where to simulate it and in which variants, and how to judge the results.
 
+    It is the entries of a scene file, and rows that replace some of them. What they read as is
+    made when it is asked for, and kept.
+
     Attributes
     ----------
-    scene : Scene
-        What is simulated, with its numerical choices.
-    plane : Plane
-        Loads and velocities at which.
-    conditions : Conditions
-        Friction, temperatures and criterion, which act after the simulation.
+    name : str
+        That of the file, without its ending.
+    written : mapping
+        Entries as the file has them, in tables.
+    reader : SceneReader
+        What reads them; it lives with the format.
     variants : Variants
-        Variants of the scene to simulate in its place.
-    record : Record
-        What is kept of each point.
-    about : About
-        Names, tests, oil and sources.
-
-    Raises
-    ------
-    InputError
-        If a variant changes what the scene does not have, such as the seed of a smooth surface.
+        Rows, each with the entries that it replaces.
+    notes : tuple of Remark
+        Assumptions made on reading the scene.
+    sources : tuple of FromLibrary
+        Numbers from the library.
+    selection : Selection or None
+        Reasons of a fidelity picked for its accuracy.
+    chosen : collection of Point or None
+        The points to simulate, if not all of the plane.
+    stations : Stations or None
+        Stations that a store has.
+    judged : mapping
+        Conditions in place of those of all rows, by the fields of `Conditions`.
+    oil : str or None
+        Oil whose tests count; the scene's own if None.
 
     Examples
     --------
@@ -136,24 +173,148 @@ class Sweep:
     >>> sweep = pipeline.load_scene("workflows/first_try.toml")
     >>> sweep.plane.loads, sweep.scene.pin.radius
     ((200.0, 400.0, 600.0, 750.0), 0.002)
-    >>> sweep.changed(loads=(600.0,)).plane.loads
-    (600.0,)
+    >>> sweep.changed("pin.radius", "1 mm").scene.pin.radius, sweep.entries["pin"]["radius"]
+    (0.001, '2 mm')
     """
 
-    scene: Scene
-    plane: Plane
-    conditions: Conditions
+    name: str
+    written: Entries = field(repr=False)
+    reader: Any = field(repr=False)
     variants: Variants = field(default_factory=Variants)
-    record: Record = field(default_factory=Record)
-    about: About = field(default_factory=lambda: About(name="scene", title="A scene"))
+    notes: tuple[Remark, ...] = ()
+    sources: tuple[FromLibrary, ...] = ()
+    selection: Selection | None = None
+    chosen: Collection[Point] | None = None
+    stations: Stations | None = None
+    judged: Mapping[str, Any] = field(default_factory=dict)
+    oil: str | None = None
+    made: dict[Variant, Parts] = field(default_factory=dict, repr=False)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "conditions", self.conditions.under(self.scene.loading))
-        solved = self.conditions.solved_friction
-        if solved != self.scene.solved_friction:
-            object.__setattr__(self, "scene", replace(self.scene, solved_friction=solved))
-        if self.variants.columns:
-            self.variant(self.variants.names[0])  # refuses what the scene does not have
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what is made of the entries, which another process makes anew."""
+        kept = {key: value for key, value in vars(self).items() if key not in _MADE}
+        return kept | {"made": {}}
+
+    def __eq__(self, other: object) -> bool:
+        """True if the entries of both mean the same, in each row."""
+        return isinstance(other, Sweep) and self._meaning == other._meaning
+
+    def __hash__(self) -> int:
+        return hash(self._meaning)
+
+    @functools.cached_property
+    def _meaning(self) -> str:
+        about = replace(self.about, name="", sources=(), notes=(), title=self.parts().about.title)
+        rows = [(row.scene, row.conditions) for row in map(self.variant, self.variants.names)]
+        own = self.scene, self.conditions, self.plane.loads, self.plane.velocities, self.record
+        chosen = None if self.chosen is None else sorted(self.chosen)
+        return digest((own, chosen, about, self.variants.columns, self.variants.rule, rows))
+
+    def parts(self, name: Variant = ()) -> Parts:
+        """What the entries read as, or those with what a row replaces."""
+        if name not in self.made:
+            values = self._row(name) if name else {}
+            self.made[name] = self.reader.read(replace_values(self.written, values))
+        return self.made[name]
+
+    def _row(self, name: Variant) -> Row:
+        row = self.variants.row(name)
+        if FRICTION not in row:
+            return row
+        if self.variants.draw:  # its samples have the curves of the scene
+            return {path: entry_at(self.written, path) for path in CURVES} | dict(row)
+        # Friction that is measured at a place is not one by velocity.
+        return dict.fromkeys(CURVES) | dict(row) if "load" in row else row
+
+    @functools.cached_property
+    def conditions(self) -> Conditions:
+        """Friction, temperatures and criterion, which act after the simulation."""
+        parts = self.parts()
+        return replace(parts.conditions, **self.judged).under(parts.scene.loading)
+
+    @functools.cached_property
+    def scene(self) -> Scene:
+        """What is simulated, with its numerical choices."""
+        scene, solved = self.parts().scene, self.conditions.solved_friction
+        return scene if solved == scene.solved_friction else replace(scene, solved_friction=solved)
+
+    @property
+    def plane(self) -> Plane:
+        """Loads and velocities at which."""
+        return self.parts().plane
+
+    @property
+    def record(self) -> Record:
+        """What is kept of each point."""
+        return self.parts().record
+
+    @functools.cached_property
+    def about(self) -> About:
+        """Names, tests, oil and sources."""
+        about = self.parts().about
+        about = replace(
+            about,
+            name=self.name,
+            title=about.title or self.name,
+            selection=self.selection,
+            sources=self.sources,
+            notes=self.notes,
+        )
+        if self.oil is None:
+            return about
+
+        def under(tests: Iterable[Measurement]) -> tuple[Measurement, ...]:
+            return tuple(test.under_oil(self.oil or "") for test in tests)
+
+        return replace(
+            about,
+            title=f"{about.title}, oil {self.oil}",
+            tested_oil=self.oil,
+            measured=under(about.measured),
+            tested=under(about.tested),
+        )
+
+    @functools.cached_property
+    def entries(self) -> dict[str, Any]:
+        """The entries in full: with defaults, values of the library and choices of the preset."""
+        entries: dict[str, Any] = self.reader.complete(self.written, self.parts())
+        return entries
+
+    @functools.cached_property
+    def rows(self) -> tuple[Row, ...]:
+        """Labels of each row, and the entries that it replaces, in full."""
+        if self.variants.draw:
+            return self.variants.rows
+        parts, rows = self.parts(), []
+        for name, row in zip(self.variants.names, self.variants.rows, strict=True):
+            alone = self.variant(name)
+            full = self.reader.complete(alone.written, alone.parts(), parts)
+            before = {key: self.entries.get(key) for key in full}
+            given = {key: one for key, one in row.items() if one is not None}
+            added = {key: one for key, one in changes(before, full) if key not in given}
+            rows.append(given | added)
+        return tuple(rows)
+
+    def changed(self, path: str, value: Any) -> Self:
+        """The sweep with another value of an entry, as a scene file has it; None leaves it out.
+
+        Raises
+        ------
+        InputError
+            If the scene is not sound with it.
+        """
+        written = dict(self.written)
+        if path == "fidelity.preset":  # all other choices stand for this one
+            written.pop("fidelity", None)
+        is_inner = "." in path
+        written = (
+            replace_values(written, {path: value})
+            if is_inner
+            else replace_value(written, path, value)
+        )
+        changed = replace(self, written=written, made={})
+        changed.parts()
+        return changed
 
     def description(self) -> tuple[str, list[tuple[str, str]]]:
         """Title, and a row for each subject of the scene."""
@@ -163,7 +324,7 @@ class Sweep:
             plane_rows(self.plane.loads, self.plane.velocities),
             *several,
             ("fidelity", self.about.preset or "of its own"),
-            *condition_rows(self.conditions, [one.path for one in self.variants.unknown]),
+            *condition_rows(self.conditions, self.variants.unknown),
         ]
 
     @property
@@ -172,23 +333,24 @@ class Sweep:
         own = self.variants.velocities
         return len(own) if own else len(self.plane.velocities) * len(self.variants)
 
-    def variant(self, variant: Variant = ()) -> Self:
-        """The sweep of one row of its table alone; of the scene itself if none is given."""
-        alone = self.changed(variants=Variants()) if self.variants.columns else self
-        return alone.replace_part(self.variants.part(variant)) if variant else alone
+    @functools.cached_property
+    def _alone(self) -> dict[Variant, Self]:
+        return {}
 
-    def replace_part(self, part: Part) -> Self:
-        """The sweep with what a row of a table changes."""
-        values: dict[str, Any] = {}
-        for path, value in part:
-            name, *inner = path.split(".")
-            present = values.get(name, self.get(name))
-            values[name] = _replaced_inner(present, inner, value, path)
-        return self.changed(**values)
+    def variant(self, name: Variant = ()) -> Self:
+        """The sweep of one row of its table alone; of the scene itself if none is given."""
+        if not name and not self.variants.columns:
+            return self
+        if name not in self._alone:
+            made: dict[Variant, Parts] = {(): self.parts(name)}
+            written = replace_values(self.written, self._row(name)) if name else self.written
+            alone = replace(self, written=written, variants=Variants(), made=made)
+            self._alone[name] = alone
+        return self._alone[name]
 
     def below(self, name: Variant) -> Self:
         """The sweep at labels that are not drawn, on the rows that are drawn for them."""
-        return self.variant(name).changed(variants=self.variants.below(name))
+        return replace(self.variant(name), variants=self.variants.below(name), made={})
 
     @functools.cached_property
     def leads(self) -> Mapping[Variant, Lead]:
@@ -219,7 +381,7 @@ class Sweep:
                 f"hold is {duration:g} s, but the load follows a record, which has its own end; "
                 "leave out the hold, or give a loading with rate and reference_load"
             )
-        return self.changed(loading=replace(self.scene.loading, hold=duration, stops=()))
+        return self.changed("loading.hold", f"{duration!r} s")
 
     def take_surface(self, seed: int | None) -> Self:
         """The sweep on the random surface of a seed alone; itself if None."""
@@ -230,53 +392,19 @@ class Sweep:
                 f"realization is {seed}, the seed of a random roughness, and that of the scene is "
                 "not random; leave it out"
             )
-        return self.changed(variants=Variants()).replace_part((("roughness.seed", seed),))
-
-    def changed(self, **values: Any) -> Self:
-        """The sweep with other values of some fields of its parts, by the names of the fields."""
-        if unknown := values.keys() - PART_OF.keys():
-            raise TypeError(f"a sweep has no {', '.join(sorted(unknown))}")
-        parts: dict[str, dict[str, Any]] = {}
-        for name, value in values.items():
-            parts.setdefault(PART_OF[name], {})[name] = value
-        whole = parts.pop("", {})
-        whole |= {name: replace(getattr(self, name), **new) for name, new in parts.items()}
-        return replace(self, **whole)
-
-    def get(self, name: str) -> Any:
-        """Value of a field of one of the parts."""
-        part = PART_OF[name]
-        return getattr(getattr(self, part) if part else self, name)
+        return replace(self, variants=surfaces((seed,))).variant((("realization", seed),))
 
 
-_PARTS = {"scene": Scene, "plane": Plane, "record": Record, "about": About}
-PART_OF = {
-    "conditions": "",
-    "variants": "",
-    **{entry.name: part for part, kind in _PARTS.items() for entry in fields(kind)},
+_MADE = {
+    "_meaning",
+    "conditions",
+    "scene",
+    "plane",
+    "record",
+    "about",
+    "entries",
+    "rows",
+    "_alone",
+    "made",
 }
-"""Part of a sweep that has a field; empty for the sweep itself."""
-_EVERYWHERE = {"name", "title", "notes", "variants", "solved_friction"}
-"""Fields in which no variant differs, or that follow from the conditions."""
-
-
-def _replaced_inner(present: Any, inner: Sequence[str], value: Any, path: str) -> Any:
-    """A part of a scene with another value of an inner field."""
-    if not inner:
-        return value
-    name, *deeper = inner
-    if not hasattr(present, name):
-        kind = type(present).__name__ if present is not None else "none"
-        raise InputError(
-            f"{path} is {value!r}, but that part of the scene is {kind}, without {name}; "
-            "leave it out"
-        )
-    return replace(present, **{name: _replaced_inner(getattr(present, name), deeper, value, path)})
-
-
-def differing_inputs(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
-    """Fields, and their values, in which another sweep differs from one."""
-    for name in PART_OF:
-        old, new = sweep.get(name), other.get(name)
-        if name not in _EVERYWHERE and old is not new and old != new:
-            yield name, new
+"""Attributes that are made of the entries."""

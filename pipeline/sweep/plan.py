@@ -129,8 +129,8 @@ class PointRecord:
 
 def points(sweep: Sweep) -> tuple[Point, ...]:
     """Every point of a sweep, variant by variant, velocity by velocity, loads ascending."""
-    if sweep.plane.chosen is not None:
-        return tuple(sorted(sweep.plane.chosen, key=lambda point: (point.variant, *point[1::-1])))
+    if sweep.chosen is not None:
+        return tuple(sorted(sweep.chosen, key=lambda point: (point.variant, *point[1::-1])))
     return tuple(
         Point(load, velocity, name)
         for name in sweep.variants.names

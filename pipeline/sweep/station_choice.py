@@ -9,8 +9,8 @@ from tribo import Ramp
 
 def choose_stations(sweep: Sweep) -> Stations:
     """Stations of a sweep, or those that its store has."""
-    if sweep.record.stations:
-        return sweep.record.stations
+    if sweep.stations:
+        return sweep.stations
     tests = (*sweep.about.measured, *sweep.about.tested)
     holds = {test.hold for test in tests if test.hold is not None}
     steps = sweep.record.steps or _usual(sweep)

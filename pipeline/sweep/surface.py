@@ -12,11 +12,10 @@ import numpy as np
 
 from pipeline.quantities import display, shown_in
 from pipeline.sweep.areal import areal_roughness, remove_form
-from pipeline.sweep.laws import Law
 from pipeline.sweep.lubrication import Lubrication
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.model import Parts, Sweep
 from tribo import Grid, InputError, MeasuredRoughness, SelfAffineRoughness
-from tribo.surface import rms_height
+from tribo.surface import UnknownHeights, rms_height
 from tribo.types import Array
 
 _MOST_PIXELS = 1_000_000  # pixels of a random surface that is made only to describe it
@@ -75,15 +74,16 @@ def unit_value(value: Any, unit: str) -> dict[str, Any] | None:
     return None if value is None or math.isinf(value) else {"value": value, "unit": unit}
 
 
-def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
+def surface_facts(sweep: Sweep | Parts) -> SurfaceFacts | None:
     """Describe the disk's surface, not made if it has a million pixels; None if it is smooth."""
-    return _facts(sweep.scene.roughness, sweep.scene.pixels)
+    rough = sweep.scene.roughness
+    return None if isinstance(rough, UnknownHeights) else _facts(rough, sweep.scene.pixels)
 
 
 def surface_words(sweep: Sweep) -> str | None:
     """The disk's surface in words, with what was done to a scan; None if it is smooth."""
-    if isinstance(law := sweep.scene.roughness, Law):
-        return str(law)
+    if isinstance(unknown := sweep.scene.roughness, UnknownHeights):
+        return str(unknown)
     facts = surface_facts(sweep)
     noted = (note for note in sweep.about.notes if note.place.startswith("disk.roughness"))
     done = [note.worded for note in noted]
@@ -139,7 +139,7 @@ def find_lubrication(sweep: Sweep) -> Lubrication | None:
     A surface or a pin of the user's own is not known from a store.
     """
     scene, oil = sweep.scene, sweep.about.oil
-    is_known = not any(isinstance(part, Law) for part in (scene.roughness, scene.pin))
+    is_known = not any(isinstance(part, UnknownHeights) for part in (scene.roughness, scene.pin))
     if oil is None or oil.pressure_coefficients is None or not is_known:
         return None
     rq = _rms_height(scene.roughness, scene.pixels)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from pipeline.sweep.samples import Draw
-from pipeline.sweep.unknown import Unknown
 from tribo import InputError
 
 VARIANT = "variant"
@@ -23,8 +21,9 @@ Label = float | int | str
 """Value of a row in a column."""
 Variant = tuple[tuple[str, Label], ...]
 """Name of a row: the dimensions in front of load and velocity, each with the row's value."""
-Part = tuple[tuple[str, Any], ...]
-"""What a row changes: fields of a sweep's parts, or of theirs, such as ``roughness.seed``."""
+Row = Mapping[str, Any]
+"""Labels of a row, and the entries of the scene that it replaces, by their paths."""
+SEED = "disk.roughness.seed"
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,55 +36,40 @@ class Column:
     along: str = ""  # dimension that the values follow from; empty of a dimension
     is_drawn: bool = False  # rows that differ in it alone differ by chance, each as likely
     meaning: str = ""
-    texts: tuple[Any, ...] = ()  # values as the scene writes them, if otherwise
+    entry: str = ""  # key of the values in the rows, if not the name
+
+    @property
+    def key(self) -> str:
+        """Key of the values in the rows, as they were written."""
+        return self.entry or self.name
 
     def taken(self, numbers: Sequence[int]) -> Column:
         """The column with the values of some rows, in their order."""
-        texts = tuple(self.texts[i] for i in numbers) if self.texts else ()
-        return replace(self, values=tuple(self.values[i] for i in numbers), texts=texts)
-
-    def joined(self, later: Column) -> Column:
-        """A later column with the values of this one before its own."""
-        texts = (self.texts or self.values) + (later.texts or later.values)
-        return replace(later, values=self.values + later.values, texts=texts)
-
-    @property
-    def text_of(self) -> dict[Label, Any]:
-        """The text of each value."""
-        return dict(zip(self.values, self.texts or self.values, strict=True))
+        return replace(self, values=tuple(self.values[i] for i in numbers))
 
 
 @dataclass(frozen=True, slots=True)
 class Variants:
-    """A table of the variants of a scene, one row each: a product of labels, or numbered rows."""
+    """A table of the variants of a scene, one row each: a product of the labels of dimensions."""
 
     # Those named "velocity" and "load" are the place at which a row alone is simulated [m/s, N];
     # without them all rows share the plane.
     columns: tuple[Column, ...] = ()
-    parts: tuple[Part, ...] = ((),)  # what each row changes
-    # What each combination of the dimensions changes that are not drawn; by default each row, or
-    # nothing where rows are drawn.
-    given: Mapping[Variant, Part] = field(default_factory=dict, hash=False)
-    draw: Draw | None = None  # rule by which rows were drawn
+    rows: tuple[Row, ...] = field(default=({},), hash=False, compare=False)
+    # Rule by which rows were drawn, as plain data; it names the inputs that are not known exactly.
+    draw: Mapping[str, Any] | None = field(default=None, hash=False)
     _rows: Mapping[Variant, int] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         keys = [column for column in self.columns if not column.along]
         labels = zip(*(key.values for key in keys), strict=True) if keys else [()]
         names = [tuple(zip((key.name for key in keys), row, strict=True)) for row in labels]
-        is_product = tuple(names) == combinations(self.axes)
-        if not is_product:
-            names = [((VARIANT, number),) for number in range(len(self.parts))]
-            columns = (_numbers(len(names)), *(replace(one, along=VARIANT) for one in self.columns))
-            object.__setattr__(self, "columns", columns)
-        if not (is_product and self.given):
-            is_drawn = is_product and any(key.is_drawn for key in keys)
-            given = {(): ()} if is_drawn else dict(zip(names, self.parts, strict=True))
-            object.__setattr__(self, "given", given)
+        if not len({*names}) == len(names) == len(self.rows):
+            raise InputError("the rows of the sweep do not have a label each")
         object.__setattr__(self, "_rows", {name: number for number, name in enumerate(names)})
 
     def __len__(self) -> int:
-        return len(self.parts)
+        return len(self.rows)
 
     def __contains__(self, name: object) -> bool:
         return name in self._rows
@@ -101,12 +85,7 @@ class Variants:
                 *(column.taken(first) for column in self.columns),
                 *(column.taken(second) for column in other.columns),
             ),
-            parts=tuple(self.parts[i] + other.parts[k] for i, k in zip(first, second, strict=True)),
-            given={
-                name + then: part + change
-                for name, part in self.given.items()
-                for then, change in other.given.items()
-            },
+            rows=tuple({**row, **then} for row in self.rows for then in other.rows),
             draw=self.draw or other.draw,
         )
 
@@ -140,15 +119,19 @@ class Variants:
         return tuple(one for one in self.columns if not (one.along or one.is_drawn))
 
     @property
-    def unknown(self) -> tuple[Unknown, ...]:
-        """Unknown inputs of samples that have no single value."""
-        return self.draw.unknown if self.draw else ()
+    def unknown(self) -> tuple[str, ...]:
+        """Paths of the unknown inputs of samples that have no single value."""
+        return tuple(one["path"] for one in self.draw["unknown"]) if self.draw else ()
 
     @property
-    def drawn_fields(self) -> tuple[str, ...]:
-        """Paths of inner fields, such as ``roughness.seed``, that drawn rows change."""
-        of_given = {path for part in self.given.values() for path, _ in part}
-        return tuple(path for path, _ in self.parts[0] if "." in path and path not in of_given)
+    def given(self) -> tuple[Variant, ...]:
+        """Combinations of the labels that are not drawn."""
+        return combinations({one.name: self.axes[one.name] for one in self.chosen})
+
+    @property
+    def rule(self) -> Any:
+        """The rule by which rows were drawn, without the units that it is written in."""
+        return _in_si(self.draw)
 
     @property
     def velocities(self) -> tuple[float, ...] | None:
@@ -163,16 +146,25 @@ class Variants:
     def _places(self, name: str) -> tuple[Any, ...] | None:
         return next((column.values for column in self.columns if column.name == name), None)
 
-    def part(self, name: Variant) -> Part:
-        """What a row changes, or a combination of the dimensions that are not drawn."""
+    def row(self, name: Variant) -> Row:
+        """A row, or what the rows of a combination of the labels share that are not drawn."""
         if name in self._rows:
-            return self.parts[self._rows[name]]
-        if name in self.given:
-            return self.given[name]
-        unknown = [(key, value) for key, value in name if value not in self.axes.get(key, ())]
-        key, value = unknown[0] if unknown else ("the variant", dict(name))
-        held = ", ".join(map(str, self.axes.get(key, ()))) or "none"
-        raise InputError(f"{key} is {value}, which the sweep does not have; it has {held}")
+            return self.rows[self._rows[name]]
+        matching = [k for row, k in self._rows.items() if {*name} <= {*row}]
+        if not matching or len(name) != len(self.chosen):
+            unknown = [(key, one) for key, one in name if one not in self.axes.get(key, ())]
+            key, value = unknown[0] if unknown else ("the variant", dict(name))
+            held = ", ".join(map(str, self.axes.get(key, ()))) or "none"
+            raise InputError(f"{key} is {value}, which the sweep does not have; it has {held}")
+        drawn = {one.name for one in self.columns if one.is_drawn}
+        keys = {one.key for one in self.columns if drawn & {one.name, one.along}}
+        return {key: one for key, one in self.rows[matching[0]].items() if key not in keys}
+
+    def written(self, name: Variant) -> dict[str, Any]:
+        """Values of a row along its dimensions, as the scene writes them."""
+        row = self.row(name) if name else {}
+        keys = {one.name: one.key for one in self.columns}
+        return {label: row.get(keys[label], value) for label, value in name}
 
     def below(self, name: Variant) -> Variants:
         """Rows that are drawn for a combination of labels that are not; one if none is drawn."""
@@ -181,17 +173,7 @@ class Variants:
             return Variants()
         numbers = [k for row, k in self._rows.items() if {*name} <= {*row}]
         columns = [one for one in self.columns if (one.along or one.name) in drawn]
-        return _select(columns, self.parts, numbers, {}, self.draw)
-
-    def within(self, axes: Mapping[str, Collection[Label]]) -> Variants:
-        """Rows whose labels are among those of some axes."""
-
-        def is_within(name: Variant) -> bool:
-            return all(value in axes.get(label, ()) for label, value in name)
-
-        numbers = [k for name, k in self._rows.items() if is_within(name)]
-        given = {name: part for name, part in self.given.items() if is_within(name)}
-        return _select(self.columns, self.parts, numbers, given, self.draw)
+        return _select(columns, self.rows, numbers, self.draw)
 
     def union(self, other: Variants) -> Variants:
         """Rows of both tables, which have the same dimensions; what both have is the other's.
@@ -210,13 +192,10 @@ class Variants:
                 f"neither has all combinations of values, such as {words} (in SI); give each entry "
                 "of sweep.over all of its values, those of the store included"
             )
-        mine = {column.name: column for column in self.columns}
-        columns = [mine[column.name].joined(column) for column in other.columns]
-        chosen = combinations({one.name: axes[one.name] for one in other.chosen})
-        both = {**self.given, **other.given}
-        given = {name: both[name] for name in chosen if name in both}
+        mine = {column.name: column.values for column in self.columns}
+        columns = [replace(one, values=mine[one.name] + one.values) for one in other.columns]
         rows = [numbers[name] for name in names]
-        return _select(columns, (*self.parts, *other.parts), rows, given, other.draw)
+        return _select(columns, (*self.rows, *other.rows), rows, other.draw)
 
     def plane_of(
         self, name: Variant, loads: tuple[float, ...], velocities: tuple[float, ...]
@@ -227,15 +206,17 @@ class Variants:
 
 
 def _select(
-    columns: Iterable[Column],
-    parts: Sequence[Part],
-    numbers: Sequence[int],
-    given: Mapping[Variant, Part],
-    draw: Draw | None,
+    columns: Iterable[Column], rows: Sequence[Row], numbers: Sequence[int], draw: Any
 ) -> Variants:
     """A table of some rows, by their numbers."""
     taken = tuple(column.taken(numbers) for column in columns)
-    return Variants(taken, tuple(parts[k] for k in numbers), given, draw)
+    return Variants(taken, tuple(rows[k] for k in numbers), draw)
+
+
+def _in_si(told: Any) -> Any:
+    if isinstance(told, Mapping):
+        return {key: _in_si(one) for key, one in told.items() if key != "written"}
+    return [*map(_in_si, told)] if isinstance(told, list) else told
 
 
 def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:
@@ -252,14 +233,8 @@ def in_order(labels: Iterable[Any]) -> list[Any]:
     return [*once] if is_text else sorted(once)
 
 
-def written_of(table: Variants, name: Variant) -> dict[str, Any]:
-    """Values of a row along its dimensions, as the scene writes them."""
-    texts = {column.name: column.text_of for column in table.columns}
-    return {path: texts[path][value] for path, value in name}
-
-
-def _numbers(count: int, is_drawn: bool = False) -> Column:
-    """Numbers of rows that are no full product."""
+def numbers(count: int, is_drawn: bool = False) -> Column:
+    """Numbers of rows, as a dimension."""
     return Column(VARIANT, tuple(range(count)), is_drawn=is_drawn, meaning=ROWS[VARIANT])
 
 
@@ -267,48 +242,44 @@ def surfaces(seeds: Sequence[int]) -> Variants:
     """The scene on random surfaces, by their seeds."""
     if not seeds:
         return Variants()
-    column = Column("realization", tuple(seeds), is_drawn=True, meaning=ROWS["realization"])
-    return Variants((column,), tuple((("roughness.seed", seed),) for seed in seeds))
-
-
-def drawn_rows(draw: Draw, count: int) -> Variants:
-    """Samples of inputs that are not known exactly, each with its own velocity."""
-    values, velocities = draw.design.draw(count)
-    meaning = "value of an input that is not known exactly"
-    sample = Column("sample", tuple(range(count)), "1", VARIANT, meaning=ROWS["sample"])
-    inputs = (
-        Column(one.path, tuple(column), one.unit, VARIANT, meaning=meaning)
-        for one, column in zip(draw.design.inputs, values.T.tolist(), strict=True)
+    column = Column(
+        "realization", tuple(seeds), is_drawn=True, meaning=ROWS["realization"], entry=SEED
     )
-    words = "sliding velocity of the sample"
-    velocity = Column("velocity", tuple(velocities.tolist()), "m/s", VARIANT, meaning=words)
-    columns = (_numbers(count, is_drawn=True), sample, *inputs, velocity)
-    return Variants(columns, ((),) * count, draw=draw)
+    return Variants((column,), tuple({SEED: seed} for seed in seeds))
 
 
 def placed_rows(
-    parts: Sequence[Part],
+    rows: Sequence[Row],
     columns: Sequence[Column],
     loads: Sequence[float],
     velocities: Sequence[float],
 ) -> Variants:
-    """Rows with a place each."""
-    numbers = _numbers(len(parts))
-    places = [("load", loads, "N"), ("velocity", velocities, "m/s")]
-    along = [
-        *(replace(column, along=VARIANT) for column in columns),
-        *(Column(k, tuple(held), u, VARIANT, meaning=f"{k} of the row") for k, held, u in places),
+    """Numbered rows with a place each."""
+    places = [
+        Column(name, tuple(held), unit, VARIANT, meaning=f"{name} of the row")
+        for name, held, unit in (("load", loads, "N"), ("velocity", velocities, "m/s"))
     ]
-    return Variants((numbers, *along), tuple(parts))
+    along = [*(replace(column, along=VARIANT) for column in columns), *places]
+    labels = [column for column in columns if "." not in column.name]
+    numbered = [
+        {VARIANT: k, **_texts(places, k), **row, **{one.name: one.values[k] for one in labels}}
+        for k, row in enumerate(rows)
+    ]
+    return Variants((numbers(len(rows)), *along), tuple(numbered))
 
 
-def rows(
+def _texts(columns: Iterable[Column], number: int) -> Row:
+    """Labels of a row as text that reads as the same numbers."""
+    return {one.name: f"{one.values[number]!r} {one.unit}" for one in columns}
+
+
+def labelled_rows(
     name: str,
-    changes: Mapping[Label, Mapping[str, Any]],
+    changes: Mapping[Label, Row],
     velocities: Sequence[float] | None = None,
     loads: Sequence[float] | None = None,
 ) -> Variants:
-    """Rows by hand: by label what each changes, as ``pin.radius``, and its place [SI], if any."""
+    """Rows by hand: by label the entries that each changes, and its place [SI], if any."""
     labels = tuple(changes)
     own = [
         Column(axis, tuple(map(float, values)), unit, name, meaning=f"{axis} of each {name}")
@@ -317,4 +288,8 @@ def rows(
     ]
     unit = None if isinstance(labels[0], str) else "1"
     key = Column(name, labels, unit, meaning=f"{name} of the scene")
-    return Variants((key, *own), tuple(tuple(change.items()) for change in changes.values()))
+    rows = (
+        {name: label, **_texts(own, number), **change}
+        for number, (label, change) in enumerate(changes.items())
+    )
+    return Variants((key, *own), tuple(rows))

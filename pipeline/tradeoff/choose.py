@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import share_of
+from pipeline.scene.written import with_fidelity
 from pipeline.store.place import PathLike, StoreMismatchError, require_writable
 from pipeline.store.root import find_sweep
 from pipeline.sweep.model import Point, Sweep
@@ -40,14 +42,15 @@ def choose_accuracy(
             f"{100 * selection.error:.2g} %; write to another store for {100 * accuracy:g} %"
         )
     preset = selection.name if selection.fidelity == PRESETS.get(selection.name) else None
-    return sweep.changed(fidelity=selection.fidelity, preset=preset, selection=selection)
+    return replace(with_fidelity(sweep, selection.fidelity, preset), selection=selection)
 
 
 def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
     """Give a sweep the error of its own fidelity, which its store has or is measured now."""
     stored = _find_stored(store)
     selection = stored and stored.about.selection
-    return sweep.changed(selection=selection or choose_fidelity(sweep, None, progress=progress))
+    selection = selection or choose_fidelity(sweep, None, progress=progress)
+    return replace(sweep, selection=selection)
 
 
 def _find_stored(store: PathLike | None) -> Sweep | None:

@@ -125,7 +125,10 @@ def _searched(sweep: Sweep) -> Sweep:
     loads = sweep.plane.loads
     velocities = sweep.plane.velocities[: len(loads) + 1]
     low = tuple(load for load in loads if load <= np.median(loads))
-    return sweep.changed(loads=low, velocities=velocities)
+    asked = {"loads": (low, "N"), "velocities": (velocities, "m/s")}
+    for name, (values, unit) in asked.items():
+        sweep = sweep.changed(f"sweep.{name}", [f"{value!r} {unit}" for value in values])
+    return sweep
 
 
 @dataclass(slots=True)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pipeline.scene.written import with_fidelity
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import tasks
 from pipeline.sweep.severity import (
@@ -54,7 +55,7 @@ class Probe:
 
 def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
     """Simulate points with another fidelity; those at one velocity share their ramp."""
-    scene = sweep.changed(fidelity=fidelity, steps="end")
+    scene = with_fidelity(sweep, fidelity).changed("sweep.steps", "end")
     # Before the time is taken: a whole sweep makes its surface and kernels once.
     first = min(points, key=lambda point: (point.load, point.velocity))
     _run(scene.variant(first.variant), first.load / 2, first.velocity * 0.9)
@@ -111,7 +112,7 @@ def near_the_boundary(
 
     Without a transition from half the lowest to twice the highest velocity, the nearer end.
     """
-    scene = sweep.changed(fidelity=dividing_pixels(sweep, PRESETS["standard"]))
+    scene = with_fidelity(sweep, dividing_pixels(sweep, PRESETS["standard"]))
     points, exponents = [], []
     moving = [abs(velocity) for velocity in sweep.plane.velocities if velocity]
     if not moving:

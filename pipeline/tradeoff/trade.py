@@ -19,6 +19,7 @@ import pandas as pd
 from pipeline.analysis.tables import as_dict, frame_of, lines_of
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import in_si
+from pipeline.scene.written import with_fidelity
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Choice
@@ -225,7 +226,7 @@ def _forecast(sweep: Sweep, candidates: dict[str, Fidelity], places: Sequence[Ta
 
 def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
     """Steps to points at some places times elements for each pixel, about."""
-    scene = as_computed(sweep.changed(fidelity=fidelity))
+    scene = as_computed(with_fidelity(sweep, fidelity))
     before = sum(step_count(scene, place.load) - 1 for place in places)
     steps = before / scene.coarsening**2 + len(places)
     return float(steps / scene.fidelity.pixels_per_element**2)

@@ -16,7 +16,7 @@ from pipeline.quantities import display, shown_in
 from pipeline.sweep.about import own_tests
 from pipeline.sweep.model import Sweep
 from pipeline.uncertain.answer_posterior import posterior
-from pipeline.uncertain.critical_temperature import CriticalTemperatures
+from pipeline.uncertain.critical_temperature import CriticalTemperatures, take_own_tests
 from tribo import InputError, Ramp
 from tribo.inverse import specific_wear_rate
 
@@ -59,7 +59,7 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
     told = sweep.about.measured or sweep.about.tested
     own = own_tests(told)
     tested = () if sweep.about.measured else own
-    sweep = sweep.changed(measured=own)
+    sweep = take_own_tests(sweep, "measured" if sweep.about.measured else "tested")
     if left := len(told) - len(own):
         name = own[0].oil or "the one without a name"
         tell(f"{counted(left, 'test', 'tests')} of other oils than {name} left out")

@@ -18,7 +18,8 @@ from pipeline.sweep.about import own_tests
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Report
-from pipeline.sweep.variants import Label, Variants, rows, surfaces
+from pipeline.sweep.tables import CURVES, replace_values
+from pipeline.sweep.variants import Label, Variants, labelled_rows, surfaces
 from tribo import Criterion, InputError
 from tribo.errors import require_positive
 
@@ -118,13 +119,13 @@ def critical_temperatures(
     --------
     >>> import pipeline
     >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> with_one_test = scene.changed(measured=scene.about.measured[:1])
+    >>> with_one_test = scene.changed("measured", scene.entries["measured"][:1])
     >>> inferred = pipeline.critical_temperatures(with_one_test)
     >>> f"{inferred.mean - 273.15:.0f} °C"
     '148 °C'
     """
     sweep = sweep_of(sweep)
-    sweep = sweep.changed(measured=own_tests(sweep.about.measured))
+    sweep = take_own_tests(sweep, "measured")
     if not sweep.about.measured:
         raise InputError(
             f"the scene {sweep.about.name} has no measured transition; give it a [[measured]] with "
@@ -160,24 +161,41 @@ def critical_temperatures(
     return CriticalTemperatures(transitions, on, temperatures, sweep.conditions.decisive)
 
 
+def take_own_tests(sweep: Sweep, key: str) -> Sweep:
+    """The sweep with the tests at a key as its measured transitions, of its own oil alone."""
+    tests = getattr(sweep.about, key)
+    own, pairs = own_tests(tests), zip(sweep.entries.get(key, ()), tests, strict=True)
+    entries = [
+        {name: value for name, value in entry.items() if name not in ("outcome", "run")}
+        for entry, test in pairs
+        if test in own
+    ]
+    return sweep.changed("measured", entries or None)
+
+
 def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
     """The sweep with a row for each transition, which has a place and conditions of its own."""
     changes: dict[Label, dict[str, Any]] = {}
     for number, test in enumerate(sweep.about.measured):
-        judged = replace(
-            sweep.conditions.replace_friction(test.friction), critical_temperature=None
-        )
+        row: dict[str, Any] = {"temperature.critical": None, "temperature.critical_sd": None}
+        if test.friction is not None:  # measured there, and not by velocity
+            row |= {**dict.fromkeys(CURVES), "friction.coefficient": test.friction}
         if test.bulk_temperature is not None:
-            judged = judged.changed(bulk_temperature=test.bulk_temperature)
-        scene = (sweep if test.hold is None else sweep.held(test.hold)).scene
-        changes[number] = {"conditions": judged, "loading": scene.loading}
+            row["temperature.bulk"] = f"{test.bulk_temperature!r} K"
+        if test.hold is not None:
+            _ = sweep.held(test.hold)  # refuses the hold of a record
+            row["loading.hold"] = f"{test.hold!r} s"
+        changes[number] = row
     places = {
         "loads": [test.normal_load for test in sweep.about.measured],
         "velocities": [test.velocity for test in sweep.about.measured],
     }
-    table = rows("test", changes, **places) * seeds
-    plane = {name: tuple(sorted(set(values))) for name, values in places.items()}
-    return sweep.changed(variants=table, fields=False, chosen=None, **plane)
+    table = labelled_rows("test", changes, **places) * seeds
+    entries: dict[str, Any] = {"sweep.fields": False}
+    for (name, values), unit in zip(places.items(), ("N", "m/s"), strict=True):
+        entries[f"sweep.{name}"] = [f"{value!r} {unit}" for value in sorted({*values})]
+    written = replace_values(sweep.written, entries)
+    return replace(sweep, written=written, variants=table, chosen=None, made={})
 
 
 def _spread(values: tuple[float, ...]) -> float | None:

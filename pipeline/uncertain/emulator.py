@@ -31,9 +31,9 @@ from scipy.special import ndtr
 
 from pipeline.store.read import Keeper
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.samples import JUDGED, SPECIFIC_WEAR_RATE, Design
 from pipeline.sweep.severity import worst_rises
-from pipeline.sweep.unknown import OF_90
+from pipeline.uncertain.samples import JUDGED, SPECIFIC_WEAR_RATE, Design
+from pipeline.uncertain.unknown import OF_90
 from tribo.types import Array, Mask
 
 _MOST_TO_FIT = 256  # rows by which the constants are found, in n³ operations a step

@@ -39,9 +39,7 @@ from pipeline.store.read import Keeper
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import FIELDS, PATHS, Conditions
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.samples import Design
 from pipeline.sweep.shown import shown
-from pipeline.sweep.unknown import Fixed, Unknown, without
 from pipeline.sweep.variants import VARIANT
 from pipeline.uncertain.emulator import (
     Emulator,
@@ -55,6 +53,8 @@ from pipeline.uncertain.emulator import (
     outer,
 )
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION, SHARE
+from pipeline.uncertain.samples import Design, Draw
+from pipeline.uncertain.unknown import Fixed, Unknown, without
 from tribo import InputError
 from tribo.types import Array
 
@@ -147,8 +147,7 @@ class Ensemble:
             )
         require_lists(ds, "load")
         sweep = stored_sweep(ds)
-        draw = sweep.variants.draw
-        assert draw is not None  # for the type checker, as samples were drawn
+        draw = Draw.of(sweep.variants.draw)
         design, conditions = draw.design, read_conditions(ds)
         paths = [quantity.path for quantity in design.inputs]
         ds = ds.sortby("load").isel(variant=asked(ds).any("load").values)
@@ -362,10 +361,8 @@ def _row_conditions(
     conditions: Conditions, sweep: Sweep, rows: Sequence[int], shares: Sequence[float] | None
 ) -> list[Conditions]:
     """Conditions of samples by their rows, with corrections and shares that each has drawn."""
-    own = (dict(sweep.variants.part(((VARIANT, row),))).get("conditions") for row in rows)
-    of_rows = [
-        replace(conditions, corrections=one.corrections) if one else conditions for one in own
-    ]
+    own = (sweep.variant(((VARIANT, row),)).conditions for row in rows)
+    of_rows = [replace(conditions, corrections=one.corrections) for one in own]
     if shares is not None:
         pairs = zip(of_rows, shares, strict=True)
         of_rows = [replace(one, failing_share=share) for one, share in pairs]

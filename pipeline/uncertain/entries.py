@@ -5,7 +5,6 @@ A sample is read as if its values stood in the file; a distribution is checked a
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
@@ -13,29 +12,38 @@ from typing import Any
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.scene.declare import flat
 from pipeline.scene.document import Document
-from pipeline.scene.extensions import Extend, Make, Reading
-from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
-from pipeline.scene.kinds import Rounded
+from pipeline.scene.extensions import Extend, Reading
+from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
 from pipeline.sweep.limits import MOST_INPUTS
-from pipeline.sweep.model import Sweep, differing_inputs
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
-from pipeline.sweep.samples import (
+from pipeline.sweep.tables import CURVES, entry_at, flat, replace_values
+from pipeline.sweep.variants import Variants
+from pipeline.uncertain.format import UNKNOWN, Shape
+from pipeline.uncertain.samples import (
     REACH,
     SPECIFIC_WEAR_RATE,
     Design,
     Draw,
     Layer,
+    drawn_rows,
     samples_per_contact,
 )
-from pipeline.sweep.unknown import Fixed, Form, Unit, Unknown, correlations, first_unfit, without
-from pipeline.sweep.variants import Part, Variants, drawn_rows, written_of
-from pipeline.uncertain.format import UNKNOWN, Shape
+from pipeline.uncertain.unknown import (
+    Fixed,
+    Form,
+    Unit,
+    Unknown,
+    correlations,
+    first_unfit,
+    without,
+)
 from tribo import InputError, Material, Scene, Wear
 from tribo.simulation import inseparable
 
+_TRIED = 1000  # samples that are read at once; others when they are computed
 _FACTOR = 1.25  # factor of a known wear rate by which samples of a contact differ all the same
 _FIXED = (
     "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
@@ -43,7 +51,7 @@ _FIXED = (
 _SIGNS = {"degC": "°C", "degF": "°F", "um": "µm"}
 _SHARE, _OF_RATE = "temperature.failing_share", "m2 N-1"  # and the unit of a wear rate
 _APPLIED = {"friction.coefficient", "temperature.bulk", "temperature.critical"}
-_SIMULATED = {field.name for field in fields(Scene)}
+_SIMULATED = {field.name for field in fields(Scene)} - {"solved_friction"}
 _THERMAL = "thermal_conductivity", "density", "specific_heat"
 _DECISIVE = _SIMULATED | {"conditions"}
 
@@ -52,14 +60,7 @@ def _written(one: Unknown, value: float) -> str | float:
     """A value of an input as the file would write it: whole if it is one of whole numbers."""
     if one.written:
         return f"{one.written.express(value):.6g} {one.written.name}"
-    is_whole = one.kind == "list" and all(map(float.is_integer, one.parameters))
-    return round(value) if is_whole else value
-
-
-def _entry(one: Unknown, value: float) -> Rounded | float:
-    """A value of an input as an entry of the scene."""
-    written = _written(one, value)
-    return Rounded(written, value) if isinstance(written, str) else written
+    return one.entry(value)
 
 
 def _fixed_paths(document: Document) -> frozenset[str]:
@@ -102,7 +103,7 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
         faults.note("unknown", f"{one}, because a value is given, too")
     if len(inputs) > MOST_INPUTS:
         faults.refuse("unknown", f"{len(inputs)} inputs are unknown; give {MOST_INPUTS} at most")
-    layers = [_layer(one, sweep, reading.make, faults) for one in inputs]
+    layers = [_layer(one, sweep, faults) for one in inputs]
     if len(faults) > before:
         return sweep
     if count is None:
@@ -114,7 +115,7 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
             "temperature.critical_sd: sweep.samples do not count it; leave it out, and give "
             '"temperature.critical" with mean and sd in [unknown]'
         )
-    design = _design(inputs, layers, scene.sweep.sample_seed, sweep)
+    design = _design(inputs, layers, scene.sweep.sample_seed or 0, sweep)
     if any(column.is_drawn for column in sweep.variants.columns):
         raise InputError(
             "sweep.realizations: sweep.samples excludes them; make the surface an unknown input: "
@@ -123,8 +124,7 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     if design.sufficient and count > design.sufficient:
         count = design.sufficient
         faults.note("sweep.samples", f"{count} are computed, as more would share their contacts")
-    table = _drawn(Draw(inputs, design, known), count, sweep, reading.make)
-    return sweep.changed(variants=table)
+    return _drawn(Draw(inputs, design, known), count, sweep)
 
 
 def _inputs(
@@ -204,23 +204,18 @@ def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sw
     return Design(unknown, kinds, ends, seed, group)
 
 
-def _drawn(draw: Draw, count: int, sweep: Sweep, make: Make) -> Variants:
-    """Table of samples of each row of a sweep; raises if one is not a sound scene."""
-    over = sweep.variants
-    table = over * drawn_rows(draw, count)
-    values, _ = draw.design.draw(count)
-    parts = list[Part]()
-    for name, row in itertools.product(over.names, values.tolist()):
-        pairs = zip(draw.design.inputs, row, strict=True)
-        entries = {one.path: _entry(one, value) for one, value in pairs}
-        try:
-            other = make({**written_of(over, name), **entries})
-        except InputError as error:
-            raise InputError(
-                f"unknown: a sample is not a sound scene: {error}; give narrower distributions"
-            ) from error
-        parts.append(tuple(differing_inputs(sweep, other)))
-    return replace(table, parts=tuple(parts))
+def _drawn(draw: Draw, count: int, sweep: Sweep) -> Sweep:
+    """The sweep with samples of each of its rows; raises if one is not a sound scene."""
+    table = sweep.variants * drawn_rows(draw, count)
+    made = replace(sweep, variants=table, made={(): sweep.parts()})
+    try:
+        for name in table.names[:_TRIED]:
+            made.parts(name)
+    except InputError as error:
+        raise InputError(
+            f"unknown: a sample is not a sound scene: {error}; give narrower distributions"
+        ) from error
+    return made
 
 
 def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
@@ -252,20 +247,20 @@ def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
     return Unknown(path, kind, values, si_unit(first), written)
 
 
-def _layer(one: Unknown, sweep: Sweep, make: Make, faults: Faults) -> Layer:
+def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
     """Layer of a point that an input enters; it is tried out at its ends."""
     key, highest = f"unknown.{quoted(one.path)}", max(sweep.plane.loads)
     changed: set[str] = set()
     is_heat_alone = True
     for value, where, instead in _tried(one):
         try:
-            other = make({one.path: _entry(one, value)})
+            other = _with_value(sweep, one.path, _written(one, value))
         except InputError as error:
             faults.refuse(key, f"{where}{error}{instead}")
             return "conditions"
-        changed |= {name for name, _ in differing_inputs(sweep, other)} - {"sources"}
-        alike = {name for name, _ in differing_inputs(sweep, _same_heat(other, sweep))}
-        is_heat_alone &= not alike & _SIMULATED
+        changed |= _differing(sweep, other)
+        alike = _same_heat(other.scene, sweep.scene)
+        is_heat_alone &= alike == sweep.scene
         if step_count(other.scene, highest) != step_count(sweep.scene, highest):
             faults.refuse(key, "it changes the number of steps, which must stay; give it")
             return "conditions"
@@ -285,15 +280,38 @@ def _layer(one: Unknown, sweep: Sweep, make: Make, faults: Faults) -> Layer:
     return "heat" if is_heat_alone else "contact"
 
 
-def _same_heat(other: Sweep, sweep: Sweep) -> Sweep:
-    """A sweep with the thermal constants of another."""
+def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
+    """The sweep with another value of an entry, whatever friction scales; raises if it is unfit."""
+    kept = {curve: entry_at(sweep.written, curve) for curve in CURVES}
+    written = replace_values(sweep.written, kept | {path: value})
+    other = replace(sweep, written=written, variants=Variants(), made={})
+    other.parts()
+    return other
+
+
+def _differing(sweep: Sweep, other: Sweep) -> set[str]:
+    """Fields in which two sweeps differ, but for names and notes."""
+    parts = [(one.scene, one.plane, one.record, one.about) for one in (sweep, other)]
+    found = {"conditions"} if sweep.conditions != other.conditions else set()
+    for first, second in zip(*parts, strict=True):
+        names = {one.name for one in fields(first)}
+        found |= {name for name in names if getattr(first, name) != getattr(second, name)}
+    return found - {"name", "title", "notes", "sources", "solved_friction"}
+
+
+def _same_heat(other: Scene, scene: Scene) -> Scene:
+    """A scene with the thermal constants of another."""
 
     def heated(material: Material, like: Material) -> Material:
         return replace(material, **{name: getattr(like, name) for name in _THERMAL})
 
-    pin = heated(other.scene.pin.material, sweep.scene.pin.material)
-    disk = heated(other.scene.disk, sweep.scene.disk)
-    return other.changed(pin=replace(other.scene.pin, material=pin), disk=disk)
+    pin: Any = other.pin
+    return replace(
+        other,
+        solved_friction=scene.solved_friction,
+        pin=replace(pin, material=heated(pin.material, scene.pin.material)),
+        disk=heated(other.disk, scene.disk),
+    )
 
 
 def _tried(one: Unknown) -> Iterator[tuple[float, str, str]]:

@@ -20,11 +20,11 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from pipeline.analysis.transition import LEAST_SLOPE
-from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.answers import line_turns, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, prior
 from pipeline.uncertain.rig import join_oils, join_rig, learnt
+from pipeline.uncertain.unknown import Unknown
 from tribo import InputError
 from tribo.types import Array
 

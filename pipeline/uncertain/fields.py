@@ -28,12 +28,12 @@ from pipeline.analysis.transition import (
 from pipeline.cli.output import counted
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import remarks
-from pipeline.sweep.samples import JUDGED
 from pipeline.uncertain.answers import STEPS, draws_of, line_turns
 from pipeline.uncertain.ensemble import Axis, Ensemble
 from pipeline.uncertain.ensemble import keep_fits as keep_fits
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION, Draws
 from pipeline.uncertain.posterior import Posterior
+from pipeline.uncertain.samples import JUDGED
 from pipeline.uncertain.weigh import basis_of as basis_of
 from pipeline.uncertain.weigh import posterior_at
 from tribo import InputError

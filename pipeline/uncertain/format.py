@@ -86,7 +86,7 @@ class Samples:
     samples: A[int | None, Whole(at_least=1, at_most=MOST_SAMPLES),
         "Number of samples of the `unknown` inputs, each at its own velocity. `irg check` says if "
         "fewer are drawn because more would share their contacts."] = None
-    sample_seed: A[int, Whole(at_least=0), "Seed of the samples."] = 0
+    sample_seed: A[int | None, Whole(at_least=0), "Seed of the samples; by default 0."] = None
 # fmt: on
 
 ENTRIES = {"": Inputs, "sweep": Samples}

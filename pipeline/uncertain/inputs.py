@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.analysis.field import quantile
-from pipeline.sweep.unknown import Unknown, drawn
+from pipeline.uncertain.unknown import Unknown, drawn
 from tribo.types import Array
 
 QUANTILES = (0.05, 0.5, 0.95)

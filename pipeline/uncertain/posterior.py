@@ -13,11 +13,11 @@ from scipy.special import ndtr
 
 from pipeline.sweep.about import oils_of
 from pipeline.sweep.shown import shown
-from pipeline.sweep.unknown import Unknown, correlations
 from pipeline.uncertain.answers import draws_of, log_boundary
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import Test
 from pipeline.uncertain.inputs import CRITICAL, Draws
+from pipeline.uncertain.unknown import Unknown, correlations
 from tribo.types import Array
 
 _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart

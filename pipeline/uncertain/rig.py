@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from pipeline.sweep.about import oils_of
-from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, FRICTION, LEAST_FRICTION
+from pipeline.uncertain.unknown import Unknown
 from tribo import InputError
 from tribo.types import Array
 

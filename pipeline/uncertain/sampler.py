@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import gammaincinv, gammaln, logsumexp, ndtri, softmax
 
-from pipeline.sweep.unknown import Unknown, score_values, sequence
+from pipeline.uncertain.unknown import Unknown, score_values, sequence
 from tribo.types import Array
 
 _AT_LEAST = 0.1  # effective share of the draws that a power of the likelihood leaves

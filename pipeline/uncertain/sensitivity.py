@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.sweep.shown import shown
-from pipeline.sweep.unknown import OF_90, Unknown, score_values
 from pipeline.uncertain.answers import draws_of, log_boundary
 from pipeline.uncertain.ensemble import Ensemble, Samples
 from pipeline.uncertain.inputs import Draws
+from pipeline.uncertain.unknown import OF_90, Unknown, score_values
 from tribo.types import Array
 
 _POINTS = 2**10

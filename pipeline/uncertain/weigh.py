@@ -17,12 +17,12 @@ from scipy.special import logsumexp, softmax
 
 from pipeline.analysis.dataset import GIVEN_MEASURED, judged_values
 from pipeline.sweep.remarks import remarks
-from pipeline.sweep.unknown import OF_90
 from pipeline.uncertain.ensemble import Ensemble, Samples
 from pipeline.uncertain.evidence import FACTOR, Joint, JudgedTests
 from pipeline.uncertain.inputs import Draws, prior
 from pipeline.uncertain.posterior import Judged, Posterior, explains, faults, shown_test
 from pipeline.uncertain.sampler import effective_share, sample
+from pipeline.uncertain.unknown import OF_90
 from tribo import InputError
 from tribo.types import Array
 

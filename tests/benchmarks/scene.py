@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pipeline
 import tribo
+from tests.helpers.entries import changed
 
 SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
 PAPER = tribo.Fidelity(pixels_per_element=2, increments=100)
@@ -11,4 +12,4 @@ PAPER = tribo.Fidelity(pixels_per_element=2, increments=100)
 
 def paper_scene():
     """The shipped scene on 240 × 240 elements, in 100 increments of first order."""
-    return pipeline.load_scene(SCENE).changed(fidelity=PAPER)
+    return changed(pipeline.load_scene(SCENE), fidelity=PAPER)

@@ -7,6 +7,7 @@ import pytest
 
 from tests.benchmarks.bare import bare_time, counted_transforms
 from tests.benchmarks.scene import paper_scene
+from tests.helpers.entries import changed
 from tribo import QUANTILES, Grid, simulate
 
 FINEST = 960
@@ -19,11 +20,11 @@ def sweep():
     sweep = paper_scene()
     (nx, ny), (dx, dy) = sweep.scene.pixels.shape, sweep.scene.pixels.spacing
     spacing = dx * nx / FINEST, dy * ny / FINEST
-    return sweep.changed(pixels=Grid((FINEST, FINEST), spacing, sweep.scene.pixels.periodic))
+    return changed(sweep, pixels=Grid((FINEST, FINEST), spacing, sweep.scene.pixels.periodic))
 
 
 def measured(benchmark, sweep, **fidelity):
-    sweep = sweep.changed(fidelity=replace(sweep.scene.fidelity, **fidelity))
+    sweep = changed(sweep, fidelity=replace(sweep.scene.fidelity, **fidelity))
 
     def point():
         return list(simulate(sweep.scene, LOAD, VELOCITY))

@@ -23,6 +23,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_points
 from tests.benchmarks.bare import shortest
 from tests.benchmarks.scene import paper_scene
+from tests.helpers.entries import changed
 from tribo.simulation import Trunks
 
 
@@ -87,7 +88,7 @@ def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, mon
 
     monkeypatch.setattr(execute, "connected", counted)
     fidelity = tribo.PRESETS.get(preset, scene.fidelity)
-    sweep = scene.changed(fidelity=fidelity, velocities=scene.velocities[2:14:2])
+    sweep = changed(scene, fidelity=fidelity, velocities=scene.velocities[2:14:2])
     out = tmp_path / "out.zarr"
     outcome = benchmark.pedantic(pipeline.run_sweep, (sweep, out), rounds=1)
     share = 1 - sum(points) / sum(seconds)
@@ -121,7 +122,7 @@ def time_of_bare(processes, sweep):
 
 
 def test_two_workers_against_one(benchmark, scene, tmp_path):
-    sweep = scene.changed(velocities=scene.velocities[2:14:2])
+    sweep = changed(scene, velocities=scene.velocities[2:14:2])
 
     def run():
         for workers in (1, 2):

@@ -15,6 +15,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 import pipeline
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_points
+from tests.helpers.entries import changed
 from tribo.simulation import Trunks
 
 _ROUNDS = 3
@@ -38,7 +39,7 @@ def seconds(pool, sweep, count):
 def main():
     name, preset = sys.argv[1:]
     sweep = pipeline.load_scene(name, preset)
-    sweep = sweep.changed(loads=sweep.plane.loads[::3])
+    sweep = changed(sweep, loads=sweep.plane.loads[::3])
     for count in (2, 4):
         gains = {"threads": [], "processes": []}
         with ThreadPoolExecutor(count) as threads, ProcessPoolExecutor(count) as processes:

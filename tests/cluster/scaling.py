@@ -19,6 +19,7 @@ from pipeline.sweep.hand_out import makespan
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_points, tasks
 from pipeline.tradeoff.forecast import _steps
+from tests.helpers.entries import changed
 from tribo.simulation import Trunks
 
 _WORKERS = (1, 2, 4, 8, 16, 64)
@@ -67,7 +68,7 @@ def main():
     print("| velocities × loads | workers | wall | gain | efficiency | CPU | chains: gain |")
     print("|---|---|---|---|---|---|---|")
     for count in _VELOCITIES:
-        wanted = sweep.changed(velocities=tuple(np.linspace(axis[0], axis[-1], count).tolist()))
+        wanted = changed(sweep, velocities=tuple(np.linspace(axis[0], axis[-1], count).tolist()))
         every = tasks(points(wanted), wanted)
         alone, cpu = makespan(every, 1, cost)
         chain = alone / count

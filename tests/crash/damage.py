@@ -24,6 +24,7 @@ from pipeline.store.place import ROOT
 from tests.crash.drive import GIVEN_UP
 from tests.crash.loop import PATIENCE, Forked, code_of, differing, places, values_of_points
 from tests.crash.sweeps import EXPECTED, STAGES
+from tests.helpers.entries import changed
 from tests.helpers.stores import contents
 
 TRIALS = 300
@@ -107,7 +108,7 @@ class _Whole:
         name = "fields" if fields else "plain"
         self.path, self.older = run.folder / f"{name}.zarr", run.folder / f"{name}.older.zarr"
         self.log = run.folder / f"acknowledged {name}"
-        self._sweep = STAGES[-1].changed(fields=fields)
+        self._sweep = changed(STAGES[-1], fields=fields)
         self._records = EXPECTED.records(self._sweep)
         self._begin()
         self.resume(self.path)

@@ -14,6 +14,7 @@ import pipeline
 from tests.crash.loop import code_of, end, faults_of, job, started
 from tests.crash.sweeps import Expected
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 
 TRIALS = 2
 MISTAKE = "all blamed"
@@ -42,7 +43,7 @@ def campaign(run):
             stack.callback(busy.kill)
         for number, trial in enumerate(run.trials()):
             sweep = sweep_of(run.chance.randint(3, 5))
-            expected = Expected(sweep.changed(loading=tiny.SlowRamp(150.0, 750.0)))
+            expected = Expected(changed(sweep, loading=tiny.SlowRamp(150.0, 750.0)))
             workers = 2 - number % 2
             arguments = (sweep, trial.path, trial.log, None, run.mistake, 0.0, workers)
             driver = started(trial.log, *job(trial.place, *arguments))

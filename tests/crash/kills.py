@@ -18,6 +18,7 @@ import pipeline
 from pipeline.store.root import read_sweep
 from tests.crash.loop import PATIENCE, Forked, code_of, job, started
 from tests.crash.sweeps import STAGES, Expected
+from tests.helpers.entries import changed
 
 TRIALS = 16
 MISTAKE = "status first"
@@ -53,8 +54,8 @@ class _AsStored:
 
     def __call__(self, point):
         if self._expected is None:
-            stations = read_sweep(self._path).record.stations
-            self._expected = Expected(self._sweep.changed(stations=stations))
+            stations = read_sweep(self._path).stations
+            self._expected = Expected(changed(self._sweep, stations=stations))
         return self._expected(point)
 
 

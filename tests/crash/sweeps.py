@@ -5,14 +5,15 @@ import numpy as np
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, points, run_point
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 
 _FIRST = tiny.full(
     loading=tiny.SlowRamp(150.0, 750.0),
     loads=(150.0, 600.0),
     velocities=tuple(np.linspace(0.5, 1.5, 6).tolist()),
 )
-_LONGER = _FIRST.changed(loads=(150.0, 600.0, 900.0))  # by some steps
-_WIDER = _LONGER.changed(velocities=(*_FIRST.plane.velocities, 1.7, 1.9, 2.1, 2.3, 2.5))
+_LONGER = changed(_FIRST, loads=(150.0, 600.0, 900.0))  # by some steps
+_WIDER = changed(_LONGER, velocities=(*_FIRST.plane.velocities, 1.7, 1.9, 2.1, 2.3, 2.5))
 STAGES = (_FIRST, _LONGER, _WIDER)
 """The same sweep, asked for more and more."""
 FAILING = Point(600.0, 1.5)
@@ -29,7 +30,7 @@ class Expected:
     """
 
     def __init__(self, sweep):
-        self._sweep = sweep.changed(chosen=None)
+        self._sweep = changed(sweep, chosen=None)
         self._results = {}
 
     def __call__(self, point):

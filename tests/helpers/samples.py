@@ -1,7 +1,5 @@
 """Samples of a sweep whose rise is known in closed form."""
 
-from dataclasses import replace
-
 import numpy as np
 import xarray as xr
 
@@ -10,8 +8,6 @@ from pipeline.analysis.model_error import ModelError
 from pipeline.store.schema import DONE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.samples import Design, Draw, samples_per_contact
-from pipeline.sweep.variants import drawn_rows
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import draws_of
 from pipeline.uncertain.ensemble import Ensemble
@@ -19,6 +15,7 @@ from pipeline.uncertain.fields import SampleField
 from pipeline.uncertain.inputs import BULK, prior
 from pipeline.uncertain.inputs import CRITICAL as CRITICAL_PATH
 from pipeline.uncertain.inputs import FRICTION as FRICTION_PATH
+from pipeline.uncertain.samples import Design, Draw, drawn_rows, samples_per_contact
 from tests.helpers import synthetic
 from tests.helpers.answers import answer
 from tests.helpers.sweeps import attributes_of
@@ -115,7 +112,9 @@ def dataset(samples, growth=((0.0, 1.0),), **told):
         loading=tribo.Ramp(150.0, 750.0, hold=samples.hold),
         loads=tuple(samples.loads.tolist()),
         velocities=tuple(VELOCITIES),
-        variants=replace(drawn_rows(draw, count), parts=((),) * count),
+        variants=drawn_rows(draw, count),
+        wear=tribo.Wear(1.2e-15),
+        roughness=tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6)),
         **{"title": samples.title, "preset": "draft"} | tests | told,
     )
     inputs = zip(samples.design.inputs, samples.inputs.T, strict=True)

@@ -1,31 +1,41 @@
 """Sweeps made of the fields of all their parts, by name."""
 
-from dataclasses import fields
-
 import numpy as np
 
+import tribo
 from pipeline.analysis.dataset import read_conditions, stored_sweep
 from pipeline.analysis.decisive import decisive_rise
+from pipeline.scene.kept import files_of, sweep_text
+from pipeline.scene.reading import SceneReader
 from pipeline.store.inputs import split_arrays
 from pipeline.store.schema import INPUTS
-from pipeline.sweep.about import About
-from pipeline.sweep.codec import sweep_text
-from pipeline.sweep.model import PART_OF, Plane, Record, Sweep
-from pipeline.sweep.variants import Variants
-from tribo import Scene
+from pipeline.sweep.model import Sweep
+from tests.helpers.entries import FIELDS, changed
 
-_KINDS = {"scene": Scene, "plane": Plane, "record": Record, "about": About}
+_BASE = {
+    "materials": {
+        "steel": {
+            "elastic_modulus": "210 GPa", "poisson_ratio": 0.3, "hardness": "6.6 GPa",
+            "thermal_conductivity": "45 W/(m K)", "density": "7800 kg/m^3",
+            "specific_heat": "470 J/(kg K)",
+        }
+    },
+    "pin": {"shape": "ball", "radius": "5 mm", "material": "steel"},
+    "disk": {"material": "steel"},
+    "window": {"pixels": [8, 8], "pixel_size": ["1 um", "1 um"]},
+    "loading": {"rate": "150 N/s", "reference_load": "750 N"},
+    "friction": {"coefficient": 0.1},
+    "temperature": {"bulk": "25 degC"},
+    "sweep": {"loads": ["200 N"], "velocities": ["1 m/s"]},
+}  # fmt: skip
 
 
 def sweep_of_fields(**values):
     """A sweep with these values of the fields of its parts, and the usual ones of the others."""
-    assert values.keys() <= PART_OF.keys(), values.keys() - PART_OF.keys()
-    parts = {
-        part: kind(**{one.name: values[one.name] for one in fields(kind) if one.name in values})
-        for part, kind in _KINDS.items()
-    }
-    variants = values.get("variants", Variants())
-    return Sweep(**parts, conditions=values["conditions"], variants=variants)
+    assert values.keys() <= FIELDS, values.keys() - FIELDS
+    sweep = Sweep(name="scene", written=_BASE, reader=SceneReader())
+    usual = {"fidelity": tribo.Fidelity(), "title": "A scene"}
+    return changed(sweep, **usual | values)
 
 
 def attributes_of(sweep, held=frozenset()):
@@ -33,16 +43,14 @@ def attributes_of(sweep, held=frozenset()):
 
     Arrays of the sweep lie beside its text, in the dataset, which must hold them by these digests.
     """
-    arrays = {}
-    text = sweep_text(sweep, arrays)
-    assert arrays.keys() <= held, "arrays of a scene lie beside its text"
-    return {"title": sweep.about.title, "sweep": text}
+    assert files_of(sweep).keys() <= held, "arrays of a scene lie beside its text"
+    return {"title": sweep.about.title, "sweep": sweep_text(sweep)}
 
 
 def with_fields(ds, **values):
     """The dataset of a sweep with other values of fields of its parts, by their names."""
     held = split_arrays(ds[INPUTS].values, ds[INPUTS].attrs).keys() if INPUTS in ds else set()
-    return ds.assign_attrs(attributes_of(stored_sweep(ds).changed(**values), held))
+    return ds.assign_attrs(attributes_of(changed(stored_sweep(ds), **values), held))
 
 
 def deciding(ds):

@@ -6,7 +6,6 @@ import os
 import signal
 import sys
 import time
-from dataclasses import dataclass
 
 import tribo
 from pipeline.sweep.about import Measurement
@@ -56,11 +55,20 @@ def _on_a_worker():
     return multiprocessing.parent_process() is not None or "dask_worker" in sys.argv[0]
 
 
-@dataclass(frozen=True, slots=True)
+def _remade(kind, *values):
+    return kind(*values[:-1], faulty_load=values[-1])
+
+
 class FaultyRamp(tribo.Ramp):
     """A ramp with a fault at one load; only where it is simulated, not where it is planned."""
 
-    faulty_load: float = math.nan
+    def __init__(self, *args, faulty_load=math.nan, **named):
+        super().__init__(*args, **named)
+        object.__setattr__(self, "faulty_load", faulty_load)
+
+    def __reduce__(self):
+        values = self.rate, self.reference_load, self.hold, self.stops, self.faulty_load
+        return _remade, (type(self), *values)
 
     def stations(self, normal_load, increments, hold_increments=0):
         if normal_load == self.faulty_load and _on_a_worker():
@@ -92,3 +100,7 @@ class EndlessRamp(FaultyRamp):
 
     def fault(self):
         time.sleep(600)
+
+
+for kind in (FaultyRamp, DeadlyRamp, DivergingRamp, SlowRamp, EndlessRamp):
+    kind.__name__ = "Ramp"  # for a store keeps them as one, and digests tell their values alone

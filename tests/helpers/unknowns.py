@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from scipy import stats
 
-from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.unknown import Unknown
 
 CRITICAL = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")
 RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1")

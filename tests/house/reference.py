@@ -43,7 +43,7 @@ def scene():
         parts += [_table(["key", "give", "default", "meaning"], rows)] if rows else []
     presets = [
         [f"`{key}`", *(_written(getattr(preset, key)) for preset in tribo.PRESETS.values())]
-        for key in table_of(Fidelity).keys
+        for key in table_of(Fidelity).listed
         if key != "preset"
     ]
     about = "Choices of each preset; [`CHOOSING.md`](CHOOSING.md) has their costs.\n"

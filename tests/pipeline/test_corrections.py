@@ -7,16 +7,17 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.analysis.entries import scene_entries
 from pipeline.analysis.laboratory import compared
 from pipeline.analysis.rise_error import RiseError, add_counted
+from pipeline.scene.written import scene_entries
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.plan import run_point
-from pipeline.sweep.samples import SPECIFIC_WEAR_RATE
 from pipeline.sweep.severity import worst_rises
 from pipeline.uncertain.inputs import FRICTION
+from pipeline.uncertain.samples import SPECIFIC_WEAR_RATE
 from tests.helpers import javascript, tiny
+from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import deciding, with_fields
 from tests.pipeline.conftest import commit_all
@@ -295,7 +296,7 @@ def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path):
         sweep = pipeline.load_scene(tmp_path / "known.toml", overrides=by_hand)
         for load, rise in zip(samples.loads, samples.rises[number], strict=True):
             velocity = samples.sample_velocities[number]
-            columns = run_point(sweep.changed(steps="end"), load, velocity).columns
+            columns = run_point(changed(sweep, steps="end"), load, velocity).columns
             expected = float(worst_rises(columns, load, sweep.conditions))
             assert rise == pytest.approx(expected, rel=1e-6)
 

@@ -189,7 +189,7 @@ SCENES = {
         f'"{key}" = {json.dumps([f"{5 + number / 100} {unit}" for number in range(149)])}\n'
         for key, unit in _VALUES.items()
     ),
-    "samples: 1001 is out of range": "sweep.samples = 1001",
+    "samples: 100001 is out of range": "sweep.samples = 100001",
     "at most 100000 are allowed": 'loading.reference_load = "1 N"\nfidelity.increments = 1000',
     "has 10001 entries": "".join(f"k{number} = 1\n" for number in range(10_000)),
     "loads: has 20000 entries": f"sweep.loads = {['1 N'] * 20_000}",

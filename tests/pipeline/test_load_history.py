@@ -12,6 +12,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import momentary_rise
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tests.helpers.sweeps import deciding, with_fields
 from tests.pipeline.conftest import commit_all
 
@@ -61,7 +62,7 @@ def test_a_bulk_has_all_the_energy_of_a_record(tmp_path):
     """µV∫F dt of the record over the capacity, by which every temperature of the contact rises."""
     sweep = sweep_of(RECORD, steps="end")
     kept = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=500.0))
-    sweep = sweep.changed(conditions=replace(sweep.conditions, corrections=kept))
+    sweep = changed(sweep, conditions=replace(sweep.conditions, corrections=kept))
     commit_all(tmp_path / "a.zarr", sweep)
     warm = pipeline.open_sweep(tmp_path / "a.zarr")
     plain = with_fields(warm, conditions=replace(sweep.conditions, corrections=None))
@@ -114,5 +115,5 @@ def test_a_hold_that_warms_a_body_is_judged_inside():
     steps = [step for step in ramp.stations(600.0, held.scene.fidelity.increments) if step.holding]
     assert len(result.columns["time"]) == 1 + len(steps)  # where the load is reached, too
     assert 4.0 < result.verdict(conditions).time < 104.0
-    without = held.changed(conditions=replace(conditions, corrections=None))
+    without = changed(held, conditions=replace(conditions, corrections=None))
     assert len(pipeline.run_point(without, 600.0, 1.0).columns["time"]) == 2

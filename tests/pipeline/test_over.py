@@ -1,19 +1,15 @@
 """Entries with several values (``[sweep] over``), from the scene to every answer."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import pipeline
-import tribo
 from pipeline.analysis.dataset import stored_sweep
-from pipeline.scene.over import scale_friction
 from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import PointRecord, points, tasks
-from tests.helpers import scenes, tiny
+from tests.helpers import scenes
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
@@ -96,7 +92,7 @@ def test_values_are_added_to_a_store_and_an_interrupted_one_goes_on(tmp_path):
 @pytest.mark.parametrize(
     ("over", "overrides", "fault"),
     [
-        (OVER, {"pin.length": "3 mm"}, "pin.radius 0.002: scene.pin.length"),
+        (OVER, {"pin.length": "3 mm"}, "pin.radius 0.002: pin.length"),
         (
             '{ "pin.length" = ["3 mm"] }',
             {},
@@ -216,21 +212,14 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
         pipeline.at(swept, **{"wear.pattern": "local"})
 
 
-def test_a_coefficient_scales_curves_of_friction_where_both_scenes_have_them():
-    plain = tiny.full()
-    curves = tuple(
-        plain.changed(
-            conditions=replace(
-                plain.conditions,
-                corrections=tribo.Corrections(friction=tribo.Friction(by_velocity=((1.0, k),))),
-            )
-        )
-        for k in (1.0, 0.5)
+def test_a_coefficient_scales_curves_of_friction_unless_the_row_has_its_own():
+    curve = [{"velocity": "1 m/s", "coefficient": 0.05}, {"velocity": "2 m/s", "coefficient": 0.1}]
+    sweep = pipeline.load_scene("first_try", overrides={"friction.by_velocity": curve})
+    scaled = sweep.changed("friction.coefficient", 0.2).conditions
+    assert scaled.friction_at(1.0) == pytest.approx(0.1)
+    over = {"friction.by_velocity": curve, "sweep.over": {"friction.coefficient": [0.1, 0.2]}}
+    rows = pipeline.load_scene("first_try", overrides=over)
+    assert [rows.variant(name).conditions.friction_at(1.0) for name in rows.variants.names] == (
+        pytest.approx([0.05, 0.1])
     )
-    changed = ("friction.coefficient",)
-    for scene, sweep in ((plain, curves[0]), (curves[0], plain)):
-        assert scale_friction(scene, sweep, changed) is scene
-    one, other = curves
-    assert scale_friction(one, other, ()) is one
-    scaled = scale_friction(one, other, changed).conditions.corrections.friction
-    assert scaled == other.conditions.corrections.friction
+    assert rows.variant(rows.variants.names[1]).changed("friction.by_velocity", curve).conditions

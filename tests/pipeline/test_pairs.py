@@ -21,7 +21,7 @@ RADII = 6e-3, 8e-3
 
 def table(loads=(300.0, 300.0)):
     labels = [Column("gear", ("a", "b"), None), Column("angle", (20.0, 5.0), "deg")]
-    return placed_rows([(("pin.radius", one),) for one in RADII], labels, loads, (1.0, 1.0))
+    return placed_rows([{"pin.radius": f"{one!r} m"} for one in RADII], labels, loads, (1.0, 1.0))
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ import pipeline
 from pipeline.store.place import place_of
 from pipeline.store.root import read_root, root_documents
 from pipeline.sweep.laws import Law
+from tests.helpers.entries import changed
 from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
@@ -97,7 +98,7 @@ def forged(done, folder, store, criterion):
     root = read_root(place_of(target))
     own = Law(criterion, (), "0" * 64) if ":" in criterion else None
     judged = replace(root.sweep.conditions, criterion=criterion, rule=own)
-    write(target, root._replace(sweep=root.sweep.changed(conditions=judged)))
+    write(target, root._replace(sweep=changed(root.sweep, conditions=judged)))
     shutil.copy(folder / "payload.py", target)
     return store
 

@@ -2,18 +2,18 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import pipeline
 from pipeline.store.place import StoreMismatchError
 from pipeline.sweep.plan import run_point
-from pipeline.sweep.variants import Variants, rows, surfaces
+from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
+from tests.helpers.entries import rows
 from tests.pipeline.conftest import commit_all
 from tribo import InputError, Wear
 
-OILS = {"thin": {}, "thick": {"conditions.critical_temperature": 438.15}}
-CASES = {  # pairs of entries, which are no product
+OILS = {"thin": {}, "thick": {"temperature.critical": "165 degC"}}
+CASES = {
     "slim": {"pin.radius": 6e-3, "pin.length": 3e-3},
     "wears": {"wear.specific_wear_rate": 2.4e-15},
     "as it is": {},
@@ -82,28 +82,6 @@ def test_rows_have_places_of_their_own(tmp_path):
     assert (ds["normal_load"].sel(step=0) == ds["load"]).all()
     with pytest.raises(InputError, match="so there is no plane"):
         pipeline.boundary(path)
-
-
-def test_rows_that_are_no_full_product_have_one_dimension_with_labels_along_it(tmp_path):
-    some = TABLE.names[0], TABLE.names[4]
-    numbers = [TABLE.names.index(name) for name in some]
-    fewer = Variants(
-        tuple(column.taken(numbers) for column in TABLE.columns),
-        tuple(TABLE.part(name) for name in some),
-    )
-    path = tmp_path / "fewer.zarr"
-    commit_all(path, sweep(variants=fewer, velocities=(0.5, 1.0)))
-    with xr.open_zarr(path, chunks=None) as ds:
-        assert ds["max_rise"].dims == ("variant", "load", "velocity", "step")
-        for name in ("realization", "fluid", "case"):
-            assert ds[name].values.tolist() == [dict(one)[name] for one in some]
-        rise = ds["max_rise"].set_xindex("case").sel(case="wears", step=0, velocity=1.0)
-    whole = sweep(variants=TABLE).variant(some[1])
-    alone = run_point(whole, 600.0, 1.0).columns["max_rise"][-1]
-    assert rise.sel(load=600.0).values == [alone]
-    critical = pipeline.boundary(path)["critical_velocity"]
-    assert set(critical.dims) == {"variant", "load"}
-    assert critical["fluid"].values.tolist() == ["thin", "thick"]
 
 
 def test_a_row_that_moved_is_another_store(tmp_path):

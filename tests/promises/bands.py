@@ -21,6 +21,7 @@ import numpy as np
 
 import pipeline
 from tests.helpers.campaigns import conclude
+from tests.helpers.entries import changed
 from tests.promises.risk import SEED, WORKFLOWS, drawn_anew, excess
 
 
@@ -69,7 +70,7 @@ def main():
     options = parser.parse_args()
     np.seterr(all="raise", under="ignore")
     overrides = {"fidelity.preset": options.preset, "sweep.samples": max(options.samples)}
-    sweep = pipeline.load_scene(options.scene, overrides=overrides).changed(fields=False)
+    sweep = changed(pipeline.load_scene(options.scene, overrides=overrides), fields=False)
     with tempfile.TemporaryDirectory() as folder:
         store = Path(folder) / "samples.zarr"
         pipeline.run_sweep(sweep, store, workers=os.cpu_count())

@@ -30,6 +30,7 @@ from pipeline.sweep.selection import PRESET_BOUNDS
 from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.variants import Variants
 from tests.helpers.campaigns import conclude, table
+from tests.helpers.entries import changed
 from tests.promises.scenes import random_sweep
 from tests.promises.wide import random_wide_sweep
 from tribo import PRESETS, TriboError, WarningKind
@@ -98,7 +99,7 @@ def axis(rng, low, high, count, gaps, spaced=np.geomspace):
 
 def rises(sweep, fidelity, loads, velocities):
     """Rises by the share that decides, warnings and durations at each load and velocity."""
-    sweep = sweep.changed(fidelity=fidelity)
+    sweep = changed(sweep, fidelity=fidelity)
     kinds = [replace(sweep.conditions, criterion="share", failing_share=one) for one in SHARES]
     shape = len(loads), len(velocities)
     found = {str(share): np.full(shape, np.nan) for share in SHARES}
@@ -121,8 +122,8 @@ def computed(family, number):
     seed = number if family == "shipped" else FIRST + number
     rng = np.random.default_rng([seed, 161])
     try:
-        sweep = FAMILIES[family](seed).changed(
-            fields=False, steps="end", variants=Variants(), selection=None
+        sweep = changed(
+            FAMILIES[family](seed), fields=False, steps="end", variants=Variants(), selection=None
         )
         velocities = [velocity for velocity in sweep.plane.velocities if velocity]
         low, high = min(velocities), max(velocities)
@@ -134,7 +135,7 @@ def computed(family, number):
         velocities, all_velocities = axis(rng, low, high, int(rng.integers(5, 8)), 2, spaced)
         row |= {"loads": loads, "velocities": velocities, "pixels": sweep.scene.pixels.shape}
         row |= {"all_loads": all_loads, "all_velocities": all_velocities}
-        sweep = sweep.changed(loads=tuple(all_loads), velocities=tuple(all_velocities))
+        sweep = changed(sweep, loads=tuple(all_loads), velocities=tuple(all_velocities))
         row["draft"] = rises(sweep, PRESETS["draft"], loads, velocities)
         row["standard"] = rises(sweep, PRESETS["standard"], loads, velocities)
         row["fine"] = rises(sweep, PRESETS["fine"], all_loads, all_velocities)

@@ -23,6 +23,7 @@ import numpy as np
 
 from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers.campaigns import commit, conclude, table
+from tests.helpers.entries import changed
 from tests.promises.families import cases
 from tests.promises.truth import deciding_rises, known
 from tribo import PRESETS, TriboError, simulate, warnings
@@ -79,7 +80,7 @@ def errors(case, fidelity):
     if any(f"{one:g}" not in true for one in velocities):
         return None
     true = np.array([true[f"{one:g}"] for one in velocities])
-    sweep = sweep.changed(fidelity=dividing(sweep.scene, fidelity))
+    sweep = changed(sweep, fidelity=dividing(sweep.scene, fidelity))
     forget_kernels()
     began = time.process_time()
     ramps = [(one, Trunks()) for one in velocities]

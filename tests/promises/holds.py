@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.helpers.campaigns import conclude, table
+from tests.helpers.entries import changed
 from tests.promises.judge import TRUTH
 from tests.promises.report import COLUMNS, PROMISED, are_right, kept
 from tests.promises.scenes import window_guess
@@ -27,7 +28,7 @@ def held(seed):
     sweep, rng = random_wide_sweep(seed), np.random.default_rng([seed, 65])
     load, velocity = sweep.plane.loads[-1], 4 * sweep.plane.velocities[0]
     ramp = Ramp(load / rng.uniform(2, 8), load, math.exp(rng.uniform(math.log(4), math.log(300))))
-    sweep = sweep.changed(loading=ramp, unequal_bulks=False)
+    sweep = changed(sweep, loading=ramp, unequal_bulks=False)
     if sweep.scene.sweeps_over or not sweep.scene.wears:
         return None
     lengths = [1.0, 1.0]

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from pipeline.sweep.severity import momentary_rise, rise_limit
 from pipeline.tradeoff.probe import Target
+from tests.helpers.entries import changed
 from tests.promises.scenes import state_at
 from tribo import PRESETS, MeasuredLoad, warnings
 
@@ -28,7 +29,7 @@ def places(sweep):
 
 def rise_at(sweep, fidelity, place, velocity):
     """Decisive rise at a place, with its warnings."""
-    scene = sweep.variant(place.variant).changed(fidelity=fidelity).scene
+    scene = changed(sweep.variant(place.variant), fidelity=fidelity).scene
     state = state_at(scene, place.load, velocity)
     return momentary_rise(scene, state, sweep.conditions), warnings(scene, state)
 

@@ -23,10 +23,10 @@ import numpy as np
 from scipy.special import logsumexp
 
 import pipeline
-from pipeline.sweep.unknown import Unknown, drawn
 from pipeline.uncertain.answers import draws_of
 from pipeline.uncertain.ensemble import Ensemble, Excess
 from pipeline.uncertain.posterior import contrasts
+from pipeline.uncertain.unknown import Unknown, drawn
 from tests.helpers.campaigns import conclude
 from tests.helpers.samples import EXPONENT, VELOCITIES, ensemble, rise
 from tests.helpers.unknowns import ALL, CRITICAL, FRICTION, LENGTH, RATE

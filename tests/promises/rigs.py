@@ -14,12 +14,13 @@ from scipy.optimize import brentq
 import pipeline
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import rise_limit, worst_rises
-from pipeline.sweep.unknown import score_values
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, FRICTION
+from pipeline.uncertain.unknown import score_values
+from tests.helpers.entries import changed
 from tests.promises.risk import WORKFLOWS, entries_of
 
 SCATTER, FRICTION_SCATTER = 0.05, 0.02
@@ -83,7 +84,7 @@ def ensemble_of(scene, overrides, store=None):
         ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
         return replace(ensemble, tests=())
     sweep = pipeline.load_scene(scene, overrides=overrides)
-    sweep = sweep.changed(fields=False, measured=(), tested=())
+    sweep = changed(sweep, fields=False, measured=(), tested=())
     with tempfile.TemporaryDirectory() as folder:
         store = Path(folder) / "samples.zarr"
         pipeline.run_sweep(sweep, store, workers=os.cpu_count())
@@ -145,7 +146,7 @@ class Rig:
         entries = entries_of(ensemble.unknown, self.truth)
         without = [*overrides.get("without", ()), "unknown", "sweep.samples"]
         alone = overrides | {"without": without} | entries
-        self._scene = pipeline.load_scene(scene, overrides=alone).changed(variants=Variants())
+        self._scene = changed(pipeline.load_scene(scene, overrides=alone), variants=Variants())
         self._friction, self._chance = entries[FRICTION], chance
         self.simulated = functools.cache(self._simulated)
 

@@ -20,11 +20,12 @@ import numpy as np
 import pipeline
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import rise_limit, worst_rises
-from pipeline.sweep.unknown import drawn
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain.answers import draws_of
 from pipeline.uncertain.fields import SampleField
+from pipeline.uncertain.unknown import drawn
 from tests.helpers.campaigns import conclude
+from tests.helpers.entries import changed
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 SEED = 2718  # of the direct draws; the samples have 0 in the shipped scenes, and their risk has 1
@@ -40,7 +41,7 @@ def _of_chunk(task):
 def excess(scene, overrides, inputs, load, velocity):
     """Logarithm of the rise over its limit at a point, with inputs as the scene would give them."""
     alone = pipeline.load_scene(scene, overrides=overrides | inputs)
-    alone = alone.changed(variants=Variants())
+    alone = changed(alone, variants=Variants())
     rise = worst_rises(run_point(alone, load, velocity).columns, load, alone.conditions)
     return math.log(float(rise) / rise_limit(alone.conditions))
 
@@ -128,7 +129,7 @@ def main():
     parser.add_argument("--processes", type=int, default=os.cpu_count())
     options = parser.parse_args()
     overrides = {"fidelity.preset": options.preset}
-    sweep = pipeline.load_scene(options.scene, overrides=overrides).changed(fields=False)
+    sweep = changed(pipeline.load_scene(options.scene, overrides=overrides), fields=False)
     with tempfile.TemporaryDirectory() as folder:
         store = options.store or Path(folder) / "samples.zarr"
         if options.store is None:

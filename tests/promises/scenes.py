@@ -9,6 +9,7 @@ import tribo
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import momentary_rise
 from tests.helpers.accuracy_scenes import ALUMINA
+from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import sweep_of_fields
 
@@ -79,8 +80,8 @@ def window_guess(sweep, lengths, velocity):
         sizes = sweep.scene.pixels.spacing
         if sweep.scene.roughness is not None:
             along = tuple(n * size for n, size in zip(lengths, sizes, strict=True))
-            sweep = sweep.changed(
-                roughness=replace(sweep.scene.roughness, correlation_length=along)
+            sweep = changed(
+                sweep, roughness=replace(sweep.scene.roughness, correlation_length=along)
             )
         ends = (sweep.plane.loads[-1], velocity), (sweep.plane.loads[0], 4 * velocity)
         warnings = [
@@ -91,7 +92,7 @@ def window_guess(sweep, lengths, velocity):
         if tribo.WarningKind.CONTACT_AT_EDGE not in (warning.kind for warning in warnings):
             break
         wider = tuple(1.4 * size for size in sizes)
-        sweep = sweep.changed(pixels=replace(sweep.scene.pixels, spacing=wider))
+        sweep = changed(sweep, pixels=replace(sweep.scene.pixels, spacing=wider))
     return sweep
 
 
@@ -100,7 +101,7 @@ def _with_boundary(sweep, velocity):
     state = state_at(sweep.scene, sweep.plane.loads[2], velocity)
     rise = momentary_rise(sweep, state, sweep.conditions)
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
-    return sweep.changed(conditions=replace(sweep.conditions, critical_temperature=critical))
+    return changed(sweep, conditions=replace(sweep.conditions, critical_temperature=critical))
 
 
 def state_at(scene, load, velocity):

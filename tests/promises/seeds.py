@@ -18,6 +18,7 @@ import numpy as np
 import pipeline
 from pipeline.uncertain.inputs import CRITICAL
 from tests.helpers.campaigns import conclude
+from tests.helpers.entries import changed
 from tests.promises.rigs import BULKS, CASES, WORKFLOWS, Rig
 
 APART = 0.05
@@ -32,7 +33,7 @@ def spread_of(posterior):
 def samples_of(overrides, folder, seed):
     """Samples of the scene by a seed, with its tests."""
     overrides = {"fidelity.preset": "draft", "sweep.sample_seed": seed} | overrides
-    sweep = pipeline.load_scene(SCENE, overrides=overrides).changed(fields=False)
+    sweep = changed(pipeline.load_scene(SCENE, overrides=overrides), fields=False)
     store = Path(folder) / f"{seed}.zarr"
     if not store.exists():
         pipeline.run_sweep(sweep, store, workers=os.cpu_count())

@@ -20,9 +20,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 import pipeline
-from pipeline.sweep.unknown import drawn
 from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.unknown import drawn
 from tests.helpers.campaigns import conclude
 from tests.helpers.samples import critical_velocity
 from tests.helpers.unknowns import CRITICAL, FRICTION, LENGTH, RATE

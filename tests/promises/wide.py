@@ -9,6 +9,7 @@ import tribo
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rises_above_colder
 from pipeline.sweep.variants import surfaces
+from tests.helpers.entries import changed
 from tests.helpers.sweeps import sweep_of_fields
 from tests.promises.scenes import PAIRS, ROUGHLY, state_at, window_guess
 
@@ -48,7 +49,7 @@ def random_wide_sweep(seed):
     )
     sweep = window_guess(sweep, draw.lengths(), velocity)
     if sweep.scene.roughness is not None and draw.chance(1 / 5):
-        sweep = sweep.changed(variants=surfaces((seed, seed + 1000)))
+        sweep = changed(sweep, variants=surfaces((seed, seed + 1000)))
     bulks = draw.between(-0.5, 0.5) if draw.chance(1 / 4) else 0.0
     return _with_boundary(sweep, velocity, bulks)
 
@@ -148,7 +149,7 @@ def hertz(pin, disk, pressure):
 def _with_boundary(sweep, velocity, bulks):
     """Set bulk temperatures, apart by a share of the warming, and the critical one amid all."""
     scene = sweep.variant(sweep.variants.names[0])
-    warm = scene.changed(unequal_bulks=bulks != 0).scene
+    warm = changed(scene, unequal_bulks=bulks != 0).scene
     state = state_at(warm, sweep.plane.loads[_MIDDLE], velocity)
     conditions = sweep.conditions
     if bulks:
@@ -159,7 +160,8 @@ def _with_boundary(sweep, velocity, bulks):
         conditions = replace(conditions, critical_temperature=warmest + 1000.0)
     rise = float(conditions.decisive.rise(rises_above_colder(state.heat.columns, conditions)))
     critical = conditions.contact_temperature(rise)
-    return sweep.changed(
+    return changed(
+        sweep,
         unequal_bulks=bulks != 0,
         conditions=replace(conditions, critical_temperature=critical),
     )

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from pipeline import Sweep
 from pipeline.figures.style import BLUE, GREY, VERMILION, house_style, label_ends
 from pipeline.quantities import shown_in
+from pipeline.scene.written import with_fidelity
 from tribo import InputError, Ramp, Wear
 from tribo.inverse import specific_wear_rate
 from tribo.types import Array
@@ -121,13 +122,13 @@ def _held(sweep: Sweep, row: Any, duration: float) -> Sweep:
     if not isinstance(sweep.scene.loading, Ramp):
         raise InputError("the wear rate of a width needs a scene with a ramp")
     hold = duration - row.normal_load / sweep.scene.loading.rate
-    return sweep.changed(loading=replace(sweep.scene.loading, hold=hold))
+    return sweep.changed("loading.hold", f"{hold!r} s")
 
 
 def _wear_rate(sweep: Sweep, row: Any, duration: float) -> float:
     """Specific wear rate that gives a measured width by the end of a test [m²/N]."""
     fidelity = replace(sweep.scene.fidelity, averaging="mean")
-    smooth = sweep.changed(roughness=None, fidelity=fidelity)
+    smooth = with_fidelity(sweep.changed("disk.roughness", None), fidelity)
     scene = _held(smooth, row, duration)
     return specific_wear_rate(scene.scene, row.measured_width, row.normal_load, row.velocity).value
 
@@ -136,7 +137,7 @@ def _widening(sweep: Sweep) -> float:
     """Widening of the contact by the roughness after a test, relative."""
     row = TABLE_4[0]
     held = _held(sweep, row, _DURATIONS[len(_DURATIONS) // 2])
-    rough, smooth = (end_of(scene, row) for scene in (held, held.changed(roughness=None)))
+    rough, smooth = (end_of(scene, row) for scene in (held, held.changed("disk.roughness", None)))
     return float(rough["contact_width"] / smooth["contact_width"] - 1)
 
 

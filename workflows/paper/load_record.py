@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from pipeline import Sweep
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, heating, house_style
 from pipeline.quantities import shown_in
-from tribo import InputError, MeasuredLoad, Ramp
+from tribo import InputError, MeasuredLoad
 from tribo.types import Array
 from workflows.paper.publication import LOADING_RATE
 from workflows.paper.report import Report, cells, texts
@@ -32,14 +32,15 @@ def fig8(study: Study) -> Report:
         raise InputError(f"the scene {sweep.about.name} must have a record, `file` under [loading]")
     load, velocity = sweep.plane.loads[-1], sweep.plane.velocities[-1]
     rate, onset = record.linear_fit()
-    loadings: dict[str, Ramp | MeasuredLoad] = {
-        _RECORD: record,
-        _FIT: record.ramp(),
-        f"{LOADING_RATE:g} N/s": Ramp(LOADING_RATE, load),
+    ramp = {"rate": f"{LOADING_RATE!r} N/s", "reference_load": f"{load!r} N"}
+    loadings = {
+        _RECORD: sweep,
+        _FIT: sweep.changed("loading.fit", True),
+        f"{LOADING_RATE:g} N/s": sweep.changed("loading", ramp),
     }
     curves, runs = {}, {}
     for name in study.stages(loadings):
-        scene = sweep.changed(loading=loadings[name])
+        scene = loadings[name]
         *curve, end = history(scene, load, velocity, scene.conditions.decisive)
         curves[name] = (curve[0], curve[1])
         runs[name] = {

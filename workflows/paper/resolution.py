@@ -22,6 +22,7 @@ from pipeline.figures.style import (
     label_ends,
 )
 from pipeline.quantities import shown_in
+from pipeline.scene.written import with_fidelity
 from tribo import ConvergenceError, Fidelity, simulate, warnings
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
@@ -52,7 +53,7 @@ def fig6(study: Study) -> Report:
     """Highest temperature at 750 N and 1.25 m/s on other grids and with other steps."""
     sweep = study.scene("table4")
     if study.preset is None:
-        sweep = sweep.changed(fidelity=_PAPER)
+        sweep = with_fidelity(sweep, _PAPER)
     seeds, decisive = study.seeds(1), sweep.conditions.decisive
     blocks = [
         n for n in _BLOCKS if study.preset is None or n >= sweep.scene.fidelity.pixels_per_element
@@ -133,7 +134,7 @@ def _with_steps(
 
 
 def _with(sweep: Sweep, **changes: Any) -> Sweep:
-    return sweep.changed(fidelity=replace(sweep.scene.fidelity, **changes))
+    return with_fidelity(sweep, replace(sweep.scene.fidelity, **changes))
 
 
 def _neighbours(pressure: Array) -> float:

@@ -22,6 +22,9 @@ from pipeline.figures.style import (
     label_ends,
 )
 from pipeline.quantities import shown_in
+from pipeline.scene.declare import table_of
+from pipeline.scene.format import RandomSurface
+from pipeline.scene.written import entries_of
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
@@ -47,6 +50,11 @@ _Outcomes = Mapping[str, Mapping[str, _Outcome]]
 """Outcomes by the kind of change, and by the change."""
 
 
+def _on(sweep: Sweep, surface: SelfAffineRoughness) -> Sweep:
+    table = entries_of(table_of(RandomSurface), surface)
+    return sweep.changed("disk.roughness", table)
+
+
 def sensitivity(study: Study) -> Report:
     """Temperatures at Table 4's transitions, and critical velocities, for other surfaces."""
     sweep = study.scene("table4")
@@ -60,7 +68,7 @@ def sensitivity(study: Study) -> Report:
         for name, surface in variants.items()
     }
     by_surface = {
-        surface: _outcome(study, sweep.changed(roughness=surface))
+        surface: _outcome(study, _on(sweep, surface))
         for surface in study.stages(names, names.__getitem__)
     }
     outcomes = {
@@ -68,7 +76,7 @@ def sensitivity(study: Study) -> Report:
         for kind, variants in kinds.items()
     }
     widths = {
-        name: _unworn_widths(study, sweep.changed(roughness=surface))
+        name: _unworn_widths(study, _on(sweep, surface))
         for name, surface in study.stages(kinds["Ra"].items(), lambda item: f"unworn, Ra {item[0]}")
     }
     values = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -100,12 +99,10 @@ def _critical(study: Study, sweep: Sweep, row: Any) -> Array:
 
 
 def _conducting(sweep: Sweep, conductivity: float) -> Sweep:
-    pin, disk = sweep.scene.pin, sweep.scene.disk
-    material = replace(pin.material, thermal_conductivity=conductivity)
-    return sweep.changed(
-        pin=replace(pin, material=material),
-        disk=replace(disk, thermal_conductivity=conductivity),
-    )
+    for name in {sweep.entries[body]["material"] for body in ("pin", "disk")}:
+        path = f"materials.{name}.thermal_conductivity"
+        sweep = sweep.changed(path, f"{conductivity!r} W/(m K)")
+    return sweep
 
 
 def _apart(of_oil_a: Array) -> float:

@@ -13,6 +13,7 @@ from pipeline import Sweep, load_scene, open_sweep, run_sweep
 from pipeline.cli.output import run_line
 from pipeline.run.sweep import Outcome
 from pipeline.scene.shipped import WORKFLOWS
+from pipeline.scene.written import with_fidelity
 from pipeline.sweep.stages import Progress, Report, silent, staged
 from tribo import Fidelity
 
@@ -77,7 +78,7 @@ class Study:
         """The scene of this name, with its own fidelity or the one asked for."""
         path = Path(self.scenes, f"{name}.toml")
         if self.preset == PUBLISHED:
-            return load_scene(path).changed(fidelity=AS_PUBLISHED, preset=PUBLISHED)
+            return with_fidelity(load_scene(path), AS_PUBLISHED)
         return load_scene(path, preset=self.preset)
 
     def stages(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from pipeline import at, boundary
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.variants import surfaces
@@ -23,10 +25,10 @@ def band(study: Study) -> Report:
         raise InputError(f"the scene {scene.about.name} must have a friction band")
     least, most = scene.about.friction_band
     seeds = tuple(study.seeds(_SURFACES))
-    sweep = scene.changed(
-        loads=_LOADS, velocities=_VELOCITIES, variants=surfaces(seeds), fields=False
-    )
-    _, ds = study.sweep(sweep, f"{sweep.about.name}_surfaces_{sweep.about.preset}")
+    sweep = scene.changed("sweep.loads", [f"{load} N" for load in _LOADS])
+    sweep = sweep.changed("sweep.velocities", [f"{velocity} m/s" for velocity in _VELOCITIES])
+    sweep = replace(sweep.changed("sweep.fields", False), variants=surfaces(seeds))
+    _, ds = study.sweep(sweep, f"{sweep.about.name}_surfaces_{study.preset or sweep.about.preset}")
     ds = ds.sel(realization=list(seeds))
 
     measured = sorted(sweep.about.measured, key=lambda entry: -entry.normal_load)

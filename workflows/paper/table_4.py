@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -61,7 +60,7 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
     ends = ensemble(study, ("unworn", "swept", "local"), [(sweep, row) for row in TABLE_4])
     swept, unworn = ends["swept"], ends["unworn"]
     nx, ny = sweep.scene.pixels.shape
-    longer = sweep.changed(pixels=replace(sweep.scene.pixels, shape=(nx, _LONGER * ny)))
+    longer = sweep.changed("window.pixels", [nx, _LONGER * ny])
     few = study.stages(study.seeds(_FEW)[:_FEW], "swept, longer patch, surface {}".format)
     on_longer = on_surfaces([(longer, TABLE_4[-1])], few)
     critical = conditions.known_critical_temperature()

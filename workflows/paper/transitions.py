@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -144,7 +143,7 @@ def history(
     sweep: Sweep, load: float, velocity: float, criterion: Criterion
 ) -> tuple[Array, Array, State]:
     """The course of a point: times [s] with the temperatures that decide [°C], and its end."""
-    result = run_point(sweep.changed(steps="course"), load, velocity)
+    result = run_point(sweep.changed("sweep.steps", "course"), load, velocity)
     conditions, columns = sweep.conditions, result.columns
     warm = np.isfinite(columns["mean_rise"])
     rise = np.append(0.0, criterion.rise(columns)[warm])
@@ -155,10 +154,10 @@ def history(
 def worn(sweep: Sweep, wear: Wear) -> Sweep:
     """The scene unworn, or with its wear in a pattern."""
     if wear == "unworn":
-        return sweep.changed(wear=None)
+        return sweep.changed("wear", None)
     if not isinstance(sweep.scene.wear, ArchardWear):
         raise InputError(f"the scene {sweep.about.name} must have a [wear] of a constant rate")
-    return sweep.changed(wear=replace(sweep.scene.wear, pattern=wear))
+    return sweep.changed("wear.pattern", wear)
 
 
 def film_parameter(sweep: Sweep, test: Any) -> float:

@@ -25,11 +25,12 @@ from pipeline.figures.ramp import ramp
 from pipeline.scene.scenefile import load_scene
 from pipeline.store.create import writing
 from pipeline.store.schema import MADE, STEPPED
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
-from pipeline.sweep.variants import rows
 from tests.helpers import tiny
+from tests.helpers.entries import changed, rows
 from tests.helpers.scenes import SCENE
 from tests.helpers.stores import commit, opened
 from tests.pipeline.conftest import commit_all
@@ -91,7 +92,7 @@ def test_no_answer_reads_a_step_on_the_grid_of_the_history(tmp_path):
     coarser = {"history_coarsening": 2, "increments": 6}
     wide = tribo.Grid((96, 16), (4.3e-6, 15e-6))
     sweep = tiny.sweep(pixels=wide, fidelity=coarser)
-    corrected = sweep.changed(conditions=replace(sweep.conditions, corrections=kept))
+    corrected = changed(sweep, conditions=replace(sweep.conditions, corrections=kept))
     for number, one in enumerate((sweep, corrected)):
         commit_all(tmp_path / f"{number}.zarr", one)
         ds = open_sweep(tmp_path / f"{number}.zarr").load()
@@ -192,9 +193,11 @@ def test_temperatures_are_bulk_plus_friction_times_rise(ds):
 def held(tmp_path_factory):
     """Three seconds at full load, in which wear lets the contact cool."""
     path = tmp_path_factory.mktemp("held") / "held.zarr"
-    loading = tribo.Ramp(rate=150.0, reference_load=750.0, hold=3.0, stops=(0.75, 1.5, 2.25))
+    loading = tribo.Ramp(rate=150.0, reference_load=750.0, hold=3.0)
+    tests = tuple(Measurement(750.0, 1.25, hold=stop) for stop in (0.75, 1.5, 2.25))
+    sweep = tiny.sweep(loading=loading, steps="course", measured=tests)
     with np.errstate(all="raise", under="ignore"):
-        commit_all(path, tiny.sweep(loading=loading, steps="course"))
+        commit_all(path, sweep.changed("sweep.samples", 8))  # a hold has steps where tests end
     return open_sweep(path)
 
 

@@ -107,10 +107,10 @@ def test_a_verdict_of_a_sweep_that_is_half_done_has_the_side_of_its_temperature(
 
 def test_a_test_is_compared_at_the_friction_that_it_measured():
     tests = [
-        {"normal_load": 600.0, "velocity": 1.0, "friction": 0.1, "outcome": "mild"},
         {"normal_load": 600.0, "velocity": 4.0, "friction": 0.1},
         {"normal_load": 600.0, "velocity": 4.0, "friction": None},
         {"normal_load": 500.0, "velocity": 2.0, "friction": 0.11},
+        {"normal_load": 600.0, "velocity": 1.0, "friction": 0.1, "outcome": "mild"},
     ]
     measured = tuple(Measurement(**test) for test in tests)
     ds = with_fields(swept(FALLING), measured=measured)

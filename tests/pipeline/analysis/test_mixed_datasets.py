@@ -7,8 +7,9 @@ import xarray as xr
 import pipeline
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.variants import rows, surfaces
+from pipeline.sweep.variants import surfaces
 from tests.helpers import synthetic, tiny
+from tests.helpers.entries import rows
 from tests.helpers.stores import commit
 from tests.pipeline.conftest import commit_all
 from tribo import InputError

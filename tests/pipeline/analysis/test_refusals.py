@@ -15,9 +15,9 @@ from pipeline.store.create import writing
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import Law
-from pipeline.sweep.unknown import Unknown
-from pipeline.sweep.variants import placed_rows, rows
+from pipeline.sweep.variants import placed_rows
 from tests.helpers import synthetic, tiny
+from tests.helpers.entries import rows
 from tests.helpers.refusals import Refusals
 from tests.helpers.samples import dataset, ensemble
 from tests.helpers.sweeps import with_fields
@@ -47,7 +47,7 @@ def warming():
 
 
 def places():
-    return made(variants=placed_rows([()], [], [250.0], [1.0]))
+    return made(variants=placed_rows([{}], [], [250.0], [1.0]))
 
 
 def joined(sweeps, dim="load"):
@@ -87,12 +87,6 @@ def margin(*place, **values):
     return lambda: pipeline.margin(synthetic.sweep(**values), *place)
 
 
-def rough():
-    hurst = Unknown("disk.roughness.hurst_exponent", "uniform", (0.7, 0.9))
-    drawn = dataset(ensemble((*ALL, hurst), 32))
-    return pipeline.at(drawn, **{hurst.path: "a"})
-
-
 def nothing():
     with pytest.raises(AttributeError) as caught:
         _ = plane().irg.nothing
@@ -109,8 +103,9 @@ def coded():
 
 
 def unmoved():
-    rolling = with_fields(plane(), motion=Motion(entrainment_velocity=2.0), friction_heat=False)
-    return read_conditions(rolling)
+    conditions = Conditions(0.0, 298.15, 418.15)
+    rolling = with_fields(plane(), motion=Motion(entrainment_velocity=2.0), conditions=conditions)
+    return pipeline.at(with_fields(rolling, friction_band=None), friction=0.1)
 
 
 def taken():
@@ -146,8 +141,6 @@ REFUSALS = {
     "scatter": (at(scatter=0.1), "for samples, and the sweep has none"),
     "scatter alone": (drawn(scatter=0.1), "scatter is 0.1, but measured velocities"),
     "weighed": (drawn(given_measured=True, friction=0.1), "friction: the tests weigh"),
-    "text": (rough, 'disk.roughness.hurst_exponent is "a"; give a plain number'),
-    "beyond": (drawn(**{"wear.specific_wear_rate": 1.0}), "beyond the samples; give one from"),
     "label": (lambda: pipeline.at(pins(), pin="c"), "pin is c, which the sweep does not have"),
     "at": (lambda: pipeline.boundary(plane().assign_attrs(at="hotter")), "at is 'hotter'"),
     "code": (coded, "the store is judged by the criterion laws:median"),

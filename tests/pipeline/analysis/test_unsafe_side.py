@@ -116,11 +116,11 @@ PLACES = {
 def drawn_test(rng, outcome):
     """A test at random conditions of its own, and ln(velocity/computed)."""
     load, friction = rng.uniform(200.0, 750.0), rng.choice([None, 0.07, 0.12])
-    bulk, run = rng.choice([None, 320.0]), rng.choice([None, "a", "b"])
+    bulk = rng.choice([None, 320.0])
     limit = synthetic.limit(friction or 0.1, bulk or 298.15)
     velocity = rng.uniform(0.5, 4.0)
     distance = math.log(velocity / synthetic.critical_velocity(load, limit))
-    own = {"bulk_temperature": bulk, "outcome": outcome, "run": run}
+    own = {"bulk_temperature": bulk, "outcome": outcome}
     return Measurement(load, velocity, friction, **own), distance
 
 

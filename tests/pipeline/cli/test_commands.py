@@ -183,7 +183,7 @@ def test_without_friction_there_is_no_heat_and_no_claim_about_it(tmp_path, irg):
         assert "friction" in irg("run", scene, *options, "-o", tmp_path / "out.zarr", code=2)
     scene.write_text(SCENE.replace('radius = "2 mm"', 'radius = "3 mm"'))
     said = irg("run", scene, "-o", out, "--workers", 1, code=3)
-    assert "scene.friction_heat: False in the store, True in the scene" in said
+    assert "friction.coefficient: 0 in the store, 0.1 in the scene" in said
     assert "pin.radius" in said
 
 

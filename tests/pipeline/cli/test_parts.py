@@ -20,17 +20,19 @@ from pipeline.cli.begin import new
 from pipeline.cli.output import Result, _words_on, counted, failed_points, show
 from pipeline.cli.stores import _scene_status, _stores_and_scenes
 from pipeline.cli.studies import _critical_velocities
-from pipeline.cli.sweeps import _cost, _film, _library, _meaning, _unknown_inputs
+from pipeline.cli.sweeps import _cost, _film, _library, _meaning
 from pipeline.run.vary import Variation, Variations
 from pipeline.scene.facts import Span, facts_of
 from pipeline.store.progress import FailedPoint
 from pipeline.sweep.about import FromLibrary
-from pipeline.sweep.samples import Design, Draw
 from pipeline.sweep.stages import Progress
-from pipeline.sweep.unknown import Fixed, Unknown
-from pipeline.sweep.variants import drawn_rows, placed_rows, rows, surfaces
+from pipeline.sweep.variants import placed_rows, surfaces
 from pipeline.tradeoff.forecast import Estimate
+from pipeline.uncertain.drawn import described
+from pipeline.uncertain.samples import Design, Draw, drawn_rows
+from pipeline.uncertain.unknown import Fixed, Unknown
 from tests.helpers import synthetic, tiny
+from tests.helpers.entries import rows
 from tribo import InputError
 
 # Values
@@ -327,8 +329,12 @@ def samples(count, per_contact=2):
     return tiny.sweep(variants=drawn_rows(draw, count))
 
 
+def in_words(sweep):
+    return described(sweep.variants.draw, len(sweep.variants))
+
+
 def test_a_check_says_which_inputs_are_simulated_and_whether_more_samples_help():
-    said, document = _unknown_inputs(samples(8))
+    said, document = in_words(samples(8))
     assert said == [
         ("unknown", f"{CRITICAL}; applied afterwards, at no cost"),
         ("unknown", str(RATE)),
@@ -341,10 +347,9 @@ def test_a_check_says_which_inputs_are_simulated_and_whether_more_samples_help()
     assert document["fixed"] == {"friction.coefficient": 0.1}
     assert (document["samples"], document["samples_per_contact"]) == (8, 2)
     assert document["sample_seed"] == 7
-    enough, _ = _unknown_inputs(samples(64))
+    enough, _ = in_words(samples(64))
     assert enough[3][1].endswith("; more would share their contacts")
-    assert len(_unknown_inputs(samples(8, per_contact=1))[0]) == 4
-    assert _unknown_inputs(tiny.sweep()) == ([], {})
+    assert len(in_words(samples(8, per_contact=1))[0]) == 4
 
 
 @pytest.mark.parametrize(
@@ -357,7 +362,7 @@ def test_a_check_says_which_inputs_are_simulated_and_whether_more_samples_help()
          "12: 3 loads, 3 velocities, 2 values of pin.radius"),
         ({"variants": rows("test", {0: {}, 1: {}}, velocities=[0.5, 1.5])},
          "12: 3 loads, 2 velocities, 2 values of test"),
-        ({"variants": placed_rows([()] * 2, [], [250.0, 600.0], [0.5, 1.5])},
+        ({"variants": placed_rows([{}] * 2, [], [250.0, 600.0], [0.5, 1.5])},
          "12: 2 rows, each at its own load and velocity"),
     ],
 )  # fmt: skip

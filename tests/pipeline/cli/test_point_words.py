@@ -12,6 +12,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.severity import MOLTEN
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tribo import Corrections, Friction
 
 SWEEP = tiny.sweep()
@@ -39,12 +40,12 @@ def test_a_point_has_its_verdict_what_decides_it_and_its_probability():
     assert above[2].startswith("the next run is severe with 76 % probability at least, if")
     assert lines(verdict="not decided")[0].endswith(" m: not decided")
     curve = Corrections(friction=Friction(by_velocity=((0.5, 1.2), (5.0, 0.8))))
-    curved = SWEEP.changed(conditions=replace(SWEEP.conditions, corrections=curve))
+    curved = changed(SWEEP, conditions=replace(SWEEP.conditions, corrections=curve))
     assert lines(curved)[2].startswith(
         "the next run is severe with 12 % probability, if the rise grows as the velocity, with "
         "friction by velocity; the model's"
     )
-    unknown = SWEEP.changed(conditions=replace(SWEEP.conditions, critical_temperature=None))
+    unknown = changed(SWEEP, conditions=replace(SWEEP.conditions, critical_temperature=None))
     verdict, decisive = lines(unknown, verdict=None, probability=None)
     assert verdict.endswith(": mild or severe is not known without temperature.critical")
     assert decisive.startswith("the decisive temperature is ")

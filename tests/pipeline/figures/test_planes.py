@@ -267,8 +267,8 @@ def test_a_single_load_or_velocity_has_its_transition_or_the_reason_why_not():
 
 def two_pins(factors=(1.0, 0.1), **told):
     radii = (1e-3, 2e-3)
-    column = Column("pin.radius", radii, "m", texts=("1 mm", "2 mm"))
-    table = Variants((column,), tuple((("pin.radius", radius),) for radius in radii))
+    column = Column("pin.radius", radii, "m")
+    table = Variants((column,), ({"pin.radius": "1 mm"}, {"pin.radius": "2 mm"}))
     parts = [
         sweep(
             variants=table,

@@ -29,7 +29,7 @@ def plot(kind, *arguments, **options):
 
 
 def of_places():
-    with writing("a.zarr", tiny.sweep(variants=placed_rows([()], [], [250.0], [1.0]))):
+    with writing("a.zarr", tiny.sweep(variants=placed_rows([{}], [], [250.0], [1.0]))):
         pass
     return pipeline.plot("a.zarr", "diagram", log=True)
 

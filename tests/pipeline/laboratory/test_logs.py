@@ -6,6 +6,7 @@ import pipeline
 from pipeline.laboratory.logs import outcome_of
 from pipeline.sweep.about import Measurement
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 
 SCENE = """
 extends = "first_try"
@@ -99,7 +100,7 @@ def test_a_transition_counts_with_its_own_bulk_and_hold():
     sweep = tiny.sweep(wear=None)  # so that it gets warmer in the hold
     plain, warm, held = (
         pipeline.critical_temperatures(
-            sweep.changed(measured=(Measurement(300.0, 1.0, 0.1, **conditions),))
+            changed(sweep, measured=(Measurement(300.0, 1.0, 0.1, **conditions),))
         ).mean
         for conditions in ({}, {"bulk_temperature": 333.15}, {"hold": 2.0})
     )
@@ -107,7 +108,7 @@ def test_a_transition_counts_with_its_own_bulk_and_hold():
     assert warm - 333.15 == pytest.approx(plain - bulk, rel=1e-9)
     assert held == pytest.approx(
         pipeline.critical_temperatures(
-            sweep.held(2.0).changed(measured=(Measurement(300.0, 1.0, 0.1),))
+            changed(sweep.held(2.0), measured=(Measurement(300.0, 1.0, 0.1),))
         ).mean,
         rel=1e-12,
     )

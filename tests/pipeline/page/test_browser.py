@@ -245,9 +245,8 @@ def test_a_page_of_samples_tells_the_probability_at_any_place(page, monkeypatch)
 
 def test_another_value_of_an_entry_keeps_the_conditions_that_were_changed(page):
     radii = [1e-3, 2e-3]
-    texts = tuple(f"{1e3 * radius:g} mm" for radius in radii)
-    parts = tuple((("pin.radius", radius),) for radius in radii)
-    table = Variants((Column("pin.radius", tuple(radii), "m", texts=texts),), parts)
+    parts = tuple({"pin.radius": f"{1e3 * radius:g} mm"} for radius in radii)
+    table = Variants((Column("pin.radius", tuple(radii), "m"),), parts)
     ds = xr.concat(
         [synthetic.sweep(rise=sweeps.uneven(seed), variants=table) for seed in range(2)],
         xr.DataArray(radii, dims="pin.radius", name="pin.radius", attrs={"units": "m"}),

@@ -32,7 +32,7 @@ from pipeline.page.controls import controls, scene_choice, surface_choice
 from pipeline.page.explore import Page
 from pipeline.page.pictures import coloured, packed_fields, packed_point
 from pipeline.store.schema import DONE
-from pipeline.sweep.codec import content_hash
+from pipeline.sweep.digest import digest
 from pipeline.sweep.variants import Column, Variants
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import samples, synthetic
@@ -266,7 +266,7 @@ def test_the_record_has_the_entries_without_tests_and_the_reason_of_an_accuracy(
     assert kept["pin.radius"] == "2 mm"
     assert not [path for path in kept if path.startswith(("measured", "tested"))]
     assert "accuracy" not in kept
-    assert kept["scene hash"] == content_hash(stored_sweep(plain).scene)
+    assert kept["scene hash"] == digest(stored_sweep(plain).scene)
     picked = synthetic.selection(error=0.01)
     ds = synthetic.sweep(preset=None, selection=picked).assign_attrs(history="computed here")
     told = record(ds, stored_sweep(ds))
@@ -563,8 +563,8 @@ def test_fields_of_several_scenes_share_the_most_that_a_page_holds(tmp_path):
     assert held.path == tmp_path / "b.html"
     assert held.size == (tmp_path / "b.html").stat().st_size
     radii = (1e-3, 2e-3)
-    column = Column("pin.radius", radii, "m", texts=("1 mm", "2 mm"))
-    table = Variants((column,), tuple((("pin.radius", radius),) for radius in radii))
+    column = Column("pin.radius", radii, "m")
+    table = Variants((column,), ({"pin.radius": "1 mm"}, {"pin.radius": "2 mm"}))
     two = xr.concat(
         [sparse(fields=True, variants=table) for _ in radii],
         xr.DataArray([*radii], dims="pin.radius", name="pin.radius", attrs={"units": "m"}),

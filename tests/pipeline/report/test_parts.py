@@ -151,8 +151,8 @@ def test_inputs_are_entries_with_their_meanings_and_their_sources():
 
 def test_inputs_that_differ_between_scenes_have_all_their_values():
     radii = (1e-3, 2e-3)
-    column = Column("pin.radius", radii, "m", texts=("1 mm", "2 mm"))
-    table = Variants((column,), tuple((("pin.radius", radius),) for radius in radii))
+    column = Column("pin.radius", radii, "m")
+    table = Variants((column,), ({"pin.radius": "1 mm"}, {"pin.radius": "2 mm"}))
     labels = xr.DataArray([*radii], dims="pin.radius", name="pin.radius", attrs={"units": "m"})
     parts = [synthetic.sweep(*PLANE, variants=table) for _ in radii]
     ds = xr.concat(parts, labels, combine_attrs="override")

@@ -13,12 +13,14 @@ from pipeline.sweep.plan import points, run_points, tasks
 from pipeline.sweep.severity import momentary_rise, rise_limit
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.answers import crossings
+from tests.helpers.entries import changed
 from tribo import Fidelity, Grid, InputError
 from tribo.simulation import Trunks
 
 TOLERANCE = 0.01
 # Smooth, so that the rise is, and so that a point takes milliseconds.
-SWEEP = PAPER.changed(
+SWEEP = changed(
+    PAPER,
     roughness=None,
     pixels=Grid((96, 48), (4e-6, 4e-6)),
     fidelity=Fidelity(pixels_per_element=1, increments=15),
@@ -116,9 +118,9 @@ def test_a_search_that_was_stopped_goes_on_to_the_same_store(followed, tmp_path)
 
 def test_a_grid_that_is_there_is_used(tmp_path):
     out = tmp_path / "grown.zarr"
-    few = SWEEP.changed(loads=SWEEP.plane.loads[:1], velocities=(4.0, 4.5, 5.0))
+    few = changed(SWEEP, loads=SWEEP.plane.loads[:1], velocities=(4.0, 4.5, 5.0))
     pipeline.run_sweep(few, out, workers=1)
-    asked, searched = few.changed(velocities=SWEEP.plane.velocities), tmp_path / "searched.zarr"
+    asked, searched = changed(few, velocities=SWEEP.plane.velocities), tmp_path / "searched.zarr"
     outcome = follow(asked, searched, source=out)
     assert outcome.computed == 0
     assert outcome.done == 3
@@ -131,8 +133,8 @@ def test_a_grid_that_is_there_is_used(tmp_path):
 
 
 def test_where_nothing_can_cross_nothing_is_looked_for(tmp_path):
-    without = SWEEP.changed(conditions=replace(SWEEP.conditions, friction=0.0))
-    one, rest = (SWEEP.changed(velocities=velocities) for velocities in ((1.5,), (0.0, 1.5)))
+    without = changed(SWEEP, conditions=replace(SWEEP.conditions, friction=0.0))
+    one, rest = (changed(SWEEP, velocities=velocities) for velocities in ((1.5,), (0.0, 1.5)))
     for sweep, reason in (
         (without, "without friction; give friction.coefficient a number above 0"),
         (one, "sweep.velocities are 1.5 m/s; give two or more above 0"),

@@ -20,11 +20,12 @@ from pipeline.run.schedule import _short_name, _Silence
 from pipeline.run.tally import Reports
 from pipeline.run.vary import Variation, Variations, _absolute
 from pipeline.run.work import ExecutionError, hash_of_code, other_packages, require_same_code
+from pipeline.sweep.identity import Simulated
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_points
 from pipeline.sweep.stages import Progress
-from pipeline.sweep.stored import Simulated
 from tests.helpers import synthetic, tiny
+from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
 from tribo import ConvergenceError, Corrections, Friction, InputError
 
@@ -444,7 +445,7 @@ def test_a_search_is_between_the_velocities_above_0_and_closer_where_friction_be
     assert (plain.lowest, plain.highest, plain.limit) == (0.5, 5.0, pytest.approx(1200.0))
     assert (plain.tolerance, plain.scale, plain.factor) == (0.02, 2.0, None)
     bent = Corrections(friction=Friction(by_velocity=((0.5, 1.2), (5.0, 0.8))))
-    curved = sweep.changed(conditions=replace(sweep.conditions, corrections=bent))
+    curved = changed(sweep, conditions=replace(sweep.conditions, corrections=bent))
     assert BoundarySearch.of(curved, 0.02).tolerance == pytest.approx(0.002)
     assert BoundarySearch.of(curved, 0.02).factor is not None
     for values, words in (
@@ -452,7 +453,7 @@ def test_a_search_is_between_the_velocities_above_0_and_closer_where_friction_be
         ({"conditions": replace(sweep.conditions, friction=0.0)}, "without friction; give fricti"),
     ):
         with pytest.raises(InputError, match=words):
-            BoundarySearch.of(sweep.changed(**values), 0.02)
+            BoundarySearch.of(changed(sweep, **values), 0.02)
 
 
 # Variations
@@ -506,9 +507,10 @@ def test_entries_are_ordered_by_how_far_they_move_the_boundary():
 def test_percents_are_of_the_scene_s_own_value(tmp_path, key, value, absolute):
     (tmp_path / "scene.toml").write_text(SCENE)
     given = {"fidelity.increments": 50}
-    (found,) = _absolute(tmp_path / "scene.toml", key, [value], given)
+    sweep = pipeline.load_scene(tmp_path / "scene.toml", overrides=given)
+    (found,) = _absolute(sweep, key, [value])
     assert (found, type(found)) == (absolute, type(absolute))
-    several = [*_absolute(tmp_path / "scene.toml", key, ["7", value, 8], given)]
+    several = [*_absolute(sweep, key, ["7", value, 8])]
     assert several == ["7", absolute, 8]
 
 
@@ -524,19 +526,19 @@ def test_percents_are_of_the_scene_s_own_value(tmp_path, key, value, absolute):
 def test_what_has_no_percents_is_told(tmp_path, key, words):
     (tmp_path / "scene.toml").write_text(SCENE)
     with pytest.raises(InputError, match=words):
-        [*_absolute(tmp_path / "scene.toml", key, ["+20%"], {})]
+        [*_absolute(pipeline.load_scene(tmp_path / "scene.toml"), key, ["+20%"])]
 
 
 def test_a_variation_of_an_effect_is_labelled_by_it(tmp_path):
     (tmp_path / "scene.toml").write_text(SCENE)
     sweep = pipeline.load_scene(tmp_path / "scene.toml")
-    thin = sweep.changed(pin=replace(sweep.scene.pin, radius=1e-3), loads=(1.0,), fields=False)
+    thin = sweep.changed("pin.radius", "1 mm").changed("sweep.loads", ["1 N"])
     made = vary._combine(sweep, [("", ""), ("pin.radius", "1 mm")], [sweep, thin])
     assert made.plane == sweep.plane
     assert [dict(name)["variation"] for name in made.variants.names] == [
         "the unchanged scene",
         "pin.radius = 1 mm",
     ]
-    plain, changed = (made.variants.part(name) for name in made.variants.names)
-    assert plain == ()
-    assert [path for path, _ in changed] == ["pin"]
+    plain, other = made.rows
+    assert plain == {"variation": "the unchanged scene"}
+    assert other == {"variation": "pin.radius = 1 mm", "pin.radius": "1 mm"}

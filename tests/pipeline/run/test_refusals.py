@@ -16,10 +16,11 @@ from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.cluster import client_of
 from pipeline.run.work import compute_points, records_here, require_same_code, versions
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tests.helpers.refusals import Refusals
 
 SWEEP = tiny.sweep()
-COLD = SWEEP.changed(conditions=replace(SWEEP.conditions, friction=0.0))
+COLD = changed(SWEEP, conditions=replace(SWEEP.conditions, friction=0.0))
 
 
 def vary(entry, value):
@@ -71,7 +72,7 @@ REFUSALS = {
     "tolerance": (lambda: BoundarySearch((1.0,), 0.5, 5.0, 100.0, 1.0), "the tolerance is 1.0"),
     "no tolerance": (lambda: BoundarySearch((1.0,), 0.5, 5.0, 100.0, 0.0), "the tolerance is 0.0"),
     "no friction": (lambda: BoundarySearch.of(COLD, 0.01), "no boundary to look for without"),
-    "velocities": (lambda: BoundarySearch.of(SWEEP.changed(velocities=(0.0, 1.5)), 0.01),
+    "velocities": (lambda: BoundarySearch.of(changed(SWEEP, velocities=(0.0, 1.5)), 0.01),
                    "sweep.velocities are 0, 1.5 m/s; give two or more above 0"),
     "temperature": (vary("temperature.critical", "+5%"), "the scene gives 145 degC, and a percent"),
     "no number": (vary("pin.shape", "+5%"), "pin.shape=+5%: the scene gives no number there"),

@@ -11,6 +11,7 @@ from pipeline.run.boundary_search import results_of
 from pipeline.run.cluster import PATIENCE, Connection
 from pipeline.run.sweep import run_sweep
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tests.helpers.stores import opened
 from tests.pipeline.run.test_schedule import LocalClient
 
@@ -37,7 +38,7 @@ def test_workers_are_one_for_each_core_but_no_more_than_points_and_none_for_no_p
     assert (outcome.total, outcome.done, outcome.computed) == (3, 3, 3)
     assert outcome.wall_time > 0.0
     assert run_sweep(few, path).computed == 0
-    more = run_sweep(few.changed(velocities=(1.0, 2.0)), path, workers=9, patience=9.0)
+    more = run_sweep(changed(few, velocities=(1.0, 2.0)), path, workers=9, patience=9.0)
     assert (more.total, more.done, more.computed) == (2, 2, 1)
     assert asked == [(2, PATIENCE, False), (1, 9.0, False)]
 

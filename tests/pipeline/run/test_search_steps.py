@@ -13,8 +13,8 @@ from pipeline.run.boundary_search import BoundarySearch, boundary_search, result
 from pipeline.store.create import writing
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, points, run_point
-from pipeline.sweep.variants import rows
 from tests.helpers import tiny
+from tests.helpers.entries import changed, rows
 from tests.helpers.stores import opened
 from tribo import Corrections, Friction
 
@@ -152,46 +152,46 @@ def test_a_search_begins_with_the_rises_of_a_store(alone):
     for point in (Point(150.0, 0.5), Point(600.0, 1.5)):
         decisive = run_point(SWEEP, *point[:2]).verdict(SWEEP.conditions).decisive_temperature
         assert rises[point] == pytest.approx((decisive - 298.15) / 0.1, rel=1e-9)
-    fewer, _ = results_of(opened(alone), SWEEP.changed(loads=(150.0, 250.0)))
+    fewer, _ = results_of(opened(alone), changed(SWEEP, loads=(150.0, 250.0)))
     assert fewer == {point: rise for point, rise in rises.items() if point.load < 600.0}
 
 
 def test_points_that_failed_are_asked_for_again_if_the_user_says_so(path):
     further = boundary_search(SWEEP, 0.01)
-    first = further(None).plane.chosen
+    first = further(None).chosen
     assert sorted(point.load for point in first) == [150.0, 250.0, 600.0]
-    with writing(path, SWEEP.changed(chosen=first)) as store:
+    with writing(path, changed(SWEEP, chosen=first)) as store:
         store.commit(PointRecord(point, None, "out of memory") for point in first)
         assert results_of(store, SWEEP) == ({}, first)
-        assert further(store).plane.chosen == first
-        again = further(store, retry_failed=True).plane.chosen
+        assert further(store).chosen == first
+        again = further(store, retry_failed=True).chosen
     assert again == first
 
 
 def test_a_failed_point_leaves_its_load_the_ends_of_the_range_unless_it_is_tried_again(path):
     """Where friction by velocity may turn wear several times."""
     curve = Corrections(friction=Friction(by_velocity=((0.5, 1.2), (1.5, 0.8))))
-    sweep = SWEEP.changed(conditions=replace(SWEEP.conditions, corrections=curve))
+    sweep = changed(SWEEP, conditions=replace(SWEEP.conditions, corrections=curve))
     further = boundary_search(sweep, 0.01)
-    first = further(None).plane.chosen
+    first = further(None).chosen
     assert len(first) == 3
     failed = min(first)
-    with writing(path, sweep.changed(chosen=first)) as store:
+    with writing(path, changed(sweep, chosen=first)) as store:
         store.commit([PointRecord(failed, None, "out of memory")])
         ends = {Point(failed.load, velocity) for velocity in (0.5, 1.5)}
-        assert further(store).plane.chosen == first | ends
-        assert further(store, retry_failed=True).plane.chosen == first
+        assert further(store).chosen == first | ends
+        assert further(store, retry_failed=True).chosen == first
 
 
 def test_scenes_of_the_same_points_are_asked_for_them_together():
     """Friction acts after the simulation; another radius is another simulation."""
     oils = {"dry": {}, "oiled": {"conditions": replace(SWEEP.conditions, friction=0.05)}}
     thick = {"thick": {"pin": replace(SWEEP.scene.pin, radius=12e-3)}}
-    several = SWEEP.changed(variants=rows("oil", oils | thick))
-    chosen = boundary_search(several, 0.01)(None).plane.chosen
+    several = changed(SWEEP, variants=rows("oil", oils | thick))
+    chosen = boundary_search(several, 0.01)(None).chosen
     asked = {
         oil: {point[:2] for point in chosen if dict(point.variant)["oil"] == oil}
         for oil in ("dry", "oiled", "thick")
     }
-    alone = {point[:2] for point in boundary_search(SWEEP, 0.01)(None).plane.chosen}
+    alone = {point[:2] for point in boundary_search(SWEEP, 0.01)(None).chosen}
     assert asked == dict.fromkeys(asked, alone)

@@ -29,6 +29,7 @@ from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, Task, run_point
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tests.helpers.heard import Heard
 from tests.helpers.processes import python
 from tests.helpers.stores import opened, plain_values
@@ -94,7 +95,7 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, cop
     assert content(copy) == content(alone)
     outcome = run_sweep(tiny.full(loads=(250.0, 800.0), velocities=(1.5,)), copy)
     assert (outcome.total, outcome.computed, outcome.done) == (2, 1, 2)
-    result = run_point(SWEEP.changed(loads=(*tiny.LOADS, 800.0)), 800.0, 1.5)
+    result = run_point(changed(SWEEP, loads=(*tiny.LOADS, 800.0)), 800.0, 1.5)
     with xr.open_zarr(copy, chunks=None) as ds:
         volumes = ds["wear_volume"].sel(load=800, velocity=1.5).values
         assert volumes[-len(result.columns["time"]) :].tobytes() == (
@@ -119,11 +120,11 @@ def test_other_versions_are_told_and_noted(copy, monkeypatch):
 
 def test_other_conditions_of_the_scene_are_told(copy):
     messages = Heard()
-    warmer = SWEEP.changed(conditions=replace(SWEEP.conditions, friction=0.12))
+    warmer = changed(SWEEP, conditions=replace(SWEEP.conditions, friction=0.12))
     for _ in range(2):
         run_sweep(warmer, copy, progress=messages.hear)
     assert len(messages) == 1  # not again, since the store has them then
-    assert "conditions.friction: 0.1 in the store, 0.12 in the scene" in messages[0]
+    assert "friction.coefficient: 0.1 in the store, 0.12 in the scene" in messages[0]
 
 
 # What goes wrong

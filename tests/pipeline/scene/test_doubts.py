@@ -15,6 +15,7 @@ from pipeline.scene.scenefile import load_scene
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.physics import note_on_ends
 from pipeline.sweep.surface import SurfaceFacts
+from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
 
@@ -24,17 +25,17 @@ JUST_LESS, JUST_MORE = 1 - 1e-6, 1 + 1e-6
 
 def of_both(**changes):
     """The scene of one material, with something else about it."""
-    changed = replace(STEEL, **changes)
-    return SMOOTH.changed(disk=changed, pin=replace(SMOOTH.scene.pin, material=changed))
+    other = replace(STEEL, **changes)
+    return changed(SMOOTH, disk=other, pin=replace(SMOOTH.scene.pin, material=other))
 
 
 def warmer(bulk):
     conditions = replace(SMOOTH.conditions, bulk_temperature=bulk, critical_temperature=1000.0)
-    return replace(SMOOTH, conditions=conditions)
+    return changed(SMOOTH, conditions=conditions)
 
 
 def slippery(friction):
-    return replace(SMOOTH, conditions=replace(SMOOTH.conditions, friction=friction))
+    return changed(SMOOTH, conditions=replace(SMOOTH.conditions, friction=friction))
 
 
 def hard(hardness):
@@ -42,33 +43,33 @@ def hard(hardness):
 
 
 def crowned(radius):
-    return CROWNED.changed(pin=replace(CROWNED.scene.pin, crown_radius=radius))
+    return changed(CROWNED, pin=replace(CROWNED.scene.pin, crown_radius=radius))
 
 
 def oiled(viscosity):
-    return SMOOTH.changed(oil=tribo.Oil((313.15, 373.15), (viscosity, 0.9 * viscosity), 866.0))
+    return changed(SMOOTH, oil=tribo.Oil((313.15, 373.15), (viscosity, 0.9 * viscosity), 866.0))
 
 
 def dense(density):
-    return SMOOTH.changed(oil=tribo.Oil((313.15, 373.15), (3e-5, 5e-6), density))
+    return changed(SMOOTH, oil=tribo.Oil((313.15, 373.15), (3e-5, 5e-6), density))
 
 
 def ramped(reference):
-    return SMOOTH.changed(loads=(750.0,), loading=tribo.Ramp(150.0, reference))
+    return changed(SMOOTH, loads=(750.0,), loading=tribo.Ramp(150.0, reference))
 
 
 def kept(capacity):
     corrections = tribo.Corrections(disk_bulk=tribo.Bulk(capacity))
-    return SMOOTH.changed(conditions=replace(SMOOTH.conditions, corrections=corrections))
+    return changed(SMOOTH, conditions=replace(SMOOTH.conditions, corrections=corrections))
 
 
 def with_test(load):
     velocity = max(SMOOTH.plane.velocities)
-    return SMOOTH.changed(loads=(200.0, 750.0), tested=(Measurement(load, velocity),))
+    return changed(SMOOTH, loads=(200.0, 750.0), tested=(Measurement(load, velocity),))
 
 
 def with_pin(**changes):
-    return SMOOTH.changed(pin=replace(SMOOTH.scene.pin, **changes))
+    return changed(SMOOTH, pin=replace(SMOOTH.scene.pin, **changes))
 
 
 def said_of(sweep, **facts):
@@ -91,9 +92,9 @@ USUAL = [
     ("pin.length: ", 1e-4, 1.0, lambda v: said_of(with_pin(length=v))),
     ("pin.crown_radius: ", 1e-4, 100.0, lambda v: said_of(crowned(v))),
     ("temperature.bulk: ", 223.15, 523.15, lambda v: said_of(warmer(v))),
-    ("wear_rate: ", 1e-20, 1e-11, lambda v: said_of(SMOOTH.changed(wear=tribo.Wear(v)))),
+    ("wear_rate: ", 1e-20, 1e-11, lambda v: said_of(changed(SMOOTH, wear=tribo.Wear(v)))),
     ("disk.roughness.ra: ", 1e-9, 1e-5, lambda v: said_of(SMOOTH, surface=surface(ra=v, rq=v))),
-    ("sweep.velocities: ", 0.0, 100.0, lambda v: said_of(SMOOTH.changed(velocities=(v,)))),
+    ("sweep.velocities: ", 0.0, 100.0, lambda v: said_of(changed(SMOOTH, velocities=(v,)))),
     ("friction.coefficient: ", 0.0, 1.0, lambda v: said_of(slippery(v))),
     (
         "times the elastic modulus",
@@ -110,11 +111,11 @@ USUAL = [
 
 
 def test_the_ends_of_a_cylinder_are_told_with_a_size():
-    worn = SMOOTH.changed(wear=tribo.Wear(1.2e-15))
+    worn = changed(SMOOTH, wear=tribo.Wear(1.2e-15))
     size = "9 to 23 % lower"
-    for cylinder in (worn, worn.changed(wear=None)):
+    for cylinder in (worn, changed(worn, wear=None)):
         assert sum(size in doubt for doubt in said_of(cylinder)) == 1
-    rolling = worn.changed(motion=tribo.Motion(slide_roll_ratio=1.0))
+    rolling = changed(worn, motion=tribo.Motion(slide_roll_ratio=1.0))
     for other in (BALL, rolling):
         assert not any(size in doubt for doubt in said_of(other))
 
@@ -136,7 +137,7 @@ def test_a_ratio_in_percent_is_doubted_or_read():
         return any("motion.slide_roll_ratio: " in doubt for doubt in said_of(rolling(ratio)))
 
     def rolling(ratio):
-        return SMOOTH.changed(motion=tribo.Motion(slide_roll_ratio=ratio))
+        return changed(SMOOTH, motion=tribo.Motion(slide_roll_ratio=ratio))
 
     assert [doubted(ratio) for ratio in (-2.1, -2.0, 0.5, 2.0, 50.0)] == [1, 0, 0, 0, 1]
     read = load_scene("twin_disc", overrides={"motion.slide_roll_ratio": "50 %"})
@@ -144,14 +145,14 @@ def test_a_ratio_in_percent_is_doubted_or_read():
 
 
 def test_the_highest_friction_and_the_highest_velocity_of_a_scene_are_doubted():
-    said = said_of(SMOOTH.changed(friction_band=(0.05, 1.2), velocities=(1.0, 120.0)))
+    said = said_of(changed(SMOOTH, friction_band=(0.05, 1.2), velocities=(1.0, 120.0)))
     for words in ("friction.coefficient: 1.2", "sweep.velocities: 120 m/s"):
         assert any(doubt.startswith(words) for doubt in said), said
 
 
 def test_a_band_beside_its_own_friction_is_doubted():
     for band, count in (((0.09, 0.103), 0), ((0.11, 0.13), 1), ((0.05, 0.09), 1)):
-        said = doubts(SMOOTH.changed(friction_band=band), facts_of(SMOOTH))
+        said = doubts(changed(SMOOTH, friction_band=band), facts_of(SMOOTH))
         assert sum(doubt.place == "friction.band" for doubt in said) == count
 
 
@@ -164,16 +165,16 @@ def test_a_band_beside_its_own_friction_is_doubted():
     ],
 )
 def test_a_pin_that_rolls_has_to_turn_often_enough_if_at_all(motion, words):
-    rolling = SMOOTH.changed(velocities=(0.5, 1.0, 2.0), motion=tribo.Motion(**motion))
+    rolling = changed(SMOOTH, velocities=(0.5, 1.0, 2.0), motion=tribo.Motion(**motion))
     said = [doubt for doubt in said_of(rolling) if "the pin turns only" in doubt]
     assert len(said) == bool(words)
     assert not words or words in said[0]
-    assert not any("turns only" in doubt for doubt in said_of(rolling.changed(wear=None)))
+    assert not any("turns only" in doubt for doubt in said_of(changed(rolling, wear=None)))
 
 
 @pytest.mark.parametrize(("velocity", "is_doubted"), [(30.0, False), (3e4, True)])
 def test_points_where_even_a_smooth_contact_would_melt_are_doubted(velocity, is_doubted):
-    fast = SMOOTH.changed(velocities=(1.0, velocity), wear=None)
+    fast = changed(SMOOTH, velocities=(1.0, velocity), wear=None)
     said = [doubt for doubt in said_of(fast) if "steel would melt" in doubt]
     assert len(said) == is_doubted
     assert not said or f"at {max(fast.plane.loads):g} N and {velocity:g} m/s" in said[0]
@@ -207,7 +208,7 @@ def test_a_correlation_length_lies_between_pixels_and_window(length, words):
     length *= nx * dx if length < 1 else dx
     ny, dy = SMOOTH.scene.pixels.shape[1], SMOOTH.scene.pixels.spacing[1]
     rough = tribo.SelfAffineRoughness(0.3e-6, 0.8, (length, 0.2 * ny * dy))
-    said = said_of(SMOOTH.changed(roughness=rough), surface=surface(measured=False))
+    said = said_of(changed(SMOOTH, roughness=rough), surface=surface(measured=False))
     doubts = [doubt for doubt in said if "correlation_length: that along x" in doubt]
     assert len(doubts) == bool(words)
     assert not words or words in doubts[0]

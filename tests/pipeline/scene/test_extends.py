@@ -6,7 +6,8 @@ import pytest
 import tribo
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
-from pipeline.sweep.codec import content_hash
+from pipeline.sweep.digest import digest
+from tests.helpers.entries import changed
 from tests.pipeline.scene.conftest import ROUGHNESS, TEXT
 
 EXTENDS = 'extends = "base.toml"\n'
@@ -34,7 +35,7 @@ def faults_of(path, **arguments):
 
 def test_a_scene_that_only_extends_is_the_other_under_its_own_name(write):
     sweep = load_scene(write(own=EXTENDS))
-    assert sweep == load_scene(write(base=TEXT)).changed(name="own")
+    assert sweep == changed(load_scene(write(base=TEXT)), name="own")
 
 
 def test_what_an_inherited_entry_excludes_is_replaced_or_named(write):
@@ -69,8 +70,8 @@ def test_entries_of_its_own_stand_in_place_of_the_others(write):
         assert old in text
         text = text.replace(old, new)
     extended, written = load_scene(write(own=entries)), load_scene(write(full=text))
-    assert extended == written.changed(name="own")
-    assert content_hash(extended.scene) == content_hash(written.scene)
+    assert extended == changed(written, name="own")
+    assert digest(extended.scene) == digest(written.scene)
 
 
 def test_entries_may_be_left_out(write):

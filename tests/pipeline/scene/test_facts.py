@@ -9,6 +9,7 @@ from pipeline.scene.facts import facts_of
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.surface import surface_facts
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
 
 SMOOTH = tiny.sweep(
@@ -19,7 +20,8 @@ SMOOTH = tiny.sweep(
     increments=25,
     friction_band=None,
 )
-BALL = SMOOTH.changed(
+BALL = changed(
+    SMOOTH,
     pin=tribo.Ball(radius=5e-3, material=STEEL),
     pixels=tribo.Grid((96, 96), (3e-6, 3e-6), periodic=(False, False)),
     wear=None,
@@ -29,14 +31,15 @@ BALL = SMOOTH.changed(
 )
 
 
-CROWNED = BALL.changed(
+CROWNED = changed(
+    BALL,
     pin=tribo.Crowned(radius=2e-3, crown_radius=8e-3, material=STEEL),
     pixels=tribo.Grid((120, 120), (1.5e-6, 4e-6), periodic=(False, False)),
 )
 
 
 def test_width_and_depth_are_those_of_a_smooth_crowned_pin():
-    sweep = CROWNED.changed(wear=tribo.Wear(1e-15, "local"))
+    sweep = changed(CROWNED, wear=tribo.Wear(1e-15, "local"))
     facts, columns = facts_of(sweep), run_point(sweep, 10.0, 1.0).columns
     assert facts.contact_width.low == pytest.approx(columns["contact_width"][-1], rel=0.05)
     assert facts.wear_depth.low == pytest.approx(columns["wear_depth_max"][-1], rel=0.15)
@@ -45,7 +48,7 @@ def test_width_and_depth_are_those_of_a_smooth_crowned_pin():
 def rough(array, **changes):
     """A sweep on a measured surface."""
     grid = tribo.Grid(array.shape, (1e-6, 2e-6))
-    return SMOOTH.changed(pixels=grid, roughness=tribo.MeasuredRoughness(array), **changes)
+    return changed(SMOOTH, pixels=grid, roughness=tribo.MeasuredRoughness(array), **changes)
 
 
 def waves(nx=64, ny=32, along=0):
@@ -56,7 +59,7 @@ def waves(nx=64, ny=32, along=0):
 
 @pytest.mark.parametrize(("rate", "load", "velocity"), [(0.0, 600.0, 4.0), (1.2e-14, 200.0, 0.5)])
 def test_width_and_depth_are_those_of_a_smooth_cylinder(rate, load, velocity):
-    sweep = SMOOTH.changed(wear=tribo.Wear(rate), loads=(load,), velocities=(velocity,))
+    sweep = changed(SMOOTH, wear=tribo.Wear(rate), loads=(load,), velocities=(velocity,))
     facts, columns = facts_of(sweep), run_point(sweep, load, velocity).columns
     assert facts.contact_width.low == pytest.approx(columns["contact_width"][-1], rel=0.03)
     if rate:
@@ -69,14 +72,15 @@ def test_width_and_depth_are_those_of_a_smooth_cylinder(rate, load, velocity):
 
 
 def test_width_and_depth_are_those_of_a_smooth_ball():
-    sweep = BALL.changed(wear=tribo.Wear(1e-15, "local"))
+    sweep = changed(BALL, wear=tribo.Wear(1e-15, "local"))
     facts, columns = facts_of(sweep), run_point(sweep, 10.0, 1.0).columns
     assert facts.contact_width.high == pytest.approx(columns["contact_width"][-1], rel=0.03)
     assert facts.wear_depth.high == pytest.approx(columns["wear_depth_max"][-1], rel=0.1)
 
 
 def test_roughness_widens_the_contact_as_in_the_simulation():
-    sweep = SMOOTH.changed(
+    sweep = changed(
+        SMOOTH,
         pixels=tribo.Grid((240, 240), (1.632e-6, 1.9e-6)),
         roughness=tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6), seed=0),
         loads=(200.0,),
@@ -89,7 +93,7 @@ def test_roughness_widens_the_contact_as_in_the_simulation():
 
 
 def test_spans_cover_all_loads_and_velocities():
-    facts = facts_of(SMOOTH.changed(loads=(200.0, 800.0), velocities=(0.0, 2.0)))
+    facts = facts_of(changed(SMOOTH, loads=(200.0, 800.0), velocities=(0.0, 2.0)))
     assert facts.hertz_pressure.high == pytest.approx(2 * facts.hertz_pressure.low, rel=1e-12)
     assert facts.duration == pytest.approx((200 / 150, 800 / 150), rel=1e-12)
     assert facts.sliding_distance == pytest.approx((0.0, 1600 / 150), rel=1e-12)
@@ -100,7 +104,7 @@ def test_spans_cover_all_loads_and_velocities():
 
 def test_the_greatest_load_is_the_last_that_the_window_carries():
     greatest = SMOOTH.scene.greatest_load
-    edge = SMOOTH.changed(wear=None, loading=tribo.Ramp(150.0, greatest))
+    edge = changed(SMOOTH, wear=None, loading=tribo.Ramp(150.0, greatest))
     run_point(edge, greatest * (1 - 1e-9), 0.0)
     with pytest.raises(tribo.InputError):
         run_point(edge, greatest * (1 + 1e-6), 0.0)
@@ -127,7 +131,7 @@ def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
     def lay(length, count):
         surface = tribo.SelfAffineRoughness(0.27e-6, 0.8, length, seed=3)
         grid = tribo.Grid((count, count), (1e-6, 1e-6))
-        return surface_facts(SMOOTH.changed(pixels=grid, roughness=surface)).lay
+        return surface_facts(changed(SMOOTH, pixels=grid, roughness=surface)).lay
 
     assert lay((4e-6, 4e-6), 128) is None
     assert lay((4e-6, 40e-6), 128) == pytest.approx(90.0, abs=5.0)
@@ -137,7 +141,7 @@ def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
 @pytest.mark.parametrize(
     ("sweep", "said"),
     [
-        (SMOOTH.changed(wear=None), "wear: not given"),
+        (changed(SMOOTH, wear=None), "wear: not given"),
         (
             rough(waves() + 1e-7 * np.indices((64, 32))[1]),
             "tilted: its mean plane rises by 3.2 µm along y",
@@ -152,8 +156,8 @@ def test_what_is_hardly_meant_is_doubted(sweep, said):
 
 def test_of_two_moving_bodies_the_velocities_and_turns_are_told():
     motion = tribo.Motion(slide_roll_ratio=0.5, track_length=0.1)
-    sweep = SMOOTH.changed(motion=motion, loads=(300.0, 750.0), velocities=(1.0, 4.0))
-    facts, unmoved = facts_of(sweep), facts_of(sweep.changed(motion=None))
+    sweep = changed(SMOOTH, motion=motion, loads=(300.0, 750.0), velocities=(1.0, 4.0))
+    facts, unmoved = facts_of(sweep), facts_of(changed(sweep, motion=None))
     assert (facts.pin_velocity, facts.disk_velocity) == ((1.5, 6.0), (2.5, 10.0))
     assert facts.pin_turns == pytest.approx((1.5 * 2.0 / 0.1, 6.0 * 5.0 / 0.1))
     assert facts.peclet_number.high == pytest.approx(2.5 * unmoved.peclet_number.high)

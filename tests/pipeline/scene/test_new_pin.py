@@ -12,6 +12,7 @@ from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import facts_of
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
 from tests.pipeline.conftest import commit_all
 from tribo.simulation.pins import sizes_of
@@ -58,14 +59,14 @@ def sweep(monkeypatch):
 
 
 def test_a_new_pin_is_checked_sized_and_swept_like_any_other(sweep, tmp_path):
-    crowned = sweep.changed(pin=tribo.Crowned(5e-3, 10e-3, STEEL))
+    crowned = changed(sweep, pin=tribo.Crowned(5e-3, 10e-3, STEEL))
     facts, expected = facts_of(sweep), facts_of(crowned)
     assert facts.contact_width == expected.contact_width
     assert facts.wear_depth == expected.wear_depth
     assert sizes_of(sweep.scene.pin) == ("radius", "bluntness")
     assert any(
         doubt.place == "pin.radius"
-        for doubt in doubts(sweep.changed(pin=Oblong(5e3, 2.0, STEEL)), facts)
+        for doubt in doubts(changed(sweep, pin=Oblong(5e3, 2.0, STEEL)), facts)
     )
     film = [find_lubrication(one).film_parameter(5.0, 1.0, 298.15) for one in (sweep, crowned)]
     assert film[0] == film[1] > 0

@@ -28,6 +28,7 @@ from pipeline.scene.units import (
 )
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.surface import SurfaceFacts
+from tests.helpers.entries import changed
 from tests.pipeline.scene.test_doubts import said_of, surface
 from tests.pipeline.scene.test_facts import SMOOTH
 from tribo import InputError
@@ -351,7 +352,7 @@ def test_a_surface_that_rises_by_more_than_twice_its_roughness_is_tilted(rise, a
     ],
 )
 def test_grooves_along_sliding_are_doubted(lay, measured, pattern, said):
-    scene = SMOOTH.changed(wear=tribo.Wear(1.2e-15, pattern) if pattern else None)
+    scene = changed(SMOOTH, wear=tribo.Wear(1.2e-15, pattern) if pattern else None)
     found = said_of(scene, surface=surface(lay=lay, measured=measured))
     words = {"pattern": "the grooves lie along sliding, and pattern", "transpose": "with transpose"}
     assert [name for name, text in words.items() if any(text in one for one in found)] == said
@@ -378,20 +379,20 @@ def test_conditions_of_a_row_are_doubted_beyond_the_usual(row, words):
 
 def test_tests_far_outside_are_counted_and_those_in_other_units_named():
     far = [Measurement(load, 2.0) for load in (1.0, 2.0, 3.0)]
-    sweep = SMOOTH.changed(loads=(200.0, 750.0), velocities=(1.0, 4.0), measured=tuple(far[:1]))
+    sweep = changed(SMOOTH, loads=(200.0, 750.0), velocities=(1.0, 4.0), measured=tuple(far[:1]))
     one, several = (
         [d for d in said_of(s) if "far outside the sweep" in d]
-        for s in (sweep, sweep.changed(tested=tuple(far[1:])))
+        for s in (sweep, changed(sweep, measured=tuple(far)))
     )
     assert one[0].startswith(
         "the test of 1 N at 2 m/s lies far outside the sweep, 200 to 750 N and 1 to 4 m/s, and"
     )
     assert several[0].startswith("the test of 1 N at 2 m/s and 2 more lie far outside the sweep")
-    fast = sweep.changed(measured=(Measurement(300.0, 40.1), Measurement(300.0, 40.0)))
+    fast = changed(sweep, measured=(Measurement(300.0, 40.1), Measurement(300.0, 40.0)))
     assert sum("test of 300 N at 40.1" in d for d in said_of(fast)) == 1
-    slow = sweep.changed(measured=(Measurement(300.0, 0.1), Measurement(7500.0, 1.0)))
+    slow = changed(sweep, measured=(Measurement(300.0, 0.1), Measurement(7500.0, 1.0)))
     assert not any("far outside" in d for d in said_of(slow))
-    warm = sweep.changed(measured=(Measurement(300.0, 2.0, 5.0, bulk_temperature=90.0),))
+    warm = changed(sweep, measured=(Measurement(300.0, 2.0, 5.0, bulk_temperature=90.0),))
     said = [d for d in said_of(warm) if d.startswith("the test of 300 N at 2 m/s: ")]
     assert len(said) == 2
 
@@ -406,9 +407,9 @@ def test_a_test_of_unusual_duration_is_doubted(duration, is_usual):
 def test_a_track_of_unusual_length_is_doubted(length, is_usual):
     track = tribo.Track.under(SMOOTH.scene.pin, SMOOTH.scene.disk, length)
     corrections = tribo.Corrections(track=track)
-    sweep = SMOOTH.changed(conditions=replace(SMOOTH.conditions, corrections=corrections))
+    sweep = changed(SMOOTH, conditions=replace(SMOOTH.conditions, corrections=corrections))
     said = said_of(sweep)
     assert sum("disk: track " in doubt for doubt in said) == 1 - is_usual
-    resting = sweep.changed(motion=tribo.Motion(slide_roll_ratio=-2.0))
+    resting = changed(sweep, motion=tribo.Motion(slide_roll_ratio=-2.0))
     assert any("the disk is at rest" in doubt for doubt in said_of(resting))
     assert not any("is at rest" in doubt for doubt in said)

@@ -1,7 +1,7 @@
 """All refusals of scenes, and of the files that they name: what causes each, and what it says."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, make_dataclass
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +10,11 @@ import pytest
 import tribo
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.facts import require_bearable_load
+from pipeline.scene.kept import files_of, sweep_text, text_sweep
 from pipeline.scene.reference import new_scene
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.units import difference_in_si, in_si, require_count, share_of, to_si
+from tests.helpers import tiny
 from tests.helpers.refusals import Refusals
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
 
@@ -244,7 +246,7 @@ ENTRIES = {
                "2.5e+07 points are too many"),
     "long axis": (entry("sweep.loads", {"from": "1 N", "to": "7 N", "count": 100_000}),
                   "100000 is out of range; give a whole number, at least 2 and at most 5000"),
-    "many surfaces": (entry("sweep.realizations", 100_000), "at most 3000"),
+    "many surfaces": (entry("sweep.realizations", 100_000), "at most 10000"),
     "smooth seeds": (lambda: scene(("[disk.roughness]\n" + ROUGHNESS, ""),
                                    **{"sweep.realizations": 3}), "3 needs a [disk.roughness]"),
     "measured seeds": (lambda: measured((480, 480), **{"sweep.realizations": 3}),
@@ -344,7 +346,34 @@ TEXTS = {
     "new folder": (lambda: new_scene("no/mine.toml"), "there is no folder no"),
 }
 
-REFUSALS = {**FILES, **QUANTITIES, **ENTRIES, **TEXTS}
+
+def scanned(change):
+    """Heights of a sweep, read from its text and other arrays."""
+    heights = 1e-7 * np.random.default_rng(0).standard_normal((32, 16))
+    sweep = tiny.full(roughness=tribo.MeasuredRoughness(heights))
+    changed = {key: array + change for key, array in files_of(sweep).items() if change}
+    read = text_sweep(sweep_text(sweep), changed)
+    return read.scene.roughness.heights(read.scene.pixels)
+
+
+def unkept():
+    law = make_dataclass(
+        "Unkept", [("part", object)], namespace={"over": None, "pattern": "swept"}, frozen=True
+    )
+    law.__module__ = __name__
+    return load_scene("first_try", laws={"wear": law(object())})
+
+
+KEPT = {
+    "nested": (lambda: text_sweep("[" * 10_000 + "]" * 10_000, {}), "not the text of a sweep"),
+    "fields": (lambda: text_sweep('{"name": "a"}', {}), "it is not the text of a sweep: 'entries'"),
+    "number": (lambda: text_sweep("3", {}), "is not the text of a sweep"),
+    "no array": (lambda: scanned(0.0), "is not beside the sweep"),
+    "array": (lambda: scanned(1e-12), "is another one"),
+    "law": (unkept, "which a store cannot keep"),
+}
+
+REFUSALS = {**KEPT, **FILES, **QUANTITIES, **ENTRIES, **TEXTS}
 
 ELSEWHERE = {}
 """Refusals that are not in the table: where they are tested, or why not."""

@@ -8,7 +8,7 @@ import pipeline
 import tribo
 from pipeline.scene import format as scene_format
 from pipeline.scene.declare import Either, table_of
-from pipeline.sweep.codec import sweep_text, text_sweep
+from pipeline.scene.kept import sweep_text, text_sweep
 from pipeline.sweep.laws import given_laws
 
 RUNNING_IN = {
@@ -30,7 +30,7 @@ def test_a_law_that_ships_is_named_and_no_code_of_the_user_s():
     sweep = named(pattern="local")
     assert sweep.scene.wear == tribo.RunningIn(6e-15, 1e-15, 2.0, "local")
     assert given_laws(sweep.scene) == []
-    assert text_sweep(sweep_text(sweep, arrays := {}), arrays) == sweep
+    assert text_sweep(sweep_text(sweep), {}) == sweep
 
 
 @pytest.mark.parametrize(

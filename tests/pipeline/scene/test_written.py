@@ -20,7 +20,7 @@ from pipeline.scene.written import complete_fidelity, entries_of
 
 
 def read(entries):
-    faults = Faults()
+    faults = Faults(has_kept=True)
     scene = table_of(SceneFile).read(entries, "", faults)
     assert not faults
     return scene

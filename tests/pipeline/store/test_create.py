@@ -6,7 +6,6 @@ import stat
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +17,7 @@ from hypothesis import strategies as st
 
 import tribo
 from pipeline.analysis.dataset import open_sweep
+from pipeline.scene.kept import text_sweep
 from pipeline.scene.scenefile import load_scene
 from pipeline.store import files, schema
 from pipeline.store.create import writing
@@ -28,14 +28,14 @@ from pipeline.store.place import StoreError, StoreMismatchError, place_of
 from pipeline.store.progress import summary
 from pipeline.store.take import take_points
 from pipeline.store.verify import verify_store
-from pipeline.sweep.codec import text_sweep
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
-from pipeline.sweep.samples import Design, Draw
-from pipeline.sweep.unknown import Unknown
-from pipeline.sweep.variants import drawn_rows, rows, surfaces
+from pipeline.sweep.variants import surfaces
+from pipeline.uncertain.samples import Design, Draw, drawn_rows
+from pipeline.uncertain.unknown import Unknown
 from tests.helpers import tiny
+from tests.helpers.entries import changed, rows
 from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
     assert_is_as_computed,
@@ -182,7 +182,7 @@ def test_conditions_and_titles_follow_the_scene_file(path):
 
 def test_points_of_earlier_runs_are_counted_apart(path):
     commit(path, SWEEP, points(SWEEP)[:3])
-    commit(path, SWEEP.changed(loads=(600.0,)), ())
+    commit(path, changed(SWEEP, loads=(600.0,)), ())
     now = summary(path)
     assert (now.total, now.done, now.pending, now.earlier) == (3, 1, 2, 2)
     with xr.open_zarr(path, chunks=None) as ds:
@@ -290,11 +290,11 @@ def begins(sweep, path):
 def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tmp_path):
     commit(path, SWEEP)
     other = tiny.full(
-        variants=rows("pin.radius", {8e-3: {}, 9e-3: {"pin": tribo.Cylinder(9e-3, 3e-3, STEEL)}})
+        variants=rows("pin", {"own": {}, "thick": {"pin.radius": 9e-3, "pin.length": 3e-3}})
     )
     with writing(tmp_path / "rows.zarr", other) as store:  # the first row is the same scene
         assert take_points(store, opened(path)) == 9
-        assert {point.variant for point in store.pending()} == {(("pin.radius", 9e-3),)}
+        assert {point.variant for point in store.pending()} == {(("pin", "thick"),)}
     assert verify_store(tmp_path / "rows.zarr").is_clean
     with writing(path, SWEEP) as store:
         array = store.arrays["mean_rise"]
@@ -312,10 +312,7 @@ def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tm
 def sampled(count=2, seed=0):
     unknown = (Unknown("pin.radius", "normal", (8e-3, 1e-4), "m"),)
     design = Design(unknown, ("contact",), (0.5, 1.0), seed, 1)
-
-    radii = design.draw(count)[0][:, 0].tolist()
-    parts = [(("pin", tribo.Cylinder(radius, 3.375e-3, STEEL)),) for radius in radii]
-    return replace(drawn_rows(Draw(unknown, design), count), parts=parts)
+    return drawn_rows(Draw(unknown, design), count)
 
 
 def several(**changes):
@@ -358,9 +355,10 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
     with pytest.raises(StoreMismatchError) as refused:
         commit(alone, other, ())
     assert str(refused.value).splitlines()[1:] == [
-        "  scene.pin.radius: 0.008 in the store, 0.009 in the scene",
-        "  scene.wear: a Wear in the store, None in the scene",
-        "  scene.fidelity.increments: 6 in the store, 7 in the scene",
+        "  pin.radius: 8 mm in the store, 9 mm in the scene",
+        "  wear.specific_wear_rate: 1.2e-06 mm³/(N m) in the store, none in the scene",
+        "  wear.pattern: swept in the store, none in the scene",
+        "  fidelity.increments: 6 in the store, 7 in the scene",
     ]
     assert contents(alone) == before
 
@@ -368,13 +366,13 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
 @pytest.mark.parametrize(
     ("made", "asked", "complaint"),
     [
-        ({}, {"fields": True}, "fields: False in the store, True in the scene"),
+        ({}, {"fields": True}, "sweep.fields: false in the store, true in the scene"),
         ({}, {"variants": surfaces((1,))}, "none in the store, realization in"),
         ({"variants": surfaces((1,))}, {}, "realization in the store, none in"),
         (
             {"variants": sampled()},
             {"variants": sampled(seed=1)},
-            "scene.samples.seed: 0 in the store, 1 in the scene",
+            "samples are drawn by another rule",
         ),
     ],
     ids=["fields later", "surfaces later", "surfaces before", "another seed"],

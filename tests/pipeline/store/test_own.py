@@ -14,8 +14,9 @@ import tribo
 from pipeline.store.create import writing
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
-from pipeline.sweep.variants import rows, surfaces
+from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
+from tests.helpers.entries import changed, rows
 from tests.helpers.stores import commit, record
 
 SWEEP = tiny.full()
@@ -50,8 +51,8 @@ def test_attributes_and_variables_of_users_stay_through_reads_and_runs(copy, irg
     assert pipeline.run_sweep(SWEEP, copy, workers=1).computed == 0
     with pytest.raises(pipeline.StoreError, match="doubled, which is not of the store, would not"):
         commit(copy, tiny.full(loads=(700.0,)), ())
-    changed = SWEEP.changed(title="Another title")  # another root
-    assert pipeline.run_sweep(changed, copy, workers=1).computed == 0
+    other = changed(SWEEP, title="Another title")  # another root
+    assert pipeline.run_sweep(other, copy, workers=1).computed == 0
     with xr.open_zarr(copy, chunks=None) as ds:
         assert (ds.attrs["comment"], ds.attrs["title"]) == ("mine", "Another title")
         np.testing.assert_array_equal(ds["doubled"], 2 * before["max_rise"])
@@ -119,8 +120,8 @@ SWEEPS = {
     "plane": SWEEP,
     "surfaces": tiny.full(variants=surfaces((1, 2)), loads=(150.0, 600.0)),
     "rows": tiny.full(variants=rows("ramp", RAMPS, velocities=(1.5, 0.5)), loads=(150.0, 600.0)),
-    "search": SWEEP.changed(
-        chosen=frozenset([Point(150.0, 0.5), Point(150.0, 1.5), Point(600.0, 1.0)])
+    "search": changed(
+        SWEEP, chosen=frozenset([Point(150.0, 0.5), Point(150.0, 1.5), Point(600.0, 1.0)])
     ),
 }
 

@@ -44,11 +44,12 @@ from pipeline.store.schema import DONE, FAILED, is_coordinate, is_of_points, pat
 from pipeline.store.verify import verify_store
 from pipeline.store.versions import provenance
 from pipeline.store.write import Writer, stored
+from pipeline.sweep.identity import Simulated
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import Progress
-from pipeline.sweep.stored import Simulated
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tests.helpers.stores import commit, fail, make, opened, record
 
 SWEEP, POINT = tiny.full(), Point(250.0, 1.0)
@@ -115,7 +116,7 @@ def test_axes_grow_in_order_and_steps_backwards():
     more = grown_axes(
         {**axes, "step": list(range(-99, 1))},
         SWEEP,
-        SWEEP.changed(loads=(150.0, 200.0), velocities=(0.1, 0.5)),
+        changed(SWEEP, loads=(150.0, 200.0), velocities=(0.1, 0.5)),
     )
     assert more["load"] == [150.0, 200.0, 250.0, 600.0]
     assert more["velocity"] == [0.1, 0.5, 1.0, 1.5]

@@ -17,7 +17,7 @@ from pipeline.store.schema import require_free_names
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.variants import Column, placed_rows
-from tests.helpers import tiny
+from tests.helpers import entries, tiny
 from tests.helpers.refusals import Refusals
 from tests.helpers.stores import commit, forge
 
@@ -117,7 +117,7 @@ def with_another_variable():
 
 def searched():
     commit("a.zarr", SWEEP, ())
-    commit("a.zarr", SWEEP.changed(chosen=frozenset([Point(250.0, 1.0)])), ())
+    commit("a.zarr", entries.changed(SWEEP, chosen=frozenset([Point(250.0, 1.0)])), ())
 
 
 def grown():
@@ -198,12 +198,13 @@ REFUSALS = {
     "old": (changed(forged(lambda texts, _: texts["store"].update(format=3))), "it has format 3"),
     "variable": (changed(forged(lambda _, arrays: arrays.pop("max_rise"))),
                  "the variable max_rise is unknown or missing"),
-    "facts": (changed(forged(lambda texts, _: texts["store"].update(colour=1))), "Facts.colour"),
+    "facts": (changed(forged(lambda texts, _: texts["store"].update(colour=1))),
+              "unexpected keyword argument"),
     "codecs": (changed(forged(lambda _, arrays: arrays["max_rise"].update(codecs=[{}]))),
                "its arrays are not of Zarr 3"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "the arrays of its scene are damaged"),
-    "sweep": (changed(forged(lambda texts, _: texts["sweep"]["plane"].update(loads=3))),
-              "Plane.loads"),
+    "sweep": (changed(forged(lambda texts, _: texts["sweep"]["entries"]["sweep"].update(loads=3))),
+              "sweep.loads: 3 "),
     "array": (changed(forged(lambda _, arrays: arrays["max_rise"].update(fill_value="x")), load),
               "zarr.json describes no store"),
     "lost": (changed(lambda path: (path / ROOT).unlink()), "has lost its zarr.json"),
@@ -221,12 +222,12 @@ REFUSALS = {
     "many": (lambda: commit("a.zarr", tiny.full(loads=MANY, velocities=MANY), ()),
              "would have 1.6e+07 points"),
     "label": (lambda: require_free_names(tiny.sweep(variants=placed_rows(
-        [()], [Column("time", (1.0,), "1", meaning="time")], [250.0], [1.0]))),
+        [{"time": 1.0}], [Column("time", (1.0,), "1", meaning="time")], [250.0], [1.0]))),
               "a column of the rows is called time"),
 }  # fmt: skip
 
 ELSEWHERE = {
-    "root._parsed CodecError": "test_parts.py: more points than a store has",
+    "root._parsed SweepTextError": "test_parts.py: more points than a store has",
     "bounded._decode_sync DamagedError": "test_closed.py, by chunks of other sizes",
     "bounded.stated_size DamagedError": "test_closed.py, by chunks of no stated size",
     "files._names OSError": "test_parts.py: names are checked before, where a scene is read",

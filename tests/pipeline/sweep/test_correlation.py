@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import kstest, spearmanr
 
-from pipeline.sweep.unknown import Unknown, correlations, drawn, first_unfit
+from pipeline.uncertain.unknown import Unknown, correlations, drawn, first_unfit
 from tests.helpers.unknowns import CRITICAL, FRICTION, LENGTH, RATE, distribution_of
 
 

@@ -17,9 +17,10 @@ from pipeline.sweep.selection import Choice, Selection
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, duration
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, surface_words
-from pipeline.sweep.unknown import Unit, Unknown, without
 from pipeline.sweep.variants import surfaces
+from pipeline.uncertain.unknown import Unit, Unknown, without
 from tests.helpers import synthetic, tiny
+from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
 from tribo import PRESETS, Fidelity
 
@@ -378,5 +379,5 @@ def test_inputs_say_their_distribution():
 
 def test_the_elements_of_the_window_are_those_of_the_fidelity():
     joined = tiny.sweep(fidelity=None)
-    coarse = joined.changed(fidelity=Fidelity(pixels_per_element=2), disk=STEEL)
+    coarse = changed(joined, fidelity=Fidelity(pixels_per_element=2), disk=STEEL)
     assert dict(coarse.description()[1])["window"] == "416 × 240 µm, 16 × 8 elements"

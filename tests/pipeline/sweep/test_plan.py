@@ -15,8 +15,9 @@ from pipeline.sweep.about import Measurement
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point, run_points, tasks
 from pipeline.sweep.station_choice import choose_stations
-from pipeline.sweep.variants import rows, surfaces
+from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
+from tests.helpers.entries import changed, rows
 from tests.helpers.scenes import STEEL
 from tribo import measures, simulate
 from tribo.simulation import Trunks, disk_positions, heat
@@ -185,7 +186,7 @@ def test_the_moments_of_a_hold_are_stored_on_reaching_the_load_and_at_the_end():
     held = run_point(sweep, 250.0, 1.0).columns
     assert held["normal_load"].tolist() == [250.0, 250.0]
     assert held["time"].tolist() == [250 / 150, 250 / 150 + 1.0]
-    every = run_point(sweep.changed(steps="course"), 250.0, 1.0).columns
+    every = run_point(changed(sweep, steps="course"), 250.0, 1.0).columns
     assert every["normal_load"].tolist() == [125.0, 250.0, 250.0, 250.0]
 
 

@@ -8,14 +8,13 @@ import pytest
 
 import tribo
 from pipeline.sweep.areal import areal_roughness, remove_form
-from pipeline.sweep.codec import encode, sweep_text, text_sweep
 from pipeline.sweep.conditions import Conditions, bulk_entries
-from pipeline.sweep.laws import Law, law_record
+from pipeline.sweep.laws import Law, MissingSurface, law_record
 from pipeline.sweep.model import Plane
 from pipeline.sweep.severity import require_bulks
-from pipeline.sweep.unknown import Unit, Unknown
-from pipeline.sweep.variants import placed_rows, rows, surfaces
+from pipeline.sweep.variants import Column, Variants, placed_rows, surfaces
 from tests.helpers import tiny
+from tests.helpers.entries import rows
 from tests.helpers.refusals import Refusals
 
 OIL = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
@@ -27,26 +26,9 @@ def conditions(**changes):
     return lambda: Conditions(**OIL | changes)
 
 
-def unknown(kind, *parameters):
-    return lambda: Unknown("friction.coefficient", kind, parameters)
-
-
-def scanned(change):
-    """A sweep with a measured surface, read from its text and other arrays."""
-    heights = 1e-7 * np.random.default_rng(0).standard_normal((32, 16))
-    text = sweep_text(tiny.full(roughness=tribo.MeasuredRoughness(heights)), arrays := {})
-    return text_sweep(text, {key: array + change for key, array in arrays.items() if change})
-
-
 def unsourced():
     law = make_dataclass("Unsourced", ["rate"], namespace={"__module__": "nowhere"})
     return law_record(law(1.0))
-
-
-def misnamed():
-    with pytest.raises(TypeError) as caught:
-        tiny.sweep().changed(friktion=0.1)
-    return caught.value
 
 
 def hidden():
@@ -56,7 +38,7 @@ def hidden():
 
 
 STORED = Law("laws:Law", (("distance", 1.0),), "0")
-PLACED = tiny.sweep(variants=placed_rows([()], [], [100.0], [1.0]))
+PLACED = tiny.sweep(variants=placed_rows([{}], [], [100.0], [1.0]))
 SMOOTH = tiny.sweep(roughness=None)
 REFUSALS = {
     # conditions
@@ -80,35 +62,16 @@ REFUSALS = {
     "plane": (lambda: Plane((), (1.0,)), "no load or no velocity"),
     "search": (PLACED.require_search, "each row has its own velocity"),
     "hold": (lambda: tiny.sweep(loading=RECORD).held(2.0), "hold is 2 s, but the load follows"),
-    "field": (misnamed, "a sweep has no friktion"),
+    "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion: unknown key (did you mean"),
     "surface": (lambda: SMOOTH.take_surface(3), "realization is 3"),
-    "part": (lambda: SMOOTH.replace_part((("roughness.seed", 3),)), "roughness.seed is 3"),
+    "labels": (lambda: Variants((Column("a", (1, 1)),), ({}, {})), "do not have a label each"),
     "tables": (lambda: surfaces((1, 2)) * surfaces((3,)), "have realization; give one"),
-    "row": (lambda: surfaces((1, 2)).part((("realization", 5),)),
+    "row": (lambda: surfaces((1, 2)).row((("realization", 5),)),
             "realization is 5, which the sweep does not have; it has 1, 2"),
     "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(
         surfaces((2,)) * rows("pin", {"b": {}})), "such as realization 1, pin b"),
-    # inputs that are not known exactly
-    "sd": (unknown("normal", 0.1, 0.0), "sd is 0; give above 0"),
-    "median": (unknown("log-normal", -1.0, 1.5), "median is -1; give above 0"),
-    "factor": (unknown("log-normal", 1.0, 1.0), "factor is 1; give above 1"),
-    "falling": (unknown("uniform", 6.0, 3.0), "from 6 to 3 does not rise"),
-    "one": (unknown("list", 1.0), "at least two different values"),
-    "equal": (unknown("list", 1.0, 1.0), "at least two different values"),
-    "nan": (unknown("normal", math.nan, 1.0), "is not a distribution; give finite numbers"),
-    "kind": (unknown("even", 0.0, 1.0), "even with (0.0, 1.0) is not a distribution"),
-    "unit": (lambda: Unit("mm", size=0.0), "the unit mm has the size 0"),
-    # texts of sweeps
-    "object": (lambda: encode(object(), {}), "is a object, which a store cannot keep"),
-    "nested": (lambda: text_sweep("[" * 10_000 + "]" * 10_000, {}), "not the text of a sweep"),
-    "fields": (lambda: text_sweep('{"type": "Material"}', {}), "is unknown or missing"),
-    "value": (lambda: text_sweep('{"type": "Wear", "specific_wear_rate": "x", "pattern": "local"}',
-                                 {}), "Wear.specific_wear_rate is 'x', which it cannot be"),
-    "own": (lambda: text_sweep('{"type": "Rule", "rise": "os:system"}', {}), "type 'Rule' is"),
-    "number": (lambda: text_sweep("3", {}), "text of a int"),
-    "no array": (lambda: scanned(0.0), "is missing"),
-    "array": (lambda: scanned(1e-12), "is another one"),
     # surfaces
+    "not beside": (lambda: MissingSurface("0", "it is not here").heights(None), "not here"),
     "no heights": (lambda: remove_form(np.full((3, 3), np.nan), (1.0, 1.0)), "all heights are"),
     "level": (lambda: areal_roughness(np.indices((20, 30))[1] * 0.1, (1.0, 1.0)), "are a plane"),
     # laws of a user's own

@@ -8,6 +8,7 @@ import pytest
 
 import pipeline
 from pipeline.sweep.surface import find_lubrication
+from tests.helpers.entries import changed
 from tribo import Ball, Crowned, MeasuredRoughness, Motion, Oil, lubrication_regime
 from tribo.material import minimum_point_film
 
@@ -18,13 +19,13 @@ LOADS, VELOCITIES = np.array([750.0, 600.0, 400.0, 200.0]), np.array([1.25, 1.5,
 
 @pytest.fixture(scope="module")
 def sweep():
-    return pipeline.load_scene(WORKFLOWS / "first_try.toml").changed(oil=WHITE)
+    return changed(pipeline.load_scene(WORKFLOWS / "first_try.toml"), oil=WHITE)
 
 
 def test_film_parameters_of_the_papers_transitions(sweep):
     """0.33, 0.38, 0.53, 0.84 with 55 mPa s; ASTM D341 gives the oil 59.3 mPa s at 25 °C."""
     thinner = replace(WHITE, density=WHITE.density * 0.055 / WHITE.viscosity(298.15))
-    lubrication = find_lubrication(sweep.changed(oil=thinner))
+    lubrication = find_lubrication(changed(sweep, oil=thinner))
     expected = [0.33, 0.38, 0.53, 0.84]
     assert lubrication.film_parameter(LOADS, VELOCITIES, 298.15) == pytest.approx(
         expected, abs=0.01
@@ -43,14 +44,14 @@ def test_the_film_grows_with_speed_and_shrinks_with_heat_and_load(sweep):
 
 def test_rolling_draws_in_more_oil_than_sliding(sweep):
     at_rest, rolling = (
-        find_lubrication(sweep.changed(motion=motion)).film_parameter(750, 1.0, 298.15)
+        find_lubrication(changed(sweep, motion=motion)).film_parameter(750, 1.0, 298.15)
         for motion in (None, Motion(slide_roll_ratio=0.5))
     )
     assert rolling / at_rest == pytest.approx(4**0.7)
 
 
 def test_a_ball_has_the_film_of_a_point_contact(sweep):
-    ball = sweep.changed(pin=Ball(5e-3, sweep.scene.disk), pixels=replace(
+    ball = changed(sweep, pin=Ball(5e-3, sweep.scene.disk), pixels=replace(
         sweep.scene.pixels, periodic=(False, False)), wear=None)  # fmt: skip
     lubrication = find_lubrication(ball)
     expected = minimum_point_film(
@@ -66,7 +67,7 @@ def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
     """Hamrock and Dowson give k = 1.03 (R_y/R_x)^0.64 in place of the ellipse of Hertz."""
     free = replace(sweep.scene.pixels, periodic=(False, False))
     ball, crowned = (
-        find_lubrication(sweep.changed(pin=pin, pixels=free, wear=None))
+        find_lubrication(changed(sweep, pin=pin, pixels=free, wear=None))
         for pin in (Ball(5e-3, sweep.scene.disk), Crowned(5e-3, 5e-3 * ratio, sweep.scene.disk))
     )
     ellipticity = crowned.pin.hertz(50.0, crowned.contact_modulus).aspect
@@ -88,7 +89,7 @@ def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
     ],
 )
 def test_nothing_is_said_without_what_it_takes(sweep, change):
-    assert find_lubrication(sweep.changed(**change)) is None
+    assert find_lubrication(changed(sweep, **change)) is None
 
 
 def test_regimes_change_at_one_and_three():

@@ -10,8 +10,9 @@ from pipeline.sweep.accuracy import error_in_words, has_unknown_error, velocity_
 from pipeline.sweep.model import Point
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, duration, staged
-from pipeline.sweep.unknown import Fixed, Unit, Unknown
+from pipeline.uncertain.unknown import Fixed, Unit, Unknown
 from tests.helpers import synthetic
+from tests.helpers.entries import changed
 from tribo import PRESETS
 
 
@@ -92,7 +93,7 @@ def test_an_error_is_not_missed_where_there_is_no_boundary(changes):
     assert has_unknown_error(own)
     if "velocities" not in changes:
         changes = {"conditions": replace(own.conditions, **changes)}
-    assert not has_unknown_error(own.changed(**changes))
+    assert not has_unknown_error(changed(own, **changes))
 
 
 def test_a_store_errs_as_its_preset_whatever_its_heat_model_or_as_was_measured():
@@ -101,8 +102,8 @@ def test_a_store_errs_as_its_preset_whatever_its_heat_model_or_as_was_measured()
     picked = synthetic.selection(error=0.03)
     assert velocity_error(draft) == 0.05
     assert velocity_error(unnamed) is None
-    assert velocity_error(unnamed.changed(fidelity=history)) == 0.05
-    assert velocity_error(draft.changed(selection=picked)) == 0.03
+    assert velocity_error(changed(unnamed, fidelity=history)) == 0.05
+    assert velocity_error(changed(draft, selection=picked)) == 0.03
     assert error_in_words(draft) == (
         "boundary velocities may err by up to 5 %, which preset draft keeps to on most scenes"
     )

@@ -12,10 +12,14 @@ from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity, measure_e
 from pipeline.tradeoff.probe import Probe, Reading
 from tests.helpers import synthetic, tiny
 from tests.helpers.accuracy_scenes import SCENES
+from tests.helpers.entries import changed
 from tribo import PRESETS, ConvergenceError, Fidelity, Grid, InputError
 
-WORN = SCENES["low loads"].changed(
-    loads=(60.0, 100.0, 180.0), velocities=(0.5, 1.0), pixels=Grid((96, 48), (4e-6, 4e-6))
+WORN = changed(
+    SCENES["low loads"],
+    loads=(60.0, 100.0, 180.0),
+    velocities=(0.5, 1.0),
+    pixels=Grid((96, 48), (4e-6, 4e-6)),
 )
 SECONDS = {PRESETS[name]: time for name, time in zip(PRESETS, (1.0, 2.0, 5.0, 50.0), strict=True)}
 OWN = "the scene's own fidelity"
@@ -69,7 +73,7 @@ def rig(monkeypatch):
 )
 def test_the_error_of_a_fidelity_is_that_at_any_load(rig, err, nodes, expected):
     rig.err, rig.nodes = err, nodes
-    own = WORN.changed(fidelity=Fidelity(increments=30), preset=None)
+    own = changed(WORN, fidelity=Fidelity(increments=30), preset=None)
     kept = rig.choose(own, None)
     assert kept.error == pytest.approx(expected + 0.002, rel=1e-9)
     assert (kept.name, kept.accuracy) == (OWN, None)
@@ -80,13 +84,13 @@ def test_the_error_of_a_fidelity_is_that_at_any_load(rig, err, nodes, expected):
 
 def test_of_two_loads_no_deviation_is_known(rig):
     rig.err = lambda _, k: 0.02 if k else -0.02
-    own = WORN.changed(loads=(60.0, 180.0), fidelity=Fidelity(increments=30), preset=None)
+    own = changed(WORN, loads=(60.0, 180.0), fidelity=Fidelity(increments=30), preset=None)
     kept = rig.choose(own, None)
     assert kept.error == pytest.approx(0.026 + 2e-5 + 0.002, rel=1e-9)
 
 
 def test_six_places_have_the_surfaces_in_turn(rig):
-    points = rig.choose(WORN.changed(variants=surfaces((3, 4, 5))), None).points
+    points = rig.choose(changed(WORN, variants=surfaces((3, 4, 5))), None).points
     assert len(points) == 6
     assert {load for load, _ in points} == {60.0, 100.0, 180.0}
 
@@ -98,7 +102,7 @@ def test_the_cheapest_within_the_bound_is_taken_or_else_the_reference(rig, accur
     errors = {"draft": 0.1, "standard": 0.02, "fine": 0.002}
     by_fidelity = {PRESETS[name]: error for name, error in errors.items()}
     rig.err = lambda fidelity, _: by_fidelity.get(fidelity, 0.5)
-    picked = rig.choose(WORN.changed(fidelity=Fidelity(increments=30), preset=None), accuracy)
+    picked = rig.choose(changed(WORN, fidelity=Fidelity(increments=30), preset=None), accuracy)
     assert (picked.name, picked.fidelity) == (name, PRESETS[name])
     by_work = ["draft", "standard", OWN, "fine", "reference"]
     assert [one.name for one in picked.choices] == by_work
@@ -111,14 +115,14 @@ def test_the_cheapest_within_the_bound_is_taken_or_else_the_reference(rig, accur
 def test_the_scene_s_own_fidelity_is_picked_where_it_is_the_cheapest(rig):
     own = Fidelity(increments=30)
     rig.err = lambda fidelity, _: 0.001 if fidelity in (own, PRESETS["fine"]) else 0.5
-    changed = choose_accuracy(WORN.changed(fidelity=own, preset=None), 0.02)
-    assert changed.about.selection.name == OWN
-    assert (changed.scene.fidelity, changed.about.preset) == (own, None)
+    picked = choose_accuracy(changed(WORN, fidelity=own, preset=None), 0.02)
+    assert picked.about.selection.name == OWN
+    assert (picked.scene.fidelity, picked.about.preset) == (own, None)
 
 
 def test_the_present_heat_is_as_the_scene_has_it(rig):
     past = replace(PRESETS["draft"], heat_model="history", history_coarsening=1)
-    rig.choose(WORN.changed(fidelity=past, preset=None), 0.02)
+    rig.choose(changed(WORN, fidelity=past, preset=None), 0.02)
     assert {(one.heat_model, one.history_coarsening) for one in rig.tried} == {("history", 1)}
     assert len(rig.tried) == 4  # draft is the scene's own
 
@@ -134,7 +138,7 @@ def test_a_choice_that_does_not_converge_is_passed_over_unless_it_is_the_scene_s
     assert "draft" not in {one.name for one in picked.choices}
     assert picked.error < 0.02
     with pytest.raises(ConvergenceError, match="did not converge"):
-        rig.choose(WORN.changed(fidelity=PRESETS["draft"], preset="draft"), None)
+        rig.choose(changed(WORN, fidelity=PRESETS["draft"], preset="draft"), None)
 
 
 def test_points_that_are_asked_for_are_judged_by_the_exponents_of_their_loads(rig):
@@ -142,7 +146,7 @@ def test_points_that_are_asked_for_are_judged_by_the_exponents_of_their_loads(ri
     rig.exponents = {60.0: 1.0, 180.0: 0.5}
     points = Point(60.0, 2.0), Point(180.0, 0.7)
     rig.err = lambda _, number: 0.02 * number
-    own = WORN.changed(fidelity=Fidelity(increments=30), preset=None)
+    own = changed(WORN, fidelity=Fidelity(increments=30), preset=None)
     kept = rig.choose(own, None, points)
     assert kept.points == ((60.0, 2.0), (180.0, 0.7))
     assert kept.error == pytest.approx(1.3 * 0.0404 + 0.002 + 2e-5, rel=1e-9)
@@ -170,9 +174,9 @@ def test_a_store_whose_choice_errs_by_the_accuracy_goes_on(tmp_path):
 
 
 def test_the_error_of_an_own_fidelity_is_measured(rig, tmp_path):
-    own = WORN.changed(fidelity=Fidelity(increments=30), preset=None)
+    own = changed(WORN, fidelity=Fidelity(increments=30), preset=None)
     measured = measure_error(own, tmp_path / "new.zarr", rig.said.append)
-    assert measured.changed(selection=None) == own
+    assert changed(measured, selection=None) == own
     assert measured.about.selection.name == OWN
     assert rig.said[0].words.startswith("2 choices at 3 places")
 

@@ -14,10 +14,12 @@ from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity
 from pipeline.tradeoff.probe import some_places
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import SCENES
+from tests.helpers.entries import changed
 from tribo import PRESETS, Fidelity, Grid, SelfAffineRoughness
 
 WORN, UNWORN = (
-    SCENES[name].changed(
+    changed(
+        SCENES[name],
         loads=SCENES[name].plane.loads[::2],
         pixels=Grid((64, 32), (6e-6, 6e-6)),
         roughness=SelfAffineRoughness(0.27e-6, 0.8, (12e-6, 12e-6), seed=0),
@@ -50,13 +52,13 @@ def test_it_is_accurate_at_points_that_are_asked_for_and_says_where_nothing_is_e
 
 
 def test_every_surface_has_its_turn():
-    several = UNWORN.changed(variants=surfaces((3, 4, 5)))
+    several = changed(UNWORN, variants=surfaces((3, 4, 5)))
     assert {place.variant[0][1] for place in some_places(several, 6)} == {3, 4, 5}
 
 
 def test_all_the_past_is_kept_where_the_scene_s_own_heat_has_it():
     past = Fidelity(heat_model="history", history_coarsening=1, increments=6)
-    past = UNWORN.changed(loads=(300.0,), fidelity=past)
+    past = changed(UNWORN, loads=(300.0,), fidelity=past)
     measured = choose_fidelity(past, 0.05, points=(Point(300.0, 1.5),))
     assert {one.fidelity.heat_model for one in measured.choices} == {"history"}
     assert [one.name for one in measured.choices][-1] == "reference"
@@ -66,7 +68,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_measur
     tmp_path, monkeypatch
 ):
     out = tmp_path / "out.zarr"
-    small = tiny.sweep().changed(loads=(250.0, 600.0), velocities=(1.0, 1.5))
+    small = changed(tiny.sweep(), loads=(250.0, 600.0), velocities=(1.0, 1.5))
     begun = choose_accuracy(small, 0.1, store=out)  # not there yet
     pipeline.run_sweep(begun, out, workers=1)
     assert read_sweep(out).about.selection == begun.about.selection
@@ -76,7 +78,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_measur
         raise AssertionError("another measurement")
 
     monkeypatch.setattr(accuracy_module, "choose_fidelity", refused)
-    grown = small.changed(velocities=(1.0, 1.5, 2.0))
+    grown = changed(small, velocities=(1.0, 1.5, 2.0))
     for accuracy in (0.1, 0.3):
         again = choose_accuracy(grown, accuracy, store=out)
         assert (again.scene.fidelity, again.about.selection) == (
@@ -86,7 +88,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_measur
     outcome = pipeline.run_sweep(again, out, workers=1)
     assert (outcome.computed, outcome.done) == (2, 6)
     # Without --accuracy, but with the same fidelity, the reasons stay.
-    pipeline.run_sweep(again.changed(selection=None), out, workers=1)
+    pipeline.run_sweep(changed(again, selection=None), out, workers=1)
     assert read_sweep(out).about.selection == begun.about.selection
     stricter = begun.about.selection.error / 2
     with pytest.raises(pipeline.StoreMismatchError, match=r"errs by .* another store"):

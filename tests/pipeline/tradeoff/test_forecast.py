@@ -15,6 +15,7 @@ from pipeline.tradeoff.forecast import estimate, savings, worker_bytes
 from pipeline.tradeoff.probe import dividing_pixels, some_places
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
+from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
 from tribo import (
     PRESETS,
@@ -29,8 +30,8 @@ from tribo import (
 )
 from tribo.simulation import Trunks, contacts
 
-SWEEP = PAPER.changed(
-    loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0), pixels=Grid((64, 32), (6e-6, 6e-6))
+SWEEP = changed(
+    PAPER, loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0), pixels=Grid((64, 32), (6e-6, 6e-6))
 )
 
 
@@ -75,7 +76,7 @@ def counted(sweep, monkeypatch):
     ids=["ramp", "end", "history", "stations", "no wear", "hold"],
 )
 def test_steps_and_temperatures_are_foretold(changes, monkeypatch):
-    sweep = SWEEP.changed(**{"roughness": None} | changes)
+    sweep = changed(SWEEP, **{"roughness": None} | changes)
     forecast = estimate(sweep, workers=1)
     assert (forecast.steps, forecast.temperatures) == counted(sweep, monkeypatch)
 
@@ -85,12 +86,12 @@ def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkey
     timed = 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0))
     monkeypatch.setattr(forecast, "time_steps", lambda *_: timed)
     monkeypatch.setattr(forecast, "cores", lambda: 2)
-    sweep = SWEEP.changed(fidelity=Fidelity(increments=30), steps="end")
+    sweep = changed(SWEEP, fidelity=Fidelity(increments=30), steps="end")
     # 29 increments below 750 N at each velocity, and the ends of three loads.
     ramp = 32 * 1.0 + 3 * 9.0
     assert estimate(sweep, 1).seconds == pytest.approx(2 * ramp, rel=0.02)
     assert estimate(sweep, 2).seconds == pytest.approx(ramp, rel=0.02)
-    many = sweep.changed(velocities=VELOCITIES)
+    many = changed(sweep, velocities=VELOCITIES)
     whole, boundary = (estimate(many, 1, boundary_only=only) for only in (False, True))
     assert (whole.points, boundary.points) == (3 * 40, 3 * 2)
     assert (whole.tasks, boundary.tasks) == (120, 8)
@@ -111,8 +112,8 @@ def test_friction_by_temperature_takes_two_partitions_more_a_point(monkeypatch):
     timed = 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0))
     monkeypatch.setattr(forecast, "time_steps", lambda *_: timed)
     law = Corrections(friction=Friction(by_temperature=((300.0, 1.0), (400.0, 0.8))))
-    plain = SWEEP.changed(fidelity=Fidelity(increments=30), steps="end")
-    table = plain.changed(conditions=replace(plain.conditions, corrections=law))
+    plain = changed(SWEEP, fidelity=Fidelity(increments=30), steps="end")
+    table = changed(plain, conditions=replace(plain.conditions, corrections=law))
     more = estimate(table, 1).seconds - estimate(plain, 1).seconds
     moving = sum(1 for point in points(plain) if point.velocity)
     assert more == pytest.approx(2 * 9.0 * moving)
@@ -129,13 +130,13 @@ def test_samples_take_no_partition_more_since_their_friction_is_not_solved(monke
 
 def test_measuring_an_error_takes_the_steps_of_both_choices_and_finds_the_boundary(monkeypatch):
     """Steps of 30 N and less: by the reference and the scene's own, and 7 rises by standard."""
-    sweep = SWEEP.changed(fidelity=Fidelity(pixels_per_element=2, increments=30))
+    sweep = changed(SWEEP, fidelity=Fidelity(pixels_per_element=2, increments=30))
     places = some_places(sweep, 4)
     monkeypatch.setattr(trade, "time_steps", lambda *_: (1.5, 9.0, None))
     monkeypatch.setattr(trade, "as_computed", lambda one: one.scene)
 
     def steps(fidelity):
-        scene = sweep.changed(fidelity=fidelity).scene
+        scene = changed(sweep, fidelity=fidelity).scene
         counts = [step_count(scene, place.load) for place in places]
         coarse = scene.coarsening**2
         return sum((count - 1) / coarse + 1 for count in counts) / fidelity.pixels_per_element**2
@@ -147,7 +148,7 @@ def test_measuring_an_error_takes_the_steps_of_both_choices_and_finds_the_bounda
 
 
 def test_the_time_is_that_of_a_whole_run_within_its_factor():
-    sweep = SWEEP.changed(fidelity=PRESETS["standard"])
+    sweep = changed(SWEEP, fidelity=PRESETS["standard"])
     for point in points(sweep)[:1]:
         run_point(sweep, *point)  # what is imported and computed once
     began = time.process_time()
@@ -172,29 +173,29 @@ def test_a_worker_has_memory_for_libraries_60_fields_and_the_ramps_that_it_keeps
     """Of a ramp three arrays an increment, each of 8 bytes for 32 · 16 elements."""
     field = 8 * 32 * 16
     without, one, four = (
-        worker_bytes(SWEEP.changed(wear=wear), tasks)
+        worker_bytes(changed(SWEEP, wear=wear), tasks)
         for wear, tasks in ((None, 4), (Wear(1.2e-15), 1), (Wear(1.2e-15), 4))
     )
     assert without == 115e6 + 60 * field
     assert one - without == 100 * 3 * field
     assert four - without == 4 * 100 * 3 * field
     assert worker_bytes(SWEEP, 10**6) - without == 2**28  # no more than that of ramps
-    large = SWEEP.changed(pixels=Grid((256, 256), (2e-6, 2e-6)))
+    large = changed(SWEEP, pixels=Grid((256, 256), (2e-6, 2e-6)))
     coarse = Fidelity(pixels_per_element=2, history_coarsening=2, increments=25)
     fields = 60 * 8 * 128**2
-    of_history = worker_bytes(large.changed(fidelity=coarse)) - 115e6 - fields
+    of_history = worker_bytes(changed(large, fidelity=coarse)) - 115e6 - fields
     assert of_history == 25 * 3 * 8 * 64**2
     # Summits so narrow are computed on the pixels, however large elements may be.
-    assert worker_bytes(large.changed(fidelity=PRESETS["standard"])) > 115e6 + 60 * 8 * 256**2
+    assert worker_bytes(changed(large, fidelity=PRESETS["standard"])) > 115e6 + 60 * 8 * 256**2
 
 
 def test_the_room_of_a_store_grows_with_the_moments_that_it_has():
     """10 moments of each point up to 750 N, or its end alone, beside what each store takes."""
-    few = SWEEP.changed(fidelity=Fidelity(increments=10))
-    course, end = (estimate(few.changed(steps=steps)) for steps in ("course", "end"))
+    few = changed(SWEEP, fidelity=Fidelity(increments=10))
+    course, end = (estimate(changed(few, steps=steps)) for steps in ("course", "end"))
     assert course.disk_bytes - 0.36e6 == pytest.approx(10 * (end.disk_bytes - 0.36e6))
     assert end.disk_bytes > 0.36e6 + 6 * 8 * len(QUANTILES)
-    one = estimate(few.changed(velocities=(1.0,))).disk_bytes - 0.36e6
+    one = estimate(changed(few, velocities=(1.0,))).disk_bytes - 0.36e6
     assert course.disk_bytes - 0.36e6 == pytest.approx(2 * one)
 
 
@@ -206,12 +207,12 @@ def test_the_time_of_a_step_is_taken_at_a_middle_velocity(monkeypatch):
         return contacts(scene, load, velocity, trunks)
 
     monkeypatch.setattr(forecast, "contacts", noted)
-    few = SWEEP.changed(fidelity=Fidelity(increments=2), velocities=(0.0, 1.0, 2.0, 4.0))
+    few = changed(SWEEP, fidelity=Fidelity(increments=2), velocities=(0.0, 1.0, 2.0, 4.0))
     cost = estimate(few, 1)
     assert asked == [(load, 2.0) for load in few.plane.loads]
     assert (cost.points, cost.tasks, cost.workers) == (12, 12, 1)
     asked.clear()
-    still = estimate(few.changed(velocities=(0.0,)), 1)
+    still = estimate(changed(few, velocities=(0.0,)), 1)
     assert asked == [(load, 0.0) for load in few.plane.loads]
     assert still.temperatures == 0
 
@@ -263,7 +264,7 @@ FIELDS += " not ask for them (up to {} MB)"
     ],
 )  # fmt: skip
 def test_work_that_is_saved_is_named_with_its_reason(changes, said):
-    kept = SWEEP.changed(fields=True, steps="end", pixels=Grid((256, 96), (2e-6, 2e-6)))
-    remarks = list(savings(kept.changed(**changes)))
+    kept = changed(SWEEP, fields=True, steps="end", pixels=Grid((256, 96), (2e-6, 2e-6)))
+    remarks = list(savings(changed(kept, **changes)))
     assert [remark.words for remark in remarks] == said
     assert all(remark.grade == "saved" for remark in remarks)

@@ -16,6 +16,7 @@ from pipeline.tradeoff.probe import (
     velocity_errors,
 )
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tribo import PRESETS, Fidelity
 
 SWEEP = tiny.sweep(velocities=(-2.0, 0.0, 0.5, 8.0))
@@ -27,14 +28,14 @@ STANDARD = dividing_pixels(SWEEP, PRESETS["standard"])
     [((90, 60), 4, 3), ((90, 60), 3, 3), ((90, 64), 4, 2), ((91, 64), 4, 1), ((64, 90), 4, 2)],
 )
 def test_elements_divide_the_pixels_along_both_axes(shape, asked, taken):
-    sweep = SWEEP.changed(pixels=replace(SWEEP.scene.pixels, shape=shape))
+    sweep = changed(SWEEP, pixels=replace(SWEEP.scene.pixels, shape=shape))
     fidelity = dividing_pixels(sweep, Fidelity(pixels_per_element=asked))
     assert fidelity.pixels_per_element == taken
 
 
 @pytest.mark.parametrize(("number", "chosen"), [(1, (0,)), (4, (0, 1, 3, 4)), (9, range(5))])
 def test_loads_are_some_of_the_sweep_s_with_both_ends(number, chosen):
-    sweep = SWEEP.changed(loads=(200.0, 300.0, 400.0, 500.0, 600.0))
+    sweep = changed(SWEEP, loads=(200.0, 300.0, 400.0, 500.0, 600.0))
     assert [place.load for place in some_places(sweep, number)] == [
         sweep.plane.loads[k] for k in chosen
     ]

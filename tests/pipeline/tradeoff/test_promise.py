@@ -9,6 +9,7 @@ import pytest
 import pipeline
 from pipeline.tradeoff.choose import choose_fidelity
 from tests.helpers.accuracy_scenes import ALUMINA, SCENES
+from tests.helpers.entries import changed
 from tests.promises.judge import (
     boundaries,
     boundary_velocity,
@@ -22,21 +23,24 @@ from tribo import Ball, Crowned, Cylinder, Grid, SelfAffineRoughness
 SHIPPED = pipeline.load_scene(Path(__file__).parents[3] / "workflows" / "irg_transition.toml")
 LARGE = {
     "shipped": SHIPPED,
-    "shipped, another radius": SHIPPED.changed(
+    "shipped, another radius": changed(
+        SHIPPED,
         pin=Cylinder(5e-3, 3.4e-3, SHIPPED.scene.disk),
         pixels=Grid((480, 240), (1.3e-6, 1.9e-6), (False, True)),
     ),
-    "shipped, another surface": SHIPPED.changed(
-        roughness=SelfAffineRoughness(0.4e-6, 0.7, (6e-6, 12e-6), seed=5)
+    "shipped, another surface": changed(
+        SHIPPED, roughness=SelfAffineRoughness(0.4e-6, 0.7, (6e-6, 12e-6), seed=5)
     ),
-    "shipped, other loads and pin": SHIPPED.changed(
+    "shipped, other loads and pin": changed(
+        SHIPPED,
         pin=Cylinder(2e-3, 3.4e-3, ALUMINA),
         loads=tuple(float(load) for load in range(100, 301, 25)),
         pixels=Grid((480, 240), (0.6e-6, 0.95e-6), (False, True)),
     ),
 }
 SMALL = {
-    "no wear, few pixels": SCENES["no wear"].changed(
+    "no wear, few pixels": changed(
+        SCENES["no wear"],
         loads=(200.0, 750.0),
         pixels=Grid((64, 32), (6e-6, 6e-6)),
         roughness=SelfAffineRoughness(0.27e-6, 0.8, (12e-6, 12e-6), seed=0),
@@ -45,7 +49,7 @@ SMALL = {
 # So many velocities that it pays to look for a cheaper choice than the reference.
 VELOCITIES = tuple(float(velocity) for velocity in np.geomspace(0.25, 8.0, 40))
 ALL = {
-    name: scene.changed(velocities=VELOCITIES) for name, scene in (SCENES | LARGE | SMALL).items()
+    name: changed(scene, velocities=VELOCITIES) for name, scene in (SCENES | LARGE | SMALL).items()
 }
 
 

@@ -10,10 +10,11 @@ from pipeline.sweep.model import Point
 from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity
 from pipeline.tradeoff.trade import trade
 from tests.helpers import synthetic, tiny
+from tests.helpers.entries import changed
 from tests.helpers.refusals import Refusals
 
 PAPER = pipeline.load_scene("irg_transition")
-COLD = PAPER.changed(conditions=replace(PAPER.conditions, friction=0.0))
+COLD = changed(PAPER, conditions=replace(PAPER.conditions, friction=0.0))
 
 
 def stored(**values):
@@ -39,7 +40,7 @@ REFUSALS = {
     "coarser": (stored(selection=synthetic.selection(error=0.05)), "whose boundary errs by 5 %"),
     "preset": (lambda: trade(PAPER, ("fast",)), "preset 'fast' is unknown; known are draft"),
     "trade": (lambda: trade(COLD), "friction is 0, so there is no boundary; give one above 0"),
-    "no velocity": (lambda: trade(PAPER.changed(velocities=(0.0,))), "no velocity but 0"),
+    "no velocity": (lambda: trade(changed(PAPER, velocities=(0.0,))), "no velocity but 0"),
 }  # fmt: skip
 
 ELSEWHERE = {

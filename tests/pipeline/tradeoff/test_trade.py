@@ -9,11 +9,13 @@ from pipeline.figures.studies import draw_trade
 from pipeline.tradeoff import trade as tradeoff
 from pipeline.tradeoff.trade import trade
 from tests.helpers.accuracy_scenes import PAPER
+from tests.helpers.entries import changed
 from tests.helpers.heard import Heard
 from tests.helpers.scenes import SCENE
 from tribo import PRESETS, ConvergenceError, Grid, SelfAffineRoughness
 
-SMALL = PAPER.changed(
+SMALL = changed(
+    PAPER,
     pixels=Grid((48, 24), (8e-6, 8e-6)),
     roughness=SelfAffineRoughness(0.27e-6, 0.8, (16e-6, 16e-6), seed=0),
 )

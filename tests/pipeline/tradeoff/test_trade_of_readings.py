@@ -19,9 +19,10 @@ from pipeline.tradeoff.probe import (
 from pipeline.tradeoff.trade import Choice, Trade, trade
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import SCENES
+from tests.helpers.entries import changed
 from tribo import PRESETS, ConvergenceError, Fidelity, Grid
 
-SCENE = SCENES["low loads"].changed(pixels=Grid((96, 48), (4e-6, 4e-6)))
+SCENE = changed(SCENES["low loads"], pixels=Grid((96, 48), (4e-6, 4e-6)))
 TRUE = Reading(rise=1000.0, contact_nodes=5000)
 
 
@@ -103,7 +104,7 @@ def rig(monkeypatch):
 
 def test_errors_are_against_the_reference_and_the_largest_of_the_points(rig):
     rig.off = {"rise": 990.0}
-    scene = SCENE.changed(fidelity=Fidelity(increments=77))
+    scene = changed(SCENE, fidelity=Fidelity(increments=77))
     table = trade(scene, ("draft", "standard"), loads=["60 N", 180.0])
     assert rig.places == [Target(60.0), Target(180.0)]
     names = [one.name for one in table.choices]
@@ -119,7 +120,7 @@ def test_errors_are_against_the_reference_and_the_largest_of_the_points(rig):
 
 
 def test_times_are_those_over_the_time_of_fine(rig):
-    table = trade(SCENE.changed(preset="fine"), ("draft", "fine"), loads=["60 N"])
+    table = trade(changed(SCENE, preset="fine"), ("draft", "fine"), loads=["60 N"])
     shares = {one.name: one.share_of_fine for one in table.choices}
     assert shares == {"draft": pytest.approx(0.2), "fine": 1.0, "reference": 1.0}
     assert list(table.table.columns) == [
@@ -130,7 +131,7 @@ def test_times_are_those_over_the_time_of_fine(rig):
 def test_four_loads_and_all_usual_presets_are_taken_where_nothing_is_told(rig):
     said = []
     loads = tuple(float(load) for load in range(60, 190, 20))  # seven
-    trade(SCENE.changed(loads=loads, preset="fine"), progress=said.append)
+    trade(changed(SCENE, loads=loads, preset="fine"), progress=said.append)
     assert [place.load for place in rig.places] == [60.0, 100.0, 140.0, 180.0]
     assert said[0].words.startswith("4 choices at 4 places, in roughly ")
     assert [(one.words, one.done, one.total) for one in said[1:]] == [
@@ -142,7 +143,7 @@ def test_four_loads_and_all_usual_presets_are_taken_where_nothing_is_told(rig):
 
 
 def test_a_fidelity_that_has_two_names_is_measured_once_by_the_first(rig):
-    scene = SCENE.changed(fidelity=PRESETS["fine"], preset=None)
+    scene = changed(SCENE, fidelity=PRESETS["fine"], preset=None)
     table = trade(scene, ("fine", "draft", "reference"))
     assert [one.name for one in table.choices] == ["draft", "fine", "reference"]
 

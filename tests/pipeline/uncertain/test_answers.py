@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.sweep.unknown import Fixed, Unknown, drawn
 from pipeline.uncertain.sensitivity import indices
+from pipeline.uncertain.unknown import Fixed, Unknown, drawn
 from tests.helpers.samples import (
     critical_velocity,
     dataset,

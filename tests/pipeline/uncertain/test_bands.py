@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.sweep.unknown import drawn
+from pipeline.uncertain.unknown import drawn
 from tests.helpers.samples import ensemble, rise
 from tests.helpers.unknowns import ALL
 from tests.promises.rigs import boundary_near

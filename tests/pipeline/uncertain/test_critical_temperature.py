@@ -11,6 +11,7 @@ from pipeline.sweep.about import Measurement
 from pipeline.sweep.variants import surfaces
 from pipeline.uncertain.critical_temperature import critical_temperatures
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
@@ -27,12 +28,12 @@ def test_the_critical_temperature_comes_back_from_the_boundary_that_it_made(tmp_
         Measurement(load, critical.sel(realization=2, load=load).item())
         for load in sweep.plane.loads
     )
-    result = critical_temperatures(sweep.take_surface(2).changed(measured=measured))
+    result = critical_temperatures(changed(sweep.take_surface(2), measured=measured))
     assert result.surfaces == (2,)
     # Velocities every 0.5 m/s place the boundary to about 1 %, and so half as much of 120 K.
     assert result.means == pytest.approx([418.15] * 2, abs=1.0)
     assert result.spread < 1.0
-    both = critical_temperatures(sweep.changed(measured=measured))
+    both = critical_temperatures(changed(sweep, measured=measured))
     assert np.shape(both.temperatures) == (2, 2)
     assert [row[1] for row in both.temperatures] == list(result.means)
     assert both.mean == pytest.approx(np.mean(both.temperatures))

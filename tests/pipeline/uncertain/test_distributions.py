@@ -5,8 +5,10 @@ import pytest
 
 import pipeline
 from pipeline.scene.faults import SceneFileError
-from pipeline.sweep.stored import join, misfits
+from pipeline.scene.resume import join, misfits
 from pipeline.sweep.variants import Variants
+from pipeline.uncertain.samples import Draw
+from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import inputs_of
 
@@ -34,7 +36,7 @@ def faults(path, overrides=None):
 
 def test_quantities_are_read_in_si(tmp_path):
     sweep = pipeline.load_scene(scene(tmp_path))
-    rate, length, friction, critical, seed = sweep.variants.draw.unknown
+    rate, length, friction, critical, seed = Draw.of(sweep.variants.draw).unknown
     assert (rate.kind, rate.parameters) == ("log-normal", (1.2e-15, 1.5))
     assert (length.kind, length.parameters, length.unit) == ("uniform", (12e-6, 24e-6), "m")
     assert (friction.kind, friction.parameters) == ("normal", (0.1, 0.005))
@@ -45,7 +47,7 @@ def test_quantities_are_read_in_si(tmp_path):
 
 def test_friction_and_temperatures_are_not_simulated(tmp_path):
     sweep = pipeline.load_scene(scene(tmp_path))
-    design = sweep.variants.draw.design
+    design = Draw.of(sweep.variants.draw).design
     assert [entry.path for entry in design.inputs] == [
         "wear.specific_wear_rate",
         "disk.roughness.correlation_length",
@@ -53,7 +55,7 @@ def test_friction_and_temperatures_are_not_simulated(tmp_path):
     ]
     assert (design.layers, design.per_contact) == (("wear rate", "contact", "contact"), 4)
     only = '[unknown]\n"temperature.critical" = { mean = "145 degC", sd = "8 K" }\n'
-    judged = pipeline.load_scene(scene(tmp_path, only)).variants.draw.design
+    judged = Draw.of(pipeline.load_scene(scene(tmp_path, only)).variants.draw).design
     # Samples that share a contact differ in the wear rate, though it is known.
     assert (judged.layers, judged.per_contact) == (("wear rate",), 2)
 
@@ -67,7 +69,7 @@ KNOWN_CONTACT = """
 
 def test_no_more_samples_are_drawn_than_suffice(tmp_path):
     sweep = pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT, samples=500))
-    assert len(sweep.variants) == sweep.variants.draw.design.sufficient == 64
+    assert len(sweep.variants) == Draw.of(sweep.variants.draw).design.sufficient == 64
     assert any(
         note.worded.startswith("sweep.samples: 64 are computed") for note in sweep.about.notes
     )
@@ -114,7 +116,7 @@ def test_what_is_unknown_counts_only_with_samples(tmp_path):
     assert tuple(note.worded for note in sweep.about.notes) == (
         "unknown: 5 inputs not known exactly; give sweep.samples to draw them",
     )
-    assert sweep.changed(notes=()) == plain
+    assert changed(sweep, notes=()) == plain
     assert not reasons_against(plain, sweep)
 
 
@@ -124,7 +126,7 @@ def test_samples_are_part_of_what_a_store_is_of_but_conditions_are_not(tmp_path)
     other = pipeline.load_scene(scene(tmp_path, UNKNOWN.replace("factor = 1.5", "factor = 1.6")))
     assert not reasons_against(sweep, wider)
     assert reasons_against(sweep, other)
-    assert reasons_against(sweep, sweep.changed(variants=Variants()))
+    assert reasons_against(sweep, changed(sweep, variants=Variants()))
 
 
 def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(tmp_path):
@@ -140,7 +142,7 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
     other = pipeline.load_scene(scene(tmp_path, spelled))
     assert other == sweep
     assert not reasons_against(sweep, other)
-    said = str(other.variants.draw.unknown[3])
+    said = str(Draw.of(other.variants.draw).unknown[3])
     assert said.endswith("normal, mean 418.15 K, sd 8 K")
 
 
@@ -189,7 +191,7 @@ CRITICAL = 'unknown."temperature.critical".correlated'
 def test_either_of_two_inputs_may_say_that_they_are_correlated(tmp_path):
     path = scene(tmp_path, PAIR.replace("CORRELATED", '{ "temperature.critical" = 0.6 }'))
     sweep = pipeline.load_scene(path)
-    rate, friction, _, critical = sweep.variants.draw.unknown
+    rate, friction, _, critical = Draw.of(sweep.variants.draw).unknown
     assert rate.correlated == friction.correlated == ()
     assert critical.correlated == (
         ("wear.specific_wear_rate", 0.6),
@@ -255,8 +257,8 @@ def test_an_input_varies_from_part_to_part_if_it_says_so_and_a_seed_always(tmp_p
         '"friction.coefficient" = { mean = 0.1, sd = 0.005 }\n"disk.roughness.seed" = [0, 1]\n'
     )
     drawn = pipeline.load_scene(scene(tmp_path, f"[unknown]\n{parts}")).variants.draw
-    assert [one.varies for one in drawn.unknown] == [True, False, True]
-    assert str(drawn.unknown[0]).endswith("factor 1.5, from part to part")
+    assert [one.varies for one in Draw.of(drawn).unknown] == [True, False, True]
+    assert str(Draw.of(drawn).unknown[0]).endswith("factor 1.5, from part to part")
     tied = parts.replace("0.005", '0.005, correlated = { "wear.specific_wear_rate" = 0.5 }')
     with pytest.raises(pipeline.SceneFileError, match="one of them varies from part to part"):
         pipeline.load_scene(scene(tmp_path, f"[unknown]\n{tied}"))
@@ -270,26 +272,26 @@ def test_an_input_given_by_a_setting_is_fixed_in_the_draw_too(tmp_path):
     drawn = pipeline.load_scene(path)
     setting = {"disk.roughness.correlation_length": "15 um"}
     fixed = pipeline.load_scene(path, overrides=setting)
-    assert [str(one) for one in fixed.variants.draw.fixed] == [
+    assert [str(one) for one in Draw.of(fixed.variants.draw).fixed] == [
         "disk.roughness.correlation_length is fixed at 15 µm"
     ]
     assert "disk.roughness.correlation_length" not in [
-        one.path for one in fixed.variants.draw.unknown
+        one.path for one in Draw.of(fixed.variants.draw).unknown
     ]
     assert fixed.variant((("variant", 5),)).scene.roughness.correlation_length == (15e-6, 15e-6)
     assert any("is fixed at 15 µm" in note.words for note in fixed.about.notes)
     assert reasons_against(drawn, fixed)
-    assert drawn.variants.draw.fixed == ()
+    assert Draw.of(drawn.variants.draw).fixed == ()
 
 
 def test_a_scene_that_extends_another_fixes_what_it_gives(tmp_path):
     scene(tmp_path)
     above = tmp_path / "above.toml"
     above.write_text('extends = "scene.toml"\n[friction]\ncoefficient = 0.12\n')
-    (friction,) = pipeline.load_scene(above).variants.draw.fixed
+    (friction,) = Draw.of(pipeline.load_scene(above).variants.draw).fixed
     assert (friction.unknown.path, friction.value) == ("friction.coefficient", 0.12)
     above.write_text(
         'extends = "scene.toml"\n[friction]\ncoefficient = 0.12\n[unknown]\n'
         '"friction.coefficient" = { mean = 0.12, sd = 0.001 }\n'
     )
-    assert pipeline.load_scene(above).variants.draw.fixed == ()  # beside its distribution
+    assert Draw.of(pipeline.load_scene(above).variants.draw).fixed == ()  # beside its distribution

@@ -9,7 +9,7 @@ import pytest
 import pipeline
 from pipeline.analysis.margin import percent
 from pipeline.analysis.rise_error import error_of_point
-from pipeline.sweep.unknown import drawn
+from pipeline.uncertain.unknown import drawn
 from tests.helpers.samples import (
     EXPONENT,
     critical_velocity,

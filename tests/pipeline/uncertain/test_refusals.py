@@ -1,5 +1,6 @@
 """All refusals of unknown inputs: what causes each, and what its message says."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pipeline
 from pipeline.scene.scenefile import load_scene
 from pipeline.store.create import writing
 from pipeline.uncertain import critical_temperature, entries
+from pipeline.uncertain.unknown import Unit, Unknown
 from tests.helpers import synthetic
 from tests.helpers.refusals import Refusals, command
 from tests.helpers.samples import LOADS, dataset, ensemble, field
@@ -84,6 +86,16 @@ def too_few():
     return pipeline.Ensemble.of(pipeline.open_sweep("samples.zarr"))
 
 
+def an_input(kind, *parameters):
+    return lambda: Unknown("friction.coefficient", kind, parameters)
+
+
+def rough():
+    hurst = Unknown("disk.roughness.hurst_exponent", "uniform", (0.7, 0.9))
+    drawn = dataset(ensemble((*ALL, hurst), 32))
+    return pipeline.at(drawn, **{hurst.path: "a"})
+
+
 DUTY = {"load [N]": [400.0], "velocity [m/s]": [2.0], "friction": [0.1]}
 
 
@@ -149,6 +161,17 @@ def joint(other, *more, inner=""):
 
 
 REFUSALS = {
+    "text": (rough, 'disk.roughness.hurst_exponent is "a"; give a plain number'),
+    "too far": (lambda: pipeline.at(dataset(ensemble()), **{RATE.path: 1.0}), "beyond the samples"),
+    "sd": (an_input("normal", 0.1, 0.0), "sd is 0; give above 0"),
+    "median": (an_input("log-normal", -1.0, 1.5), "median is -1; give above 0"),
+    "factor": (an_input("log-normal", 1.0, 1.0), "factor is 1; give above 1"),
+    "falling": (an_input("uniform", 6.0, 3.0), "from 6 to 3 does not rise"),
+    "one": (an_input("list", 1.0), "at least two different values"),
+    "equal": (an_input("list", 1.0, 1.0), "at least two different values"),
+    "nan": (an_input("normal", math.nan, 1.0), "is not a distribution; give finite numbers"),
+    "kind": (an_input("even", 0.0, 1.0), "even with (0.0, 1.0) is not a distribution"),
+    "unit": (lambda: Unit("mm", size=0.0), "the unit mm has the size 0"),
     # the scene
     "critical twice": (
         scene(FRICTIONS, overrides={"temperature.critical_sd": "8 K"}),

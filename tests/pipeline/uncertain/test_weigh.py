@@ -11,10 +11,10 @@ from scipy.special import ndtr
 
 import pipeline
 from pipeline.page.content import content_of_samples
-from pipeline.sweep.unknown import Unknown, correlations
 from pipeline.uncertain import weigh
 from pipeline.uncertain.evidence import decisive_tests, log_between
 from pipeline.uncertain.inputs import prior
+from pipeline.uncertain.unknown import Unknown, correlations
 from pipeline.uncertain.weigh import _long_tailed
 from tests.helpers import samples
 from tests.helpers.samples import EXPONENT, LOADS, critical_velocity, dataset, rise

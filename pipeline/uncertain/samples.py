@@ -9,14 +9,18 @@ the rise better than 128 samples on 8 drawn ones.
 
 from __future__ import annotations
 
+import json
 import math
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.sweep.unknown import Fixed, Unknown, sequence
+from pipeline.sweep.conditions import PATHS
+from pipeline.sweep.variants import ROWS, VARIANT, Column, Variants, numbers
+from pipeline.uncertain.unknown import Fixed, Unknown, sequence, without
 from tribo.types import Array
 
 Layer = Literal["contact", "wear rate", "heat", "conditions"]
@@ -112,6 +116,57 @@ class Draw:
     unknown: tuple[Unknown, ...]
     design: Design
     fixed: tuple[Fixed, ...] = ()  # inputs that have one value in place of their distribution
+
+    @classmethod
+    def of(cls, told: Any) -> Draw:
+        """The rule that plain data of `as_dict` stand for."""
+        design = told["design"]
+        lists = {"layers": tuple(design["layers"]), "velocities": tuple(design["velocities"])}
+        inputs = tuple(map(Unknown.of, design["inputs"]))
+        fixed = (Fixed(Unknown.of(one["unknown"]), one["value"]) for one in told["fixed"])
+        unknown = tuple(map(Unknown.of, told["unknown"]))
+        return cls(unknown, Design(**design | lists | {"inputs": inputs}), tuple(fixed))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all fields as plain data."""
+        told: dict[str, Any] = json.loads(json.dumps(asdict(self)))
+        return told
+
+    @property
+    def open_inputs(self) -> dict[str, Unknown]:
+        """Unknown inputs by path, and those with one value that may have another."""
+        movable = {*PATHS.values(), *(one.path for one in self.design.inputs)}
+        stored = (one.unknown for one in self.fixed if one.unknown.path in movable)
+        return {one.path: one for one in (*stored, *self.unknown)}
+
+    def fixed_at(self, values: Mapping[str, float]) -> Draw:
+        """The same with those of the inputs at one value [SI] that are among some values."""
+        inputs = self.open_inputs
+        new = {path: Fixed(inputs[path], value) for path, value in values.items() if path in inputs}
+        fixed = {one.unknown.path: one for one in self.fixed} | new
+        return replace(self, unknown=without(self.unknown, new), fixed=(*fixed.values(),))
+
+
+def drawn_rows(draw: Draw, count: int) -> Variants:
+    """Samples of inputs that are not known exactly, each with its own velocity."""
+    values, velocities = draw.design.draw(count)
+    rows = [
+        {VARIANT: number, "sample": number, "velocity": f"{velocity!r} m/s"}
+        | {one.path: one.entry(x) for one, x in zip(draw.design.inputs, row, strict=True)}
+        for number, (row, velocity) in enumerate(
+            zip(values.tolist(), velocities.tolist(), strict=True)
+        )
+    ]
+    meaning = "value of an input that is not known exactly"
+    sample = Column("sample", tuple(range(count)), "1", VARIANT, meaning=ROWS["sample"])
+    inputs = (
+        Column(one.path, tuple(column), one.unit, VARIANT, meaning=meaning)
+        for one, column in zip(draw.design.inputs, values.T.tolist(), strict=True)
+    )
+    words = "sliding velocity of the sample"
+    velocity = Column("velocity", tuple(velocities.tolist()), "m/s", VARIANT, meaning=words)
+    columns = (numbers(count, is_drawn=True), sample, *inputs, velocity)
+    return Variants(columns, tuple(rows), draw=draw.as_dict())
 
 
 def _sum(shares: Array, one: float, other: float) -> Array:

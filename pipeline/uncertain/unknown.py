@@ -13,6 +13,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
+from pipeline.quantities import DIMENSIONS
 from pipeline.sweep.limits import MOST_INPUTS
 from tribo import InputError
 from tribo.types import Array
@@ -85,6 +86,16 @@ class Unknown:
         if fault:
             raise InputError(fault)
 
+    @classmethod
+    def of(cls, told: Any) -> Unknown:
+        """The input that plain data of its fields stand for."""
+        own = {
+            "parameters": tuple(told["parameters"]),
+            "written": told["written"] and Unit(**told["written"]),
+            "correlated": tuple((path, number) for path, number in told["correlated"]),
+        }
+        return cls(**told | own)
+
     def quantile(self, share: Array) -> Array:
         """Quantiles of the distribution [SI], at shares above 0 and below 1."""
         first, *rest = self.parameters
@@ -96,6 +107,13 @@ class Unknown:
             return np.asarray(first + (rest[0] - first) * share)
         values = np.array(self.parameters)
         return np.asarray(values[np.minimum((share * len(values)).astype(int), len(values) - 1)])
+
+    def entry(self, value: float) -> str | float:
+        """A value as an entry of the scene, which reads as the same number."""
+        if self.unit != "1":
+            return f"{value!r} {next(iter(DIMENSIONS[self.unit].units))}"
+        is_whole = self.kind == "list" and all(map(float.is_integer, self.parameters))
+        return round(value) if is_whole else value
 
     @property
     def is_relative(self) -> bool:

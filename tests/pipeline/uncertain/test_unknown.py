@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.sweep.unknown import Unit, Unknown, drawn
+from pipeline.uncertain.unknown import Unit, Unknown, drawn
 from tests.helpers.unknowns import distribution_of
 
 NORMAL = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")

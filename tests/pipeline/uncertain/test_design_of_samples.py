@@ -7,12 +7,11 @@ import pytest
 from scipy.stats import norm
 
 from pipeline.sweep.conditions import bulk_entries, changes_of
-from pipeline.sweep.judged import fix_inputs, open_inputs
 from pipeline.sweep.model import Lead, Plane, Point, drop_last_digits
-from pipeline.sweep.samples import Design, Draw, _sum, samples_per_contact
-from pipeline.sweep.unknown import Unknown
-from pipeline.sweep.variants import drawn_rows, rows
+from pipeline.uncertain.samples import Design, Draw, _sum, samples_per_contact
+from pipeline.uncertain.unknown import Unknown
 from tests.helpers import tiny
+from tests.helpers.entries import rows
 from tests.helpers.scenes import STEEL
 from tribo import InputError, Wear
 
@@ -143,18 +142,16 @@ def test_an_input_that_is_fixed_leaves_the_others_and_may_be_fixed_anew():
                        correlated=(("friction.coefficient", 0.4),))  # fmt: skip
     friction = Unknown("friction.coefficient", "uniform", (0.08, 0.12))
     draw = Draw((friction, critical), design((HEAT,), ("heat",), 64))
-    sweep = tiny.sweep(variants=drawn_rows(draw, 4))
-    assert fix_inputs(sweep, {"pin.radius": 1.0}) is sweep
-    assert fix_inputs(tiny.sweep(), {"friction.coefficient": 0.1}).variants.draw is None
-    fixed = fix_inputs(sweep, {"friction.coefficient": 0.1})
-    assert [one.path for one in fixed.variants.unknown] == ["temperature.critical"]
-    assert fixed.variants.unknown[0].correlated == ()
-    (kept,) = fixed.variants.draw.fixed
+    open_paths = ["temperature.critical"]
+    fixed = draw.fixed_at({"friction.coefficient": 0.1, "pin.radius": 1.0})
+    assert [one.path for one in fixed.unknown] == open_paths
+    assert fixed.unknown[0].correlated == ()
+    (kept,) = fixed.fixed
     assert (kept.unknown, kept.value) == (friction, 0.1)
-    assert [*open_inputs(fixed)] == ["friction.coefficient", "temperature.critical"]
-    again = fix_inputs(fixed, {"friction.coefficient": 0.11, "temperature.critical": 400.0})
-    assert [one.value for one in again.variants.draw.fixed] == [0.11, 400.0]
-    assert open_inputs(tiny.sweep()) == {}
+    assert [*fixed.open_inputs] == ["friction.coefficient", *open_paths]
+    assert Draw.of(fixed.as_dict()) == fixed
+    again = fixed.fixed_at({"friction.coefficient": 0.11, "temperature.critical": 400.0})
+    assert [one.value for one in again.fixed] == [0.11, 400.0]
 
 
 # Conditions in their place
@@ -224,6 +221,6 @@ def test_a_plane_has_a_load_and_a_velocity():
             Plane(loads, velocities)
 
 
-def test_a_hold_replaces_that_of_a_ramp_and_takes_its_stops_away():
+def test_a_hold_replaces_that_of_a_ramp():
     held = tiny.sweep().held(3.0).scene.loading
     assert (held.hold, held.stops) == (3.0, ())

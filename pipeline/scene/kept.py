@@ -1,0 +1,136 @@
+"""A sweep as the text that a store keeps of it: its entries in full, and rows that replace some.
+
+The text is JSON that a person can read. What was read of files lies beside it, by its digest.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from typing import Any
+
+import tribo
+from pipeline.scene.parts import Contents
+from pipeline.scene.reading import SceneReader, contents_of
+from pipeline.scene.units import to_si
+from pipeline.sweep.about import FromLibrary
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.remarks import Remark
+from pipeline.sweep.selection import Choice, Selection
+from pipeline.sweep.stations import Stations
+from pipeline.sweep.variants import Column, Row, Variants
+from tribo import InputError
+from tribo.types import Array
+
+
+class SweepTextError(InputError):
+    """Text that is not that of a sweep."""
+
+
+def sweep_text(sweep: Sweep) -> str:
+    """JSON of a sweep."""
+    table = sweep.variants
+    columns = {one.name: asdict(replace(one, values=())) for one in table.columns}
+    text = {
+        "name": sweep.name,
+        "entries": sweep.entries,
+        "columns": {k: {n: v for n, v in one.items() if v} for k, one in columns.items()},
+        "rows": (_packed(sweep.rows) if table.draw else sweep.rows) if columns else (),
+        "notes": sweep.notes,
+        "sources": sweep.sources,
+        "selection": sweep.selection and asdict(sweep.selection),
+        "stations": sweep.stations and asdict(sweep.stations),
+        "samples": table.draw,
+        "chosen": None if sweep.chosen is None else True,
+    }
+    told = {key: value for key, value in text.items() if value not in (None, (), {})}
+    return json.dumps(told, ensure_ascii=False)
+
+
+def _packed(rows: Sequence[Row]) -> dict[str, Any]:
+    """Rows of samples by columns: numbers in a unit, or values as they are."""
+    columns = {key: [row[key] for row in rows] for key in rows[0]}
+    packed: dict[str, Any] = dict(columns)
+    for key, values in columns.items():
+        unit = str(values[0]).partition(" ")[2]
+        if unit and all(str(value).endswith(f" {unit}") for value in values):
+            numbers = [float(value.removesuffix(f" {unit}")) for value in values]
+            if [f"{number!r} {unit}" for number in numbers] == values:
+                packed[key] = {"unit": unit, "values": numbers}
+    return packed
+
+
+def _unpacked(rows: Any) -> list[Row]:
+    if isinstance(rows, list):
+        return rows
+    columns = {
+        key: one if isinstance(one, list) else [f"{x!r} {one['unit']}" for x in one["values"]]
+        for key, one in rows.items()
+    }
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def files_of(sweep: Sweep) -> dict[str, Array]:
+    """What was read of files for a sweep, by its digests."""
+    held: Any = sweep.reader
+    rows = (value for row in sweep.rows for path, value in row.items() if path.endswith(".content"))
+    digests = dict.fromkeys([*contents_of(sweep.parts()).values(), *rows])
+    return {digest: held.contents.arrays[digest] for digest in digests}
+
+
+def text_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
+    """Read a sweep from its JSON, and from no file; raise a `SweepTextError` for any other text."""
+    try:
+        told = json.loads(text)
+        sweep = Sweep(
+            name=str(told["name"]),
+            written=told["entries"],
+            reader=SceneReader(Contents(dict(arrays)), is_stored=True),
+            variants=_variants(told),
+            notes=tuple(Remark(*one) for one in told.get("notes", ())),
+            sources=tuple(FromLibrary(*one) for one in told.get("sources", ())),
+            selection=_selection(told.get("selection")),
+            stations=_stations(told.get("stations")),
+            chosen=() if "chosen" in told else None,
+        )
+        sweep.parts()
+    except Exception as error:  # a forged text may fail in any way, and is one error
+        raise SweepTextError(f"it is not the text of a sweep: {error}") from error
+    return sweep
+
+
+def _variants(told: Any) -> Variants:
+    made, rows, draw = [], _unpacked(told.get("rows", [{}])), told.get("samples")
+    for values in told.get("columns", {}).values():
+        one = Column(**values | {"unit": values.get("unit"), "values": ()})
+        made.append(replace(one, values=tuple(_label(one, row[one.key]) for row in rows)))
+    return Variants(tuple(made), tuple(rows), draw)
+
+
+def _label(column: Column, value: Any) -> Any:
+    """Label of a row, by its text [SI]."""
+    if column.unit is None:
+        return str(value)
+    if isinstance(value, str):
+        return to_si(value, like=value)
+    return float(value) if "." in column.name else value
+
+
+def _selection(told: Any) -> Selection | None:
+    if told is None:
+        return None
+
+    def fidelity(one: Any) -> Any:
+        return one | {"fidelity": tribo.Fidelity(**one["fidelity"])}
+
+    choices = (
+        Choice(**fidelity(one) | {"velocity_errors": tuple(one["velocity_errors"])})
+        for one in told["choices"]
+    )
+    points = tuple((load, velocity) for load, velocity in told["points"])
+    return Selection(**fidelity(told) | {"choices": tuple(choices), "points": points})
+
+
+def _stations(told: Any) -> Stations | None:
+    return told and Stations(**told | {"holds": tuple(told["holds"])})

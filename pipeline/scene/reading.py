@@ -1,0 +1,233 @@
+"""Entries of a scene, read into its parts, and written in full."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import tribo
+from pipeline.scene.consistency import check_tables
+from pipeline.scene.declare import table_of
+from pipeline.scene.facts import track_faults
+from pipeline.scene.faults import Faults
+from pipeline.scene.format import USUAL_PRESET, Bulks, MeasuredSurface, SceneFile
+from pipeline.scene.laws import add_laws, take_laws
+from pipeline.scene.library import resolve_library
+from pipeline.scene.parts import (
+    Contents,
+    corrections_of,
+    loading_of,
+    material_of,
+    motion_of,
+    oil_of,
+    realizations_of,
+    roughness_of,
+    wear_of,
+)
+from pipeline.scene.runs import expand_tests, tested_holds
+from pipeline.scene.written import complete_fidelity, completed, entries_of
+from pipeline.sweep.about import About, FromLibrary, Measurement
+from pipeline.sweep.conditions import Conditions, bulk_entries
+from pipeline.sweep.laws import name_of
+from pipeline.sweep.model import Parts, Plane, Record
+from pipeline.sweep.tables import Entries, entry_at
+from tribo.simulation.pins import sizes_of
+
+
+@dataclass
+class SceneReader:
+    """Reads entries into the parts of a scene, and files that they name once for all entries.
+
+    Attributes
+    ----------
+    contents : Contents
+        What was read of files.
+    laws : mapping
+        Objects of the user's own in place of entries.
+    is_stored : bool
+        True of entries in full: what they lack is not there, whatever its default.
+    """
+
+    contents: Contents = field(default_factory=Contents)
+    laws: Mapping[str, Any] = field(default_factory=dict)
+    is_stored: bool = False
+    parts: dict[tuple[Any, ...], Any] = field(default_factory=dict)
+    first: tuple[Entries, Any] = ({}, None)  # the first sound entries, and as they were read
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what is kept of earlier entries."""
+        return vars(self) | {"parts": {}, "first": ({}, None)}
+
+    def read(self, entries: Entries) -> Parts:
+        """Read entries; raise an `InputError` with the first fault."""
+        faults = Faults(self.is_stored, has_kept=True)
+        parts, _ = self.read_all(entries, faults)
+        if parts is None or faults:
+            raise tribo.InputError(f"{faults[0].key}: {faults[0].problem}")
+        return parts
+
+    def read_all(
+        self, entries: Entries, faults: Faults
+    ) -> tuple[Parts | None, tuple[FromLibrary, ...]]:
+        """The parts of a scene and its numbers from the library, with all faults of the entries."""
+        laws, tables = take_laws(self.laws, dict(entries), faults)
+        taken: tuple[FromLibrary, ...] = ()
+        if not self.is_stored:
+            tables, taken = resolve_library(tables, faults)
+        scene, changed = self._declared(tables, faults)
+        fidelity, preset = self._fidelity(scene.fidelity, faults)
+        realizations_of(scene, faults)
+        roughness = laws.get("surface") or self._once(
+            ("surface", entry_at(scene, "disk.roughness"), scene.window),
+            lambda: roughness_of(scene, self.contents, faults),
+        )
+        stops = tested_holds(scene)
+        loading, record = self._once(
+            ("loading", scene.loading, stops),
+            lambda: loading_of(scene.loading, self.contents, faults, stops),
+        )
+        made = {"fidelity": fidelity, "surface": roughness}
+        check_tables(vars(scene) | made, changed, faults)
+        oil = self._once(("oil", scene.oil), lambda: oil_of(scene.oil, faults))
+        wear = laws.get("wear") or wear_of(scene.wear, faults)
+        if faults or loading is None:
+            return None, taken
+        physics = _scene_of(
+            scene,
+            laws.get("pin"),
+            loading=loading,
+            roughness=roughness,
+            wear=wear,
+            fidelity=fidelity,
+        )
+        asked = scene.sweep
+        parts = Parts(
+            declared=_with_contents(scene, getattr(roughness, "digest", None), record),
+            scene=physics,
+            plane=Plane(asked.loads, asked.velocities),
+            conditions=_conditions_of(scene, physics, laws.get("criterion")),
+            record=Record(asked.fields, asked.steps),
+            about=About(
+                name="",
+                title=scene.title or "",
+                measured=tuple(Measurement.of(vars(test)) for test in scene.measured or ()),
+                tested=tuple(Measurement.of(vars(test)) for test in scene.tested or ()),
+                caveat=scene.caveat,
+                friction_band=scene.friction.band,
+                same_rig=scene.friction.same_rig,
+                model_scatter=scene.model and scene.model.scatter,
+                oil=oil,
+                preset=preset,
+            ),
+        )
+        for body, fault in track_faults(parts):
+            given = "diameter" if entry_at(scene, f"{body}.diameter") else "track_length"
+            faults.refuse(f"{body}.{given}", fault)
+        return parts, taken
+
+    def complete(self, entries: Entries, parts: Parts, like: Parts | None = None) -> dict[str, Any]:
+        """The entries in full; only tables that are not as in other parts, if these are given.
+
+        Those are entries with defaults, values of the library and the choices of the preset.
+        """
+        fidelity = complete_fidelity(parts.about.preset, parts.scene.fidelity)
+        declared, kind = vars(replace(parts.declared, fidelity=fidelity)), table_of(SceneFile)
+        before = vars(like.declared) if like else {}
+        kept = [k for k in kind.keys if not like or getattr(parts.declared, k) != before[k]]
+        full = {key: entries_of(kind.keys[key].kind, declared[key]) for key in kept}
+        tables = {key: one for key, one in full.items() if one is not None}
+        for key in ("over", "along"):  # which rows stand for
+            tables.get("sweep", {}).pop(key, None)
+        return add_laws(completed(tables, entries), parts, like)
+
+    def _declared(self, entries: dict[str, Any], faults: Faults) -> tuple[Any, Collection[str]]:
+        """The file as it is declared, and the tables that are not as in the first sound entries."""
+        kind = table_of(SceneFile)
+        before, scene = self.first
+        other = {key for key, value in entries.items() if value != before.get(key)}
+        if scene and entries.keys() == before.keys() and not other & {"measured", "tested"}:
+            new = {key: kind.keys[key].kind.read(entries[key], key, faults) for key in other}
+            return replace(scene, **new), other
+        scene = expand_tests(kind.read(entries, "", faults), faults)
+        if not faults:
+            self.first = entries, scene
+        return scene, kind.keys
+
+    def _once(self, made_of: tuple[Any, ...], make: Callable[[], Any]) -> Any:
+        """The part of a scene that is made of some tables; a faulty one is told each time."""
+        self.parts[made_of] = self.parts.get(made_of) or make()
+        return self.parts[made_of]
+
+    def _fidelity(self, asked: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:
+        """Fidelity of a table, and the name of its preset if it equals that."""
+        name = (asked and asked.preset) or USUAL_PRESET
+        fidelity = tribo.PRESETS[name]
+        listed = (vars(asked) if asked else {}).items()
+        given = {key: value for key, value in listed if key != "preset" and value is not None}
+        if "increments" in given:  # instead of steps by the wear
+            given = {"hold_increments": 0, "imprint": 0.0} | given
+        for key, value in given.items():
+            with faults.at(f"fidelity.{key}"):
+                fidelity = replace(fidelity, **{key: value})
+        if self.is_stored:  # whatever the preset is today
+            return fidelity, asked and asked.preset
+        return fidelity, name if fidelity == tribo.PRESETS[name] else None
+
+
+def _with_contents(scene: Any, surface: str | None, record: str | None) -> Any:
+    """The file as it is declared, with the digests of what was read of files."""
+    rough = scene.disk.roughness
+    if isinstance(rough, MeasuredSurface):
+        disk = replace(scene.disk, roughness=replace(rough, content=surface))
+        scene = replace(scene, disk=disk)
+    return replace(scene, loading=replace(scene.loading, content=record)) if record else scene
+
+
+def contents_of(parts: Parts) -> dict[str, str]:
+    """Digests of what was read of files, by the paths of their entries."""
+    paths = ("disk.roughness.content", "loading.content")
+    found = {path: entry_at(parts.declared, path) for path in paths}
+    return {path: digest for path, digest in found.items() if digest}
+
+
+def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:
+    """What is simulated of a sound scene, with parts that were made, or a pin of the user's own."""
+    pin, window, friction = scene.pin, scene.window, scene.friction
+    cylinder, periodic_y = pin.shape == "cylinder", window.periodic_y
+    kind: Any = tribo.PINS[pin.shape]
+    sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}
+    return tribo.Scene(
+        pin=own_pin or kind(**sizes, material=material_of(scene.materials[pin.material])),
+        disk=material_of(scene.materials[scene.disk.material]),
+        pixels=tribo.Grid(
+            window.pixels,
+            window.pixel_size,
+            periodic=(False, cylinder if periodic_y is None else periodic_y),
+        ),
+        motion=motion_of(scene),
+        friction_heat=max([friction.coefficient, *(friction.band or [])]) > 0,
+        unequal_bulks=_bulks_of(scene)["disk_temperature"] is not None,
+        **parts,
+    )
+
+
+def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Conditions:
+    """The conditions of a sound scene, or with a rule of the user's own."""
+    asked = scene.temperature
+    return Conditions(
+        friction=scene.friction.coefficient,
+        critical_temperature=asked.critical,
+        critical_sd=asked.critical_sd,
+        failing_share=asked.failing_share,
+        criterion=name_of(rule) if rule else asked.criterion,
+        rule=rule,
+        corrections=corrections_of(scene, made.pin, made.disk),
+        **_bulks_of(scene),
+    )
+
+
+def _bulks_of(scene: Any) -> dict[str, Any]:
+    """Bulk temperatures as conditions have them."""
+    bulk = scene.temperature.bulk
+    return bulk_entries(vars(bulk) if isinstance(bulk, Bulks) else bulk)

@@ -1,0 +1,103 @@
+"""A sweep that goes on with the store of another one, or why it cannot."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+from pipeline.scene.written import differing
+from pipeline.sweep.digest import digest
+from pipeline.sweep.model import Sweep, named
+from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.tables import entry_at
+from pipeline.sweep.variants import Variants
+from tribo import InputError, TriboError
+
+
+def join(before: Sweep | None, sweep: Sweep) -> Sweep:
+    """The sweep of a store after another run: rows of both, else as the present scene says.
+
+    What is kept of each point, and the reasons for a fidelity, stay those of the first run. Of
+    points that were chosen it says that they were, and the store which.
+    """
+    first = before or sweep
+    written = dict(sweep.written)
+    if before:  # materials that its rows have
+        written["materials"] = before.entries["materials"] | sweep.entries["materials"]
+    joined = replace(
+        sweep,
+        written=written,
+        variants=replace(first.variants, rows=first.rows).union(sweep.variants),
+        chosen=None if sweep.chosen is None else (),
+        stations=choose_stations(first),
+        selection=sweep.selection or first.selection,
+        made={(): sweep.parts()},
+    )
+    if before and before.record.fields != sweep.record.fields:
+        joined = joined.changed("sweep.fields", before.record.fields)
+    return joined
+
+
+def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
+    """Say why a sweep cannot go on with the store of another one; nothing where it can."""
+    old, new = stored.variants, sweep.variants
+    if [*old.axes] != [*new.axes]:
+        have, gives = (", ".join(table.axes) or "none" for table in (old, new))
+        by = "by sweep.over, realizations or samples"
+        yield f"axes {by}: {have} in the store, {gives} in the scene"
+        return
+    if _design(old) != _design(new):
+        told = [_differs(*one) for one in differing(stored, sweep)]
+        yield from told or ["sweep.samples are drawn by another rule than in the store"]
+        return
+    yield from _different_scenes(stored, sweep)
+    labels = {column.name: values for column, values in old.coordinates.items()}
+    for column, values in new.coordinates.items():
+        held = labels.get(column.name, {})
+        for label in (label for label in values if label in held and held[label] != values[label]):
+            yield _differs(f"{column.name}.{label}", held[label], values[label])
+    if (steps := sweep.record.steps) not in (None, choose_stations(stored).steps):
+        yield _differs("sweep.steps", choose_stations(stored).steps, steps)
+    if sweep.record.fields and not stored.record.fields:
+        yield _differs("sweep.fields", "false", "true")
+    try:
+        old.union(new)
+    except InputError as error:
+        yield str(error)
+
+
+def _differs(path: str, old: Any, new: Any) -> str:
+    return f"{path}: {old} in the store, {new} in the scene"
+
+
+def _design(table: Variants) -> Any:
+    """What decides the samples of a table: no correlation does."""
+    design = dict(table.rule["design"]) if table.rule else {"inputs": []}
+    return design | {"inputs": [{**one, "correlated": None} for one in design["inputs"]]}
+
+
+def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
+    """Entries by which the first row differs that both have, if any is not the same scene."""
+    for name in (name for name in sweep.variants.names if name in stored.variants):
+        old, new = stored.variant(name), sweep.variant(name)
+        if different := [*acting(old, new, lambda one: one.scene)]:
+            row = f"scene with {', '.join(named(name))}: " if name else ""
+            yield from (f"{row}{words}" for words in different)
+            return
+
+
+def acting(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> Iterator[str]:
+    """Entries that differ, in words, if a part of the sweep differs, and because of them."""
+    present = digest(part(old))
+    if present == digest(part(new)):
+        return
+    for path, before, after in differing(old, new):
+        whole = re.split(r"\.\d", path)[0]  # without the number in a list
+        try:
+            is_same = digest(part(old.changed(whole, entry_at(new.entries, whole)))) == present
+        except TriboError:  # which needs others beside it
+            is_same = False
+        if not is_same:
+            yield _differs(path, before or "none", after or "none")

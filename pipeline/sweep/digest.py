@@ -1,0 +1,45 @@
+"""Digests of parts of a sweep, by the values of their fields."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from pipeline.sweep.laws import MissingSurface, is_given, law_record
+from tribo import MeasuredRoughness
+
+
+def digest(part: Any) -> str:
+    """SHA-256 of a part of a sweep, the same for a whole number and its float."""
+    return hashlib.sha256(json.dumps(_plain(part)).encode()).hexdigest()
+
+
+def array_digest(array: Any) -> str:
+    """SHA-256 of an array of numbers with its shape."""
+    numbers = np.ascontiguousarray(array, float)
+    return hashlib.sha256(repr(numbers.shape).encode() + numbers.tobytes()).hexdigest()
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, bool | str) or value is None:
+        return value
+    if isinstance(value, int | float | np.number):
+        number = float(value)
+        return number if number == value or number != number else str(value)
+    if isinstance(value, np.ndarray):
+        return array_digest(value)
+    if isinstance(value, MeasuredRoughness | MissingSurface):
+        return value.digest
+    if is_given(value):
+        value = law_record(value)
+    if is_dataclass(value):
+        values = [_plain(getattr(value, one.name)) for one in fields(value) if one.init]
+        return [type(value).__name__, *values]
+    if isinstance(value, Mapping):
+        return [[_plain(key), _plain(one)] for key, one in value.items()]
+    return [_plain(one) for one in value]

@@ -1,0 +1,44 @@
+"""Digests by which points of a sweep are told from those of another."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+from pipeline.sweep.digest import digest
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.variants import Variant
+
+
+def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
+    """Digest of what acts on the simulation and the verdict of each row of a sweep, int32.
+
+    `choices` are of tests: the oil whose tests count, and the scatter by which they weigh samples.
+    """
+    rule, ids = sweep.variants.rule, list[int]()
+    inputs = (rule["unknown"], rule["fixed"]) if rule else ()
+    of_part = functools.lru_cache(None, typed=True)(digest)  # rows share large surfaces
+    for name in sweep.variants.names:
+        row = sweep.variant(name)
+        parts = [of_part(getattr(row.scene, one.name)) for one in fields(row.scene)]
+        about = replace(row.about, name="", title="", sources=(), notes=())
+        found = digest((*parts, row.conditions, about, inputs, choices))
+        ids.append(int.from_bytes(bytes.fromhex(found[:8]), signed=True))
+    return ids
+
+
+class Simulated:
+    """Hash of what is simulated at each point of a sweep."""
+
+    def __init__(self, sweep: Sweep) -> None:
+        self._sweep = sweep
+        self._hashes: dict[Variant, str] = {}  # which goes to other processes; no cache does
+
+    def at(self, point: Point) -> str:
+        """Hash of what is simulated at a point."""
+        name = point.variant
+        if name not in self._hashes:
+            self._hashes[name] = digest(self._sweep.variant(name).scene)
+        return self._hashes[name]

@@ -1,0 +1,80 @@
+"""Nested tables of entries, by paths such as ``pin.radius``, as a scene file has them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any
+
+Entries = Mapping[str, Any]
+FRICTION = "friction.coefficient"
+CURVES = "friction.by_velocity", "friction.by_temperature"
+_CONTENTS = {
+    "disk.roughness.content": ("disk.roughness.", "window."),
+    "loading.content": ("loading.file",),
+}
+"""Digests of what was read of files, and the entries that it depends on."""
+
+
+def entry_at(tables: Any, path: str) -> Any:
+    """Look up a path; None where it, or a table on the way to it, is missing or faulty."""
+    entry = tables
+    for key in path.split("."):
+        entry = entry.get(key) if isinstance(entry, Mapping) else getattr(entry, key, None)
+    return entry
+
+
+def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
+    """Tables with another value at a path, made where it is missing; without it if None."""
+    first, _, rest = path.partition(".")
+    if value is None and first not in tables:
+        return dict(tables)
+    inner = tables.get(first)
+    table = inner if isinstance(inner, dict) else {}
+    other = replace_value(table, rest, value) if rest else value
+    if other is None or (value is None and not other):  # nor an empty table
+        return {key: one for key, one in tables.items() if key != first}
+    return {**tables, first: other}
+
+
+def flat(tables: Entries, above: str = "", ends: Collection[str] = ()) -> Iterator[tuple[str, Any]]:
+    """Paths and values of nested tables; a table that is empty or has a key of `ends` is one."""
+    for key, inner in tables.items():
+        path = f"{above}.{key}" if above else key
+        if isinstance(inner, dict) and inner and not set(ends) & set(inner):
+            yield from flat(inner, path, ends)
+        else:
+            yield path, inner
+
+
+def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any]]:
+    """Paths at which tables differ, and what stands there afterwards; None where it is left out."""
+    for key in {**before, **after}:
+        one, other = before.get(key), after.get(key)
+        path, tables = f"{place}.{key}" if place else key, {type(one), type(other)}
+        are_tables = dict in tables and tables <= {dict, type(None)}
+        if are_tables and not any("." in inner for inner in {**(one or {}), **(other or {})}):
+            yield from changes(one or {}, other or {}, path)
+        elif one != other:
+            yield path, other
+
+
+def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:
+    """Tables with the values of a row, by their paths; labels of the row have no path.
+
+    A coefficient of friction scales the friction by velocity and by temperature, unless the row
+    has these, too.
+    """
+    paths = {path: value for path, value in values.items() if "." in path}
+    old, new = entry_at(tables, FRICTION), paths.get(FRICTION)
+    if isinstance(old, int | float) and old and isinstance(new, int | float):
+        for path in CURVES:
+            if path not in paths and (curve := entry_at(tables, path)):
+                scaled = [row | {"coefficient": row["coefficient"] * (new / old)} for row in curve]
+                paths[path] = scaled
+    changed = dict(tables)
+    for content, names in _CONTENTS.items():
+        if content not in paths and any(path.startswith(names) for path in paths):
+            changed = replace_value(changed, content, None)
+    for path, value in paths.items():
+        changed = replace_value(changed, path, value)
+    return changed

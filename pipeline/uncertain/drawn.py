@@ -1,0 +1,78 @@
+"""What the rest of the package asks of samples: their inputs at one value, and in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from scipy.special import ndtr
+
+from pipeline.quantities import ALIKE, snap
+from pipeline.scene.units import in_si
+from pipeline.sweep.shown import Line
+from pipeline.uncertain.samples import REACH, Draw
+from tribo import InputError
+
+
+def open_inputs(draw: Any) -> list[str]:
+    """Paths of unknown inputs, and of those with one value that may have another."""
+    return [*Draw.of(draw).open_inputs]
+
+
+def fixed_at(draw: Any, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The rule of samples with those of its inputs at one value [SI] that are among some values."""
+    return Draw.of(draw).fixed_at(values).as_dict()
+
+
+def drawn_value(draw: Any, path: str, value: float | str) -> float:
+    """A value of an unknown input in SI; raises if the samples do not reach it."""
+    unknown = Draw.of(draw).open_inputs[path]
+    shown = unknown.shown
+    if isinstance(value, str) and unknown.unit == "1":
+        raise InputError(f'{unknown.path} is "{value}"; give a plain number')
+    number = in_si(unknown.path, value, f"1 {shown.name}")
+    if unknown.kind == "list":
+        nearest = min(unknown.parameters, key=lambda one: abs(one - number))
+        if math.isclose(nearest, number, rel_tol=ALIKE):
+            return nearest
+        listed = ", ".join(f"{shown.express(one):g}" for one in unknown.parameters)
+        allowed = f"one of {listed}{shown.suffix}"
+    else:
+        low, high = unknown.quantile(ndtr(np.array([-REACH, REACH]))).tolist()
+        if unknown.kind == "uniform":
+            low, high = unknown.parameters
+        if low <= (number := snap(number, low, high)) <= high:
+            return number
+        allowed = f"one from {shown.express(low):.4g} to {shown.express(high):.4g}{shown.suffix}"
+    raise InputError(
+        f"{unknown.path} is {shown.express(number):.6g}{shown.suffix}, beyond the samples; give "
+        f"{allowed}, or run the scene with --set {unknown.path}=… into another store"
+    )
+
+
+def described(told: Any, count: int) -> tuple[list[Line], dict[str, Any]]:
+    """Inputs that are not known exactly, and their samples: in words, and as plain data."""
+    draw = Draw.of(told)
+    design = draw.design
+    simulated = {one.path for one in design.inputs}
+    document = {
+        "unknown": [one.as_dict() | {"simulated": one.path in simulated} for one in draw.unknown],
+        "fixed": {one.unknown.path: one.value for one in draw.fixed},
+        "samples": count,
+        "samples_per_contact": design.per_contact,
+        "sample_seed": design.seed,
+    }
+    afterwards = "; applied afterwards, at no cost"
+    rows = [
+        ("unknown", f"{one}{'' if one.path in simulated else afterwards}") for one in draw.unknown
+    ]
+    rows += [("fixed", str(one)) for one in draw.fixed]
+    low, high = design.velocities
+    more = "would share their contacts" if count == design.sufficient else "can be added"
+    sequence = f"a scrambled Sobol' sequence, seed {design.seed}, from {low:g} to {high:g} m/s"
+    rows.append(("samples", f"{count} of {sequence}; more {more}"))
+    if design.per_contact > 1:
+        rows.append(("", f"{design.per_contact} share each contact; heat is computed for each"))
+    return rows, document

@@ -1,0 +1,293 @@
+"""Entries of a scene for objects of the physics, so that tests may give either."""
+
+from dataclasses import fields, is_dataclass, replace
+from types import SimpleNamespace
+
+import numpy as np
+
+import tribo
+from pipeline.scene.declare import table_of
+from pipeline.scene.format import Archard, Material, Oil, Ramp, RandomSurface, Test, Transition
+from pipeline.scene.format import Fidelity as FidelityTable
+from pipeline.scene.format import Motion as MotionTable
+from pipeline.scene.kinds import Quantity
+from pipeline.scene.written import complete_fidelity, entries_of
+from pipeline.sweep.about import About
+from pipeline.sweep.conditions import FIELDS as PATHS_OF
+from pipeline.sweep.conditions import UNITS as UNITS_OF
+from pipeline.sweep.model import Plane, Record
+from pipeline.sweep.tables import replace_value
+from pipeline.sweep.variants import labelled_rows
+from tribo.simulation.pins import sizes_of
+
+_OF_SWEEP = {"name", "variants", "notes", "sources", "selection", "chosen", "stations", "judged"}
+_PARTS = {"scene": tribo.Scene, "plane": Plane, "record": Record, "about": About}
+PART_OF = {one.name: part for part, kind in _PARTS.items() for one in fields(kind)}
+FIELDS = {*PART_OF, *_OF_SWEEP, "conditions", "tested_oil"}
+
+
+class Given:
+    """A reader that puts objects in the place of what entries read as."""
+
+    def __init__(self, reader, values):
+        self.reader, self.values = reader, values
+
+    @property
+    def contents(self):
+        return self.reader.contents
+
+    def read(self, entries):
+        parts = self.reader.read(entries)
+        for name, value in self.values.items():
+            if name == "conditions":
+                parts = replace(parts, conditions=value)
+            else:
+                part = PART_OF[name]
+                parts = replace(parts, **{part: replace(getattr(parts, part), **{name: value})})
+        return parts
+
+    def complete(self, *args):
+        return self.reader.complete(*args)
+
+
+def changed(sweep, **values):
+    """The sweep with other values of fields of its parts, as entries where there are such."""
+    assert values.keys() <= FIELDS, values.keys() - FIELDS
+    kinds = {"measured": False, "tested": True}
+    if any(bool(test.outcome) != kinds[k] for k in kinds for test in values.get(k, ())):
+        tests = (*values.get("measured", ()), *values.get("tested", ()))
+        values["measured"] = tuple(test for test in tests if not test.outcome)
+        values["tested"] = tuple(test for test in tests if test.outcome)
+    own = {name: value for name, value in values.items() if name in _OF_SWEEP}
+    if "tested_oil" in values:
+        own["oil"] = values["tested_oil"]
+    rest = {k: v for k, v in values.items() if k not in {*own, "tested_oil"}}
+    written = sweep.written
+    for name, value in rest.items():
+        for path, entry in _entries(name, value, sweep).items():
+            written = replace_value(written, path, entry)
+    reader = sweep.reader
+    if isinstance(reader, Given):
+        kept = {name: value for name, value in reader.values.items() if name not in rest}
+        reader = Given(reader.reader, kept) if kept else reader.reader
+    made = replace(sweep, written=written, reader=reader, made={}, **own)
+    try:
+        made.parts()
+    except tribo.TriboError:
+        made = replace(sweep, made={}, **own)
+    other = {name: value for name, value in rest.items() if not _has(made, name, value)}
+    return replace(made, reader=Given(reader, other), made={}) if other else made
+
+
+def _has(sweep, name, value):
+    if name == "conditions":
+        return sweep.parts().conditions == value
+    present = getattr(getattr(sweep.parts(), PART_OF[name]), name)
+    if name in ("measured", "tested"):  # of which each has a number, its own or the next one
+        return len(present) == len(value) and all(
+            test == replace(asked, number=asked.number or test.number)
+            for test, asked in zip(present, value, strict=True)
+        )
+    return present == value
+
+
+def _quantities(values, example):
+    return [entries_of(Quantity(example, zero=True), float(value)) for value in values]
+
+
+def _table(kind, made):
+    return entries_of(table_of(kind), made)
+
+
+def _entries(name, value, sweep):
+    match name, value:
+        case "loads", _:
+            return {"sweep.loads": _quantities(value, "200 N")}
+        case "velocities", _:
+            return {"sweep.velocities": _quantities(value, "1 m/s")}
+        case "fields" | "steps", _:
+            return {f"sweep.{name}": value}
+        case "title" | "caveat", _:
+            return {name: value}
+        case "fidelity", _:
+            return {"fidelity": entries_of(table_of(FidelityTable), complete_fidelity(None, value))}
+        case "pin", _:
+            return _pin(value)
+        case "disk", _:
+            return {"materials.of_disk": _material(value), "disk.material": "of_disk"}
+        case (("roughness" | "wear" | "motion" | "oil"), None):
+            return {"disk.roughness" if name == "roughness" else name: None}
+        case "roughness", tribo.SelfAffineRoughness():
+            return {"disk.roughness": _table(RandomSurface, value)}
+        case "roughness", tribo.MeasuredRoughness():
+            sweep.reader.contents.arrays[value.digest] = value.array
+            return {"disk.roughness": {"file": "surface.npy", "content": value.digest}}
+        case "loading", tribo.Ramp():
+            return {"loading": _table(Ramp, value)}
+        case "loading", tribo.MeasuredLoad():
+            digest = sweep.reader.contents.keep(np.array([value.times, value.loads]))
+            record = {"file": "load.csv", "content": digest}
+            if value.reference_load is not None:
+                record["reference_load"] = f"{value.reference_load!r} N"
+            return {"loading": record}
+        case "wear", tribo.Wear():
+            return {"wear": _table(Archard, value)}
+        case "motion", tribo.Motion():
+            return {"motion": _table(MotionTable, value)}
+        case "pixels", _:
+            sides = [f"{float(side)!r} m" for side in value.spacing]
+            window = {"pixels": [*map(int, value.shape)], "pixel_size": sides}
+            return {"window": window | {"periodic_y": bool(value.periodic[1])}}
+        case "conditions", _:
+            return _conditions(value)
+        case "friction_band", _:
+            return {"friction.band": value and [*value]}
+        case "same_rig", _:
+            return {"friction.same_rig": value}
+        case "model_scatter", _:
+            return {"model": None if value is None else {"scatter": value}}
+        case "measured" | "tested", _:
+            return {name: [_test(name, test) for test in value] or None}
+        case "oil", _:
+            return {"oil": _oil(value)}
+    return {}
+
+
+def _material(material):
+    return _table(Material, SimpleNamespace(like=None, **_fields(material)))
+
+
+def _fields(made):
+    return {
+        one.name: float(value) if isinstance(value, np.floating) else value
+        for one in fields(made)
+        if one.init
+        for value in [getattr(made, one.name)]
+    }
+
+
+def _pin(pin):
+    shape = next((name for name, kind in tribo.PINS.items() if kind is type(pin)), None)
+    if shape is None or not is_dataclass(pin):
+        return {}
+    sizes = {name: _quantities([getattr(pin, name)], "2 mm")[0] for name in sizes_of(shape)}
+    every = {f"pin.{name}": None for other in tribo.PINS for name in sizes_of(other)}
+    own = {f"pin.{name}": size for name, size in sizes.items()}
+    own |= {"pin.shape": shape, "pin.material": "of_pin"}
+    return {"materials.of_pin": _material(pin.material), **every, **own}
+
+
+def _condition_entries(changes):
+    """Fields of `Conditions` as entries of a scene, by their paths."""
+    texts = {
+        name: value if UNITS_OF.get(name, "1") == "1" else f"{value!r} {UNITS_OF[name]}"
+        for name, value in changes.items()
+        if value is not None
+    }
+    if disk := texts.pop("disk_temperature", None):
+        texts["bulk_temperature"] = {"pin": texts["bulk_temperature"], "disk": disk}
+    return {PATHS_OF[name]: text for name, text in texts.items()}
+
+
+def _conditions(made):
+    names = ("friction", "bulk_temperature", "disk_temperature", "critical_temperature",
+             "critical_sd", "failing_share", "criterion")  # fmt: skip
+    values = {name: getattr(made, name) for name in names}
+    entries = {"temperature.critical": None, "temperature.critical_sd": None}
+    entries |= _condition_entries({k: v for k, v in values.items() if k != "critical_sd"})
+    if made.critical_sd is not None:
+        entries["temperature.critical_sd"] = f"{made.critical_sd!r} K"
+    entries |= _beside(made.corrections)
+    curves = made.corrections and made.corrections.friction
+    for key in ("velocity", "temperature"):
+        rows = getattr(curves, f"by_{key}", ()) if curves else ()
+        unit = "m/s" if key == "velocity" else "K"
+        table = [
+            {key: f"{float(node)!r} {unit}", "coefficient": factor * made.friction}
+            for node, factor in rows
+        ]
+        entries[f"friction.by_{key}"] = table or None
+    return entries
+
+
+def _beside(corrections):
+    """Entries of the physics beside two half-spaces, but for the curves of friction."""
+    bodies = ("track_length", "capacity", "loss")
+    entries = {f"{body}.{key}": None for body in ("pin", "disk") for key in bodies}
+    entries |= {"disk.film": None, "pin.stem": None}
+    if corrections is None:
+        return entries
+    bodies = (
+        ("pin", corrections.pin_track, corrections.pin_bulk),
+        ("disk", corrections.track, corrections.disk_bulk),
+    )
+    for body, track, bulk in bodies:
+        if track and track.disc is None:
+            entries[f"{body}.track_length"] = f"{track.length!r} m"
+        if bulk:
+            entries[f"{body}.capacity"] = f"{bulk.capacity!r} J/K" if bulk.capacity else None
+            entries[f"{body}.loss"] = f"{bulk.loss!r} W/K" if bulk.loss else None
+    if corrections.film_resistance:
+        film = {"thickness": f"{corrections.film_resistance!r} m"}
+        entries["disk.film"] = film | {"thermal_conductivity": "1 W/(m K)"}
+    if corrections.stem and not corrections.stem.settling_time:
+        entries["pin.stem"] = {"resistance": f"{corrections.stem.resistance!r} K/W"}
+    elif corrections.stem:  # a rod of steel
+        length = (corrections.stem.settling_time * 45.0 / (7800.0 * 470.0)) ** 0.5
+        area = length / (45.0 * corrections.stem.resistance)
+        entries["pin.stem"] = {"length": f"{length!r} m", "area": f"{area!r} m^2"}
+    return entries
+
+
+def _test(name, test):
+    kind = Transition if name == "measured" else Test
+    values = _fields(test)
+    values["load"] = values.pop("normal_load")
+    return _table(kind, SimpleNamespace(**values))
+
+
+def _oil(oil):
+    values = {
+        "temperatures": oil.temperatures, "kinematic_viscosity": oil.viscosities,
+        "density": oil.density, "pressure_viscosity_coefficient": oil.pressure_coefficients,
+    }  # fmt: skip
+    values = {
+        key: tuple(map(float, one)) if isinstance(one, tuple) else one
+        for key, one in values.items()
+    }
+    rest = {one.name: None for one in fields(Oil) if one.name not in values}
+    return _table(Oil, SimpleNamespace(**values, **rest))
+
+
+def rows(name, changes, velocities=None, loads=None):
+    """Rows by hand, by the fields of parts of the sweep that each changes [SI], or by objects."""
+    return labelled_rows(
+        name,
+        {label: _row(change) for label, change in changes.items()},
+        velocities,
+        loads,
+    )
+
+
+_KEYS = {"wear": ("specific_wear_rate", "pattern")}
+_UNITS = {"pin.radius": "m", "pin.length": "m", "wear.specific_wear_rate": "m^2/N"}
+
+
+def _row(change):
+    row = {}
+    for path, value in change.items():
+        table, _, key = path.partition(".")
+        if path in _UNITS:
+            row[path] = f"{value!r} {_UNITS[path]}"
+        elif table == "roughness" and key:
+            row[f"disk.roughness.{key}"] = value
+        elif table == "disk" and key:
+            row[f"materials.of_disk.{key}"] = entries_of(table_of(Material).keys[key].kind, value)
+        elif table in ("temperature", "friction"):
+            row[path] = value
+        else:
+            for entry, one in _entries(path, value, None).items():
+                whole = one if isinstance(one, dict) else dict.fromkeys(_KEYS.get(entry, ()))
+                inner = {f"{entry}.{key}": part for key, part in whole.items()}
+                row |= inner or {entry: one}
+    return row

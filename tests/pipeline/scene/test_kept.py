@@ -1,0 +1,206 @@
+"""A store keeps the entries of a sweep in full, as text that a person can read."""
+
+import dataclasses
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import pipeline
+import tribo
+from pipeline.analysis.dataset import stored_sweep
+from pipeline.scene import library
+from pipeline.scene.declare import table_of
+from pipeline.scene.format import RandomSurface
+from pipeline.scene.kept import SweepTextError, files_of, sweep_text, text_sweep
+from pipeline.scene.shipped import shipped_scenes
+from pipeline.store.create import writing
+from pipeline.sweep.digest import digest
+from pipeline.sweep.laws import LawError
+from pipeline.sweep.variants import surfaces
+from tests.helpers import synthetic, tiny
+from tests.helpers.entries import rows
+from tests.helpers.samples import dataset, ensemble
+from tests.helpers.scenes import SCENE, STEEL
+from tests.helpers.unknowns import ALL
+
+
+def back(sweep):
+    """The sweep after a way through text."""
+    text = sweep_text(sweep)
+    assert json.loads(text)["entries"] == sweep.entries
+    return text_sweep(text, files_of(sweep))
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_a_shipped_scene_comes_back_equal(name):
+    sweep = pipeline.load_scene(name)
+    again = back(sweep)
+    assert again == sweep
+    assert hash(again.scene) == hash(sweep.scene)
+
+
+RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
+SCANNED = tribo.MeasuredRoughness(1e-7 * np.random.default_rng(0).standard_normal((32, 16)))
+
+
+@pytest.mark.parametrize(
+    "sweep",
+    [
+        tiny.full(roughness=SCANNED),
+        tiny.sweep(loading=RECORD),
+        tiny.sweep(variants=surfaces((7, 1))),
+        tiny.sweep(
+            variants=rows("pin", {"a": {"pin": tribo.Cylinder(1e-3, 3e-3, STEEL)}, "b": {}})
+        ),
+        tiny.sweep(disk=replace(STEEL, hardness=math.inf)),
+        synthetic.scene(selection=synthetic.selection(), oil=synthetic.OIL),
+        stored_sweep(dataset(ensemble(ALL, 32))),
+    ],
+    ids=["scan", "record", "surfaces", "rows by hand", "elastic", "picked", "samples"],
+)
+def test_a_sweep_of_any_kind_comes_back_equal(sweep):
+    again = back(sweep)
+    assert again == sweep
+    assert again.variants.names == sweep.variants.names
+
+
+def places(data, path=()):
+    """Paths of all values within plain data."""
+    yield path
+    if isinstance(data, dict | list):
+        for key, inner in data.items() if isinstance(data, dict) else enumerate(data):
+            yield from places(inner, (*path, key))
+
+
+FORGED = st.sampled_from(
+    [
+        *(None, True, -1, 10**400, 1e300, "text", [], {}, [1.0, 2.0]),
+        {"law": "os:system", "source_sha256": "0"},
+        {"file": "/etc/passwd"},
+    ]
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(data=st.data())
+def test_a_forged_text_is_an_error_or_another_sweep(data):
+    text = sweep_text(tiny.sweep(variants=surfaces((1, 2))))
+    document = [json.loads(text)]
+    path = (0, *data.draw(st.sampled_from([*places(document[0])])))
+    inner = document
+    for key in path[:-1]:
+        inner = inner[key]
+    inner[path[-1]] = data.draw(FORGED)
+    try:
+        sweep = text_sweep(json.dumps(document[0]), {})
+    except SweepTextError:
+        return
+    assert repr(sweep)
+
+
+@dataclasses.dataclass(frozen=True)
+class Fading:
+    """A law of the user's own."""
+
+    distance: float
+    pattern: str = "swept"
+
+    def over(self, begin, end):
+        return tribo.Wear(1e-15 / (1 + end / self.distance), self.pattern)
+
+
+def test_a_law_comes_back_as_its_name_and_hash_and_never_runs():
+    sweeps = [pipeline.load_scene("first_try", laws={"wear": Fading(d)}) for d in (2.0, 3.0)]
+    entries = sweeps[0].entries["wear"]
+    assert entries["law"].endswith(":Fading")
+    assert entries["parameters"]["distance"] == 2.0
+    again = back(sweeps[0]).scene
+    assert again.wears_by_law
+    assert again.contact_pattern == "swept"
+    assert digest(again) == digest(sweeps[0].scene) != digest(sweeps[1].scene)
+    with pytest.raises(LawError, match="of which a store keeps the name alone"):
+        again.wear.over(0.0, 1.0)
+
+
+SWEEP = """
+[sweep]
+loads = ["200 N"]
+velocities = ["1 m/s", "2 m/s"]
+"""
+
+
+@pytest.fixture
+def own(tmp_path):
+    """A scene with a default, a preset and values of the library."""
+    text = SCENE.replace("seed = 0\n", "").replace("[materials.steel]", "[materials.other]")
+    text = text.replace('"steel"', '"AISI 52100"').partition("[fidelity]")[0] + SWEEP
+    path = tmp_path / "own.toml"
+    path.write_text(text)
+    return path
+
+
+def change_a_default(monkeypatch):
+    keys = table_of(RandomSurface).keys
+    monkeypatch.setitem(keys, "seed", replace(keys["seed"], default=1))
+
+
+def change_a_preset(monkeypatch):
+    finer = replace(tribo.PRESETS["standard"], contact_tolerance=1e-3)
+    monkeypatch.setitem(tribo.PRESETS, "standard", finer)
+
+
+def change_the_library(monkeypatch):
+    steel = library.library()["materials"]["AISI 52100"]
+    monkeypatch.setitem(steel, "density", ["7000 kg/m^3", steel["density"][1]])
+
+
+@pytest.mark.parametrize(
+    ("change", "entry"),
+    [
+        (change_a_default, "disk.roughness.seed: 0 in the store, 1 in the scene"),
+        (change_a_preset, "fidelity.contact_tolerance: 0.09 in the store, 0.001 in the scene"),
+        (change_the_library, "materials.AISI 52100.density: "),
+    ],
+)
+def test_a_store_keeps_its_meaning_when_the_program_changes(
+    own, tmp_path, monkeypatch, change, entry
+):
+    sweep = pipeline.load_scene(own)
+    path = tmp_path / "own.zarr"
+    with writing(path, sweep):
+        pass
+    change(monkeypatch)
+    again = stored_sweep(pipeline.open_sweep(path))
+    assert again == sweep
+    assert again.about.preset == sweep.about.preset == "standard"
+    new = pipeline.load_scene(own)
+    assert new != sweep
+    with pytest.raises(pipeline.StoreMismatchError) as told, writing(path, new):
+        pass
+    assert entry in str(told.value)
+
+
+def test_sweeps_are_equal_if_their_entries_mean_the_same():
+    one, other = (
+        pipeline.load_scene("first_try", overrides={"disk.roughness.correlation_length": length})
+        for length in ("4 um", "0.004 mm")
+    )
+    assert one == other
+    assert one.entries != other.entries
+    assert one != one.changed("pin.radius", "1 mm")
+
+
+def test_a_store_is_read_from_no_file(tmp_path):
+    told = json.loads(sweep_text(tiny.full(roughness=SCANNED)))
+    rough = told["entries"]["disk"]["roughness"]
+    for file in ("/dev/zero", "surface.npy"):
+        sweep = text_sweep(json.dumps(told | {"entries": told["entries"]}), {})
+        rough["file"] = file
+        with pytest.raises(tribo.InputError, match="is not beside the sweep"):
+            sweep.scene.roughness.heights(sweep.scene.pixels)
+    assert sweep.conditions == tiny.full().conditions
