@@ -66,6 +66,7 @@ slow: .venv/test      ## the long checks: random scenes, workers that die, promi
 
 promises: .venv/test  ## judge --accuracy, presets and stated errors on random scenes, in two hours
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front --search --scenes 12
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30 --family wide
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.curved
