@@ -21,7 +21,7 @@ from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Parts, Sweep
 from pipeline.sweep.remarks import remarks
-from pipeline.sweep.tables import entry_at, flat
+from pipeline.sweep.tables import entry_at, flat, replace_values
 from pipeline.sweep.variants import VARIANT, Column, Label, Variant, Variants
 from tribo import InputError
 
@@ -131,7 +131,6 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
     What was read of a file for a row is named in it.
     """
     made, rows = replace(sweep, variants=table, made=dict(sweep.made)), []
-    known = contents_of(made.parts())
     for name in table.names:
         row = dict(table.row(name))
         words = ", ".join(f"{path} = {quoted(value)}" for path, value in row.items() if "." in path)
@@ -140,8 +139,9 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
         except InputError as error:
             raise InputError(f"{key}: {words}: {error}") from error
         require_alike(made.variant(name), sweep, f"{key}: {words}")
-        contents = contents_of(parts)
-        rows.append(row | {path: one for path, one in contents.items() if one != known.get(path)})
+        written, contents = replace_values(made.written, row), contents_of(parts)
+        read = {path: one for path, one in contents.items() if entry_at(written, path) != one}
+        rows.append(row | read)
     table = replace(table, rows=tuple(rows))
     kept: dict[Variant, Parts] = {(): made.parts()}
     kept = kept if sweep.variants.columns else made.made

@@ -24,8 +24,10 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     """
     first = before or sweep
     written = dict(sweep.written)
-    if before:  # materials that its rows have
+    if before:  # materials and surfaces that its rows have
         written["materials"] = before.entries["materials"] | sweep.entries["materials"]
+        for digest_of_file, array in before.reader.contents.arrays.items():
+            sweep.reader.contents.arrays.setdefault(digest_of_file, array)
     joined = replace(
         sweep,
         written=written,

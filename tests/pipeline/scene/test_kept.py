@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import pipeline
 import tribo
-from pipeline.analysis.dataset import stored_sweep
+from pipeline.analysis.dataset import scene_sweep, stored_sweep
 from pipeline.scene import library
 from pipeline.scene.declare import table_of
 from pipeline.scene.format import RandomSurface
@@ -204,3 +204,23 @@ def test_a_store_is_read_from_no_file(tmp_path):
         with pytest.raises(tribo.InputError, match="is not beside the sweep"):
             sweep.scene.roughness.heights(sweep.scene.pixels)
     assert sweep.conditions == tiny.full().conditions
+
+
+def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
+    names, rng = ("a.npy", "b.npy", "c.npy"), np.random.default_rng(0)
+    for name in names:
+        np.save(tmp_path / name, 1e-7 * rng.standard_normal((16, 48)))
+    rough = 'file = "a.npy"\nheight_unit = "m"\npixel_size = ["8 um", "8 um"]\n\n'
+    begin, end = SCENE.index("ra = "), SCENE.index("[window]")
+    path = tmp_path / "scans.toml"
+    path.write_text((SCENE[:begin] + rough + SCENE[end:]).replace("fields = true", ""))
+    for some in (names[:2], names[1:]):
+        over = {"sweep.over": {"disk.roughness.file": [*some]}}
+        with writing(tmp_path / "scans.zarr", pipeline.load_scene(path, overrides=over)):
+            pass
+    for name in names:
+        (tmp_path / name).unlink()
+    sweep = scene_sweep(pipeline.open_sweep(tmp_path / "scans.zarr"))
+    rows = [sweep.variant(name).scene.roughness.digest for name in sweep.variants.names]
+    assert len({*rows}) == 3
+    assert [row["disk.roughness.content"] for row in sweep.rows] == rows
