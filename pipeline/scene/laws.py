@@ -32,7 +32,7 @@ _NAMES = {
     "pin": "pin.law",
 }
 """Entry with the name of each law."""
-_PARAMETERS = {kind: f"{_NAMES[kind].rpartition('.')[0]}.parameters" for kind in _PROTOCOLS}
+_PARAMETERS = {kind: f"{path.rpartition('.')[0]}.parameters" for kind, path in _NAMES.items()}
 """Tables of the fields of each law, where the scene gives them other values."""
 _SOURCE = "source_sha256"
 
@@ -99,7 +99,7 @@ def take_laws(
     taken = dict(laws)
     for kind, path in _NAMES.items():
         table, sources = path.rpartition(".")[0], f"{path.rpartition('.')[0]}.{_SOURCE}"
-        values, source = (entry_at(entries, one) for one in (_PARAMETERS.get(kind, ""), sources))
+        values, source = (entry_at(entries, one) for one in (_PARAMETERS[kind], sources))
         if kind in laws and values:
             taken[kind] = _with_values(laws[kind], values, _PARAMETERS[kind], faults)
         elif source and kind not in laws:
@@ -107,7 +107,7 @@ def take_laws(
             taken[kind] = Law(str(entry_at(entries, path)), tuple(pairs), str(source))
         if source:
             entries = replace_value(replace_value(entries, path, None), sources, None)
-        if kind in taken and kind in _PARAMETERS:
+        if kind in taken:
             entries = replace_value(entries, _PARAMETERS[kind], None)
             entries = entries if entry_at(entries, table) else replace_value(entries, table, None)
     for kind in taken:
@@ -133,18 +133,18 @@ def _laws_of(parts: Parts) -> dict[str, Any]:
 def add_laws(entries: dict[str, Any], parts: Parts, like: Parts | None = None) -> dict[str, Any]:
     """Entries with those of the laws of a scene: name, fields and the hash of the source.
 
-    Laws that other parts have, too, are left out.
+    Laws of tables that other parts have alike, and the entries not, are left out.
     """
     present = _laws_of(like) if like else {}
     for kind, part in _laws_of(parts).items():
-        if not is_given(part) or (like and present[kind] == part):
+        is_kept = _NAMES[kind].partition(".")[0] in entries or not like or present[kind] != part
+        if not (is_given(part) and is_kept):
             continue
         law, table = law_record(part), _NAMES[kind].rpartition(".")[0]
         for path in _REPLACED[kind]:
             entries = replace_value(entries, path, None)
         named: dict[str, Any] = {_NAMES[kind]: law.name, f"{table}.{_SOURCE}": law.source_sha256}
-        if kind in _PARAMETERS:
-            named[_PARAMETERS[kind]] = {name: _plain(value) for name, value in law.parameters}
+        named[_PARAMETERS[kind]] = {name: _plain(value) for name, value in law.parameters}
         for path, value in named.items():
             entries = replace_value(entries, path, value)
     return entries
