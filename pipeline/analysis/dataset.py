@@ -44,6 +44,11 @@ class _Source:
     """The dataset whose arrays a text names by their digests, which tell all of them apart."""
 
     ds: Any = field(compare=False)
+    digests: str = field(init=False)  # of the arrays that it has
+
+    def __post_init__(self) -> None:
+        held = self.ds[INPUTS].attrs["digests"] if INPUTS in self.ds else ""
+        object.__setattr__(self, "digests", str(held))
 
     def arrays(self) -> dict[str, Array]:
         """Arrays of the scene by digest."""
