@@ -41,7 +41,7 @@ COMMANDS = (
     ),
     Command(
         "status", "stores:status",
-        "count the points done, failed and pending; or list the stores and scenes of a folder",
+        "count the points done, failed and pending; or list the stores of a folder",
         "results", (o.STORE_OR_FOLDER,),
     ),
     Command(

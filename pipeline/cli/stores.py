@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import tomllib
 from collections.abc import Iterator
 from contextlib import suppress
 from datetime import datetime
@@ -27,10 +26,10 @@ _MOST_POINTS = 10  # that are printed; files have all
 
 
 def status(options: argparse.Namespace) -> Result:
-    """Count the points of a store, or list the stores and scenes below a folder."""
+    """Count the points of a store, or list the stores below a folder."""
     if _is_folder_of_stores(options.store):
         folder = Path(options.store)
-        rows = [row for entry in _stores_and_scenes(folder) if (row := _row(entry, folder))]
+        rows = [_row(store, folder) for store in _stores_below(folder)]
         frame = frame_of(_HEADS, ([row.get(head) for head in _HEADS] for row in rows))
         held = short(frame) if len(frame) else f"{options.store} holds none"
         return Result(as_dict(frame), [held])
@@ -130,34 +129,31 @@ def diff(options: argparse.Namespace) -> Result:
     return Result(between.as_dict(), text, warned, [entries, crossings, points])
 
 
-_HEADS = "name", "kind", "state", "preset", "changed", "size [MB]", "title"
+_HEADS = "name", "state", "preset", "changed", "size [MB]", "title"
 
 
-def _stores_and_scenes(folder: Path) -> Iterator[Path]:
-    """Stores below a folder, unopened, and files that may be scenes, as far as it can be read."""
+def _stores_below(folder: Path) -> Iterator[Path]:
+    """Stores below a folder, unopened, as far as it can be read."""
     for path in sorted(folder.iterdir()):
         if path.name.startswith("."):
             continue
         with suppress(OSError):
-            if (path / ROOT).exists() or (path.is_file() and path.suffix == ".toml"):
+            if (path / ROOT).exists():
                 yield path
             elif path.is_dir() and not path.is_symlink():
-                yield from _stores_and_scenes(path)
+                yield from _stores_below(path)
 
 
-def _row(path: Path, folder: Path) -> dict[str, Any] | None:
-    """Values of a store or scene by column; None for a file that is no scene."""
-    row = _store_status(path) if path.is_dir() else _scene_status(path)
-    if row is None:
-        return None
+def _row(path: Path, folder: Path) -> dict[str, Any]:
+    """Values of a store by column."""
     stats = []
-    for file in [path] if path.is_file() else path.rglob("*"):
+    for file in path.rglob("*"):
         with suppress(FileNotFoundError):  # a store may be in the midst of being written
             if not S_ISDIR((stat := file.lstat()).st_mode):  # not what a link leads to
                 stats.append(stat)
     changed = datetime.fromtimestamp(max((stat.st_mtime for stat in stats), default=0.0))
     about = {"name": str(path.relative_to(folder)), "changed": f"{changed:%Y-%m-%d %H:%M}"}
-    return row | about | {"size [MB]": sum(stat.st_size for stat in stats)}
+    return _store_status(path) | about | {"size [MB]": sum(stat.st_size for stat in stats)}
 
 
 def _store_status(path: Path) -> dict[str, Any]:
@@ -166,23 +162,10 @@ def _store_status(path: Path) -> dict[str, Any]:
         state, preset = summary(path), read_sweep(path).about.preset
     except StoreError as error:
         reason = str(error).split(";")[0].replace(str(path.absolute()), "").strip(": ")
-        return {"kind": "store", "state": f"unreadable: {reason}"}
+        return {"state": f"unreadable: {reason}"}
     words = "done" if not state.pending else f"{state.done} of {state.total} done"
     if state.failed:
         words += f", {len(state.failed)} failed"
     if state.running:
         words += ", running now"
-    return {"kind": "store", "state": words, "preset": preset, "title": state.title}
-
-
-def _scene_status(path: Path) -> dict[str, Any] | None:
-    """What a scene says of itself; None if the file is none."""
-    try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return {"kind": "scene", "state": "unreadable"}
-    if not {"extends", "sweep"} & tables.keys():
-        return None
-    base = tables.get("extends")
-    title = tables.get("title", f"extends {base}" if base else None)
-    return {"kind": "scene", "title": title}
+    return {"state": words, "preset": preset, "title": state.title}

@@ -18,7 +18,7 @@ import tribo
 from pipeline.cli import given, output, stores, values
 from pipeline.cli.begin import new
 from pipeline.cli.output import Result, _words_on, counted, failed_points, show
-from pipeline.cli.stores import _scene_status, _stores_and_scenes
+from pipeline.cli.stores import _stores_below
 from pipeline.cli.studies import _critical_velocities
 from pipeline.cli.sweeps import _cost, _film, _library, _meaning
 from pipeline.run.vary import Variation, Variations
@@ -413,28 +413,15 @@ def test_the_table_of_variations_has_a_row_for_each_value_and_load():
     assert frame["outcome"].tolist()[-1] == "mild throughout"
 
 
-def test_scenes_are_files_that_extend_one_or_have_a_sweep(tmp_path):
-    file = tmp_path / "a.toml"
-
-    def status(text):
-        file.write_text(text)
-        return _scene_status(file)
-
-    assert status("[project]\n") is None
-    assert status('title = "A"\n[sweep]\n') == {"kind": "scene", "title": "A"}
-    assert status('extends = "first_try"\n')["title"] == "extends first_try"
-    assert status("[sweep]\n")["title"] is None
-    assert status("= 3")["state"] == "unreadable"
-
-
 def test_folders_are_searched_but_for_links_and_what_is_hidden(tmp_path):
-    for folder in ("a", "b/c", ".hidden", "out.zarr"):
+    for folder in ("a", "b/c", ".hidden/d"):
         (tmp_path / folder).mkdir(parents=True)
-        (tmp_path / folder / "x.toml").write_text("")
-    (tmp_path / "out.zarr" / "zarr.json").write_text("{}")
-    (tmp_path / "link").symlink_to(tmp_path / "a")
-    found = [str(path.relative_to(tmp_path)) for path in _stores_and_scenes(tmp_path)]
-    assert found == ["a/x.toml", "b/c/x.toml", "out.zarr"]
+        (tmp_path / folder / "zarr.json").write_text("{}")
+    (tmp_path / "a" / "array").mkdir()
+    (tmp_path / "a" / "array" / "zarr.json").write_text("{}")
+    (tmp_path / "link").symlink_to(tmp_path / "b")
+    found = [str(path.relative_to(tmp_path)) for path in _stores_below(tmp_path)]
+    assert found == ["a", "b/c"]
 
 
 def test_a_new_scene_is_named_with_the_commands_that_follow(tmp_path, monkeypatch):
@@ -470,5 +457,5 @@ def test_the_state_of_a_store_counts_what_is_done_and_failed(monkeypatch, counts
         stores, "read_sweep", lambda path: SimpleNamespace(about=SimpleNamespace(preset="fine"))
     )
     assert stores._store_status(Path("a.zarr")) == {
-        "kind": "store", "state": words, "preset": "fine", "title": "T"
+        "state": words, "preset": "fine", "title": "T"
     }  # fmt: skip
