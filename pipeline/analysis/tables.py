@@ -82,22 +82,11 @@ def html_of(frame: pd.DataFrame) -> str:
 
 def write_frames(frames: Sequence[pd.DataFrame], out: Path) -> Path:
     """Write the rows of frames below each other, as CSV or Markdown by the ending of the file."""
-    frame = pd.concat(frames).rename(columns=_harmless)
+    frame = pd.concat(frames)
     if out.suffix.lower() == ".csv":
-        text = frame.map(_harmless).to_csv(index=False, float_format="%.6g")
+        text = frame.to_csv(index=False, float_format="%.6g")
         return write_text(text, out)
     return write_text("\n".join([*markdown_of(frame), ""]), out)
-
-
-def _harmless(cell: Any) -> Any:
-    """A cell that a spreadsheet takes for text where it would compute it, as ``=1+1``."""
-    if not isinstance(cell, str) or not cell.startswith(("=", "@", "+", "-", "\t", "\r")):
-        return cell
-    try:
-        float(cell)
-    except ValueError:
-        return f"'{cell}"
-    return cell
 
 
 def markdown_of(frame: pd.DataFrame) -> Iterator[str]:

@@ -201,8 +201,9 @@ def _film(sweep: Sweep) -> Iterator[_Row]:
         missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
         yield "film", f"not known without {missing}"
         return
-    corners = np.meshgrid(sweep.plane.loads, sweep.plane.velocities)
-    span = Span.of(lubrication.film_parameter(*corners, bulk))
+    plane = sweep.plane
+    loads, velocities = (np.array(axis)[[0, -1]] for axis in (plane.loads, plane.velocities))
+    span = Span.of(lubrication.film_parameter(loads[:, None], velocities, bulk))
     regimes = dict.fromkeys(lubrication_regime(value) for value in span)
     yield "film", f"Λ {_text(span)}: {' to '.join(regimes)}"
     if span.high >= _FILM_CARRIES:

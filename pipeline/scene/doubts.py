@@ -198,6 +198,9 @@ def _contact_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
 
 def _heat_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     """Points at which steel would melt."""
+    hottest = sweep.plane.loads[-1], sweep.plane.velocities[-1]
+    if _smooth_temperature(sweep, *hottest, facts.contact_widths[-1][-1]) <= MELTS:
+        return
     grid = itertools.product(sweep.plane.loads, sweep.plane.velocities)
     widths = itertools.chain(*facts.contact_widths)
     places = [

@@ -36,7 +36,7 @@ _FIELDS_OF_STATE = 3  # arrays of an increment of a ramp
 _MANY = 20_000  # tasks, from which they are divided evenly
 _OF_FRICTION = 2.0  # heat partitions a point on average to solve friction, but not of samples
 _MOST_PIXELS = 2e7  # of a surface that is made for a forecast
-_PATIENCE = 3.0  # [s] of processor time, after which no further step is timed
+_PATIENCE = 1.0  # [s] of processor time, after which no further step is timed
 
 
 @shown
@@ -100,7 +100,8 @@ def estimate(
     given = list(sweep.variants.given)
     scene = sweep.below(given[len(given) // 2])
     contact_time, heat_time, state = time_steps(scene)
-    work = _Work(scene, contact_time, heat_time)
+    is_course = choose_stations(scene).steps == "course"
+    work = _Work(scene, contact_time, heat_time, is_course)
     alone = makespan(every, 1, work)[1]
     steps, temperatures = work.contacts, work.temperatures
     parallel = min(workers, len(every))
@@ -138,6 +139,7 @@ class _Work:
     sweep: Sweep
     contact_time: float  # [s]
     heat_time: float  # [s]
+    is_course: bool  # temperatures are asked for on the way
     contacts: int = 0
     temperatures: int = 0
     _steps: dict[float, tuple[int, int, int]] = field(default_factory=dict)
@@ -151,9 +153,8 @@ class _Work:
         new = max(0, increments - has.get(task.ramp, 0))
         has[task.ramp] = max(increments, has.get(task.ramp, 0))
         warms = bool(scene.friction_heat and velocity)
-        is_course = choose_stations(self.sweep).steps == "course"
         steps = new + own
-        heats_on_way = new * warms * (scene.remembers_heat or is_course)
+        heats_on_way = new * warms * (scene.remembers_heat or self.is_course)
         heats = (own if scene.remembers_heat else shown) * warms * len(task.points)
         if not scene.remembers_steps:  # workers keep the contacts of the first velocity
             steps = 0 if (task.ramp[0], load) in has else own

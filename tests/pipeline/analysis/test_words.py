@@ -1,15 +1,11 @@
 """Outcomes, errors, entries and tables, as they are said and written."""
 
-import csv
-
 import numpy as np
-import pandas as pd
 import pytest
 
 import pipeline
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.rise_error import RiseError, error_of_point, warned_error
-from pipeline.analysis.tables import write_frames
 from pipeline.analysis.transition import Line, in_words, outcomes, range_of
 from pipeline.scene.written import scene_entries
 from tests.helpers import synthetic
@@ -77,23 +73,3 @@ def test_entries_of_several_surfaces_are_without_the_seed_of_one():
     seed = "disk.roughness.seed"
     assert [seed in scene_entries(sweep) for sweep in (one, five)] == [True, False]
     assert "sweep.realizations" in scene_entries(five)
-
-
-@pytest.mark.parametrize(
-    ("cell", "written"),
-    [
-        ("=1+1", "'=1+1"),
-        ("@SUM(A1)", "'@SUM(A1)"),
-        ("+49 30 1", "'+49 30 1"),
-        ("-x", "'-x"),
-        ("\t=1", "'\t=1"),
-        ("-1.5e-3", "-1.5e-3"),
-        ("+2", "+2"),
-        ("gear 1", "gear 1"),
-    ],
-)
-def test_a_cell_that_a_spreadsheet_would_compute_is_written_as_text(tmp_path, cell, written):
-    frame = pd.DataFrame({"label": [cell], "=load": [1.0]})
-    path = write_frames([frame], tmp_path / "table.csv")
-    with path.open(newline="") as file:
-        assert [*csv.reader(file)] == [["label", "'=load"], [written, "1"]]
