@@ -1,4 +1,4 @@
-"""Paths as users write them, and why a file there cannot be read."""
+"""Paths as users write them, the text of a file there, and why it cannot be read."""
 
 from contextlib import suppress
 from difflib import get_close_matches
@@ -45,3 +45,11 @@ def near_path(path: Path) -> str:
             near = wrong.with_name(name) / path.relative_to(wrong)
             return f' (did you mean "{near}"?)' if near.exists() else ""
     return ""
+
+
+def decoded(content: bytes) -> tuple[str, list[str]]:
+    """Text of a file in UTF-8, UTF-16 or Latin-1, and a word on the last."""
+    is_wide = content[:2] in (b"\xff\xfe", b"\xfe\xff") or content[1:200:2].count(0) > 50
+    with suppress(UnicodeDecodeError):
+        return content.decode("utf-16" if is_wide else "utf-8-sig").replace("\0", ""), []
+    return content.decode("cp1252", errors="replace").replace("\0", ""), ["Latin-1"]

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.laboratory.instruments import Raw
-from pipeline.scene.sheet import decoded, find_separator, split_lines
+from pipeline.paths import decoded
+from pipeline.scene.sheet import find_separator, split_lines
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array

@@ -10,7 +10,6 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline import extras
-from pipeline.paths import reason_of, require_file, user_path
+from pipeline.paths import decoded, reason_of, require_file, user_path
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import (
     Fault,
@@ -198,14 +197,6 @@ class Sheet:
             faults = [fault + hint * ("has no unit" in fault) for fault in self.faults]
             place = ", ".join(filter(None, [self.name, self.other_sheets]))
             raise InputError(fault_lines(place, faults))
-
-
-def decoded(content: bytes) -> tuple[str, list[str]]:
-    """Text of a file in UTF-8, UTF-16 or Latin-1, and a word on the last."""
-    is_wide = content[:2] in (b"\xff\xfe", b"\xfe\xff") or content[1:200:2].count(0) > 50
-    with suppress(UnicodeDecodeError):
-        return content.decode("utf-16" if is_wide else "utf-8-sig").replace("\0", ""), []
-    return content.decode("cp1252", errors="replace").replace("\0", ""), ["Latin-1"]
 
 
 def split_lines(lines: Iterable[str], separator: str) -> Iterator[Row]:
