@@ -153,14 +153,13 @@ def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
     said = dict.fromkeys(row.cells[place] for row in sheet.rows)
     found = {cell: words.get(cell) or outcome_of(cell, title) for cell in said}
     log.words = {cell: one for cell, one in found.items() if one and cell not in OUTCOMES}
-    outcomes = {*found.values()} - {None}
-    if empty and "" not in words and len(outcomes) == 1:
-        word = next(cell for cell, one in found.items() if one)
-        other = "mild" if found[word] == "severe" else "severe"
+    told = {cell: one or cell for cell, one in found.items() if cell.lower() not in EMPTY}
+    if empty and "" not in words and len({*told.values()}) == 1:
+        word, outcome = next(iter(told.items()))
+        other = "severe" if outcome == "mild" else "mild"
         sheet.faults.append(
-            f"{numbered([row.number for row in empty])}: no outcome, where all others are "
-            f'{found[word]}; say what it means by --word "={other}", or take the others alone by '
-            f'--where "outcome={word}"'
+            f"{numbered([row.number for row in empty])}: no outcome, where all others are {outcome}"
+            f'; say what it is by --word "={other}", or leave them out by --where "outcome={word}"'
         )
     if "" not in words:
         sheet.require(["outcome"])

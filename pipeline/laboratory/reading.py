@@ -61,9 +61,11 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
         _add_units(lines, export.unit_row, names)
     sheet = sheet_of(str(path), tables, names, options.get("decimal"))
     _join_units(sheet)
+    heads = [*sheet.above, *(one.text for one in sheet.headings)]
     for name, head in names.chosen.items():
         _choose_unit(sheet, name, Heading.of(head).unit)
-        if name in sheet.units and name not in sheet.places:
+        is_there = head.partition(" [")[0] in " ".join(heads)
+        if name not in sheet.places and (name in sheet.units or not is_there):
             every = ", ".join(quoted(one.text) for one in sheet.headings)
             sheet.faults.append(f"columns.{name}: no column {quoted(head)}; give one of {every}")
     for name, unit in export.units.items():
@@ -72,7 +74,6 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
     _take_rows(sheet, options.get("where") or {}, is_kept=True)
     _take_rows(sheet, options.get("skip") or {}, is_kept=False)
     _add_given(sheet, options.get("given") or {})
-    heads = [*sheet.above, *(one.text for one in sheet.headings)]
     if export.sine and "velocity" in sheet.places and has_cell(heads, export.sine):
         _take_mean_of_sine(sheet)
     _mend_ends(sheet, export.step)

@@ -296,7 +296,7 @@ def test_empty_outcomes_beside_one_kind_of_outcome_are_asked(tests, heading, cel
     rows = "".join(f"{100 * k},1,{cell}\n" for k, cell in enumerate(cells, 1))
     log = f"load [N],velocity [m/s],{heading}\n{rows}Mean,,\n"
     (fault,) = tests(log, code=2)["faults"]
-    assert f"no outcome, where all others are {known}; say what it means by" in fault
+    assert f"no outcome, where all others are {known}; say what it is by" in fault
     assert f'--word "={other}"' in fault
     document = tests(log, "--word", f"={other}")
     is_empty = [cell not in ("x", "1", "ja", "yes", "ok") for cell in cells]
@@ -305,6 +305,21 @@ def test_empty_outcomes_beside_one_kind_of_outcome_are_asked(tests, heading, cel
     assert f'"" = "{other}"' in document["toml"]
     alone = tests(log, "--where", fault[fault.index("outcome=") :].rstrip('"'))
     assert contacts(alone) == [one for one in right if one[2] == known]
+
+
+def test_what_a_word_and_empty_cells_mean_is_asked_at_once(tests):
+    log = "load [N],velocity [m/s],outcome\n300,1,x\n400,1,\n500,1,x\n"
+    empty, word = tests(log, code=2)["faults"]
+    assert '--word "=mild"' in empty
+    assert '--word "x=severe"' in word
+    document = tests(log, "--word", "=mild", "--word", "x=severe")
+    assert contacts(document) == [(300, 1, "severe"), (400, 1, "mild"), (500, 1, "severe")]
+
+
+def test_a_column_that_is_named_and_not_there_is_a_fault_of_any_table(tests):
+    log = "load [N],velocity [m/s],outcome\n300,1,mild\n400,1,severe\n"
+    (fault,) = tests(log, "--column", "time=Nope", code=2)["faults"]
+    assert fault.startswith('columns.time: no column "Nope"; give one of "load [N]"')
 
 
 OILS = (
