@@ -395,16 +395,5 @@ class Sweep:
         return replace(self, variants=surfaces((seed,))).variant((("realization", seed),))
 
 
-_MADE = {
-    "_meaning",
-    "conditions",
-    "scene",
-    "plane",
-    "record",
-    "about",
-    "entries",
-    "rows",
-    "_alone",
-    "made",
-}
+_MADE = {"_meaning", "conditions", "scene", "about", "entries", "rows", "_alone", "made"}
 """Attributes that are made of the entries."""
