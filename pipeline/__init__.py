@@ -24,7 +24,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
   `vary`, `critical_temperatures`
 - inputs that are not known exactly: `Ensemble`, `sensitivity`, `posterior`
 - accuracy: `choose_fidelity`, `trade`
-- figures: `plot`, `report`, `explore`
+- figures: `plot`, `explore`
 - quantities: `surface_statistics`, `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`
 
@@ -32,9 +32,7 @@ They stand in ``__init__.pyi``. Each is loaded when it is first used, so that im
 the package costs next to nothing.
 """
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import Any
 
 import lazy_loader
@@ -43,17 +41,6 @@ from pipeline import extras
 
 _named, _, _names = lazy_loader.attach_stub(__name__, __file__)
 __all__ = [name for name in _names if name not in extras.absent()]
-
-
-class _Package(ModuleType):
-    """The package; an import of the folder ``report`` leaves its name to the function."""
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if not (isinstance(value, ModuleType) and name in __all__):
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package
 
 
 def __dir__() -> list[str]:

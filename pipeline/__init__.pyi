@@ -10,7 +10,6 @@ from .analysis.warned_points import warned as warned
 from .figures.plot import plot as plot
 from .laboratory.scan import surface_statistics as surface_statistics
 from .page.explore import explore as explore
-from .report.report import report as report
 from .run.sweep import run_sweep as run_sweep
 from .run.vary import vary as vary
 from .run.work import ExecutionError as ExecutionError

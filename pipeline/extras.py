@@ -12,7 +12,6 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "gears": (),
     "laboratory": ("surface_statistics",),
     "page": ("explore",),
-    "report": ("report",),
     "uncertain": ("Ensemble", "critical_temperatures", "posterior", "sensitivity"),
 }
 """Folders in `pipeline` that are asked for their modules, if they are there; and public names."""

@@ -42,7 +42,6 @@ NEEDS = {
     "page": """
         analysis/test_friction_curve analysis/test_soundness.*(explore|large_store)
     """,
-    "report": "analysis/test_soundness.*report",
 }
 """Tests of the core that ask for an extra: patterns of their names."""
 

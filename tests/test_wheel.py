@@ -41,7 +41,7 @@ def run(installed, tmp_path, *command):
 def test_the_shipped_scenes_come_with_the_wheel(installed, tmp_path):
     program = """if True:
         from pipeline.cli import main
-        from pipeline.report.report import citation
+        from pipeline.page.sections import citation
         from pipeline.scene.shipped import WORKFLOWS
 
         print(WORKFLOWS, *citation(), sep="\\n")

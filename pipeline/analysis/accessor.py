@@ -11,8 +11,7 @@ import xarray as xr
 from pipeline import extras
 
 _ANSWERS = (
-    "at", "boundary", "margin", "temperatures", "warned", "end_of_point", "plot", "report",
-    "explore",
+    "at", "boundary", "margin", "temperatures", "warned", "end_of_point", "plot", "explore",
 )  # fmt: skip
 
 

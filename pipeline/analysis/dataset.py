@@ -404,9 +404,9 @@ def require_kind(ds: xr.Dataset, *kinds: Kind) -> None:
 
 _NO_PLANE = {
     Kind.PLACES: "each row of the sweep has its own load and velocity, so there is no plane of "
-    "them; irg margin, plot, report and diff answer row by row",
+    "them; irg margin, plot, explore and diff answer row by row",
     Kind.SAMPLES: "the sweep has samples, so there is no plane of points; irg boundary, margin, "
-    "plot and report answer from all samples",
+    "plot and explore answer from all samples",
 }
 
 

@@ -10,10 +10,10 @@ from pipeline.cli.output import Result, working
 
 
 def explore(options: argparse.Namespace) -> Result:
-    """Write a page to explore a store in a browser."""
+    """Write a page of a store, which a browser shows and prints."""
     ds = given.dataset_in(options)
     out = options.output or given.beside(options.store, ".html")
     chosen = {"most_fields": 0} if options.no_fields else {}
     with working("writing the page"):
-        page = pipeline.explore(ds, out, **chosen)
+        page = pipeline.explore(ds, out, points=given.table_in(options), **chosen)
     return Result(page.as_dict(), [str(page)], pipeline.warned(ds))

@@ -8,12 +8,12 @@ from pipeline.cli.options import Command, Option
 COMMANDS = (
     Command(
         "explore", "pipeline.page.answer:explore",
-        "write a page to explore a store in a browser",
-        "results/scene.zarr -o page.html",
+        "write a page to explore a store in a browser, which prints it as a report",
+        "results/scene.zarr --points duty.csv -o page.html",
         (
             o.STORE, o.output("PAGE.html", "file of the page; default: beside the store"),
             Option("--no-fields", action="store_true", help="leave all fields out"),
-            *o.WEIGHED, *o.JUDGED,
+            *o.POINTS, *o.WEIGHED, *o.JUDGED,
         ),
     ),
 )  # fmt: skip

@@ -13,10 +13,10 @@ function faultOf(conditions, { name, least, most, fault }) {
 
 function listenToConditions() {
   for (const control of content.controls) {
-    for (const source of [input(control.name), input(`${control.name}-range`)]) {
-      source.addEventListener("input", () => change(control, source));
-    }
-    showControl(control, null);
+    input(control.name).addEventListener("change", () => change(control, input(control.name)));
+    const slider = input(`${control.name}-range`);
+    slider.addEventListener("input", () => change(control, slider));
+    showControl(control);
   }
   element("surface")?.addEventListener("change", () => {
     const { value } = input("surface");
@@ -25,7 +25,7 @@ function listenToConditions() {
   });
   element("reset").addEventListener("click", () => {
     chosen.conditions = { ...content.conditions };
-    for (const control of content.controls) showControl(control, null);
+    content.controls.forEach(showControl);
     update();
   });
 }
@@ -46,7 +46,7 @@ function change(control, source) {
   showFault(control, fault);
   if (fault) return;
   chosen.conditions = conditions;
-  showControl(control, source);
+  showControl(control);
   update();
 }
 
@@ -56,14 +56,12 @@ function showFault({ name }, fault) {
   input(name).setAttribute("aria-invalid", fault ? "true" : "false");
 }
 
-/** Show a condition in its slider and its field, but for the one that it comes from. @param {Control} control
- * @param {HTMLInputElement | null} source */
-function showControl(control, source) {
+/** Show a condition in its slider and its field. @param {Control} control */
+function showControl(control) {
   const value = chosen.conditions[control.name] ?? null;
   const text = value === null ? "" : String(Number((value * control.factor + control.offset).toPrecision(9)));
-  const targets = [input(control.name), input(`${control.name}-range`)];
-  for (const target of targets) if (target !== source) target.value = text;
-  if (!source) showFault(control, "");
+  for (const target of [input(control.name), input(`${control.name}-range`)]) target.value = text;
+  showFault(control, "");
 }
 
 /** What conditions make of rises at friction 1: coldest bulk temperature [K], factor of the rise,

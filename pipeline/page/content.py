@@ -15,7 +15,6 @@ import pandas as pd
 import xarray as xr
 
 from pipeline import extras
-from pipeline.analysis.boundary import boundary
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import (
     asked,
@@ -27,15 +26,11 @@ from pipeline.analysis.dataset import (
     plane_of,
     read_conditions,
     stored_sweep,
-    sweep_at_bulks,
     values_of,
 )
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.field import PointField, point_field
-from pipeline.analysis.frames import frames_of
 from pipeline.analysis.laboratory import (
-    agreement,
-    compared,
     laboratory_tests,
     model_error,
     own_conditions,
@@ -44,19 +39,14 @@ from pipeline.analysis.laboratory import (
 )
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import AGREED, WORTH, ModelError
-from pipeline.analysis.scenes import caveats_of
-from pipeline.analysis.tables import html_of
 from pipeline.analysis.transition import LEAST_SLOPE, outcomes, range_of
-from pipeline.figures.overlays import MILD, SEVERE, reachable_tests
+from pipeline.figures.overlays import reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, POINT, coloured, packed_fields
 from pipeline.quantities import shown_in
-from pipeline.scene.written import scene_entries
 from pipeline.store.schema import DONE, PLANE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.digest import digest
-from pipeline.sweep.model import Sweep
 from pipeline.sweep.severity import above_colder, critical_errors, rise_limit, worst_moment
 from tribo import Criterion
 from tribo.types import Array, Indices, Mask
@@ -98,7 +88,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     has_fields = set(FIELDS) <= set(ds.data_vars)
     chosen = _nearest(ds, done, conditions, most_fields) if has_fields else []
     return {
-        **_page_facts(ds, sweep),
+        **_page_facts(ds),
         **_point_states(ds),
         "conditions": _conditions(ds, conditions),
         "critical_errors": critical_errors(conditions),
@@ -108,10 +98,8 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
                 conditions, sweep.scene.friction_heat, len(ratios) > 1, len(shares) > 1
             )
         ],
-        "caveats": caveats_of(ds),
         "deciding": conditions.decisive.temperature,
         "times": packed_array(_step_values(values_of(ds, "time"), steps), "<f4"),
-        "course": _course(sweep_at_bulks(ds, conditions)),
         "bulk_ratios": ratios,
         "shares": shares,
         "rises": packed_array(_step_values(quantiles, steps[..., None, None]), "<f4"),
@@ -122,39 +110,20 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     }
 
 
-def _course(ds: xr.Dataset) -> dict[str, Any]:
-    """Load and highest rise at each step of each point, and which steps are on its own grid."""
-    loads = values_of(ds, "normal_load")
-    steps = loads.shape[-1]
-    planes = loads.reshape(-1, ds.sizes["load"], ds.sizes["velocity"], steps)
+def _page_facts(ds: xr.Dataset) -> dict[str, Any]:
+    """What a page shows of the scene and its axes."""
+    about = stored_sweep(ds).about
     return {
-        "steps": steps,
-        "loads": packed_array(np.fmax.reduce(planes, axis=(0, 2)), "<f4"),
-        "rises": packed_array(values_of(ds, "max_rise"), "<f4"),
-        "own": digit_string(values_of(ds, "own_grid")),
-    }
-
-
-def _page_facts(ds: xr.Dataset, sweep: Sweep) -> dict[str, Any]:
-    """What a page shows of the scene, its axes and its tests."""
-    tests = compared(ds)
-    return {
-        "title": sweep.about.title,
-        "name": sweep.about.name,
-        "tests": "" if tests is None else html_of(tests),
-        "agreement": "" if tests is None else agreement(tests),
-        "regions": [MILD, SEVERE],
+        "name": about.name,
         "outside": _outside(ds["load"].values, ds["velocity"].values),
         "origins": _ORIGINS,
-        "friction_band": sweep.about.friction_band,
-        "chosen": sweep.chosen is not None,
+        "friction_band": about.friction_band,
         "range": {name: range_of(ds, name) for name in ("load", "velocity")},
         "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
         "loads": ds["load"].values.tolist(),
         "velocities": ds["velocity"].values.tolist(),
         "quantiles": ds["cooler_share"].values.tolist(),
         "surfaces": ds.indexes.get("realization", pd.Index([])).tolist() or None,
-        "record": record(ds, sweep),
     }
 
 
@@ -189,12 +158,9 @@ def _nearest_of(places: Array, place: float) -> int:
 
 
 def _outside(loads: Array, velocities: Array) -> str:
-    """Why there is no answer beyond a sweep."""
-    return (
-        "Type a load and a velocity to see how safe they are: nothing is known outside the sweep, "
-        f"which has {loads[0]:.4g} to {loads[-1]:.4g} N and "
-        f"{velocities[0]:.4g} to {velocities[-1]:.4g} m/s."
-    )
+    """What may be typed as an operating point."""
+    ends = [f"{x[0]:.4g} to {x[-1]:.4g}" for x in (loads, velocities)]
+    return f"Type a load and a velocity within the sweep: {ends[0]} N, {ends[1]} m/s."
 
 
 def _point_states(ds: xr.Dataset) -> dict[str, Any]:
@@ -202,7 +168,6 @@ def _point_states(ds: xr.Dataset) -> dict[str, Any]:
     status = values_of(ds, "status")
     end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
     return {
-        "done": int((status == DONE).sum()),
         "status": digit_string(status),
         "asked": digit_string(asked(ds).transpose(*POINT, missing_dims="ignore")),
         "numbers": [
@@ -225,22 +190,15 @@ _LOADS, _VELOCITIES = 45, 121  # nodes of the plane on a page of samples
 def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
     """What a page of samples shows, as plain data."""
     samples = extras.module("uncertain", "fields")
-    sweep, field = stored_sweep(ds), samples.single_field(ds)
-    ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(ds, field)
+    field = samples.single_field(ds)
+    ensemble, scatter = field.ensemble, model_error(ds, field)
     loads = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
     loads = loads if len(ensemble.loads) > 1 else ensemble.loads
     slowest, fastest = ensemble.velocities
     velocities = np.linspace(slowest, fastest, _VELOCITIES)
     plane = field.probability(loads[:, None], velocities, scatter)
     return {
-        "title": sweep.about.title,
-        "name": sweep.about.name,
-        "evidence": f", given {weighed.evidence}" if weighed else "",
-        "basis": [
-            *samples.basis_of(ensemble, weighed),
-            f"the model's own error: {scatter.worded}",
-            *caveats_of(ds),
-        ],
+        "name": stored_sweep(ds).about.name,
         "measured": [_told(test) for test in laboratory_tests(ds)],
         "outside": _outside(loads, velocities),
         "misfit": [("wear", field.misfit)] if field.misfit else [],
@@ -248,12 +206,8 @@ def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
         "velocities": velocities.tolist(),
         "probability": packed_array([plane], "<f4"),
         "picture": coloured(plane[::-1]),
-        "scale": coloured(np.linspace([0.0], [1.0], 64).T),
         "shares": list(DECIDED),
-        "table": frames_of(boundary(ds))[0],
-        "samples": ds.sizes["variant"],
-        "done": int((ds["status"] == DONE).sum()),
-        "record": record(ds, sweep),
+        "fields": {"points": {}},
     }
 
 
@@ -365,17 +319,6 @@ def _model_facts(ds: xr.Dataset) -> dict[str, Any]:
         "misfit": point_field(ds).misfit,
         "decided": [DECIDED[0], DECIDED[-1]],
     }
-
-
-def record(ds: xr.Dataset, sweep: Sweep) -> dict[str, str]:
-    """Entries of the scene with units, without its tests, and the origin of the sweep."""
-    selection, entries = sweep.about.selection, scene_entries(sweep)
-    return (
-        {k: v for k, v in entries.items() if not k.startswith(("measured", "tested"))}
-        | ({"accuracy": str(selection)} if selection else {})
-        | {"history": str(ds.attrs.get("history", ""))}
-        | {"scene hash": digest(sweep.scene)}
-    )
 
 
 def _conditions(ds: xr.Dataset, conditions: Conditions) -> dict[str, Any]:

@@ -6,30 +6,41 @@ import base64
 import hashlib
 import html
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib import resources
 from pathlib import Path
 from string import Template
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.dataset import Kind, dataset_of, require_kind, stored_sweep, sweep_kind
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.dataset import Kind, dataset_of, stored_sweep, sweep_kind
+from pipeline.analysis.frames import frames_of
 from pipeline.analysis.scenes import entries_in_words, scenes
-from pipeline.analysis.tables import frame_of, html_of, short, writable_path, write_text
+from pipeline.analysis.tables import html_of, short, writable_path, write_text
+from pipeline.figures.diagram import diagram
+from pipeline.figures.overlays import MILD, SEVERE
+from pipeline.figures.style import fit_to_width, svg_of
 from pipeline.page.content import MOST_FIELDS, content, content_of_samples
 from pipeline.page.controls import Control, scene_choice, surface_choice
-from pipeline.quantities import display
+from pipeline.page.pictures import risk_scale
+from pipeline.page.sections import sections
+from pipeline.scene.along import OperatingPoints
+from pipeline.store.place import PathLike
+from pipeline.store.schema import DONE
 from pipeline.sweep.shown import shown
 from tribo import InputError
 
 _SUFFIXES = (".html", ".htm")
 _SCRIPTS = (
     "scene", "numbers", "field", "plot", "conditions", "margin", "operating",
-    "points", "course", "diagram", "tables",
+    "points", "diagram", "tables",
 )  # fmt: skip
+_OWN_SCRIPTS = {Kind.PLANE: ("state", "page"), Kind.SAMPLES: ("samples",), Kind.PLACES: ()}
+"""Scripts of each kind of sweep, after those of all."""
 
 
 @shown
@@ -38,40 +49,33 @@ class Page:
     """A page that was written."""
 
     path: Path  #: The file.
-    size: int  #: Size of the page [byte].
     points: int  #: Points of the sweep that are done.
     points_with_fields: int  #: Points whose fields the page holds.
-    stored_fields: int  #: Points whose fields the sweep has.
 
     def as_dict(self) -> dict[str, Any]:
         """Return all values as plain data."""
         return asdict(self) | {"path": str(self.path)}
 
     def __str__(self) -> str:
-        size = display(self.size, *(("MB", ".1f") if self.size >= 1e6 else ("kB", ".0f")))
-        fields = ""
-        if self.stored_fields and not self.points_with_fields:
-            fields = ", without their fields"
-        elif self.stored_fields:
-            left_out = self.points_with_fields < self.stored_fields
-            nearest = ", those nearest to the transition" if left_out else ""
-            fields = f", fields of {self.points_with_fields} of {self.stored_fields}{nearest}"
-        return f"{self.path}: {self.points} points{fields}, {size}"
+        fields = f", {self.points_with_fields} with fields" if self.points_with_fields else ""
+        return f"{self.path}: {self.points} points{fields}"
 
 
 @np.errstate(under="ignore")
 def explore(
-    ds: xr.Dataset | str | Path,
+    ds: xr.Dataset | PathLike,
     out: str | Path,
     most_fields: int = MOST_FIELDS,
+    points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]] | None = None,
 ) -> Page:
     """Write a page on which friction, temperatures and failing share can be changed.
 
-    The page is one file that opens from the disk in any present browser, without a server. On it
-    the boundary, its band over several surfaces and the tables follow the conditions, and each
-    point shows its numbers, its fields and how its temperature is distributed over the contact.
-    For samples it shows the probability of severe wear at any place. If entries have several
-    values, the reader chooses among them.
+    The page is one file that opens from the disk in any present browser, without a server. It
+    begins with the answer. On it the boundary, its band over several surfaces and the tables follow
+    the conditions, and each point shows its numbers, its fields and how its temperature is
+    distributed over the contact. For samples it shows the probability of severe wear at any place,
+    for rows with their own places their margins. If entries have several values, the reader chooses
+    among them. Printed, on A4 or to PDF, the page is a report.
 
     Parameters
     ----------
@@ -82,16 +86,19 @@ def explore(
     most_fields : int, optional
         Number of points whose fields the page may hold, if the sweep has stored any: those nearest
         to the transition. Each takes about 10 kB; 0 leaves them out.
+    points : path or mapping of str to sequence, optional
+        Operating points whose margins to show; see `pipeline.margin`.
 
     Returns
     -------
     Page
-        The file, its size, and what it holds.
+        The file, and what it holds.
 
     Raises
     ------
     InputError
-        If the suffix is not .html, the number is negative, or the file cannot be written.
+        If the suffix is not .html, the number is negative, the file cannot be written, or the
+        operating points have faults.
 
     Examples
     --------
@@ -103,21 +110,28 @@ def explore(
     path = writable_path(out, _SUFFIXES)
     if most_fields < 0:
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
+    if points is not None and not isinstance(points, OperatingPoints):
+        points = OperatingPoints.read(points)
     ds = dataset_of(ds)
-    parts = [*scenes(ds)]
-    if sweep_kind(ds) is Kind.SAMPLES:
-        held = [content_of_samples(part) for part in parts]
-        scripts, bodies = ["samples"], [_samples_scene(one) for one in held]
-    else:
-        require_kind(ds, Kind.PLANE)
-        held = [content(part, most_fields // len(parts)) for part in parts]
-        scripts, bodies = ["state", "page"], [_plane_scene(one) for one in held]
-    names = [entries_in_words(part) for part in parts]
-    write_text(_page(stored_sweep(ds).about.title, names, bodies, scripts), path)
-    done = sum(one["done"] for one in held)
-    fields = [one["fields"] for one in held if "fields" in one]
-    counts = (sum(len(one["points"]) for one in fields), sum(one["stored"] for one in fields))
-    return Page(path, path.stat().st_size, done, *counts)
+    kind = sweep_kind(ds)
+    parts = [ds] if kind is Kind.PLACES else [*scenes(ds)]
+    made = [_MAIN[kind](part, most_fields // len(parts)) for part in parts]
+    bodies = [
+        _filled(
+            "scene.html",
+            {
+                "title": html.escape(stored_sweep(part).about.title),
+                "main": main.html,
+                "data": _json_text(main.data),
+                **sections(part, points),
+            },
+        )
+        for part, main in zip(parts, made, strict=True)
+    ]
+    names = [entries_in_words(part) for part in parts] if len(parts) > 1 else []
+    write_text(_page(stored_sweep(ds).about.title, names, bodies, _OWN_SCRIPTS[kind]), path)
+    done = int((ds["status"] == DONE).sum())
+    return Page(path, done, sum(len(main.data["fields"]["points"]) for main in made))
 
 
 def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: Sequence[str]) -> str:
@@ -139,55 +153,47 @@ def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: Sequ
     )
 
 
-def _plane_scene(held: dict[str, Any]) -> str:
-    """A scene of loads and velocities."""
-    surfaces = len(held["surfaces"] or [None])
-    several = f", {surfaces} surfaces" if held["surfaces"] else ""
-    sizes = f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}"
-    tests, agreement = held.pop("tests"), held.pop("agreement")
-    band = held["friction_band"]
-    own = {
-        "tests": tests,
-        "without_tests": "" if tests else "hidden",
-        "agreement": html.escape(agreement),
+class _Main(NamedTuple):
+    """The middle of a page: its HTML, and data for its scripts."""
+
+    html: str
+    data: dict[str, Any]
+
+
+def _plane(ds: xr.Dataset, most_fields: int) -> _Main:
+    """Diagram, conditions and critical values of loads and velocities."""
+    held = content(ds, most_fields)
+    values = {
+        "operating": _text("operating.html"),
         "controls": "\n".join(Control(**control).html() for control in held["controls"]),
         "surfaces": surface_choice(held["surfaces"]),
-        "mild": held["regions"][0],
-        "severe": held["regions"][1],
-        "band": f"10 to 90 % of {surfaces}",
-        "frictions": f"transition at friction {' and '.join(f'{end:.4g}' for end in band or ())}",
-        "caveats": _items(held["caveats"]),
+        "mild": MILD,
+        "severe": SEVERE,
+        "band": f"10 to 90 % of {len(held['surfaces'] or ())} surfaces",
+        "frictions": " and ".join(f"{end:.4g}" for end in held["friction_band"] or ()),
     }
-    return _filled("plane.html", _scene_values(held, sizes) | own)
+    return _Main(_filled("plane.html", values), held)
 
 
-def _samples_scene(held: dict[str, Any]) -> str:
-    """A scene of samples."""
-    table, scale = held.pop("table"), held.pop("scale")
-    own = {
-        "basis": _items(held["basis"]),
-        "evidence": html.escape(held["evidence"]),
-        "table": html_of(short(table, ["notes"])),
-        "scale": scale,
-    }
-    sizes = f"{len(table)} loads, {held['samples']} samples"
-    return _filled("samples.html", _scene_values(held, sizes) | own)
-
-
-def _scene_values(held: dict[str, Any], sizes: str) -> dict[str, str]:
-    """Title, form of the operating point, record and data of a scene."""
-    entries = html_of(frame_of(("entry", "value"), held["record"].items()))
-    return {
+def _samples(ds: xr.Dataset, _: int) -> _Main:
+    """Diagram and table of the probability that samples give."""
+    (table,) = frames_of(boundary(ds))
+    values = {
         "operating": _text("operating.html"),
-        "title": html.escape(str(held["title"])),
-        "record": f'<details id="record" class="record"><summary>The scene as it was stored: '
-        f"{sizes}, {held['done']} points done</summary>{entries}</details>",
-        "data": _json_text({name: value for name, value in held.items() if name != "record"}),
+        "table": html_of(short(table, ["notes"])),
+        "scale": risk_scale(),
     }
+    return _Main(_filled("samples.html", values), content_of_samples(ds))
 
 
-def _items(lines: Iterable[str]) -> str:
-    return "".join(f"<li>{html.escape(line)}</li>" for line in lines)
+def _places(ds: xr.Dataset, _: int) -> _Main:
+    """Figure of rows with their own places."""
+    drawn = svg_of(fit_to_width(diagram(ds), 0.17, with_title=False))
+    source = f"data:image/svg+xml;base64,{base64.b64encode(drawn.encode()).decode()}"
+    return _Main(f'<img alt="margins by row" src="{source}">', {"fields": {"points": {}}})
+
+
+_MAIN = {Kind.PLANE: _plane, Kind.SAMPLES: _samples, Kind.PLACES: _places}
 
 
 def _filled(name: str, parts: dict[str, str]) -> str:

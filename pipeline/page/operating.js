@@ -13,7 +13,7 @@ function listenToOperatingPoint(take) {
     input(id).setAttribute("aria-invalid", `${input(id).value.trim() !== "" && Number.isNaN(value)}`);
     return value;
   };
-  element("operating").addEventListener("input", () => take(read("at-load"), read("at-velocity")));
+  element("operating").addEventListener("change", () => take(read("at-load"), read("at-velocity")));
 }
 
 /** Show numbers of the operating point, or why there are none. @param {[string, string][] | string} rows */

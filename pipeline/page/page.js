@@ -2,6 +2,7 @@
 
 /** Show all that follows from the choices of the reader. */
 function update() {
+  document.body.classList.toggle("is-changed", Object.keys(changes()).length > 0);
   drawDiagram();
   showLegend();
   showTables();

@@ -87,6 +87,11 @@ def coloured(probability: Array) -> str:
     return png_of(Image.fromarray(np.ascontiguousarray(shades)))
 
 
+def risk_scale() -> str:
+    """Colours of probabilities from 0 to 1, from the left to the right."""
+    return coloured(np.linspace([0.0], [1.0], 64).T)
+
+
 def _over_contact(
     field: Array, contact: Mask, touching: Array, block: tuple[int, int]
 ) -> tuple[float, float, NDArray[np.uint8]]:

@@ -100,7 +100,7 @@ function showChart(id, isThere, text, x, y, draw) {
 
 /** Content of the page; its tables are numbers in base64. */
 function readContent() {
-  const packed = ["plane", "errors", "rises", "times", "values", "loads", "probability"];
+  const packed = ["plane", "errors", "rises", "times", "values", "probability"];
   return JSON.parse(element("content").textContent ?? "", (name, value) => {
     if (typeof value !== "string" || !packed.includes(name)) return value;
     return new Float32Array(Uint8Array.from(atob(value), (letter) => letter.charCodeAt(0)).buffer);

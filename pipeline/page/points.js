@@ -179,7 +179,6 @@ function showPoint() {
   const rows = table([], description(chosen.point, true));
   element("point").replaceChildren(html("h3", {}, nameOf(chosen.point)), rows);
   showDistribution(risesAt(chosen.point).map(({ place }) => quantilesAt(place)));
-  showCourse(chosen.point);
   showFields(chosen.point);
 }
 

@@ -4,6 +4,12 @@ const sceneNumber = Number(location.hash.slice(1)) || 0;
 const templates = document.querySelectorAll("template");
 const chosenTemplate = templates[sceneNumber] ?? templates[0];
 chosenTemplate.replaceWith(chosenTemplate.content);
+// On a narrow screen each cell has its head beside it.
+for (const { rows: [heads, ...rows] } of document.querySelectorAll("table")) {
+  for (const cell of rows.flatMap(({ cells }) => [...cells])) {
+    cell.dataset.head = heads.cells[cell.cellIndex].textContent ?? "";
+  }
+}
 
 /** Let readers choose another scene, and give the conditions brought along. @param {() => object} changes */
 function takeScene(changes) {

@@ -68,40 +68,11 @@ function showSide(id, head, places, title, unit, rows) {
   offerCsv(id, content.name);
 }
 
-/** Show both tables, and the answer in a sentence. */
+/** Show both tables. */
 function showTables() {
   const { velocity, load } = boundaries();
   showSide("velocities", "load [N]", content.loads, "critical velocity", "m/s", velocity);
   showSide("loads", "velocity [m/s]", content.velocities, "critical load", "N", load);
-  const missing = sum(surfaces().map((surface) => content.missing[surface]));
-  const note = missing ? ` ${missing} points are pending or failed and left out.` : "";
-  element("summary").textContent = crossingText(velocity) + severeText(velocity) + note;
-}
-
-/** @param {Summary[]} rows by load */
-function crossingText(rows) {
-  if (!isJudged()) return "Give a critical temperature to see where wear turns severe.";
-  if (rows.some(({ transitions: [one, ...others] }) => !others.length && one.outcome === SEVERAL)) {
-    const ends = [...new Set([0, rows.length - 1])];
-    const texts = ends.map((i) => `${shown(content.loads[i], 6)} N: ${outcomeText(rows[i], "m/s")}`);
-    return `At ${texts.join("; at ")}.`;
-  }
-  const places = rows.flatMap(({ middle }, i) =>
-    (Number.isFinite(middle) ? [`${shown(middle)} m/s at ${shown(content.loads[i], 6)} N`] : []));
-  if (!places.length) {
-    const codes = new Set(rows.flatMap(({ transitions }) => transitions.map(({ outcome }) => outcome)));
-    const words = [...codes].map((code) => content.outcomes.velocity[code]);
-    return `No transition at any load: ${words.join(", or ")}.`;
-  }
-  return `Wear turns severe at ${[...new Set([places[0], places[places.length - 1]])].join(", at ")}.`;
-}
-
-/** Loads at which wear is severe at every velocity, in words. @param {Summary[]} rows by load */
-function severeText(rows) {
-  const isHot = (/** @type {Transition} */ { outcome }) => outcome === SEVERE || outcome === BELOW;
-  const loads = content.loads.filter((_, i) => rows[i].transitions.every(isHot));
-  const words = loads.map((load) => shown(load, 6)).join(", ");
-  return loads.length < rows.length && words && isJudged() ? ` Severe throughout at ${words} N.` : "";
 }
 
 /** Offer a table as CSV, as it is shown. @param {string} id @param {string} name */

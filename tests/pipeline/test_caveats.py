@@ -1,6 +1,5 @@
 """What a reader of a verdict must know is said by every door, each line once."""
 
-import json
 import re
 
 import pandas as pd
@@ -34,10 +33,10 @@ def doors(irg, store, tmp_path):
         for cell in pd.read_csv(out)["notes"]:
             yield cell.split(" | "), text
     html = irg("explore", store, "-o", tmp_path / "page.html") and (tmp_path / "page.html")
-    text = html.read_text(encoding="utf-8")
-    held = json.loads(re.search(r'id="content">(.*?)</script>', text, re.DOTALL)[1])
-    # The record below has the entries of the scene, its caveat among them.
-    yield held["caveats"], text.split("<footer>")[0].replace("&#x27;", "'")
+    # The inputs below have the entries of the scene, its caveat among them.
+    text = html.read_text(encoding="utf-8").split("<h2>Inputs")[0].replace("&#x27;", "'")
+    listed = re.search(r'id="caveats">(.*?)</ul>', text, re.DOTALL)[1]
+    yield re.findall("<li>(.*?)</li>", listed), text
 
 
 def test_every_door_says_the_same_caveats_each_once(irg, store, tmp_path):
@@ -48,8 +47,6 @@ def test_every_door_says_the_same_caveats_each_once(irg, store, tmp_path):
     for told, text in doors(irg, store, tmp_path):
         assert told == [*expected]
         assert [text.count(line) for line in expected] == [1] * len(expected)
-    report = pipeline.report(store, tmp_path / "report.html").read_text(encoding="utf-8")
-    assert [report.count(line.split("'")[0]) for line in expected[1:]] == [1] * (len(expected) - 1)
 
 
 def test_a_caveat_of_ours_is_a_line_of_at_most_100_columns():

@@ -188,12 +188,10 @@ def test_failed_and_damaged_points_are_listed_in_the_units_of_the_scene(tmp_path
     assert "600 N, 4 m/s, pin.radius 4 mm, surface 3: message" in said
 
 
-def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
+def test_figures_and_pages_show_each_value_or_ask_for_one(swept, folder, irg):
     (legend,) = pipeline.plot(pipeline.at(swept, friction=0.12), "diagram").legends
     assert [text.get_text() for text in legend.get_texts()][:2] == list(RADII)
     assert "friction 0.12, bulk 25" in legend.get_title().get_text()
-    irg("report", swept, "-o", folder / "r.html")
-    assert "Answer for pin.radius 4 mm: " in (folder / "r.html").read_text()
     for words in (
         ("plot", "--kind", "temperature"),
         ("diff", swept),

@@ -86,11 +86,12 @@ def test_the_figure_marks_what_is_not_decided_or_not_done(stores):
     assert "not known: not computed" in {line.get_gid() for line in axes.lines}
 
 
-def test_a_report_of_pairs_answers_row_by_row(stores, tmp_path):
-    page = pipeline.report(stores["alone"], tmp_path / "report.html").read_text(encoding="utf-8")
-    for words in ("Examined: 2 places", "Answer: 2 ", "<h2>Margins by row</h2>", "<td>b</td>"):
+def test_a_page_of_pairs_answers_row_by_row(stores, tmp_path):
+    table = pipeline.margin(stores["alone"])
+    page = pipeline.explore(stores["alone"], tmp_path / "page.html").path.read_text("utf-8")
+    for words in ("<p>2 ", "<h2>Operating points</h2>", "<td>b</td>", *table["verdict"]):
         assert words in page
-    assert "Not in this report" not in page
+    assert "Not known" not in page
 
 
 def test_a_difference_of_pairs_is_of_their_margins_row_by_row(stores, irg):
@@ -108,7 +109,6 @@ def test_what_needs_a_plane_is_refused_in_a_line(stores, tmp_path, irg):
     for command in (
         ("boundary", stores["alone"]),
         ("margin", stores["alone"], "--points", tmp_path / "duty.csv"),
-        ("explore", stores["alone"], "-o", tmp_path / "page.html"),
         ("plot", stores["alone"], "--kind", "ramp", "-o", tmp_path / "ramp.png"),
     ):
         assert "answer row by row" in irg(*command, code=2)

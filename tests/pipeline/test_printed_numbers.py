@@ -696,11 +696,10 @@ def test_a_difference_is_that_of_the_two_datasets(stores, irg_both):
     assert (document["entries"]["a"][hold], document["entries"]["b"][hold]) == ("0 s", "2 s")
 
 
-def test_a_page_and_a_report_hold_the_numbers_of_the_dataset(ask, stores, irg, tmp_path):
+def test_a_page_holds_the_numbers_of_the_dataset(ask, stores, irg, tmp_path):
     ds = opened(stores("plane"))
     page = irg("explore", stores("plane"), "-o", tmp_path / "page.html", "--json")
     assert (page["points"], page["points_with_fields"]) == (9, 9)
-    assert page["size"] == (tmp_path / "page.html").stat().st_size
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     (held,) = re.findall(r'id="content">(.*?)</script>', text, re.DOTALL)
     content = json.loads(held)
@@ -708,14 +707,10 @@ def test_a_page_and_a_report_hold_the_numbers_of_the_dataset(ask, stores, irg, t
     assert content["velocities"] == ds["velocity"].values.tolist()
     assert content["conditions"]["bulk_temperature"] == 298.15
     assert content["conditions"]["critical_temperature"] == 418.15
-    irg("report", stores("plane"), "-o", tmp_path / "report.html")
-    report = (tmp_path / "report.html").read_text(encoding="utf-8")
     boundary, *_ = ask("boundary", "plane")
-    for value in filter(None, boundary["critical_velocity"] + boundary["critical_load"]):
-        assert f"<td>{value:.4g}</td>" in report
     for temperature in boundary["tests"]["decisive_temperature"]:
-        assert f"<td>{temperature - 273.15:.4g}</td>" in report
-    assert "may err by up to 5 %" in report
+        assert f"<td>{temperature - 273.15:.4g}</td>" in text
+    assert "may err by up to 5 %" in text
 
 
 # Scenes, scans and logs, by their inputs

@@ -156,7 +156,6 @@ READING = [
     ["boundary"],
     ["margin", "--points", "duty.csv"],
     ["plot", "-o", "out.png"],
-    ["report", "-o", "out.html"],
     ["explore", "-o", "out.html"],
     ["diff", "small.zarr"],
 ]
@@ -195,7 +194,7 @@ def test_a_store_whose_chunks_would_be_unpickled_is_refused(strangers, done, ran
         "compressor": {"id": "pickle", "protocol": 5},
     }
     write(strangers / store, root)
-    for command in ("status", "verify", "boundary", "report", "explore"):
+    for command in ("status", "verify", "boundary", "explore"):
         assert "are not of Zarr 3" in irg(command, store, code=2)
     assert not ran()
 

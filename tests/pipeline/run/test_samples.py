@@ -250,7 +250,6 @@ def test_at_takes_a_value_of_an_entry_with_several_and_fixes_an_input(
     assert irg("boundary", store, *slim, "--json")["samples"] == 8
     both = irg("margin", store, *place)["scenes"]
     assert [one["probability"] for one in both] == [likely, rare]
-    assert "has several values of pin.radius" in irg("report", store, code=2)
     irg("explore", store, "-o", tmp_path / "page.html")  # which lets choose among them
     assert "pin.radius 4 mm" in (tmp_path / "page.html").read_text()
     assert "it has 2 mm, 4 mm" in irg("margin", store, "--at", "pin.radius=3 mm", code=2)

@@ -61,12 +61,10 @@ type Ends = [number, number];
 
 /** Result of pipeline.page.content.content. */
 type Content = {
-  title: string;
   name: string;
   conditions: Conditions;
   controls: Control[];
   measured: Measurement[];
-  chosen: boolean;
   loads: number[];
   velocities: number[];
   fine: { velocity: number[]; load: number[] };
@@ -101,14 +99,12 @@ type Content = {
   times: Float32Array;
   rises: Float32Array;
   numbers: { label: string; unit: string; values: Float32Array }[];
-  course: { steps: number; loads: Float32Array; rises: Float32Array; own: string };
   deciding: string;
   outcomes: { velocity: string[]; load: string[] };
   range: { velocity: Ends; load: Ends };
   messages: { [place: string]: string };
   fields: Fields;
   friction_band: Ends | null;
-  regions: [string, string];
 };
 
 /**

@@ -1,0 +1,153 @@
+"""Sections of a page in words and tables: the answer first, then what it rests on."""
+
+from __future__ import annotations
+
+import html
+import re
+from collections.abc import Iterable, Iterator
+from datetime import UTC, datetime
+
+import pandas as pd
+import xarray as xr
+
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.dataset import Kind, read_conditions, stored_sweep, sweep_kind
+from pipeline.analysis.field import fields
+from pipeline.analysis.frames import boundary_parts
+from pipeline.analysis.laboratory import compared, test_parts
+from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
+from pipeline.analysis.scenes import caveats_of, scenes
+from pipeline.analysis.tables import frame_of, html_of, notes_of, short
+from pipeline.analysis.warned_points import warned
+from pipeline.scene.along import OperatingPoints
+from pipeline.scene.reference import all_keys
+from pipeline.scene.written import scene_entries
+from pipeline.store.versions import package_versions
+from pipeline.sweep.about import judged_by
+from pipeline.sweep.digest import digest
+from pipeline.sweep.laws import LawError
+from pipeline.sweep.surface import surface_words
+from tribo import InputError
+
+_MODEL = (
+    "model: a rough, elastic-plastic contact under boundary lubrication is worn by Archard's law "
+    "while the load grows, and heated by friction. A film that carries load, and the wear after "
+    "the transition, are not part of it"
+)
+_CLOSED = "Inputs", "Origin"  # on a screen, until they are asked for
+
+
+def sections(ds: xr.Dataset, points: OperatingPoints | None) -> dict[str, str]:
+    """Sections of one scene, or of rows with their own places, as HTML by their names."""
+    has_places = points is not None or sweep_kind(ds) is Kind.PLACES
+    return {
+        "answer": _section("Answer", _answer(ds)),
+        "caveats": "".join(f"<li>{html.escape(line)}</li>" for line in caveats_of(ds)),
+        "duties": _section("Operating points", _margins(ds, points)) if has_places else "",
+        "tests": _section("Tests", _tests(ds)),
+        "inputs": _section("Inputs", _inputs(ds)),
+        "origin": _section("Origin", _origin(ds)),
+    }
+
+
+def _section(heading: str, parts: Iterable[str | pd.DataFrame]) -> str:
+    """A section with its heading, up to the first part that is not known; empty without any."""
+    body = list[str]()
+    try:
+        body.extend(map(_html, parts))
+    except LawError:
+        raise  # without the code of a law nothing is answered
+    except InputError as error:
+        body.append(_html(f"not known: {error}"))
+    is_open = "" if heading in _CLOSED else " open"
+    summary = f"<summary><h2>{heading}</h2></summary>"
+    return f"<details{is_open}>{summary}{''.join(body)}</details>" if body else ""
+
+
+def _html(part: str | pd.DataFrame) -> str:
+    """A sentence or a table."""
+    if isinstance(part, pd.DataFrame):
+        return f'<div class="table wide">{html_of(part)}</div>'
+    return f"<p>{html.escape(part[:1].upper() + part[1:].rstrip('.'))}.</p>"
+
+
+def _answer(ds: xr.Dataset) -> Iterator[str]:
+    """What wear is judged by, the verdict on the next run, and warnings."""
+    yield judged_by(map(read_conditions, scenes(ds)), stored_sweep(ds).variants.unknown)
+    if sweep_kind(ds) is Kind.PLACES:
+        yield counts_in_words(margin(ds))
+    else:
+        yield from (part for part in boundary_parts(boundary(ds)) if isinstance(part, str))
+    for field in fields(ds):
+        yield from filter(None, (field.misfit, *field.basis[1]))
+    yield from warned(ds).lines()
+
+
+def _margins(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[str | pd.DataFrame]:
+    """Margins of operating points; a row that cannot be judged is named below the table."""
+    table = margin(ds, points)
+    yield short(table, LONG)
+    yield from notes_of(table, caveats_of(ds))
+    yield from filter(None, (points.counted, *points.remarks)) if points else ()
+    if table["velocity factor"].notna().any():
+        yield "a factor is the velocity or load at which wear turns severe over that of the row"
+
+
+def _tests(ds: xr.Dataset) -> Iterable[str | pd.DataFrame]:
+    """Tests of the laboratory beside what is computed at their own conditions."""
+    table = compared(ds)
+    return () if table is None else test_parts(table)
+
+
+def _inputs(ds: xr.Dataset) -> Iterator[str | pd.DataFrame]:
+    """Entries of the scene with their units, their sources, and the numerical choices."""
+    sweep = stored_sweep(ds)
+    entries, meanings = scene_entries(sweep), {key: one.meaning for key, one in all_keys()}
+    if surface := surface_words(sweep):
+        yield f"surface of the disk: {surface.replace('disk.roughness.file: ', '')}"
+    rows = (
+        (path, text, _first_sentence(meanings.get(_key_of(path), "")))
+        for path, text in entries.items()
+        if not path.startswith(("fidelity", "measured", "tested")) and path not in ds.coords
+    )
+    yield frame_of(("entry", "value", "meaning"), rows)
+    if library := sweep.about.sources:
+        yield frame_of(("from the library", "value", "source"), library)
+    prefix = "fidelity."
+    choices = (
+        f"{path.removeprefix(prefix)} {text}"
+        for path, text in entries.items()
+        if path.startswith(prefix)
+    )
+    yield f"numerical choices: {', '.join(choices)}"
+
+
+def _key_of(path: str) -> str:
+    """Path of an entry in the reference, which calls each material NAME."""
+    return re.sub(r"^materials\.[^.]+|^(pin|disk)\.material(?=\.)", "materials.NAME", path)
+
+
+def _first_sentence(meaning: str) -> str:
+    return meaning.split(";")[0].split(". ")[0].rstrip(".").replace("`", "")
+
+
+def _origin(ds: xr.Dataset) -> Iterator[str]:
+    """Model, programs and scene that the answers are from, and how to cite them."""
+    sweep = stored_sweep(ds)
+    yield _MODEL
+    if sweep.about.selection:
+        yield str(sweep.about.selection)
+    yield from str(ds.attrs.get("history", "")).splitlines()
+    yield f"scene {sweep.about.name}, {digest(sweep.scene)} (SHA-256 of its inputs)"
+    yield f"written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
+    yield from citation()
+
+
+def citation() -> Iterator[str]:
+    """References to the program and to the work that it builds on, a line each."""
+    version = package_versions()["tribo"]
+    yield f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause."
+    yield (
+        "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "
+        "concentrated contacts: The IRG (OECD) transition diagram."
+    )

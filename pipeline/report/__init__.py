@@ -1,1 +1,0 @@
-"""A report of a sweep for people without the tool: one file of HTML."""
