@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.curve import Curve, certain
 from pipeline.analysis.dataset import (
     dataset_of,
     keep_steps,
@@ -28,7 +27,6 @@ from pipeline.sweep.severity import (
     columns_needed,
     equivalent_rise,
     failed_fraction,
-    rise_limit,
     worst_rises,
 )
 from tribo import QUANTILES, Criterion, InputError
@@ -98,34 +96,6 @@ def _turns(rise: Array, limit: float) -> Mask:
     beside = np.zeros(rise.shape, dtype=bool)
     beside[indices[turns]] = beside[indices[turns + 1]] = True
     return beside
-
-
-def refined(
-    rise: xr.DataArray, resolution: int, conditions: Conditions, continued: bool = False
-) -> xr.DataArray:
-    """Interpolate a decisive rise [K] onto so many loads and velocities, evenly spaced.
-
-    If continued, it is extrapolated below mild points and above severe ones, as a power of
-    velocity, unless friction depends on the velocity; else it is NaN beyond the outermost points.
-    """
-    limit = rise_limit(conditions) if continued and not conditions.has_friction_curve else None
-    rise = strip_friction(rise, conditions)
-    x = {name: rise[name].values for name in PLANE}
-    axes = {name: np.linspace(values[0], values[-1], resolution) for name, values in x.items()}
-
-    def along(name: str, rows: Array) -> Array:
-        if name == "load" or limit is None:
-            return Curve(x[name], rows)(axes[name])
-        return certain(x[name], rows, axes[name], limit)
-
-    friction = conditions.friction_factor(axes["velocity"])
-    by_load = along("velocity", rise.values) * friction
-    plane = along("load", by_load.swapaxes(-1, -2)).swapaxes(-1, -2)
-    coords = {
-        name: (name, axes[str(name)], coord.attrs) if name in axes else coord.variable
-        for name, coord in rise.coords.items()
-    }
-    return xr.DataArray(plane, coords, rise.dims, rise.name, rise.attrs)
 
 
 @np.errstate(under="ignore")

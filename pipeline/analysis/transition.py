@@ -21,9 +21,6 @@ from tribo.types import Array, Indices, Mask
 CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL = range(7)
 """Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
 
-BEYOND = (ABOVE, BELOW)
-"""Outcomes that more points would tell."""
-
 
 @functools.cache
 def outcomes(axis: str) -> Mapping[int, str]:

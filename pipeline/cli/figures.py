@@ -22,7 +22,7 @@ def plot(options: argparse.Namespace) -> Result:
     if others := [name for name in look if name not in allowed]:
         flag, flags = given.flags_of(others[:1]), given.flags_of(allowed)
         raise InputError(f"--kind {kind} takes no {flag}; it takes {flags}")
-    look |= given.values_in(options, "width") | {"with_title": not options.no_title}
+    look |= given.values_in(options, "width") | {"plain": options.plain}
     ds = given.dataset_in(options)
     out = options.output or given.beside(options.store, f"_{kind}.png")
     written = pipeline.plot(ds, kind, out, **look)

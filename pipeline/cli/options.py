@@ -226,7 +226,7 @@ OF_PLOT = (
     ),
     output("FILE.png", "file of the figure; default: beside the store"),
     quantity("--width", "W", "8.5 cm", "{plot.width}"),
-    flag("--no-title", "draw no title, where a caption gives it"),
+    flag("--plain", "{plot.plain}"),
     flag("--log", "logarithmic axes of the diagram"),
     Option("--show", metavar="NAME", help="variable that a ramp shows, such as wear_volume"),
 )  # fmt: skip

@@ -34,27 +34,21 @@ _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 
 
 def chosen_points(
-    ds: xr.Dataset, load: Wanted, velocity: Wanted, conditions: Conditions, nearest: bool = False
+    ds: xr.Dataset, load: Wanted, velocity: Wanted, conditions: Conditions
 ) -> list[Spot]:
-    """Find the indices of the points asked for, or of the one nearest to the transition.
-
-    A load or velocity that the sweep does not hold is refused, or stands for the nearest.
-    """
+    """Find the points nearest to loads and velocities; of one not given, to the transition."""
     rises = decisive_rise(ds, conditions).values
-    is_finite = np.isfinite(rises)
-    loads, velocities = (
-        indices_of(ds, axis, values, nearest)
-        for axis, values in (("load", load), ("velocity", velocity))
-    )
-    points, reached = list[Spot](), np.flatnonzero(is_finite.any(axis=1))
-    for i in loads or reached[-1:].tolist() or [0]:
-        require_done_at(ds["load"].values[i], is_finite[i])
-        judged = conditions.critical_temperature is not None
-        limit = rise_limit(conditions) if judged else math.inf
+    is_done = np.isfinite(rises)
+    reached = np.flatnonzero(is_done.any(axis=1))
+    judged = conditions.critical_temperature is not None
+    limit, points = rise_limit(conditions) if judged else math.inf, list[Spot]()
+    for i in nearest_indices(ds, "load", load) or reached[-1:].tolist() or [0]:
+        require_done_at(ds["load"].values[i], is_done[i])
         distance = np.abs(rises[i] - min(limit, np.nanmax(rises[i])))
-        points += [(i, j) for j in velocities or [int(np.nanargmin(distance))]]
+        wanted = nearest_indices(ds, "velocity", velocity) or [int(np.nanargmin(distance))]
+        points += [(i, j) for j in wanted]
     for point in points:
-        if not is_finite[point]:
+        if not is_done[point]:
             reason = str(messages(ds).transpose("load", "velocity").values[point])
             raise InputError(
                 f"the point {point_name(ds, point)} is not done{reason and ': '}{reason}; "
@@ -71,34 +65,19 @@ def require_done_at(load: float, is_done: Mask) -> None:
         )
 
 
-def indices_of(ds: xr.Dataset, axis: str, values: Wanted, nearest: bool = False) -> list[int]:
-    """Find the indices of one load or velocity or several; none if none is given."""
-    available, found = ds[axis].values, []
-    for value in _places(axis, values):
-        found.append(int(np.abs(available - value).argmin()))
-        if not (nearest or math.isclose(available[found[-1]], value, rel_tol=1e-9)):
-            raise InputError(
-                f"{axis} is {value:g} {UNITS[axis]}, which the sweep does not hold; the nearest is "
-                f"{available[found[-1]]:g} {UNITS[axis]}"
-            )
-    return found
-
-
-def _places(axis: str, values: Wanted) -> list[float]:
-    """Loads or velocities that were asked for [SI]."""
+def nearest_indices(ds: xr.Dataset, axis: str, values: Wanted) -> list[int]:
+    """Find the indices nearest to one load or velocity or several; none if none is given."""
+    held, found = ds[axis].values, list[int]()
     several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
-    return [in_si(axis, value, _LIKE[axis]) for value in several]
-
-
-def nearest_to(ds: xr.Dataset, **asked: Wanted) -> str:
-    """Say which loads and velocities of those asked for the sweep does not hold; empty if none."""
-    missing = [
-        f"{value:g} {UNITS[axis]}"
-        for axis, values in asked.items()
-        for value in _places(axis, values)
-        if not np.isclose(ds[axis].values, value, rtol=1e-9).any()
-    ]
-    return f", nearest to {' and '.join(missing)}" if missing else ""
+    for value in several:
+        place = in_si(axis, value, _LIKE[axis])
+        if not held[0] <= place <= held[-1]:
+            raise InputError(
+                f"{axis} is {place:g} {UNITS[axis]}; the sweep has {held[0]:g} to {held[-1]:g} "
+                f"{UNITS[axis]}: give one of these"
+            )
+        found.append(int(np.abs(held - place).argmin()))
+    return found
 
 
 def point_name(ds: xr.Dataset, point: Spot) -> str:
@@ -106,19 +85,22 @@ def point_name(ds: xr.Dataset, point: Spot) -> str:
     return str(Point(ds["load"].values[point[0]], ds["velocity"].values[point[1]], drawn_row(ds)))
 
 
-_COLOURS = "viridis_r", "inferno_r", "cividis_r"  # of which each is darker where there is more
+_COLOURS = "viridis_r", "inferno", "cividis_r"  # bright where hot; dark where pressed and worn
 _BAR = 0.12  # [inch] of a bar of colours, and of the gap below it
-_HIGHEST_STACKED = 2.6  # [inch] of each of three panels, which fit a page at a column's width
+_COLUMN = 4.7  # [inch], below which panels lie below each other
 
 
+@style.house_style
 def fields(
     ds: xr.Dataset,
     load: float | str | None = None,
     velocity: float | str | None = None,
     realization: int | None = None,
-    stacked: bool = False,
 ) -> Figure:
-    """Draw pressure, temperature and wear depth over the contact at the end of one point."""
+    """Draw pressure, temperature and wear depth over the contact at the end of one point.
+
+    In a figure as narrow as a column of a journal they lie below each other.
+    """
     if "pressure" not in ds:
         raise InputError(
             "the sweep holds no fields; set 'fields = true' under [sweep] in the scene, and run it "
@@ -127,7 +109,30 @@ def fields(
     ds = one_row(ds, realization)
     conditions = temperature_conditions(ds)
     point = chosen_points(ds, load, velocity, conditions)[0]
-    return _contact(ds, point, conditions, stacked)
+    shown = _shown(ds, point, conditions)
+    x, y = (shown_in(ds[axis].values, "µm") for axis in "xy")
+    is_stacked = style.wanted_width(_COLUMN) < _COLUMN
+    height = float(np.clip(3.3 * np.ptp(y) / np.ptp(x), 0.5, 2.6 if is_stacked else 6.0))
+    panel = 1.4 + height
+    figure = style.Picture((4.6, 1.0 + 3 * panel) if is_stacked else (11.0, 0.5 + panel))
+    grid = figure.subplots(*((3, 1) if is_stacked else (1, 3)), sharex=True, sharey=True)
+    labels = "contact pressure [GPa]", "contact temperature [°C]", "wear depth of the pin [µm]"
+    for axes, label, field, colours in zip(grid, labels, shown, _COLOURS, strict=True):
+        image = axes.pcolormesh(x, y, field.T, cmap=colours, shading="nearest", rasterized=True)
+        axes.set_aspect("equal" if len(y) > 1 else "auto")
+        axes.grid(visible=False)
+        axes.set(xlabel="x, along sliding [µm]", ylabel="y [µm]")
+        axes.label_outer()
+        bar = axes.inset_axes((0, 1 + _BAR / height, 1, _BAR / height))
+        figure.colorbar(image, cax=bar, label=label, location="top")
+    if (critical := conditions.critical_temperature) is not None and len(y) > 1:
+        limit = shown_in(critical, "°C")
+        if shown[1].min() < limit < shown[1].max():
+            grid[1].contour(x, y, shown[1].T, [limit], colors=style.SKY, linewidths=style.THIN)
+            grid[1].child_axes[0].set_xlabel(f"{labels[1]}, outlined at {limit:g}")
+    title = f"{style.title_of(ds)}\n{point_name(ds, point)}, {style.heating(conditions)}"
+    style.write_title(figure, title)
+    return figure
 
 
 def _shown(ds: xr.Dataset, point: Spot, conditions: Conditions) -> tuple[Array, ...]:
@@ -140,61 +145,7 @@ def _shown(ds: xr.Dataset, point: Spot, conditions: Conditions) -> tuple[Array, 
     if conditions.corrections:
         rise = corrected_field(here, rise, conditions)
     return (
-        shown_in(here["pressure"].values, "GPa"),
+        np.ma.masked_equal(shown_in(here["pressure"].values, "GPa"), 0.0),
         shown_in(conditions.contact_temperature(rise), "°C"),
-        shown_in(here["wear_depth"].values, "µm"),
+        np.ma.masked_equal(shown_in(here["wear_depth"].values, "µm"), 0.0),
     )
-
-
-@style.house_style
-def _contact(ds: xr.Dataset, point: Spot, conditions: Conditions, stacked: bool) -> Figure:
-    """Draw the contact at the end of a point."""
-    pressure, temperature, depth = _shown(ds, point, conditions)
-    critical = conditions.critical_temperature
-    limit = math.inf if critical is None else shown_in(critical, "°C")
-    outlined = temperature.min() < limit < temperature.max() and min(temperature.shape) > 1
-    labels = (
-        "contact pressure [GPa]",
-        f"contact temperature [°C]{f', outlined at {limit:g}' if outlined else ''}",
-        "wear depth of the pin [µm]",
-    )
-    centres = [shown_in(ds[axis].values, "µm") for axis in "xy"]
-    x, y = map(_edges, centres)
-    height = 3.3 * np.ptp(y) / np.ptp(x)
-    is_equal = 0.5 < height < 12
-    room = float(np.clip(height, 0.5 if is_equal else 1.0, _HIGHEST_STACKED if stacked else 6.0))
-    panel = 1.4 + room
-    size = (4.6, 1.0 + 3 * panel) if stacked else (11.0, 0.5 + panel)
-    figure = style.Picture(figsize=size)
-    row = figure.subplots(*((3, 1) if stacked else (1, 3)), sharex=True, sharey=True)
-    shown = np.ma.masked_equal(pressure, 0.0), temperature, np.ma.masked_equal(depth, 0.0)
-    lowest = 0.0, temperature.min(), 0.0
-    for axes, label, field, colours, low in zip(row, labels, shown, _COLOURS, lowest, strict=True):
-        image = axes.pcolormesh(x, y, field.T, cmap=colours, vmin=low, rasterized=True)
-        axes.set_aspect("equal" if is_equal else "auto")
-        axes.grid(visible=False)
-        if not stacked or axes is row[-1]:
-            axes.set_xlabel("x, along sliding [µm]")
-        figure.colorbar(
-            image, cax=axes.inset_axes((0, 1 + _BAR / room, 1, _BAR / room)), label=label,
-            location="top",
-        )  # fmt: skip
-    for axes in row if stacked else row[:1]:
-        if len(ds["y"]) > 1:
-            axes.set_ylabel("y [µm]")
-        else:
-            axes.set_yticks([])
-    if outlined:
-        row[1].contour(*centres, temperature.T, [limit], colors=style.SKY, linewidths=style.THIN)
-    title = f"{style.title_of(ds)}\n{point_name(ds, point)}, {style.heating(conditions)}"
-    style.write_title(figure, title)
-    return figure
-
-
-def _edges(centres: Array) -> Array:
-    """Borders of the elements around evenly spaced centres."""
-    if len(centres) == 1:
-        return np.array([centres[0] - 0.5, centres[0] + 0.5])
-    step = (centres[-1] - centres[0]) / (len(centres) - 1)
-    edges: Array = np.append(centres - step / 2, centres[-1] + step / 2)
-    return edges

@@ -1,35 +1,31 @@
-"""Lines, marks and names over the diagram: lift-off by the film, measurements, regions."""
+"""What lies over the plane of load and velocity: lines, tests, names of the regions."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib import rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from scipy.ndimage import distance_transform_edt
 
 from pipeline.analysis.dataset import stored_sweep
-from pipeline.analysis.field import point_field
-from pipeline.analysis.laboratory import are_near, critical_velocity, own_conditions
 from pipeline.figures import style
-from pipeline.figures.style import BLACK, BLUE, FAINT, GREY, THIN, VERMILION
-from pipeline.quantities import display
+from pipeline.figures.style import BLACK, BLUE, FAINT, THIN, VERMILION
 from pipeline.store.schema import PLANE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.surface import find_lubrication
-from tribo import Criterion, InputError, lubrication_regime
+from tribo import lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
 from tribo.types import Array, Mask
 
 _REACH = 1.5  # times the ends of the sweep, beyond which a test would shrink the figure
 _SAME_BULK = 1.0  # [K] between bulk temperatures
-Place = tuple[float, float]
 _LEVELS = (
     (BOUNDARY, "mixed", ":"),
     (FULL_FILM, "full film", "-."),
@@ -37,26 +33,32 @@ _LEVELS = (
 """Levels of Λ, what begins there, and the dashes of their lines."""
 
 
+def zero_line(
+    axes: Axes, x: Array, y: Array, plane: Array, gid: str, color: Any = BLACK, **look: Any
+) -> bool:
+    """Draw the line along which a plane (load, velocity) is 0; False if there is none."""
+    if not ((plane < 0).any() and (plane > 0).any()):
+        return False
+    axes.contour(x, y, plane, [0.0], colors=[color]).set(gid=gid, **look)
+    return True
+
+
 def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Draw the beginnings of mixed lubrication and of the full film, if they lie in the figure."""
     lubrication = find_lubrication(stored_sweep(ds))
     if lubrication is None:
         return []
-    ends = {name: ds[name].values[[0, -1]].tolist() for name in PLANE}
-    places = {name: np.linspace(low, high) for name, (low, high) in ends.items()}
-    loads, velocities = np.meshgrid(places["load"], places["velocity"], indexing="ij")
-    films = lubrication.film_parameter(loads, velocities, conditions.mean_bulk_temperature)
-    film = xr.DataArray(films, places, PLANE)
+    y, x = (np.linspace(*ds[name].values[[0, -1]]) for name in PLANE)
+    film = lubrication.film_parameter(y[:, None], x, conditions.mean_bulk_temperature)
     legend: list[Artist] = []
     for level, beyond, dashes in _LEVELS:
         label = f"Λ = {level:g}, {beyond} beyond"
         look: dict[str, Any] = {"color": BLACK, "lw": THIN, "ls": dashes}
-        if isoline(axes, film, level, label, **look):
+        if zero_line(axes, x, y, film - level, label, **look):
             legend.append(Line2D([], [], label=label, **look))
     if not legend:
-        regime = lubrication_regime(float(film.mean()))
-        span = f"{film.min():.2f} to {film.max():.2f}"
-        legend.append(Line2D([], [], ls="none", label=f"Λ {span}: {regime}"))
+        label = f"Λ {film.min():.2f} to {film.max():.2f}: {lubrication_regime(float(film.mean()))}"
+        legend.append(Line2D([], [], ls="none", label=label))
     return legend
 
 
@@ -69,153 +71,69 @@ TESTS: dict[str | None, tuple[str, ...]] = {
 
 
 def mark_tests(
-    axes: Axes, tests: Sequence[Measurement], bulk: float, own_bulk: float
+    axes: Axes, tests: Mapping[str, Measurement], bulk: float, own_bulk: float
 ) -> list[Artist]:
     """Mark measured transitions, and tests: open where wear stayed mild, filled where severe.
 
-    Those at another bulk temperature than that of the plane [K] are faint, and have it beside them;
-    a test that gives none has the scene's own.
+    Their numbers stand beside them. Those at another bulk temperature than that of the plane [K]
+    are faint; a test without one has the scene's own.
     """
-    legend: list[Artist] = []
-    warmer = [test.bulk_temperature or own_bulk for test in tests]
-    for outcome, (label, gid, marker, mfc, mec) in TESTS.items():
-        for is_other in (False, True):
-            of_kind = [
-                test
-                for test, own in zip(tests, warmer, strict=True)
-                if test.outcome == outcome and (abs(own - bulk) > _SAME_BULK) == is_other
-            ]
-            if of_kind:
-                look = {"alpha": FAINT, "gid": f"{gid}-elsewhere"} if is_other else {"gid": gid}
-                legend += axes.plot(
-                    [test.velocity for test in of_kind],
-                    [test.normal_load for test in of_kind],
-                    ls="none", marker=marker, ms=style.BIG, mfc=mfc, mec=mec,
-                    label=label + (", at another bulk temperature" if is_other else ""), **look,
-                )  # fmt: skip
-    for test, own in zip(tests, warmer, strict=True):
-        if abs(own - bulk) > _SAME_BULK:
-            axes.annotate(
-                display(own, "°C", 3), (test.velocity, test.normal_load), (0, 7),
-                textcoords="offset points", ha="center", fontsize="small", color=GREY,
-                gid="bulk of a test",
-            )  # fmt: skip
-    return legend
+    legend = dict[str, Artist]()
+    for number, test in tests.items():
+        label, gid, marker, mfc, mec = TESTS[test.outcome]
+        place, alpha = (test.velocity, test.normal_load), 1.0
+        if abs((test.bulk_temperature or own_bulk) - bulk) > _SAME_BULK:
+            label, gid, alpha = f"{label}, at another bulk temperature", f"{gid}-elsewhere", FAINT
+        size = style.BIG * rcParams["lines.markersize"]
+        (mark,) = axes.plot(
+            *place, ls="none", marker=marker, ms=size, mfc=mfc, mec=mec, alpha=alpha, gid=gid,
+            label="" if label in legend else label,
+        )  # fmt: skip
+        axes.annotate(
+            number, place, (6, 3), textcoords="offset points", fontsize="small", color=BLACK,
+            gid="number of a test", path_effects=style.HALO,
+        )  # fmt: skip
+        legend.setdefault(label, mark)
+    return [*legend.values()]
+
+
+def numbered(tests: Iterable[Measurement]) -> dict[str, Measurement]:
+    """Tests by their own numbers, or by their places in the scene."""
+    return {test.number or str(place): test for place, test in enumerate(tests, 1)}
 
 
 def reachable_tests(
-    ds: xr.Dataset, tests: Sequence[Measurement]
-) -> tuple[list[Measurement], list[Artist]]:
+    ds: xr.Dataset, tests: Mapping[str, Measurement]
+) -> tuple[dict[str, Measurement], list[Artist]]:
     """Tests within about half the sweep's range beyond it; a line of the legend on the others."""
-    ends = {name: ds[name].values[[0, -1]] for name in ("load", "velocity")}
-    near, far = list[Measurement](), list[Measurement]()
-    for test in tests:
+    ends = {name: ds[name].values[[0, -1]] for name in PLANE}
+
+    def is_near(test: Measurement) -> bool:
         place = {"load": test.normal_load, "velocity": abs(test.velocity)}
-        is_near = all(
-            low / _REACH <= place[name] <= _REACH * high for name, (low, high) in ends.items()
-        )
-        (near if is_near else far).append(test)
-    if not far:
+        return all(low / _REACH <= place[k] <= _REACH * high for k, (low, high) in ends.items())
+
+    near = {number: test for number, test in tests.items() if is_near(test)}
+    if not (far := [number for number in tests if number not in near]):
         return near, []
-    first = f"{far[0].normal_load:g} N at {far[0].velocity:g} m/s"
-    more = f" and {len(far) - 1} more" if len(far) > 1 else ""
-    return near, [Line2D([], [], ls="none", label=f"beyond the figure: test of {first}{more}")]
-
-
-def mark_own_transitions(
-    axes: Axes, ds: xr.Dataset, tests: Sequence[Measurement], conditions: Conditions
-) -> list[Artist]:
-    """Mark the transition computed at each test's own conditions, if others, and join both."""
-    places, field = [], point_field(ds)
-    for test in tests:
-        try:
-            own = own_conditions(ds, test)
-            if are_near(own, conditions, test.velocity):
-                continue
-            velocity = critical_velocity(field.under(own), test)
-        except InputError:  # beyond the sweep, or as warm as the critical temperature
-            continue
-        if 0 < velocity < math.inf:
-            load = test.normal_load
-            places.append((velocity, load))
-            ends = [velocity, test.velocity], [load, load]
-            axes.plot(*ends, color=GREY, lw=THIN, zorder=1.5, gid="to own conditions")
-    if not places:
-        return []
-    line = axes.plot(
-        *zip(*places, strict=True), ls="none", marker="D", mfc="white", mec=BLACK,
-        label="computed at the test's own conditions", gid="at own conditions",
-    )  # fmt: skip
-    return list(line)
-
-
-def isoline(
-    axes: Axes, plane: xr.DataArray, level: float, gid: str, color: Any = BLACK, **look: Any
-) -> bool:
-    """Draw a line at a level of a plane; False if the plane does not pass it."""
-    if not plane.min() < level < plane.max():
-        return False
-    lines = axes.contour(plane["velocity"], plane["load"], plane, [level], colors=[color])
-    lines.set(gid=gid, **look)
-    return True
+    words = f"beyond the figure: test{'s' * (len(far) > 1)} {', '.join(far)}"
+    return near, [Line2D([], [], ls="none", label=words)]
 
 
 MILD, SEVERE = "mild wear (I and II)", "severe adhesive wear (III* and III)"
-_LETTER = 0.0115, 0.045  # share of the axes that a letter of a name takes, about
-_CROSSED = "Λ", "band edge"  # what a line's mark begins with, over which no name stands
-_LEAST_ROOM = 0.5  # share of a label's size, around its middle
+REGION = "region"
+"""Mark (gid) of the names of regions."""
+_WIDE = 3.0  # widths of a name over its height
+_LEAST_ROOM = 0.1  # share of the width beside a name, or of the height in proportion
 
 
-def name_regions(
-    axes: Axes, plane: xr.DataArray, limit: float, loads: Array, measured: Sequence[Measurement]
-) -> None:
-    """Name mild and severe wear where each has most room between two rows of points."""
-    scale = np.log if axes.get_xscale() == "log" else np.asarray
-    (left, right), (bottom, top) = scale(axes.get_xlim()), scale(axes.get_ylim())
-
-    def across(velocity: Any) -> Any:
-        return (scale(velocity) - left) / (right - left)
-
-    def up(load: Any) -> Any:
-        return (scale(load) - bottom) / (top - bottom)
-
-    x, y = across(plane["velocity"].values), up(plane["load"].values)
-    rows, apart = up(np.convolve(loads, [0.5, 0.5], "valid")), np.diff(up(loads))
-    taken = [[point.velocity, point.normal_load] for point in measured]
-    for line in axes.collections:
-        if str(line.get_gid()).startswith(_CROSSED):
-            taken += np.concatenate([path.vertices for path in line.get_paths()]).tolist()
-    covered = [(across(velocity), up(load)) for velocity, load in taken]
-    severe, mild = (of(plane.values, limit) for of in (Criterion.is_severe, Criterion.is_mild))
+def name_regions(axes: Axes, x: Array, y: Array, mild: Mask, severe: Mask) -> None:
+    """Write the names of mild and severe wear where each has most room, by velocity and load."""
     for inside, name, colour in ((mild, MILD, BLUE), (severe, SEVERE, VERMILION)):
-        for words in (name, name.replace(" (", "\n(")):
-            parts = words.split("\n")
-            width, height = _LETTER[0] * max(map(len, parts)), _LETTER[1] * len(parts)
-            free = rows[apart > height]
-            place = _roomiest(inside, x, y, free, covered, (width, height + _LETTER[1]))
-            if place is not None:
-                axes.text(
-                    *place, words, transform=axes.transAxes, ha="center", va="center",
-                    fontweight="bold", color=colour, gid=style.REGION, path_effects=style.HALO,
-                )  # fmt: skip
-                break
-
-
-def _roomiest(
-    inside: Mask, x: Array, y: Array, rows: Array, taken: Sequence[Place], size: Place
-) -> Place | None:
-    """Roomiest place of a label in a row, counted in sizes of labels; None if none fits."""
-    inside = inside.copy()
-    for point in taken:
-        inside[np.abs(y - point[1]).argmin(), np.abs(x - point[0]).argmin()] = False
-    if not rows.size:
-        return None
-    width, height = size
-    steps = (np.ptp(y) / (len(y) - 1) / height, np.ptp(x) / (len(x) - 1) / width)
-    # Padded, since the edges of the diagram count as edges of the region.
-    room = distance_transform_edt(np.pad(inside, 1), sampling=steps)[1:-1, 1:-1]
-    free = np.abs(y - rows[:, None]).argmin(axis=1)
-    if room[free].max() < _LEAST_ROOM:
-        return None
-    row, column = np.unravel_index(int(room[free].argmax()), room[free].shape)
-    return float(x[column]), float(y[free[row]])
+        padded = np.pad(inside, 1)  # since the edges of the diagram are edges of the region
+        room = distance_transform_edt(padded, sampling=(_WIDE / len(y), 1 / len(x)))[1:-1, 1:-1]
+        row, column = np.unravel_index(int(room.argmax()), room.shape)
+        if room[row, column] > _LEAST_ROOM:
+            axes.text(
+                x[column], y[row], name.replace(" (", "\n("), ha="center", va="center",
+                fontweight="bold", color=colour, gid=REGION, path_effects=style.HALO,
+            )  # fmt: skip

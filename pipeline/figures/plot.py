@@ -12,15 +12,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.analysis.dataset import dataset_of
+from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.ramp import ramp, temperature
-from pipeline.figures.style import figure_path, fit_to_width, save_figure
 from pipeline.figures.tested import measured_over_computed
 from pipeline.scene.units import in_si
 from tribo import InputError
 
-_COLUMN = 0.12  # [m], below which panels lie below each other
 KINDS: dict[str, Callable[..., Figure]] = {
     "diagram": diagram,
     "ramp": ramp,
@@ -37,7 +36,7 @@ def plot(
     kind: str | None = None,
     out: str | Path | None = None,
     width: float | str | None = None,
-    with_title: bool = True,
+    plain: bool = False,
     **options: Any,
 ) -> Figure | Path:
     """Draw a figure of a sweep, or of the result of a study.
@@ -52,18 +51,18 @@ def plot(
     out : path, optional
         File to write; its suffix, one of .pdf, .png and .svg, decides the format.
     width : float or str, optional
-        Width of the figure, whose text keeps its size. A number in m, or text such as
+        Width of the figure, whose words shrink less than it does. A number in m, or text such as
         ``"8.5 cm"``; its own if not given.
-    with_title : bool
-        Draw the titles of the figure.
+    plain : bool
+        Draw no title and no caption.
     **options
         Options of the kind:
 
         - of each but tests, ``realization``, seed of the surface to draw (if not given the first;
           in a diagram all, with a band from the tenth to the ninetieth of a hundred).
         - diagram: ``log``, True for logarithmic axes, without velocity 0.
-        - ramp, fields, temperature: ``load`` [N], or text with a unit, the
-          highest if not given; of a ramp several.
+        - ramp, fields, temperature: ``load`` [N], or text with a unit, of which the nearest that
+          the sweep has is drawn, and the highest if not given; of a ramp several.
         - ramp, fields: ``velocity`` [m/s], or text with a unit; of a ramp several. If not given,
           the one nearest to the transition at that load.
         - ramp: ``show``, name of a variable at each step, in place of contact and wear.
@@ -99,21 +98,15 @@ def plot(
     allowed = options_of(kinds[kind])
     for name in options:
         if name not in allowed:
-            raise InputError(
-                f"{kind} has no option {name!r}; it has {', '.join(allowed) or 'none'}"
-            )
-    path = None if out is None else figure_path(out)
+            others = ", ".join(allowed) or "none"
+            raise InputError(f"{kind} has no option {name!r}; it has {others}")
+    path = None if out is None else style.figure_path(out)
+    if options.get("ax") is not None and (path or width):
+        raise InputError("ax: out and width are those of its figure; set them there")
     metres = None if width is None else in_si("width", width, "1 m")
-    if "stacked" in allowed and metres is not None and metres < _COLUMN:
-        options = {"stacked": True} | options
-    drawn: Figure = kinds[kind](ds if study else dataset_of(ds), **options)
-    if options.get("ax") is not None:
-        if path or metres:
-            raise InputError("ax: out and width are those of its figure; set them there")
-        return drawn
-    if metres or not (study and with_title):  # a study has its own layout
-        fit_to_width(drawn, metres, with_title)
-    return drawn if path is None else save_figure(drawn, path)
+    with style.fitted(metres, plain):
+        drawn: Figure = kinds[kind](ds if study else dataset_of(ds), **options)
+    return drawn if path is None else style.save_figure(drawn, path)
 
 
 def options_of(draw: Callable[..., Figure]) -> list[str]:

@@ -6,6 +6,7 @@ from contextlib import suppress
 
 import numpy as np
 import xarray as xr
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -22,7 +23,7 @@ from pipeline.analysis.laboratory import (
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import Scatter
 from pipeline.figures import style
-from pipeline.figures.overlays import TESTS
+from pipeline.figures.overlays import TESTS, numbered
 from pipeline.figures.style import BLACK, GREY
 from pipeline.store.schema import PENDING
 from tribo import InputError
@@ -34,30 +35,30 @@ _ROOM = 1.25  # factor of velocity about the tests
 def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     """Draw the velocity of each test over the critical one computed at its own conditions."""
     ds = plane_of(ds)
-    held = laboratory_tests(ds)
+    held = numbered(laboratory_tests(ds))
     if not held:
         raise InputError(
             "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene, or a "
             "log of them as irg tests writes it"
         )
     field, found = point_field(ds), []
-    for test in held:
+    for number, test in held.items():
         with suppress(InputError):  # as warm as the critical temperature
             one = comparison(field.under(own_conditions(ds, test)), test)
             if one.is_known and 0 < one.critical < np.inf:
-                found.append((test, one))
+                found.append((number, test, one))
     if not found:
         if (asked(ds) & (ds["status"] == PENDING)).any():
             raise InputError("too little is done to tell of any test; go on with irg run")
         raise InputError("no test of the scene is in the sweep; add loads and velocities to it")
-    figure, axes = style.canvas(ax)
-    places = np.array([(one.critical, test.velocity) for test, one in found])
+    figure, axes = style.canvas(ax, (8.0, 5.6))
+    places = np.array([(one.critical, test.velocity) for _, test, one in found])
     ends = places.min() / _ROOM, places.max() * _ROOM
     oils = untold_oils(stored_sweep(ds).about)
     scatter = model_error(ds, field) if len(oils) < 2 else None  # one error is of one oil
-    _draw_band(axes, ends, scatter)
+    _draw_band(axes, np.array(ends), scatter)
     labels = set[str]()
-    for test, one in found:
+    for number, test, one in found:
         name, gid, marker, mfc, mec = TESTS[test.outcome]
         is_beyond = one.critical != one.turn
         label = name + ", beyond what was computed" * is_beyond
@@ -67,9 +68,10 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
         place, alpha = (one.critical, test.velocity), style.FAINT if is_beyond else 1.0
         axes.errorbar(*place, error, fmt="none", ecolor=GREY, alpha=alpha)
         axes.plot(
-            *place, ls="none", marker=marker, ms=style.BIG, mfc=mfc, mec=mec, alpha=alpha,
-            gid=gid, label="" if label in labels else label,
+            *place, ls="none", marker=marker, ms=style.BIG * rcParams["lines.markersize"], mfc=mfc,
+            mec=mec, alpha=alpha, gid=gid, label="" if label in labels else label,
         )  # fmt: skip
+        axes.annotate(number, place, (6, 3), textcoords="offset points", fontsize="small")
         labels.add(label)
     if unknown := len(held) - len(found):
         axes.plot([], [], ls="none", label=f"{unknown} of {len(held)} tests: not known")
@@ -78,24 +80,17 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     axes.set(xlabel="critical velocity computed at the test's own conditions [m/s]")
     axes.set_ylabel("velocity of the test [m/s]")
     style.write_title(axes, f"{style.title_of(ds)}\ncomputed against measured")
-    title = f"tests of {len(oils)} oils: {', '.join(oils)}"
-    title = f"the model's own error: {scatter.worded}" if scatter else title
-    style.legend_below(figure, ax, ncols=2, title=title)
+    caption = f"tests of {len(oils)} oils: {', '.join(oils)}"
+    caption = f"the model's own error: {scatter.worded}" if scatter else caption
+    style.legend_below(figure, ax, ncols=2, caption=caption)
     return figure
 
 
-def _draw_band(axes: Axes, ends: tuple[float, float], scatter: Scatter | None) -> None:
+def _draw_band(axes: Axes, line: np.ndarray, scatter: Scatter | None) -> None:
     """The line on which a test is as computed, and where a run is neither mild nor severe."""
-    ratios = np.geomspace(ends[0] / ends[1], ends[1] / ends[0], 801)
-    line = np.array(ends)
-    low = high = 1.0
     if scatter:
+        ratios = np.geomspace(line[0] / line[1], line[1] / line[0], 801)
         shares = 1 - scatter.below(-np.log(ratios))
         low, high = np.interp([DECIDED[0], DECIDED[-1]], shares, ratios)
-    if low < high:
-        axes.fill_between(
-            line, low * line, high * line, label="next run not decided",
-            **style.BAND,
-        )  # fmt: skip
-    label = "measured as computed; mild wear below, severe above"
-    axes.plot(line, line, color=BLACK, label=label)
+        axes.fill_between(line, low * line, high * line, label="next run not decided", **style.BAND)
+    axes.plot(line, line, color=BLACK, label="measured as computed; mild wear below, severe above")

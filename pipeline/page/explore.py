@@ -23,7 +23,7 @@ from pipeline.analysis.scenes import entries_in_words, scenes
 from pipeline.analysis.tables import html_of, short, writable_path, write_text
 from pipeline.figures.diagram import diagram
 from pipeline.figures.overlays import MILD, SEVERE
-from pipeline.figures.style import fit_to_width, svg_of
+from pipeline.figures.style import fitted, svg_of
 from pipeline.page.content import MOST_FIELDS, content, content_of_samples
 from pipeline.page.controls import Control, scene_choice, surface_choice
 from pipeline.page.pictures import risk_scale
@@ -188,7 +188,8 @@ def _samples(ds: xr.Dataset, _: int) -> _Main:
 
 def _places(ds: xr.Dataset, _: int) -> _Main:
     """Figure of rows with their own places."""
-    drawn = svg_of(fit_to_width(diagram(ds), 0.17, with_title=False))
+    with fitted(0.17, plain=True):
+        drawn = svg_of(diagram(ds))
     source = f"data:image/svg+xml;base64,{base64.b64encode(drawn.encode()).decode()}"
     return _Main(f'<img alt="margins by row" src="{source}">', {"fields": {"points": {}}})
 

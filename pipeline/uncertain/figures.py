@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.figures import style
-from pipeline.figures.overlays import mark_tests
+from pipeline.figures.overlays import mark_tests, numbered
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.scene.units import typeset
 from pipeline.sweep.about import condition_rows
@@ -56,9 +56,10 @@ def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
         axes.set_xlim(min(left, *tested, right), max(right, *tested, left))
     bulk = ensemble.conditions.bulk_temperature
     (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    inside = [
-        test for test in tests if low <= test.velocity <= high and bottom <= test.normal_load <= top
-    ]
+    inside = {
+        k: one for k, one in numbered(tests).items()
+        if low <= one.velocity <= high and bottom <= one.normal_load <= top
+    }  # fmt: skip
     for mark in mark_tests(axes, inside, bulk, bulk):
         mark.set_clip_on(False)  # tests are often at the lowest and the highest load
     if left_out := len(tests) - len(inside):
@@ -73,9 +74,9 @@ def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
         if weighed.draws.misfit:
             basis += ", which the model does not fit"
     basis = "; ".join([basis, *map(str, ensemble.fixed)])
-    axes.set_title(f"{style.as_text(ensemble.title)}\n{basis}", wrap=True)
-    title = f"{_conditions(ensemble)}\nthe model's own error: {scatter.worded}"
-    style.legend_below(figure, None, ncols=2, title=title)
+    style.write_title(axes, f"{style.as_text(ensemble.title)}\n{basis}")
+    caption = f"{_conditions(ensemble)}\nthe model's own error: {scatter.worded}"
+    style.legend_below(figure, ncols=2, caption=caption)
     return figure
 
 
@@ -115,10 +116,10 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
     axes.set_xlim(left=0.0)
     label = "share of the variance of the critical velocity"
     axes.set_xlabel(label + (", given the measurements" if sensitivity.given_measured else ""))
-    figure.suptitle(style.as_text(title), wrap=True)
+    style.write_title(figure, style.as_text(title))
     bars = "bar: first index, with its 90 % interval" + ("; tick: total index" if has_total else "")
-    title = f"{bars}\nload, and spread of the velocity there"
-    style.legend_below(figure, ncols=min(number, 4), title=title)
+    caption = f"{bars}\nload, and spread of the velocity there"
+    style.legend_below(figure, ncols=min(number, 4), caption=caption)
     return figure
 
 
@@ -159,7 +160,7 @@ def draw_posterior(posterior: Posterior) -> Figure:
         _parity(axes[len(unknown)], transitions, posterior.inferred_scatter[1])
     for panel in axes[panels:]:
         panel.set_axis_off()
-    figure.suptitle(style.as_text(posterior.ensemble.title), wrap=True)
+    style.write_title(figure, style.as_text(posterior.ensemble.title))
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 

@@ -7,15 +7,13 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import stored_sweep
-from pipeline.analysis.decisive import decisive_rise, refined
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.frames import boundary_parts, frames_of
 from pipeline.cli.verdicts import document_of
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
-from tests.helpers.answers import crossings
 from tests.helpers.synthetic import LOADS, VELOCITIES
 from tribo.thermal import failed_share
 
@@ -173,29 +171,6 @@ def test_decisive_temperature_is_that_of_the_closed_form(sweep):
     rise = synthetic.rise(places["load"], places["velocity"], 0.95)
     expected = 310.0 + 0.2 * rise - 273.15
     np.testing.assert_allclose(found["decisive temperature [°C]"], expected, rtol=1e-12)
-
-
-def test_the_plane_passes_through_the_boundary():
-    ds = synthetic.sweep(rise=curved)
-    rise = decisive_rise(ds, synthetic.conditions())
-    fine = refined(rise, 12 * 14 + 1, synthetic.conditions())  # its velocities hold the sweep's own
-    found, limit = boundary(ds), synthetic.limit()
-    at_sweep = fine.sel(velocity=VELOCITIES, method="nearest", tolerance=1e-9)
-    for velocity, load in zip(VELOCITIES, found["critical_load"].values, strict=True):
-        if np.isfinite(load):
-            column = at_sweep.sel(velocity=velocity, method="nearest").values
-            places = crossings(Curve(fine["load"].values, column), limit)
-            assert places == pytest.approx((load,), rel=1e-6)
-
-
-def test_the_plane_ends_with_the_known_points():
-    ds = synthetic.sweep(status={(750.0, 4.0): PENDING, (200.0, 0.5): FAILED, (400.0, 2.0): FAILED})
-    fine = refined(decisive_rise(ds, synthetic.conditions()), 50, synthetic.conditions())
-    assert np.isnan(fine[-1, -1])
-    assert np.isnan(fine[0, 0])
-    assert np.isfinite(fine).sum() > 0.97 * fine.size
-    expected = synthetic.rise(fine["load"], fine["velocity"], 0.9)
-    np.testing.assert_allclose(fine.where(fine.notnull(), expected), expected, rtol=1e-12)
 
 
 def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):

@@ -12,7 +12,6 @@ from pipeline.analysis.dataset import stored_sweep
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.ramp import ramp
-from pipeline.figures.studies import signed
 from pipeline.figures.style import TINTS
 from pipeline.run.vary import Variation, Variations
 from pipeline.sweep.about import Measurement
@@ -39,7 +38,7 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     tests = (
         Measurement(250.0, 1.5, outcome="mild"),
         Measurement(500.0, 3.0, outcome="severe"),
-        Measurement(350.0, 2.5, outcome="severe", bulk_temperature=333.15),
+        Measurement(350.0, 2.5, outcome="severe", bulk_temperature=333.15, number="warm"),
         Measurement(901.0, 2.0, outcome="mild"),
         Measurement(200.0, 9.0, outcome="mild"),
     )
@@ -50,11 +49,10 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     assert places["tested-severe-elsewhere"].tolist() == [[2.5, 350.0]]
     assert colours["tested-mild"] == "white"
     assert colours["tested-severe"] == colours["tested-severe-elsewhere"] != "white"
-    (warm,) = (text for text in axes.texts if text.get_gid() == "bulk of a test")
-    assert (warm.get_text(), warm.xy, warm.xyann[0]) == ("60 °C", (2.5, 350.0), 0)
-    assert warm.xyann[1] > 0  # above the test
+    numbers = {one.get_text(): one.xy for one in axes.texts if one.get_gid() == "number of a test"}
+    assert numbers == {"1": (1.5, 250.0), "2": (3.0, 500.0), "warm": (2.5, 350.0)}
     (far,) = (text for text in labels(axes.figure.legends[0]) if "beyond the figure" in text)
-    assert far == "beyond the figure: test of 901 N at 2 m/s and 1 more"
+    assert far == "beyond the figure: tests 4, 5"
 
 
 def test_the_full_film_begins_at_three_times_the_height_of_the_roughness():
@@ -81,36 +79,9 @@ def test_a_sweep_of_one_line_marks_its_transition_across_the_line(axis):
     else:
         expected = (2.0, synthetic.critical_load(2.0, synthetic.limit()))
     assert place == pytest.approx(expected, rel=1e-3)
-    value, unit = (expected[0], "m/s") if axis == "velocity" else (expected[1], "N")
-    assert f"computed transition, {value:.3g} {unit}" in labels(figure.legends[0])
+    assert "computed transition" in labels(figure.legends[0])
     (mark,) = (line for line in figure.axes[0].lines if line.get_gid() == "boundary")
     assert mark.get_marker() == {"velocity": "|", "load": "_"}[axis]
-
-
-def test_points_far_from_the_boundary_are_faint_and_those_beside_it_are_not():
-    figure = diagram(synthetic.sweep(measured=()))
-    opacity = {line.get_gid(): line.get_alpha() for line in figure.axes[0].lines}
-    places = lines(figure.axes[0])
-    for kind in ("mild wear, computed", "severe wear, computed"):
-        assert opacity[kind] == 1.0
-        assert opacity[f"{kind}, far"] < 0.5
-        velocity, load = places[kind].T
-        away = abs(velocity - synthetic.critical_velocity(load, synthetic.limit()))
-        assert away.max() < 0.75  # steps are of 0.25 m/s, and the boundary moves by as much a row
-        velocity, load = places[f"{kind}, far"].T
-        away = abs(velocity - synthetic.critical_velocity(load, synthetic.limit()))
-        assert away.min() > 0.25
-
-
-def test_loads_whose_transition_is_not_computed_are_counted_and_named():
-    pending = {(200.0, 4.0): 0, (400.0, 2.0): 0, (400.0, 4.0): 0, (600.0, 2.0): 0}
-    figure = diagram(synthetic.sweep(*NARROW, status=pending, measured=(), friction_band=None))
-    critical = synthetic.critical_velocity(np.array(NARROW[0]), synthetic.limit())
-    assert critical[0] > 2.0
-    assert critical[1] > 1.0
-    assert 1.0 < critical[2] < 4.0
-    said = [text for text in labels(figure.legends[0]) if " loads, " in text]
-    assert said == ["beyond what was computed: at 2 of 3 loads, 200 to 400 N"]
 
 
 def test_load_is_upwards_velocity_to_the_right_and_the_cold_side_has_the_colour_of_mild_wear():
@@ -169,7 +140,7 @@ def test_the_load_above_a_ramp_belongs_to_its_time():
     assert top.get_xlim() == pytest.approx([synthetic.RATE * end for end in axes.get_xlim()])
     legend = axes.figure.legends[0]
     assert labels(legend) == ["400 N, 2 m/s", "600 N, 2 m/s"]
-    assert axes.get_xlim()[1] == pytest.approx(1.01 * 600.0 / synthetic.RATE)
+    assert axes.get_xlim()[0] == 0.0
     axes.set_xlim(0.1, 2.0)  # from before the first step, at 0.25 s
     axes.figure.draw_without_rendering()
     assert top.get_xlim() == pytest.approx((0.1 * synthetic.RATE, 2.0 * synthetic.RATE))
@@ -192,7 +163,7 @@ def test_the_ends_of_both_curves_of_a_panel_have_marks_of_their_own():
         (title,) = (legend.get_title().get_text() for legend in figure.legends)
         assert ("smaller elements than the lines" in title) == is_coarse
         for axes in figure.axes:
-            marks = {line.get_marker() for line in axes.lines if line.get_marker() != "None"}
+            marks = {line.get_marker() for line in axes.lines} - {"None"}
             assert marks in ({"o", "^"}, {"o"}, {"^"})
     key = figure.axes[1].get_legend().legend_handles
     assert [line.get_marker() for line in key] == ["o", "^"]
@@ -200,7 +171,7 @@ def test_the_ends_of_both_curves_of_a_panel_have_marks_of_their_own():
 
 def test_the_critical_temperature_is_outlined_in_the_contact():
     ds = synthetic.sweep(*NARROW, fields=True)
-    figure = fields(ds, load=600.0, velocity=4.0, stacked=True)
+    figure = fields(ds, load=600.0, velocity=4.0)
     panel = figure.axes[1]
     assert panel.child_axes[0].get_xlabel() == "contact temperature [°C], outlined at 145"
     (outline,) = (artist for artist in panel.collections if hasattr(artist, "levels"))
@@ -210,7 +181,10 @@ def test_the_critical_temperature_is_outlined_in_the_contact():
         for x, y in path.vertices[:: max(1, len(path.vertices) // 5)]:
             at = {"x": 1e-6 * x, "y": 1e-6 * y}
             assert temperature.interp(**at).item() == pytest.approx(145.0, abs=6.0)
-    assert [axes.get_xlabel() for axes in figure.axes[:3]] == ["", "", "x, along sliding [µm]"]
+    assert [axes.get_ylabel() for axes in figure.axes[:3]] == ["y [µm]", "", ""]
+    narrow = pipeline.plot(ds, "fields", width="8.5 cm")  # panels below each other
+    assert [axes.get_xlabel() for axes in narrow.axes[:3]] == ["", "", "x, along sliding [µm]"]
+    assert narrow.axes[1].collections[0].get_cmap().name == "inferno"  # bright where hot
 
 
 # Studies
@@ -229,7 +203,7 @@ def test_bars_of_variations_reach_from_nothing_to_the_change_at_each_load():
         (round(bar.get_y() + bar.get_height() / 2), bar.get_x(), bar.get_width())
         for bar in axes.patches
     )
-    expected = [(0, -0.25, 0.55), (0, -0.1, 0.4), (1, 0.0, 0.1)]
+    expected = [(0, -0.25, 0.55), (0, -0.1, 0.4), (1, 0.0, 0.0), (1, 0.0, 0.1)]
     np.testing.assert_allclose(bars, expected, atol=1e-12)
     assert labels(figure.legends[0]) == ["at 200 N, from 2 m/s", "at 600 N, from 1 m/s"]
     colours = [line.get_color() for line in figure.legends[0].get_lines()]
@@ -239,32 +213,17 @@ def test_bars_of_variations_reach_from_nothing_to_the_change_at_each_load():
     names = [text.get_text() for text in axes.get_yticklabels()]
     assert names == ["friction: coefficient", "pin: radius"]
     ends = {text.get_text(): text.xy[0] for text in axes.texts if hasattr(text, "xy")}
-    assert ends == pytest.approx({"0.12": -0.1, "0.08": 0.3, "3 mm": 0.1})
-    assert " no transition" in {text.get_text() for text in axes.texts}
+    assert ends == pytest.approx(
+        {"0.12": -0.1, "0.08": 0.3, "3 mm": 0.1, "no transition at 3 mm": 0}
+    )
     assert axes.get_ylim() == (1.5, -0.5)  # the most important entry on top
     # The two bars of an entry fill four fifths of its row, the lowest load's above the other.
     places = [bar.get_y() + bar.get_height() / 2 for bar in axes.patches]
-    assert sorted(places) == pytest.approx([-0.2, 0.2, 0.8])
+    assert sorted(places) == pytest.approx([-0.2, 0.2, 0.8, 1.2])
     assert pin.get_y() + pin.get_height() / 2 == pytest.approx(0.8)
     assert not any(line.get_visible() for line in axes.yaxis.get_gridlines())
     assert len(axes.get_xticks()) < 9
-    assert signed(-0.123) == "−12.3 %"
-
-
-def test_where_each_entry_has_one_value_bars_end_in_their_changes():
-    base = Variation("", "", (2.0,), ("crosses",))
-    others = (
-        Variation("oxide", "10 nm of 2 W/(m K) on the disk", (1.9,), ("crosses",)),
-        Variation("pin.radius", "3 mm", (2.2,), ("crosses",)),
-    )
-    figure = pipeline.plot(Variations("A scene", (200.0,), base, others, 1, 1))
-    (axes,) = figure.axes
-    names = [text.get_text().splitlines()[1] for text in axes.get_yticklabels()]
-    assert sorted(names) == ["10 nm of 2 W/(m K) on the disk", "3 mm"]
-    assert {text.get_text() for text in axes.texts} >= {"−5 %", "+10 %"}
-    one = pipeline.plot(Variations("A scene", (200.0,), base, others[:1], 1, 1))
-    assert 0.4 < figure.get_figheight() - one.get_figheight() < 1.0  # [inch] of a row
-    assert 1.5 < one.get_figheight() < 3.5
+    assert axes.xaxis.get_major_formatter()(-0.123, 0) == "-12.3 %"
 
 
 def choice(name, seconds, error):
@@ -292,8 +251,6 @@ def test_choices_stand_at_their_time_and_error_and_the_front_joins_the_best():
     assert axes.get_xlabel() == "processor time of the points [s]"
     assert axes.get_ylabel() == "largest error of the boundary velocity"
     assert axes.xaxis.get_major_formatter().format_ticks([10.0]) == ["10"]
-    for axis in (axes.xaxis, axes.yaxis):
-        assert set(axis.get_minor_formatter().format_ticks([2.0, 3.0])) == {""}
     named = {text.get_text(): text.xy for text in axes.texts}
     assert named == {
         "draft": (5.0, 0.05), "standard": (40.0, 1e-4), "fine": (25.0, 0.005),

@@ -10,23 +10,13 @@ from matplotlib.figure import Figure
 import pipeline
 import tribo
 from pipeline.analysis.dataset import stored_sweep
-from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.laboratory import are_near
-from pipeline.figures import diagram as module
 from pipeline.figures.diagram import diagram
-from pipeline.figures.overlays import (
-    _roomiest,
-    film_lines,
-    isoline,
-    mark_own_transitions,
-)
+from pipeline.figures.overlays import film_lines
 from pipeline.store.schema import FAILED, PENDING
-from pipeline.sweep.about import Measurement
 from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import Column, Variants
-from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
-from tests.helpers.sweeps import with_fields
 from tribo import InputError
 
 LOADS, VELOCITIES = (200.0, 300.0, 400.0, 500.0, 600.0), (1.0, 1.5, 2.0, 3.0, 4.0)
@@ -45,12 +35,6 @@ def drawn(ds, **options):
     return figure.axes[0], [text.get_text() for text in legend.get_texts()], legend
 
 
-@pytest.fixture(autouse=True)
-def _coarse(monkeypatch):
-    """Planes of fewer elements, which are drawn in less time."""
-    monkeypatch.setattr(module, "_RESOLUTION", 60)
-
-
 def vertices(axes, gid):
     """Places of the line or the area with a mark."""
     (found,) = [one for one in axes.collections if one.get_gid() == gid]
@@ -63,25 +47,7 @@ def marks(axes, gid):
     return {(v, load) for line in found for v, load in zip(*line.get_data(), strict=True)}
 
 
-def flat():
-    """A plane whose value is the velocity."""
-    loads, velocities = np.linspace(0.0, 10.0, 11), np.linspace(0.0, 20.0, 21)
-    values = np.repeat(velocities[None], 11, axis=0)
-    return xr.DataArray(values, {"load": loads, "velocity": velocities}, ("load", "velocity"))
-
-
 # Lines and areas
-
-
-def test_a_line_is_drawn_where_the_plane_passes_its_level():
-    axes = Figure().add_subplot()
-    assert isoline(axes, flat(), 7.5, "here")
-    places = vertices(axes, "here")
-    np.testing.assert_allclose(places[:, 0], 7.5)
-    assert (places[:, 1].min(), places[:, 1].max()) == (0.0, 10.0)
-    for level in (-1.0, 0.0, 20.0, 21.0):
-        assert not isoline(axes, flat(), level, "there")
-    assert len(axes.collections) == 1
 
 
 def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
@@ -181,10 +147,7 @@ def test_over_surfaces_points_are_mild_severe_or_of_both_kinds():
     both = {(v, load) for v, load in places if critical[1.1][load] < v < critical[0.9][load]}
     assert both
     assert marks(axes, "severe on some surfaces") == both
-    found = {
-        kind: marks(axes, f"{kind} wear, computed") | marks(axes, f"{kind} wear, computed, far")
-        for kind in ("mild", "severe")
-    }
+    found = {kind: marks(axes, f"{kind} wear, computed") for kind in ("mild", "severe")}
     assert found["mild"] == {(v, load) for v, load in places if v < critical[1.1][load]}
     assert found["severe"] == {(v, load) for v, load in places if v > critical[0.9][load]}
     assert any(one.get_gid() == "surface band" for one in axes.collections)
@@ -199,12 +162,12 @@ def test_over_surfaces_points_are_mild_severe_or_of_both_kinds():
 def test_points_that_are_not_done_or_carry_a_warning_are_marked():
     ds = sweep(status={(200.0, 4.0): FAILED, (300.0, 1.0): PENDING})
     flags = xr.where((ds["load"] == 500) & (ds["velocity"] == 3), 1, 0)
-    axes, words, legend = drawn(ds.assign(warning_flags=flags))
+    axes, words, _ = drawn(ds.assign(warning_flags=flags))
     assert marks(axes, "failed") == {(4.0, 200.0)}
     assert marks(axes, "pending") == {(1.0, 300.0)}
     assert marks(axes, "carries a warning") == {(3.0, 500.0)}
     assert {"mild wear, computed", "severe wear, computed", "failed", "pending"} < {*words}
-    severe = marks(axes, "severe wear, computed") | marks(axes, "severe wear, computed, far")
+    severe = marks(axes, "severe wear, computed")
     expected = {
         (v, load)
         for load in LOADS
@@ -212,36 +175,6 @@ def test_points_that_are_not_done_or_carry_a_warning_are_marked():
         if v > synthetic.critical_velocity(load, LIMIT)
     }
     assert severe == expected - {(4.0, 200.0)}
-    assert "pale: points whose neighbours have the same wear" in legend.get_title().get_text()
-
-
-def test_the_plane_goes_on_beyond_points_where_a_sweep_follows_the_boundary_alone():
-    followed, conditions = sweeps.along_boundary(), synthetic.conditions()
-    lacking = synthetic.sweep(status={(load, 4.0): PENDING for load in (200.0, 250.0, 300.0)})
-    for ds, goes_on in ((followed, True), (lacking, False)):
-        rise = decisive_rise(ds, conditions)
-        ends, beyond = (
-            refined(rise, module._RESOLUTION, conditions, continued=is_continued).notnull().sum()
-            for is_continued in (False, True)
-        )
-        assert ends < beyond
-        drawn = module._planes(ds, conditions).notnull().sum()
-        assert drawn == (beyond if goes_on else ends)
-
-
-def test_points_are_far_where_all_their_neighbours_have_their_wear():
-    hot = np.zeros((5, 5), bool)
-    hot[:, 3:] = True
-    far = module._far_from_others(hot, ~hot)
-    assert far.tolist() == [[True, True, False, False, True]] * 5
-    assert not module._far_from_others(hot, np.zeros((5, 5), bool)).any()
-    assert not module._far_from_others(np.zeros((5, 5), bool), hot).any()
-
-
-def test_loads_whose_transition_is_beyond_what_was_computed_are_told():
-    cut = {(load, v): PENDING for load in LOADS[:3] for v in (2.0, 3.0, 4.0)}
-    words = drawn(sweep(status=cut))[1]
-    assert "beyond what was computed: at 3 of 5 loads, 200 to 400 N" in words
 
 
 # One line, or several scenes
@@ -252,14 +185,13 @@ def test_a_single_load_or_velocity_has_its_transition_or_the_reason_why_not():
     critical = synthetic.critical_velocity(400.0, LIMIT)
     ((velocity, load),) = marks(axes, "boundary")
     assert (velocity, load) == pytest.approx((critical, 400.0), rel=1e-9)
-    assert f"computed transition, {critical:.3g} m/s" in words
+    assert "computed transition" in words
     ((velocity, _),) = marks(drawn(sweep(loads=(400.0,), velocities=(1.5, 3.0)))[0], "boundary")
     assert velocity == pytest.approx(critical, rel=1e-9)
-    axes, words, _ = drawn(sweep(velocities=(2.0,)))
+    axes = drawn(sweep(velocities=(2.0,)))[0]
     critical = synthetic.critical_load(2.0, LIMIT)
     ((velocity, load),) = marks(axes, "boundary")
     assert (velocity, load) == pytest.approx((2.0, critical), rel=1e-9)
-    assert f"computed transition, {critical:.3g} N" in words
     axes, words, _ = drawn(pipeline.at(sweep(loads=(400.0,)), critical_temperature="800 degC"))
     assert not marks(axes, "boundary")
     assert "no transition: mild throughout" in words[0]
@@ -285,11 +217,12 @@ def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
     axes, words, legend = drawn(two_pins())
     assert words == ["1 mm", "2 mm: no transition computed"]
     places = vertices(axes, "boundary 1 mm")
-    assert (places[:, 1].min(), places[:, 1].max()) == (LOADS[0], LOADS[-1])
+    ends = places[:, 1].min(), places[:, 1].max()
+    assert ends == pytest.approx((LOADS[0], LOADS[-1]), rel=1e-4)
     expected = synthetic.critical_velocity(places[:, 1], LIMIT)
     np.testing.assert_allclose(places[:, 0], expected, rtol=2e-3)
     title = legend.get_title().get_text()
-    assert title.startswith("transition to severe wear, by pin radius; ")
+    assert title.startswith("transition by pin radius; severe wear: ")
     with pytest.raises(InputError, match="takes two loads and two velocities or more"):
         diagram(two_pins(loads=(400.0,)))
     axes, words, _ = drawn(two_pins((1.0, 0.9), loads=LOADS[:2], velocities=(2.0, 4.0)))
@@ -341,31 +274,6 @@ def test_conditions_are_near_where_friction_by_velocity_is_that_of_the_test():
     assert not are_near(law, elsewhere, 4.0)
 
 
-def test_a_test_at_another_friction_is_joined_with_its_own_transition():
-    axes = Figure().add_subplot()
-    tests = [
-        Measurement(400.0, 2.2, 0.1),  # as the plane
-        Measurement(9000.0, 2.2, 0.12),  # beyond the sweep
-        Measurement(500.0, 2.2, 5.0),  # severe at any velocity
-        Measurement(200.0, 2.2, 0.01),  # mild at any velocity
-        Measurement(400.0, 2.2, 0.12),
-    ]
-    (line,) = mark_own_transitions(axes, with_fields(sweep(), measured=tuple(tests)), tests, OWN)
-    critical = synthetic.critical_velocity(400.0, synthetic.limit(0.12))
-    assert line.get_label() == "computed at the test's own conditions"
-    assert [*map(float, np.ravel(line.get_data()))] == pytest.approx([critical, 400.0], rel=1e-9)
-    (joined,) = [one for one in axes.lines if one.get_gid() == "to own conditions"]
-    assert joined.get_xdata() == pytest.approx([critical, 2.2])
-    assert [*joined.get_ydata()] == [400.0, 400.0]
-    assert joined.get_zorder() < line.get_zorder()  # so that it ends below the marks
-    assert mark_own_transitions(axes, sweep(), tests[:1], OWN) == []
-    slow = sweep(velocities=(0.2, 0.4, 0.8))
-    (line,) = mark_own_transitions(axes, slow, [Measurement(600.0, 0.5, 0.2)], OWN)
-    critical = synthetic.critical_velocity(600.0, synthetic.limit(0.2))
-    assert line.get_xdata() == pytest.approx([critical], rel=1e-3)
-    assert critical < 1.0
-
-
 @pytest.mark.parametrize(
     ("height", "regime"),
     [(0.5e-6, "boundary lubrication"), (0.01e-6, "full film, outside the model")],
@@ -382,33 +290,3 @@ def test_where_no_film_begins_its_range_and_regime_are_told(height, regime):
         for load, velocity in ((600.0, 1.0), (200.0, 4.0))
     )
     assert line.get_label() == f"Λ {low:.2f} to {high:.2f}: {regime}"
-
-
-def test_a_name_stands_in_the_middle_of_the_widest_room_of_a_row():
-    x, y = np.linspace(0.0, 1.0, 101), np.linspace(0.0, 1.0, 51)
-    inside = np.zeros((51, 101), bool)
-    inside[:, 20:81] = True
-    rows, size = np.array([0.3, 0.7]), (0.2, 0.1)
-    place = _roomiest(inside, x, y, rows, [], size)
-    assert place == pytest.approx((0.5, 0.3))
-    beside = _roomiest(inside, x, y, rows, [(0.5, 0.3)], size)  # a test there
-    assert beside == pytest.approx((0.5, 0.7))
-    both = _roomiest(inside, x, y, rows, [(0.5, 0.3), (0.5, 0.7)], size)
-    assert abs(both[0] - 0.5) > 0.1
-    outside = _roomiest(inside, x, y, rows, [(1.5, 0.3), (0.5, -0.3)], size)
-    assert outside == place  # tests beyond the axes take no room
-    assert inside[:, 20:81].all()  # the region itself is left as it is
-    assert _roomiest(inside, x, y, rows[:0], [], size) is None
-    narrow = np.zeros((51, 101), bool)
-    narrow[:, 20:28] = True  # 8 % of the width
-    assert _roomiest(narrow, x, y, rows, [], size) is None
-    assert _roomiest(narrow, x, y, rows, [], (0.05, 0.1)) is not None
-    for columns, has_room in ((17, False), (23, True)):  # of 20, half on either side
-        middle = np.zeros((51, 101), bool)
-        middle[:, 20 : 20 + columns] = True
-        assert (_roomiest(middle, x, y, rows, [], size) is not None) == has_room
-    low = np.zeros((51, 101), bool)
-    low[13:18, 20:81] = True
-    assert _roomiest(low, x, y, rows, [], (0.2, 0.02))[1] == pytest.approx(0.3)
-    for height, has_room in ((0.11, True), (0.13, False)):  # of five rows, 0.02 apart
-        assert (_roomiest(low, x, y, rows, [], (0.2, height)) is not None) == has_room

@@ -74,7 +74,7 @@ def test_names_at_the_ends_of_curves_stand_in_order_and_apart():
 
 
 def test_settings_that_a_user_changed_are_kept_and_the_others_are_of_the_house():
-    house = style._HOUSE_STYLE
+    house = style._HOUSE
 
     @style.house_style
     def settings():
