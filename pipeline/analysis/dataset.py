@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from enum import Enum
@@ -34,7 +34,7 @@ from pipeline.sweep.severity import (
     require_bulks,
     rises_above_colder,
 )
-from pipeline.sweep.variants import VARIANT, Column, Label, Variant, Variants
+from pipeline.sweep.variants import VARIANT, Label, Variant, Variants
 from tribo import InputError, Rule
 from tribo.types import Array
 
@@ -139,10 +139,8 @@ def taken_at(ds: xr.Dataset) -> Variant:
     table = scene_sweep(ds).variants
     if any(one.name in ds.dims or one.name not in ds.coords for one in table.chosen):
         return ()
-    name = tuple((one.name, ds[one.name].item()) for one in table.chosen)
-    if name in table.given:
-        return name
-    return tuple((one.name, _label(one, ds[one.name].item())) for one in table.chosen)
+    names = [one.name for one in table.chosen]
+    return tuple((name, _label(table.axes[name], ds[name].item())) for name in names)
 
 
 def taken_entries(ds: xr.Dataset) -> dict[str, Any]:
@@ -191,12 +189,11 @@ def _taken_at(text: str, source: _Source, at: str, rule: str, name: Variant) -> 
     return whole.below(name).changed("title", title)
 
 
-def _label(column: Column, value: Any) -> Label:
+def _label(labels: Sequence[Label], value: Any) -> Label:
     """The label of a table that a coordinate stands for, which may have lost its last digits."""
-    numbers = [label for label in column.values if not isinstance(label, str)]
-    if isinstance(value, str) or not numbers:
+    if isinstance(labels[0], str):
         return str(value)
-    return min(numbers, key=lambda label: abs(label - value))
+    return min(labels, key=lambda label: abs(float(label) - value))
 
 
 _USUAL = {*COORDINATES}

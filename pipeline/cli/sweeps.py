@@ -230,13 +230,13 @@ def _text(span: Span, unit: str = "") -> str:
 
 def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:
     """Cost of a sweep."""
-    velocities = sweep.variants.velocities or sweep.plane.velocities
+    velocities = sweep.variants.labels("velocity") or sweep.plane.velocities
     counts = [
         counted(len(sweep.plane.loads), "load", "loads"),
         counted(len(velocities), "velocity", "velocities"),
     ]
     names = {"realization": "surfaces", VARIANT: "samples" if sweep.variants.draw else "rows"}
-    if any(column.name == "load" for column in sweep.variants.columns):
+    if sweep.variants.labels("load"):
         counts, names[VARIANT] = [], "rows, each at its own load and velocity"
     for name, values in sweep.variants.axes.items():
         counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")

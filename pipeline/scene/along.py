@@ -20,14 +20,16 @@ from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import BULK, CRITICAL, FRICTION, LOAD, SPEED, SceneFile
 from pipeline.scene.names import BESIDE, UNITS, Heading
-from pipeline.scene.over import column_of, with_rows
-from pipeline.scene.sheet import Lines, Row, Sheet, read_sheet
+from pipeline.scene.over import labels_of, with_rows
+from pipeline.scene.sheet import Lines, Sheet, read_sheet
+from pipeline.scene.sheet import Row as SheetRow
 from pipeline.scene.units import as_entry
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.tables import entry_at, flat
-from pipeline.sweep.variants import Column, placed_rows
+from pipeline.sweep.tables import CURVES, entry_at, flat
+from pipeline.sweep.tables import FRICTION as COEFFICIENT
+from pipeline.sweep.variants import PLACE_UNITS, Column, Label, Row, numbered_rows
 from tribo import InputError
 
 
@@ -150,8 +152,8 @@ def lines_of(listed: Mapping[str, Sequence[Any]]) -> Lines:
         unit = UNITS.get(heading.name) if is_bare else ""
         heads.append(f"{head} [{unit}]" if unit else head)
     rows = enumerate(zip(*listed.values(), strict=True), 1)
-    texts = (Row(number, ["" if x is None else str(x) for x in row]) for number, row in rows)
-    return Lines([Row(0, heads), *texts], [])
+    texts = (SheetRow(number, ["" if x is None else str(x) for x in row]) for number, row in rows)
+    return Lines([SheetRow(0, heads), *texts], [])
 
 
 def _column_faults(sheet: Sheet) -> Iterator[str]:
@@ -218,24 +220,35 @@ def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Swee
         )
     if len(pairs) > MOST_SCENES:
         raise InputError(f"sweep.along: {len(pairs)} rows are too many; give {MOST_SCENES} at most")
-    heads = [head for head in pairs[0] if head not in _PLACE.keys]
-    loads, velocities = ([row[name][0] for row in pairs] for name in _PLACE.keys)
+    found = dict[str, tuple[tuple[Label, ...], str | None]]()
+    for head in [head for head in pairs[0] if head not in PLACE_UNITS]:
+        cells = [row[head] for row in pairs]
+        found[head] = labels_of(cells) if "." in head else _numbers(cells)
+    for name, unit in PLACE_UNITS.items():
+        found[name] = tuple(row[name][0] for row in pairs), unit
     columns = [
-        (column_of if "." in head else _label)(head, [row[head] for row in pairs], "row")
-        for head in heads
+        Column(head, unit, meaning=f"{head} of the row") for head, (_, unit) in found.items()
     ]
-    rows = [row | {name: row[name][1] for name in _PLACE.keys} for row in pairs]
-    return with_rows(sweep, placed_rows(rows, columns, loads, velocities), "sweep.along")
+    labels = zip(*(one for one, _ in found.values()), strict=True)
+    # Friction that is measured at a place is not one by velocity.
+    curves = dict.fromkeys(CURVES if COEFFICIENT in found else ())
+    rows = (
+        Row(
+            dict(zip(found, values, strict=True)),
+            curves | {path: value for path, value in row.items() if "." in path},
+        )
+        for row, values in zip(pairs, labels, strict=True)
+    )
+    return with_rows(sweep, numbered_rows(columns, rows), "sweep.along")
 
 
-def _label(head: str, cells: Sequence[Any], owner: str) -> Column:
-    """A label of the rows: numbers of one unit in that, or words."""
+def _numbers(cells: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
+    """Labels of the rows: numbers of one unit in that, or words."""
     numbers, _, units = zip(*(str(cell).partition(" ") for cell in cells), strict=True)
-    meaning = f"{head} of the {owner}"
     if len(set(units)) == 1:
         with suppress(ValueError):
-            return Column(head, tuple(map(float, numbers)), units[0] or "1", meaning=meaning)
-    return Column(head, tuple(map(str, cells)), None, meaning=meaning)
+            return tuple(map(float, numbers)), units[0] or "1"
+    return tuple(map(str, cells)), None
 
 
 def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:

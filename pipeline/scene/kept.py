@@ -5,9 +5,11 @@ The text is JSON that a person can read. What was read of files lies beside it, 
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from contextlib import suppress
+from dataclasses import asdict
 from typing import Any
 
 import tribo
@@ -31,12 +33,17 @@ class SweepTextError(InputError):
 def sweep_text(sweep: Sweep) -> str:
     """JSON of a sweep."""
     table = sweep.variants
-    columns = {one.name: asdict(replace(one, values=())) for one in table.columns}
+    columns = {one.name: asdict(one) for one in table.columns}
+    keys = {one.name: one.key for one in table.columns}
+    rows = [
+        {name: label for name, label in labels.items() if keys[name] not in values} | {**values}
+        for labels, values in table.rows
+    ]
     text = {
         "name": sweep.name,
         "entries": sweep.entries,
         "columns": {k: {n: v for n, v in one.items() if v} for k, one in columns.items()},
-        "rows": (_packed(sweep.rows) if table.draw else sweep.rows) if columns else (),
+        "rows": (_packed(rows) if table.draw else rows) if columns else (),
         "notes": sweep.notes,
         "sources": sweep.sources,
         "selection": sweep.selection and asdict(sweep.selection),
@@ -48,33 +55,33 @@ def sweep_text(sweep: Sweep) -> str:
     return json.dumps(told, ensure_ascii=False)
 
 
-def _packed(rows: Sequence[Row]) -> dict[str, Any]:
+def _packed(rows: Sequence[Mapping[str, Any]]) -> Any:
     """Rows of samples by columns: numbers in a unit, or values as they are."""
-    columns = {key: [row[key] for row in rows] for key in rows[0]}
-    packed: dict[str, Any] = dict(columns)
-    for key, values in columns.items():
+    if len({tuple(row) for row in rows}) > 1:
+        return rows
+    packed: dict[str, Any] = {key: [row[key] for row in rows] for key in rows[0]}
+    for key, values in packed.items():
         unit = str(values[0]).partition(" ")[2]
-        if unit and all(str(value).endswith(f" {unit}") for value in values):
-            numbers = [float(value.removesuffix(f" {unit}")) for value in values]
+        with suppress(ValueError):
+            numbers = [float(str(value).removesuffix(f" {unit}")) for value in values]
             if [f"{number!r} {unit}" for number in numbers] == values:
                 packed[key] = {"unit": unit, "values": numbers}
     return packed
 
 
-def _unpacked(rows: Any) -> list[Row]:
-    if isinstance(rows, list):
-        return rows
-    columns = {
-        key: one if isinstance(one, list) else [f"{x!r} {one['unit']}" for x in one["values"]]
-        for key, one in rows.items()
-    }
-    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+def _unpacked(columns: Mapping[str, Any]) -> list[dict[str, Any]]:
+    values = [
+        one if isinstance(one, list) else [f"{x!r} {one['unit']}" for x in one["values"]]
+        for one in columns.values()
+    ]
+    return [dict(zip(columns, row, strict=True)) for row in zip(*values, strict=True)]
 
 
 def files_of(sweep: Sweep) -> dict[str, Array]:
     """What was read of files for a sweep, by its digests."""
     held: Any = sweep.reader
-    rows = (value for row in sweep.rows for path, value in row.items() if path.endswith(".content"))
+    values = itertools.chain(*(row.values.items() for row in sweep.rows))
+    rows = (value for path, value in values if path.endswith(".content") and value)
     digests = dict.fromkeys([*contents_of(sweep.parts()).values(), *rows])
     return {digest: held.contents.arrays[digest] for digest in digests}
 
@@ -101,11 +108,18 @@ def text_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
 
 
 def _variants(told: Any) -> Variants:
-    made, rows, draw = [], _unpacked(told.get("rows", [{}])), told.get("samples")
-    for values in told.get("columns", {}).values():
-        one = Column(**values | {"unit": values.get("unit"), "values": ()})
-        made.append(replace(one, values=tuple(_label(one, row[one.key]) for row in rows)))
-    return Variants(tuple(made), tuple(rows), draw)
+    columns = tuple(
+        Column(**one | {"unit": one.get("unit")}) for one in told.get("columns", {}).values()
+    )
+    rows = told.get("rows", [{}])
+    rows = tuple(
+        Row(
+            {one.name: _label(one, row[one.key]) for one in columns},
+            {path: value for path, value in row.items() if "." in path},
+        )
+        for row in (rows if isinstance(rows, list) else _unpacked(rows))
+    )
+    return Variants(columns, rows, told.get("samples"))
 
 
 def _label(column: Column, value: Any) -> Any:

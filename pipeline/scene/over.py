@@ -19,10 +19,10 @@ from pipeline.scene.format import Oil
 from pipeline.scene.reading import contents_of
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.limits import MOST_SCENES
-from pipeline.sweep.model import Parts, Sweep
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import remarks
-from pipeline.sweep.tables import entry_at, flat, replace_values
-from pipeline.sweep.variants import VARIANT, Column, Label, Variant, Variants
+from pipeline.sweep.tables import changes, entry_at, flat, replace_values
+from pipeline.sweep.variants import VARIANT, Column, Label, Row, Variants
 from tribo import InputError
 
 _LIKE = {"oil": "oil.like"}
@@ -42,24 +42,12 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     asked = reading.scene.sweep.over
     if not asked:
         return sweep
-    axes = {path: _axis(path, values) for path, values in asked.items()}
-    if (count := math.prod(len(axis) for _, axis in axes.values())) > MOST_SCENES:
+    if (count := math.prod(map(len, asked.values()))) > MOST_SCENES:
         raise InputError(f"sweep.over: {count} values are too many; give {MOST_SCENES} at most")
-    listed = [axis for _, axis in axes.values()]
-    rows = [dict(zip(axes, pairs, strict=True)) for pairs in itertools.product(*listed)]
-    columns = tuple(
-        replace(
-            column,
-            values=tuple(row[path][0] for row in rows),
-            entry="oil.like" if path == "oil" else "",
-        )
-        for path, (column, _) in axes.items()
-    )
-    written = tuple(
-        {key: one for path, (_, text) in row.items() for key, one in _entries(path, text)}
-        for row in rows
-    )
-    made = with_rows(sweep, Variants(columns, written), "sweep.over")
+    table = Variants()
+    for path, values in asked.items():
+        table *= _axis(path, values)
+    made = with_rows(sweep, table, "sweep.over")
     scenes = [made.variant(name) for name in made.variants.given]
     read = [(scene.scene, scene.conditions, scene.about) for scene in scenes]
     if len(read) > 1 and all(one == read[0] for one in read):
@@ -69,11 +57,45 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     return made
 
 
+def _axis(path: str, values: Sequence[Any]) -> Variants:
+    """The rows of an entry, by its values in SI in rising order, or as words."""
+    key = f"sweep.over.{quoted(path)}"
+    if path.partition(".")[0] in _FIXED:
+        raise InputError(
+            f"{key}: this cannot take several values; give an entry of the scene, such as "
+            '"pin.radius"'
+        )
+    if len({isinstance(value, str) for value in values}) > 1:
+        raise InputError(f"{key}: {quoted(list(values))}: give all with a unit, or none")
+    labels, unit = labels_of(values)
+    pairs = [*zip(labels, values, strict=True)]
+    if unit is not None:
+        pairs.sort(key=lambda pair: pair[0])
+    for (one, text), (other, again) in itertools.pairwise(pairs):
+        if one == other:
+            both = f"{quoted(text)} and {quoted(again)}"
+            raise InputError(f"{key}: {both} are the same; give each value once")
+    column = Column(path, unit, meaning=f"{path} of the scene", entry=_LIKE.get(path, ""))
+    rows = (Row({path: label}, dict(_entries(path, text))) for label, text in pairs)
+    return Variants((column,), tuple(rows))
+
+
 def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
     """What a value of an entry replaces: the name of an oil its whole table."""
     if path in _LIKE:
         yield from ((f"{path}.{key}", None) for key in table_of(Oil).keys)
     yield _LIKE.get(path, path), value
+
+
+def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
+    """Values of an entry in SI, with their unit; words, without one, if not of one dimension."""
+    first = values[0]
+    try:
+        if isinstance(first, str):
+            return tuple(to_si(str(value), like=first) for value in values), si_unit(first)
+        return tuple(map(float, values)), "1"
+    except (UnitError, TypeError, ValueError):
+        return tuple(map(str, values)), None
 
 
 def notes_on_first_values(table: Variants) -> Iterator[str]:
@@ -91,75 +113,37 @@ def notes_on_first_values(table: Variants) -> Iterator[str]:
         yield from remarks("note", words)
 
 
-def column_of(path: str, values: Sequence[Any], owner: str) -> Column:
-    """Values of an entry in SI, or words where they are not of one dimension."""
-    meaning, first = f"{path} of the {owner}", values[0]
-    try:
-        if isinstance(first, str):
-            in_si = tuple(to_si(str(value), like=first) for value in values)
-            return Column(path, in_si, si_unit(first), meaning=meaning)
-        return Column(path, tuple(map(float, values)), meaning=meaning)
-    except (UnitError, TypeError, ValueError):
-        return Column(path, tuple(map(str, values)), None, meaning=meaning)
-
-
-def _axis(path: str, values: tuple[Any, ...]) -> tuple[Column, list[tuple[Label, Any]]]:
-    """An entry, and its values in SI in rising order, or as words, each beside its text."""
-    key = f"sweep.over.{quoted(path)}"
-    if path.partition(".")[0] in _FIXED:
-        raise InputError(
-            f"{key}: this cannot take several values; give an entry of the scene, such as "
-            '"pin.radius"'
-        )
-    if len({isinstance(value, str) for value in values}) > 1:
-        raise InputError(f"{key}: {quoted(list(values))}: give all with a unit, or none")
-    column = column_of(path, values, "scene")
-    pairs = [*zip(column.values, values, strict=True)]
-    if column.unit is None:
-        return column, pairs
-    pairs.sort(key=lambda pair: pair[0])
-    for (one, text), (other, again) in itertools.pairwise(pairs):
-        if one == other:
-            both = f"{quoted(text)} and {quoted(again)}"
-            raise InputError(f"{key}: {both} are the same; give each value once")
-    return column, pairs
-
-
 def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
-    """The sweep with rows in front of its own; raises at the first that is faulty.
+    """The sweep with rows in front of its own, in full; raises at the first that is faulty.
 
-    What was read of a file for a row is named in it.
+    A row has values of the library, and the digests of what was read of its files.
     """
-    made, rows = replace(sweep, variants=table, made=dict(sweep.made)), []
-    for name in table.names:
-        row = dict(table.row(name))
-        words = ", ".join(f"{path} = {quoted(value)}" for path, value in row.items() if "." in path)
+    rows = []
+    for row in table.rows:
+        written = replace_values(sweep.written, row.values)
+        alone = replace(sweep, written=written, variants=Variants())
         try:
-            parts = made.parts(name)
+            _require_alike(alone, sweep)
+            full = sweep.reader.complete(written, alone.parts(), sweep.parts())
         except InputError as error:
+            words = ", ".join(f"{path} = {quoted(value)}" for path, value in row.values.items())
             raise InputError(f"{key}: {words}: {error}") from error
-        require_alike(made.variant(name), sweep, f"{key}: {words}")
-        written, contents = replace_values(made.written, row), contents_of(parts)
-        read = {path: one for path, one in contents.items() if entry_at(written, path) != one}
-        rows.append(row | read)
-    table = replace(table, rows=tuple(rows))
-    kept: dict[Variant, Parts] = {(): made.parts()}
-    kept = kept if sweep.variants.columns else made.made
-    return replace(sweep, variants=table * sweep.variants, made=kept)
+        given = {path: one for path, one in row.values.items() if one is not None}
+        before = {path: sweep.entries.get(path) for path in full}
+        added = {path: one for path, one in changes(before, full) if path not in given}
+        contents = contents_of(alone.parts()).items()
+        read = {path: one for path, one in contents if entry_at(written, path) != one}
+        rows.append(row._replace(values=given | added | read))
+    return replace(sweep, variants=replace(table, rows=tuple(rows)) * sweep.variants)
 
 
-def require_alike(scene: Sweep, sweep: Sweep, place: str) -> None:
+def _require_alike(scene: Sweep, sweep: Sweep) -> None:
     """Raise an `InputError` if a row of a sweep has other axes."""
     first, second = ((s.plane, s.scene.unequal_bulks, s.record.steps) for s in (scene, sweep))
     names = "loads and velocities", "unequal bulks", "steps"
     for name, one, other in zip(names, first, second, strict=True):
         if one != other:
             raise InputError(
-                f"{place} changes the {name}, which must be the same for all values; sweep each "
+                f"this changes the {name}, which must be the same for all values; sweep each "
                 "value into a separate store"
             )
-    if sweep.record.fields and scene.scene.grid != sweep.scene.grid:
-        raise InputError(
-            f"{place} changes the grid of the stored fields, which every value has in common; "
-            "leave out sweep.fields, or give an entry that keeps the grid"
-        )

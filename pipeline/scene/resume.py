@@ -31,11 +31,10 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     joined = replace(
         sweep,
         written=written,
-        variants=replace(first.variants, rows=first.rows).union(sweep.variants),
+        variants=first.variants.union(sweep.variants),
         chosen=None if sweep.chosen is None else (),
         stations=choose_stations(first),
         selection=sweep.selection or first.selection,
-        made={(): sweep.parts()},
     )
     if before and before.record.fields != sweep.record.fields:
         joined = joined.changed("sweep.fields", before.record.fields)
@@ -82,7 +81,7 @@ def _design(table: Variants) -> Any:
 
 def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
     """Entries by which the first row differs that both have, if any is not the same scene."""
-    for name in (name for name in sweep.variants.names if name in stored.variants):
+    for name in (name for name in sweep.variants.names if name in stored.variants.by_name):
         old, new = stored.variant(name), sweep.variant(name)
         if different := [*acting(old, new, lambda one: one.scene)]:
             row = f"scene with {', '.join(named(name))}: " if name else ""

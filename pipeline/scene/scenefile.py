@@ -99,7 +99,6 @@ def load_scene(
                 reader=reader,
                 variants=surfaces(seeds),
                 sources=sources,
-                made={(): parts},
             )
             for extend in extensions:
                 sweep = extend(sweep, Reading(document, parts.declared, faults))

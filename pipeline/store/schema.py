@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stations import ramp_of
-from pipeline.sweep.variants import ROWS, VARIANT, Column
+from pipeline.sweep.variants import ROWS, VARIANT, Column, Label
 from tribo import InputError, WarningKind
 
 FORMAT = 9
@@ -194,12 +194,11 @@ def is_of_points(dim: str) -> bool:
     return dim not in ("step", "cooler_share", "bulk_ratio", "x", "y", "input")
 
 
-def _variable_of(column: Column) -> Variable:
-    """Variable of a column of the table of variants."""
+def _variable_of(column: Column, label: Label) -> Variable:
+    """Variable of a column of the table of variants, by the label of a row."""
     kinds = {str: "str", int: "int64", float: "float64"}
     dims = (column.along or column.name,)
-    dtype = kinds[type(column.values[0])]
-    return Variable(dims, column.unit, column.meaning, dtype)
+    return Variable(dims, column.unit, column.meaning, kinds[type(label)])
 
 
 def require_free_names(sweep: Sweep) -> None:
@@ -219,7 +218,8 @@ def require_free_names(sweep: Sweep) -> None:
 def variables_of(sweep: Sweep) -> dict[str, Variable]:
     """Variables of the store of a sweep."""
     require_free_names(sweep)
-    table = {column.name: _variable_of(column) for column in sweep.variants.columns}
+    first = sweep.variants.rows[0].labels
+    table = {one.name: _variable_of(one, first[one.name]) for one in sweep.variants.columns}
     front = tuple(sweep.variants.axes)
     absent = {*ROWS, POINT}  # which the table has, or not
     if sweep.chosen is not None:

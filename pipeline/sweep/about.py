@@ -1,4 +1,4 @@
-"""Parts of a scene that are neither simulated nor judged, and its description in a notebook."""
+"""Parts of a scene that are neither simulated nor judged, and words on when wear is severe."""
 
 from __future__ import annotations
 
@@ -6,14 +6,12 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal, NamedTuple
 
-from pipeline.quantities import display, display_sides
+from pipeline.quantities import display
 from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import Line
-from tribo import MeasuredRoughness, Oil, Ramp, Scene, SelfAffineRoughness, Wear
-from tribo.simulation import PointWarning
-from tribo.types import Array
+from tribo import Oil
 
 _UNNAMED = "without a name"  # oil of tests that name none, in a scene of another
 OUTCOMES = ("mild", "severe")
@@ -102,26 +100,13 @@ class About:
     sources: tuple[FromLibrary, ...] = ()
     notes: tuple[Remark, ...] = ()  # assumptions made on reading the scene
 
-
-def scene_rows(scene: Scene) -> Iterator[Line]:
-    """Describe a scene, a row for each subject."""
-    yield "pin", scene.pin.words
-    yield "disk", _surface(scene)
-    nx, ny = scene.grid.shape
-    yield "window", f"{display_sides(scene.grid.size)}, {nx} × {ny} elements"
-    loading = scene.loading
-    if isinstance(loading, Ramp):
-        held = f", held for {loading.hold:g} s" if loading.hold else ""
-        yield "loading", f"{loading.rate:g} N/s{held}"
-    else:
-        yield "loading", f"recorded, up to {loading.loads.max():g} N"
-    wear = scene.wear
-    if wear is None:
-        yield "wear", "none"
-    elif isinstance(wear, Wear):
-        yield "wear", f"{display(wear.specific_wear_rate, 'mm³/(N m)', 3)}, {wear.pattern}"
-    else:
-        yield "wear", f"{wear}, {wear.pattern}"
+    def under_oil(self, oil: str) -> About:
+        """The same where the tests of an oil count, which names its tests in a scene of another."""
+        measured, tested = (
+            tuple(test.under_oil(oil) for test in tests) for tests in (self.measured, self.tested)
+        )
+        title = f"{self.title}, oil {oil}"
+        return replace(self, title=title, tested_oil=oil, measured=measured, tested=tested)
 
 
 def plane_rows(loads: Sequence[float], velocities: Sequence[float]) -> Line:
@@ -175,25 +160,3 @@ def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
     if PATHS["critical_temperature"] in drawn:
         critical = "the critical temperature of each sample"
     return f"{severe} {critical}"
-
-
-def point_rows(columns: Mapping[str, Array], warnings: Iterable[PointWarning]) -> Iterator[Line]:
-    """Describe the end of a point, a row for each subject."""
-    end = {name: column[-1] for name, column in columns.items()}
-    yield "after", f"{end['time']:.4g} s and {end['sliding_distance']:.4g} m"
-    mean, most = (display(end[name], "GPa", 3) for name in ("mean_pressure", "max_pressure"))
-    width, depth = display(end["contact_width"], "µm", 4), display(end["wear_depth_max"], "µm", 3)
-    yield "contact", f"{width} wide, {mean} on average, {most} at most"
-    yield "wear", f"{depth} deep, {display(end['wear_volume'], 'mm³', 3)}"
-    yield "rise", f"{end['max_rise']:.4g} K at most, at friction 1"
-    for warning in warnings:
-        yield "warning", warning.text
-
-
-def _surface(scene: Scene) -> str:
-    roughness = scene.roughness
-    if isinstance(roughness, SelfAffineRoughness):
-        return f"random roughness, Ra {display(roughness.ra, 'µm', 3)}"
-    if roughness is None:
-        return "smooth"
-    return "measured roughness" if isinstance(roughness, MeasuredRoughness) else "a surface law"

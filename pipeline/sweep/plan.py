@@ -17,11 +17,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.sweep.about import point_rows
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import verdict
-from pipeline.sweep.shown import Line, shown
+from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Variant
@@ -60,17 +59,13 @@ class PointResult:
     columns: dict[str, Array]
     #: State at the end, with temperature; on smaller elements than the scene's where the surface
     #: needs them, see `tribo.Fidelity.elements_per_summit`.
-    state: State
+    state: State = field(repr=False)
     shape: tuple[int, int]  #: Elements of the scene along x and y.
     warnings: tuple[PointWarning, ...]  #: Reasons for care in relying on the point.
     wall_time: float  #: Duration of the computation, which may have begun on a trunk [s].
     #: What friction by temperature was solved for, and its rise.
-    solved: SolvedFriction | None = None
-    coupled: CoupledRise = UNSOLVED
-
-    def description(self) -> tuple[str, list[Line]]:
-        """Its point, and a row for each subject."""
-        return str(self.point), list(point_rows(self.columns, self.warnings))
+    solved: SolvedFriction | None = field(default=None, repr=False)
+    coupled: CoupledRise = field(default=UNSOLVED, repr=False)
 
     @property
     def fields(self) -> dict[str, Array]:

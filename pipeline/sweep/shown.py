@@ -59,12 +59,13 @@ def _html(answer: Any) -> str:
 
 def _titled_rows(answer: Any) -> tuple[str, list[Line]]:
     """Title and rows of an answer."""
-    if hasattr(answer, "description"):
-        title, rows = answer.description()
-        return title, list(rows)
     headline = getattr(answer, "sentence", "") or getattr(answer, "title", "")
     title = ": ".join(filter(None, (type(answer).__name__, headline)))
-    told = ((name, _value_text(value)) for name, value in _values(answer) if name != "title")
+    values = _values(answer)
+    if hasattr(answer, "description"):
+        title, tables = answer.description()
+        values = iter(tables.items())
+    told = ((name, _value_text(value)) for name, value in values if name != "title")
     return title, [(name, text) for name, text in told if text]
 
 

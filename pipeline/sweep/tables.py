@@ -59,22 +59,22 @@ def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any
 
 
 def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:
-    """Tables with the values of a row, by their paths; labels of the row have no path.
+    """Tables with other values by their paths.
 
-    A coefficient of friction scales the friction by velocity and by temperature, unless the row
-    has these, too.
+    A coefficient of friction scales the friction by velocity and by temperature, unless these are
+    given, too.
     """
-    paths = {path: value for path, value in values.items() if "." in path}
-    old, new = entry_at(tables, FRICTION), paths.get(FRICTION)
+    values = dict(values)
+    old, new = entry_at(tables, FRICTION), values.get(FRICTION)
     if isinstance(old, int | float) and old and isinstance(new, int | float):
         for path in CURVES:
-            if path not in paths and (curve := entry_at(tables, path)):
+            if path not in values and (curve := entry_at(tables, path)):
                 scaled = [row | {"coefficient": row["coefficient"] * (new / old)} for row in curve]
-                paths[path] = scaled
+                values[path] = scaled
     changed = dict(tables)
     for content, names in _CONTENTS.items():
-        if content not in paths and any(path.startswith(names) for path in paths):
+        if content not in values and any(path.startswith(names) for path in values):
             changed = replace_value(changed, content, None)
-    for path, value in paths.items():
+    for path, value in values.items():
         changed = replace_value(changed, path, value)
     return changed

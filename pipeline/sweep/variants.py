@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import cached_property
+from textwrap import shorten
+from typing import Any, NamedTuple
 
 from tribo import InputError
 
@@ -17,100 +19,91 @@ ROWS = {
     "sample": "number of the sample of inputs",
 }
 """Meanings of the whole numbers that tell rows apart, where no entry of the scene does."""
+PLACE_UNITS = {"load": "N", "velocity": "m/s"}
+"""Units of the columns that are the place at which a row alone is simulated."""
 Label = float | int | str
 """Value of a row in a column."""
 Variant = tuple[tuple[str, Label], ...]
 """Name of a row: the dimensions in front of load and velocity, each with the row's value."""
-Row = Mapping[str, Any]
-"""Labels of a row, and the entries of the scene that it replaces, by their paths."""
 SEED = "disk.roughness.seed"
+_LONGEST = 100  # letters of the labels that a message lists
+
+
+class Row(NamedTuple):
+    """Labels of a row by column [SI], and the entries of the scene that it replaces by path."""
+
+    labels: Mapping[str, Label]
+    values: Mapping[str, Any]  # as a scene file has them
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """Labels of the rows of a table: values along a dimension, or values that follow from them."""
+    """What a label of the rows is: a dimension, or a value that follows from one."""
 
     name: str
-    values: tuple[Label, ...]  # one for each row [SI]
     unit: str | None = "1"  # None for words
     along: str = ""  # dimension that the values follow from; empty of a dimension
     is_drawn: bool = False  # rows that differ in it alone differ by chance, each as likely
     meaning: str = ""
-    entry: str = ""  # key of the values in the rows, if not the name
+    entry: str = ""  # path of the entry that it gives, if not the name
 
     @property
     def key(self) -> str:
-        """Key of the values in the rows, as they were written."""
+        """Path of the entry that it gives, if it gives one."""
         return self.entry or self.name
 
-    def taken(self, numbers: Sequence[int]) -> Column:
-        """The column with the values of some rows, in their order."""
-        return replace(self, values=tuple(self.values[i] for i in numbers))
 
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Variants:
-    """A table of the variants of a scene, one row each: a product of the labels of dimensions."""
+    """A table of the variants of a scene: a product of the labels of dimensions.
 
-    # Those named "velocity" and "load" are the place at which a row alone is simulated [m/s, N];
-    # without them all rows share the plane.
+    Rows with a velocity or a load are simulated there alone; others share the plane.
+    """
+
     columns: tuple[Column, ...] = ()
-    rows: tuple[Row, ...] = field(default=({},), hash=False, compare=False)
+    rows: tuple[Row, ...] = (Row({}, {}),)
     # Rule by which rows were drawn, as plain data; it names the inputs that are not known exactly.
-    draw: Mapping[str, Any] | None = field(default=None, hash=False)
-    _rows: Mapping[Variant, int] = field(init=False, repr=False, compare=False)
+    draw: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
-        keys = [column for column in self.columns if not column.along]
-        labels = zip(*(key.values for key in keys), strict=True) if keys else [()]
-        names = [tuple(zip((key.name for key in keys), row, strict=True)) for row in labels]
-        if not len({*names}) == len(names) == len(self.rows):
-            raise InputError("the rows of the sweep do not have a label each")
-        object.__setattr__(self, "_rows", {name: number for number, name in enumerate(names)})
+        _ = self.by_name  # refuses rows that are not told apart
 
     def __len__(self) -> int:
         return len(self.rows)
 
-    def __contains__(self, name: object) -> bool:
-        return name in self._rows
-
     def __mul__(self, other: Variants) -> Variants:
         """Every row of one table with every row of another, whose changes come later."""
-        if shared := {one.name for one in self.columns} & {one.name for one in other.columns}:
-            raise InputError(f"two tables of variants have {', '.join(sorted(shared))}; give one")
-        first = [i for i in range(len(self)) for _ in range(len(other))]
-        second = [*range(len(other))] * len(self)
-        return Variants(
-            columns=(
-                *(column.taken(first) for column in self.columns),
-                *(column.taken(second) for column in other.columns),
-            ),
-            rows=tuple({**row, **then} for row in self.rows for then in other.rows),
-            draw=self.draw or other.draw,
-        )
+        pairs = itertools.product(self.rows, other.rows)
+        rows = (Row({**a.labels, **b.labels}, {**a.values, **b.values}) for a, b in pairs)
+        return Variants(self.columns + other.columns, tuple(rows), self.draw or other.draw)
 
-    @property
+    @cached_property
+    def by_name(self) -> dict[Variant, Row]:
+        """Rows by their names."""
+        dims = [one.name for one in self.columns if not one.along]
+        rows = {tuple([(dim, row.labels[dim]) for dim in dims]): row for row in self.rows}
+        if len(rows) < len(self.rows):
+            raise InputError("the rows of the sweep do not have a label each")
+        return rows
+
+    @cached_property
     def names(self) -> tuple[Variant, ...]:
         """Name of each row."""
-        return tuple(self._rows)
+        return tuple(self.by_name)
 
-    @property
+    @cached_property
     def axes(self) -> dict[str, tuple[Label, ...]]:
         """Dimensions in front of load and velocity, with their values."""
-        return {
-            column.name: tuple(dict.fromkeys(column.values))
-            for column in self.columns
-            if not column.along
-        }
+        dims = [one.name for one in self.columns if not one.along]
+        return {dim: tuple(dict.fromkeys(row.labels[dim] for row in self.rows)) for dim in dims}
 
-    @property
+    @cached_property
     def coordinates(self) -> dict[Column, dict[Label, Label]]:
         """Columns that follow from a dimension, each with its values by those along that."""
-        along = {column.name: column.values for column in self.columns}
         return {
-            column: dict(zip(along[column.along], column.values, strict=True))
-            for column in self.columns
-            if column.along
+            one: {row.labels[one.along]: row.labels[one.name] for row in self.rows}
+            for one in self.columns
+            if one.along
         }
 
     @property
@@ -119,61 +112,61 @@ class Variants:
         return tuple(one for one in self.columns if not (one.along or one.is_drawn))
 
     @property
-    def unknown(self) -> tuple[str, ...]:
-        """Paths of the unknown inputs of samples that have no single value."""
-        return tuple(one["path"] for one in self.draw["unknown"]) if self.draw else ()
-
-    @property
     def given(self) -> tuple[Variant, ...]:
         """Combinations of the labels that are not drawn."""
         return combinations({one.name: self.axes[one.name] for one in self.chosen})
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """Paths of the unknown inputs of samples that have no single value."""
+        return tuple(one["path"] for one in self.draw["unknown"]) if self.draw else ()
 
     @property
     def rule(self) -> Any:
         """The rule by which rows were drawn, without the units that it is written in."""
         return _in_si(self.draw)
 
-    @property
-    def velocities(self) -> tuple[float, ...] | None:
-        """Velocity at which each row alone is simulated [m/s]; None if they share a plane."""
-        return self._places("velocity")
+    def labels(self, name: str) -> tuple[Any, ...] | None:
+        """Labels of the rows in a column; None without such a column."""
+        is_there = any(one.name == name for one in self.columns)
+        return tuple(row.labels[name] for row in self.rows) if is_there else None
 
     @property
     def has_plane(self) -> bool:
         """True if all rows share a plane, so that none has its own place."""
-        return self.velocities is None and self._places("load") is None
+        return not {one.name for one in self.columns} & PLACE_UNITS.keys()
 
-    def _places(self, name: str) -> tuple[Any, ...] | None:
-        return next((column.values for column in self.columns if column.name == name), None)
+    def values(self, name: Variant) -> Mapping[str, Any]:
+        """Entries that a row replaces, or that all rows do which are drawn for given labels."""
+        if name in self.by_name:
+            return self.by_name[name].values
+        own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
+        if not own or len(name) != len(self.chosen):
+            asked = " and ".join(f"{key} {value}" for key, value in name)
+            held = "; ".join(f"{key} {', '.join(map(str, one))}" for key, one in self.axes.items())
+            held = shorten(held or "one scene alone", _LONGEST, placeholder=" …")
+            raise InputError(f"the sweep has no {asked}; it has {held}")
+        drawn = {one.key for one in self._drawn}
+        return {key: one for key, one in own[0].values.items() if key not in drawn}
 
-    def row(self, name: Variant) -> Row:
-        """A row, or what the rows of a combination of the labels share that are not drawn."""
-        if name in self._rows:
-            return self.rows[self._rows[name]]
-        matching = [k for row, k in self._rows.items() if {*name} <= {*row}]
-        if not matching or len(name) != len(self.chosen):
-            unknown = [(key, one) for key, one in name if one not in self.axes.get(key, ())]
-            key, value = unknown[0] if unknown else ("the variant", dict(name))
-            held = ", ".join(map(str, self.axes.get(key, ()))) or "none"
-            raise InputError(f"{key} is {value}, which the sweep does not have; it has {held}")
+    @property
+    def _drawn(self) -> tuple[Column, ...]:
+        """Columns that are drawn, or follow from one."""
         drawn = {one.name for one in self.columns if one.is_drawn}
-        keys = {one.key for one in self.columns if drawn & {one.name, one.along}}
-        return {key: one for key, one in self.rows[matching[0]].items() if key not in keys}
+        return tuple(one for one in self.columns if drawn & {one.name, one.along})
 
     def written(self, name: Variant) -> dict[str, Any]:
         """Values of a row along its dimensions, as the scene writes them."""
-        row = self.row(name) if name else {}
+        values = self.values(name) if name else {}
         keys = {one.name: one.key for one in self.columns}
-        return {label: row.get(keys[label], value) for label, value in name}
+        return {dim: values.get(keys[dim], label) for dim, label in name}
 
     def below(self, name: Variant) -> Variants:
         """Rows that are drawn for a combination of labels that are not; one if none is drawn."""
-        drawn = {column.name for column in self.columns if column.is_drawn and not column.along}
-        if not drawn:
-            return Variants()
-        numbers = [k for row, k in self._rows.items() if {*name} <= {*row}]
-        columns = [one for one in self.columns if (one.along or one.name) in drawn]
-        return _select(columns, self.rows, numbers, self.draw)
+        columns = self._drawn
+        own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
+        rows = (Row({one.name: row.labels[one.name] for one in columns}, row.values) for row in own)
+        return Variants(columns, tuple(rows), self.draw) if columns else Variants()
 
     def union(self, other: Variants) -> Variants:
         """Rows of both tables, which have the same dimensions; what both have is the other's.
@@ -183,34 +176,25 @@ class Variants:
         InputError
             If neither has some combination of labels.
         """
-        axes = {name: in_order([*self.axes[name], *values]) for name, values in other.axes.items()}
-        names = combinations(axes)
-        numbers = {name: number for number, name in enumerate([*self._rows, *other._rows])}
-        if gap := next((dict(name) for name in names if name not in numbers), None):
+        axes = {dim: in_order([*self.axes[dim], *more]) for dim, more in other.axes.items()}
+        names, rows = combinations(axes), self.by_name | other.by_name
+        if gap := next((dict(name) for name in names if name not in rows), None):
             words = ", ".join(f"{label} {value}" for label, value in gap.items())
             raise InputError(
                 f"neither has all combinations of values, such as {words} (in SI); give each entry "
                 "of sweep.over all of its values, those of the store included"
             )
-        mine = {column.name: column.values for column in self.columns}
-        columns = [replace(one, values=mine[one.name] + one.values) for one in other.columns]
-        rows = [numbers[name] for name in names]
-        return _select(columns, (*self.rows, *other.rows), rows, other.draw)
+        return replace(other, rows=tuple(rows[name] for name in names))
 
     def plane_of(
         self, name: Variant, loads: tuple[float, ...], velocities: tuple[float, ...]
-    ) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         """Loads and velocities of a row: its own place, or those of the plane."""
-        at, own = self._rows[name], [self._places(axis) for axis in ("load", "velocity")]
-        return (own[0][at],) if own[0] else loads, (own[1][at],) if own[1] else velocities
-
-
-def _select(
-    columns: Iterable[Column], rows: Sequence[Row], numbers: Sequence[int], draw: Any
-) -> Variants:
-    """A table of some rows, by their numbers."""
-    taken = tuple(column.taken(numbers) for column in columns)
-    return Variants(taken, tuple(rows[k] for k in numbers), draw)
+        own = self.by_name[name].labels
+        return (
+            (own["load"],) if "load" in own else loads,
+            (own["velocity"],) if "velocity" in own else velocities,
+        )
 
 
 def _in_si(told: Any) -> Any:
@@ -233,63 +217,33 @@ def in_order(labels: Iterable[Any]) -> list[Any]:
     return [*once] if is_text else sorted(once)
 
 
-def numbers(count: int, is_drawn: bool = False) -> Column:
-    """Numbers of rows, as a dimension."""
-    return Column(VARIANT, tuple(range(count)), is_drawn=is_drawn, meaning=ROWS[VARIANT])
-
-
 def surfaces(seeds: Sequence[int]) -> Variants:
     """The scene on random surfaces, by their seeds."""
-    if not seeds:
-        return Variants()
-    column = Column(
-        "realization", tuple(seeds), is_drawn=True, meaning=ROWS["realization"], entry=SEED
-    )
-    return Variants((column,), tuple({SEED: seed} for seed in seeds))
+    name = "realization"
+    column = Column(name, is_drawn=True, meaning=ROWS[name], entry=SEED)
+    rows = tuple(Row({name: seed}, {SEED: seed}) for seed in seeds)
+    return Variants((column,), rows) if seeds else Variants()
 
 
-def placed_rows(
-    rows: Sequence[Row],
-    columns: Sequence[Column],
-    loads: Sequence[float],
-    velocities: Sequence[float],
+def numbered_rows(
+    columns: Iterable[Column], rows: Iterable[Row], draw: Mapping[str, Any] | None = None
 ) -> Variants:
-    """Numbered rows with a place each."""
-    places = [
-        Column(name, tuple(held), unit, VARIANT, meaning=f"{name} of the row")
-        for name, held, unit in (("load", loads, "N"), ("velocity", velocities, "m/s"))
-    ]
-    along = [*(replace(column, along=VARIANT) for column in columns), *places]
-    labels = [column for column in columns if "." not in column.name]
-    numbered = [
-        {VARIANT: k, **_texts(places, k), **row, **{one.name: one.values[k] for one in labels}}
-        for k, row in enumerate(rows)
-    ]
-    return Variants((numbers(len(rows)), *along), tuple(numbered))
-
-
-def _texts(columns: Iterable[Column], number: int) -> Row:
-    """Labels of a row as text that reads as the same numbers."""
-    return {one.name: f"{one.values[number]!r} {one.unit}" for one in columns}
+    """Rows by their number, with columns that follow from it."""
+    number = Column(VARIANT, is_drawn=draw is not None, meaning=ROWS[VARIANT])
+    along = (replace(one, along=VARIANT) for one in columns)
+    numbered = (Row({VARIANT: k, **labels}, one) for k, (labels, one) in enumerate(rows))
+    return Variants((number, *along), tuple(numbered), draw)
 
 
 def labelled_rows(
-    name: str,
-    changes: Mapping[Label, Row],
-    velocities: Sequence[float] | None = None,
-    loads: Sequence[float] | None = None,
+    name: str, changes: Mapping[Label, Mapping[str, Any]], **places: Sequence[float]
 ) -> Variants:
-    """Rows by hand: by label the entries that each changes, and its place [SI], if any."""
-    labels = tuple(changes)
-    own = [
-        Column(axis, tuple(map(float, values)), unit, name, meaning=f"{axis} of each {name}")
-        for axis, values, unit in (("velocity", velocities, "m/s"), ("load", loads, "N"))
-        if values is not None
-    ]
-    unit = None if isinstance(labels[0], str) else "1"
-    key = Column(name, labels, unit, meaning=f"{name} of the scene")
+    """Rows by hand: by label the entries that each changes, and its load or velocity [SI]."""
+    is_text = isinstance(next(iter(changes)), str)
+    key = Column(name, None if is_text else "1", meaning=f"{name} of the scene")
+    own = (Column(one, PLACE_UNITS[one], name, meaning=f"{one} of each {name}") for one in places)
     rows = (
-        {name: label, **_texts(own, number), **change}
-        for number, (label, change) in enumerate(changes.items())
+        Row({name: label} | {one: float(values[k]) for one, values in places.items()}, change)
+        for k, (label, change) in enumerate(changes.items())
     )
     return Variants((key, *own), tuple(rows))

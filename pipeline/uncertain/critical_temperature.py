@@ -186,16 +186,14 @@ def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
             _ = sweep.held(test.hold)  # refuses the hold of a record
             row["loading.hold"] = f"{test.hold!r} s"
         changes[number] = row
-    places = {
-        "loads": [test.normal_load for test in sweep.about.measured],
-        "velocities": [test.velocity for test in sweep.about.measured],
-    }
-    table = labelled_rows("test", changes, **places) * seeds
+    loads = [test.normal_load for test in sweep.about.measured]
+    velocities = [test.velocity for test in sweep.about.measured]
+    table = labelled_rows("test", changes, load=loads, velocity=velocities) * seeds
     entries: dict[str, Any] = {"sweep.fields": False}
-    for (name, values), unit in zip(places.items(), ("N", "m/s"), strict=True):
+    for name, values, unit in (("loads", loads, "N"), ("velocities", velocities, "m/s")):
         entries[f"sweep.{name}"] = [f"{value!r} {unit}" for value in sorted({*values})]
     written = replace_values(sweep.written, entries)
-    return replace(sweep, written=written, variants=table, chosen=None, made={})
+    return replace(sweep, written=written, variants=table, chosen=None)
 
 
 def _spread(values: tuple[float, ...]) -> float | None:

@@ -29,26 +29,22 @@ def fixed_at(draw: Any, values: Mapping[str, Any]) -> dict[str, Any]:
 def drawn_value(draw: Any, path: str, value: float | str) -> float:
     """A value of an unknown input in SI; raises if the samples do not reach it."""
     unknown = Draw.of(draw).open_inputs[path]
-    shown = unknown.shown
-    if isinstance(value, str) and unknown.unit == "1":
-        raise InputError(f'{unknown.path} is "{value}"; give a plain number')
-    number = in_si(unknown.path, value, f"1 {shown.name}")
+    number = in_si(unknown.path, value, f"1 {unknown.shown}".rstrip())
     if unknown.kind == "list":
         nearest = min(unknown.parameters, key=lambda one: abs(one - number))
         if math.isclose(nearest, number, rel_tol=ALIKE):
             return nearest
-        listed = ", ".join(f"{shown.express(one):g}" for one in unknown.parameters)
-        allowed = f"one of {listed}{shown.suffix}"
+        allowed = f"one of {', '.join(map(unknown.text, unknown.parameters))}"
     else:
         low, high = unknown.quantile(ndtr(np.array([-REACH, REACH]))).tolist()
         if unknown.kind == "uniform":
             low, high = unknown.parameters
         if low <= (number := snap(number, low, high)) <= high:
             return number
-        allowed = f"one from {shown.express(low):.4g} to {shown.express(high):.4g}{shown.suffix}"
+        allowed = f"one from {unknown.text(low, 4)} to {unknown.text(high, 4)}"
     raise InputError(
-        f"{unknown.path} is {shown.express(number):.6g}{shown.suffix}, beyond the samples; give "
-        f"{allowed}, or run the scene with --set {unknown.path}=… into another store"
+        f"{unknown.path} is {unknown.text(number)}, beyond the samples; give {allowed}, or run the "
+        f"scene with --set {unknown.path}=… into another store"
     )
 
 

@@ -6,12 +6,13 @@ A sample is read as if its values stood in the file; a distribution is checked a
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
+from pipeline.quantities import DIMENSIONS
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, did_you_mean, quoted
@@ -34,33 +35,27 @@ from pipeline.uncertain.samples import (
 from pipeline.uncertain.unknown import (
     Fixed,
     Form,
-    Unit,
     Unknown,
     correlations,
     first_unfit,
     without,
 )
-from tribo import InputError, Material, Scene, Wear
-from tribo.simulation import inseparable
+from tribo import InputError, Wear
+from tribo.simulation import inseparable, mechanics
 
 _TRIED = 1000  # samples that are read at once; others when they are computed
 _FACTOR = 1.25  # factor of a known wear rate by which samples of a contact differ all the same
 _FIXED = (
     "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
 )  # fmt: skip
-_SIGNS = {"degC": "°C", "degF": "°F", "um": "µm"}
+_SIGNS = {"degC": "°C", "um": "µm"}
 _SHARE, _OF_RATE = "temperature.failing_share", "m2 N-1"  # and the unit of a wear rate
 _APPLIED = {"friction.coefficient", "temperature.bulk", "temperature.critical"}
-_SIMULATED = {field.name for field in fields(Scene)} - {"solved_friction"}
-_THERMAL = "thermal_conductivity", "density", "specific_heat"
-_DECISIVE = _SIMULATED | {"conditions"}
 
 
 def _written(one: Unknown, value: float) -> str | float:
     """A value of an input as the file would write it: whole if it is one of whole numbers."""
-    if one.written:
-        return f"{one.written.express(value):.6g} {one.written.name}"
-    return one.entry(value)
+    return one.entry(value) if one.unit == "1" else one.text(value)
 
 
 def _fixed_paths(document: Document) -> frozenset[str]:
@@ -147,6 +142,7 @@ def _correlated(
 ) -> tuple[Unknown, ...]:
     """Unknown inputs, each with its correlations with those that stand before it in the file."""
     order = {one.path: number for number, one in enumerate(unknown)}
+    varying = {one.path: None if one.kind == "list" else one.varies for one in unknown}
     # Correlation and key of each pair, by the numbers of its inputs, the later one first.
     pairs = dict[tuple[int, int], tuple[float, str]]()
     stated = [(path, *pair) for path, shape in table.items() for pair in shape.correlated.items()]
@@ -157,12 +153,9 @@ def _correlated(
             faults.refuse(key, f"this is not another input of [unknown]{hint}")
         elif not {path, other} <= set(order):
             continue  # one of them is faulty
-        elif unknown[order[other]].kind == "list":
-            problem = "each value of a list is as likely, whatever else is; give a distribution"
-            faults.refuse(key, problem)
-        elif unknown[order[other]].varies != unknown[order[path]].varies:
-            problem = "one of them varies from part to part, and the other does not"
-            faults.refuse(key, f"{problem}; give both the same varies, or leave this out")
+        elif varying[other] is None or varying[path] != varying[other]:
+            problem = "neither a list nor an input that alone varies has a correlation"
+            faults.refuse(key, f"{problem}; leave it out")
         else:
             earlier, later = sorted((order[path], order[other]))
             before, _ = pairs.setdefault((later, earlier), (correlation, key))
@@ -194,8 +187,8 @@ def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sw
     drawn = [(one, layer) for one, layer in pairs if layer != "conditions"]
     rate = sweep.scene.wear.specific_wear_rate if isinstance(sweep.scene.wear, Wear) else 0.0
     if separable and rate and "wear rate" not in layers:
-        unit = Unit("mm³/(N m)", 1e-9)
-        spread = Unknown(SPECIFIC_WEAR_RATE, "log-normal", (rate, _FACTOR), _OF_RATE, unit)
+        terms = (rate, _FACTOR)
+        spread = Unknown(SPECIFIC_WEAR_RATE, "log-normal", terms, _OF_RATE, "mm³/(N m)")
         drawn.append((spread, "wear rate"))
     if not separable:
         drawn = [(one, "contact" if layer != "heat" else layer) for one, layer in drawn]
@@ -206,11 +199,10 @@ def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sw
 
 def _drawn(draw: Draw, count: int, sweep: Sweep) -> Sweep:
     """The sweep with samples of each of its rows; raises if one is not a sound scene."""
-    table = sweep.variants * drawn_rows(draw, count)
-    made = replace(sweep, variants=table, made={(): sweep.parts()})
+    made = replace(sweep, variants=sweep.variants * drawn_rows(draw, count))
     try:
-        for name in table.names[:_TRIED]:
-            made.parts(name)
+        for name in made.variants.names[:_TRIED]:
+            made.variant(name).parts()
     except InputError as error:
         raise InputError(
             f"unknown: a sample is not a sound scene: {error}; give narrower distributions"
@@ -231,26 +223,20 @@ def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
         raise UnitError(f"{', '.join(map(quoted, parameters))}: give all with a unit, or none")
     if not is_text:
         return Unknown(path, kind, tuple(map(float, parameters)))
-    unit = first.strip().partition(" ")[2].strip()
-    if not unit:
-        problem = f"{quoted(first)} is not a number with its unit; only numbers can be unknown"
-        raise UnitError(f'{problem}: give one such as "2 mm", with a space')
     in_si = {"log-normal": float, "normal": lambda text: difference_in_si(text, first)}
     convert = in_si.get(kind, lambda text: to_si(text, first))
     values = to_si(first, first), *map(convert, others)
-    try:
-        zero, one = (to_si(f"{n} {unit}", first) for n in (0, 1))
-    except UnitError as error:
-        problem = f"{quoted(first)} is on a scale of uneven steps; give it in HV, or as a pressure"
-        raise UnitError(problem) from error
-    written = Unit(_SIGNS.get(unit, unit), one - zero, zero)
-    return Unknown(path, kind, values, si_unit(first), written)
+    if (si := si_unit(first)) not in DIMENSIONS:
+        raise UnitError(f'{quoted(first)}: give one such as "2 mm", or plain numbers')
+    unit, units = first.strip().partition(" ")[2], DIMENSIONS[si].units
+    shown = _SIGNS.get(unit, unit) if unit in units else next(iter(units))
+    return Unknown(path, kind, values, si, shown)
 
 
 def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
     """Layer of a point that an input enters; it is tried out at its ends."""
     key, highest = f"unknown.{quoted(one.path)}", max(sweep.plane.loads)
-    changed: set[str] = set()
+    is_simulated = is_judged = False
     is_heat_alone = True
     for value, where, instead in _tried(one):
         try:
@@ -258,21 +244,18 @@ def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
         except InputError as error:
             faults.refuse(key, f"{where}{error}{instead}")
             return "conditions"
-        changed |= _differing(sweep, other)
-        alike = _same_heat(other.scene, sweep.scene)
-        is_heat_alone &= alike == sweep.scene
-        if step_count(other.scene, highest) != step_count(sweep.scene, highest):
+        scene = replace(other.scene, solved_friction=sweep.scene.solved_friction)
+        is_simulated |= scene != sweep.scene
+        is_judged |= other.conditions != sweep.conditions
+        is_heat_alone &= mechanics(scene) == mechanics(sweep.scene)
+        if step_count(scene, highest) != step_count(sweep.scene, highest):
             faults.refuse(key, "it changes the number of steps, which must stay; give it")
             return "conditions"
     if one.path == _SHARE and sweep.conditions.criterion != "share":
-        changed.clear()  # which no other criterion looks at
-    if not changed:
-        faults.refuse(key, "it changes nothing in this scene; leave it out")
-    elif not changed & _DECISIVE:
-        names = " and ".join(sorted(name.replace("_", " ") for name in changed))
-        problem = f"no temperature or wear depends on it, only the {names}; leave it out"
-        faults.refuse(key, problem)
-    if not changed & _SIMULATED:
+        is_judged = False  # no other criterion looks at it
+    if not (is_simulated or is_judged):
+        faults.refuse(key, "no temperature or wear of this scene depends on it; leave it out")
+    if not is_simulated:
         # Each sample has a rise of its own share, and of its own corrections.
         return "conditions" if one.path in _APPLIED else "heat"
     if one.path == SPECIFIC_WEAR_RATE:
@@ -284,34 +267,9 @@ def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
     """The sweep with another value of an entry, whatever friction scales; raises if it is unfit."""
     kept = {curve: entry_at(sweep.written, curve) for curve in CURVES}
     written = replace_values(sweep.written, kept | {path: value})
-    other = replace(sweep, written=written, variants=Variants(), made={})
+    other = replace(sweep, written=written, variants=Variants())
     other.parts()
     return other
-
-
-def _differing(sweep: Sweep, other: Sweep) -> set[str]:
-    """Fields in which two sweeps differ, but for names and notes."""
-    parts = [(one.scene, one.plane, one.record, one.about) for one in (sweep, other)]
-    found = {"conditions"} if sweep.conditions != other.conditions else set()
-    for first, second in zip(*parts, strict=True):
-        names = {one.name for one in fields(first)}
-        found |= {name for name in names if getattr(first, name) != getattr(second, name)}
-    return found - {"name", "title", "notes", "sources", "solved_friction"}
-
-
-def _same_heat(other: Scene, scene: Scene) -> Scene:
-    """A scene with the thermal constants of another."""
-
-    def heated(material: Material, like: Material) -> Material:
-        return replace(material, **{name: getattr(like, name) for name in _THERMAL})
-
-    pin: Any = other.pin
-    return replace(
-        other,
-        solved_friction=scene.solved_friction,
-        pin=replace(pin, material=heated(pin.material, scene.pin.material)),
-        disk=heated(other.disk, scene.disk),
-    )
 
 
 def _tried(one: Unknown) -> Iterator[tuple[float, str, str]]:

@@ -13,6 +13,7 @@ from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.figures import style
 from pipeline.figures.overlays import mark_tests, numbered
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from pipeline.quantities import shown_in
 from pipeline.scene.units import typeset
 from pipeline.sweep.about import condition_rows
 from pipeline.uncertain.ensemble import Ensemble
@@ -134,11 +135,11 @@ def draw_posterior(posterior: Posterior) -> Figure:
     figure = style.Picture(figsize=(3.4 * columns, 3.0 * rows + 0.9))
     axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
     for number, (quantity, panel) in enumerate(zip(unknown, axes, strict=False)):
-        values = quantity.shown.express(posterior.prior.inputs[:, number])
+        values = shown_in(posterior.prior.inputs[:, number], quantity.shown)
         low, high = (posterior.prior.quantile(values, share) for share in (0.001, 0.999))
         bins = np.linspace(low, high, _BINS)
         if quantity.kind == "list":
-            listed = np.sort(quantity.shown.express(np.array(quantity.parameters)))
+            listed = np.sort(shown_in(np.array(quantity.parameters), quantity.shown))
             middles = (listed[1:] + listed[:-1]) / 2
             bins = np.array([2 * listed[0] - middles[0], *middles, 2 * listed[-1] - middles[-1]])
         for draws, colour, label in (
@@ -146,12 +147,12 @@ def draw_posterior(posterior: Posterior) -> Figure:
             (posterior.draws, BLUE, "posterior, after the tests"),
         ):
             panel.hist(
-                quantity.shown.express(draws.inputs[:, number]), bins.tolist(),
+                shown_in(draws.inputs[:, number], quantity.shown), bins.tolist(),
                 weights=draws.weights, density=True, histtype="stepfilled", color=colour,
                 alpha=0.45, ec=colour, label=label,
             )  # fmt: skip
-        unit = typeset(style.as_text(quantity.shown.suffix))
-        label = style.entry_label(quantity.path) + (unit and f"\n[{unit.strip()}]")
+        unit = typeset(style.as_text(quantity.shown))
+        label = style.entry_label(quantity.path) + (unit and f"\n[{unit}]")
         panel.set_xlabel(label, fontsize=9)
         panel.ticklabel_format(axis="x", scilimits=(-3, 3), useMathText=True)
         panel.set_yticks([])

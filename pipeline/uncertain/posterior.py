@@ -11,6 +11,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
+from pipeline.quantities import display
 from pipeline.sweep.about import oils_of
 from pipeline.sweep.shown import shown
 from pipeline.uncertain.answers import draws_of, log_boundary
@@ -152,21 +153,18 @@ class Posterior:
         Of an input that is one of a list, the likeliest of its values.
         """
         for row, unknown in zip(self.summary(), self.unknown, strict=True):
-            mean, spread, after = unknown.shown, unknown.spread, row["posterior"]
+            after, spread = row["posterior"], unknown.spread
             if unknown.kind == "list":
                 odds = after["probability"]
                 best = max(odds, key=odds.__getitem__)
-                value = f"{mean.express(float(best)):g}{mean.suffix}"
-                said = f"{value} likeliest, {odds[best]:.2f}"
+                said = f"{unknown.text(float(best))} likeliest, {odds[best]:.2f}"
                 yield unknown.path, f"one of {len(odds)}", said, ""
                 continue
             moments = [
-                f"{mean.express(of['mean']):.4g} ± {spread.express(of['sd']):.3g}"
+                f"{unknown.text(of['mean'], 4)} ± {display(of['sd'], spread, 3).rstrip()}"
                 for of in (row["prior"], after)
             ]
-            within = " to ".join(f"{mean.express(value):.4g}" for value in after["interval"])
-            unit = mean.suffix if spread == mean else f"{mean.suffix}, ± in{spread.suffix}"
-            yield unknown.path, *moments, f"{within}{unit}"
+            yield unknown.path, *moments, " to ".join(unknown.text(x, 4) for x in after["interval"])
 
     @property
     def correlations(self) -> Array:

@@ -19,7 +19,7 @@ import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
 from pipeline.sweep.conditions import PATHS
-from pipeline.sweep.variants import ROWS, VARIANT, Column, Variants, numbers
+from pipeline.sweep.variants import PLACE_UNITS, ROWS, Column, Row, Variants, numbered_rows
 from pipeline.uncertain.unknown import Fixed, Unknown, sequence, without
 from tribo.types import Array
 
@@ -150,23 +150,22 @@ class Draw:
 def drawn_rows(draw: Draw, count: int) -> Variants:
     """Samples of inputs that are not known exactly, each with its own velocity."""
     values, velocities = draw.design.draw(count)
-    rows = [
-        {VARIANT: number, "sample": number, "velocity": f"{velocity!r} m/s"}
-        | {one.path: one.entry(x) for one, x in zip(draw.design.inputs, row, strict=True)}
-        for number, (row, velocity) in enumerate(
-            zip(values.tolist(), velocities.tolist(), strict=True)
-        )
-    ]
-    meaning = "value of an input that is not known exactly"
-    sample = Column("sample", tuple(range(count)), "1", VARIANT, meaning=ROWS["sample"])
-    inputs = (
-        Column(one.path, tuple(column), one.unit, VARIANT, meaning=meaning)
-        for one, column in zip(draw.design.inputs, values.T.tolist(), strict=True)
-    )
+    inputs, meaning = draw.design.inputs, "value of an input that is not known exactly"
     words = "sliding velocity of the sample"
-    velocity = Column("velocity", tuple(velocities.tolist()), "m/s", VARIANT, meaning=words)
-    columns = (numbers(count, is_drawn=True), sample, *inputs, velocity)
-    return Variants(columns, tuple(rows), draw=draw.as_dict())
+    columns = (
+        Column("sample", meaning=ROWS["sample"]),
+        *(Column(one.path, one.unit, meaning=meaning) for one in inputs),
+        Column("velocity", PLACE_UNITS["velocity"], meaning=words),
+    )
+    paths = [one.path for one in inputs]
+    rows = (
+        Row(
+            {"sample": k, **dict(zip(paths, row, strict=True)), "velocity": velocity},
+            {one.path: one.entry(x) for one, x in zip(inputs, row, strict=True)},
+        )
+        for k, (row, velocity) in enumerate(zip(values.tolist(), velocities.tolist(), strict=True))
+    )
+    return numbered_rows(columns, rows, draw.as_dict())
 
 
 def _sum(shares: Array, one: float, other: float) -> Array:

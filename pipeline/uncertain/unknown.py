@@ -13,7 +13,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.quantities import DIMENSIONS
+from pipeline.quantities import DIMENSIONS, ZERO, display
 from pipeline.sweep.limits import MOST_INPUTS
 from tribo import InputError
 from tribo.types import Array
@@ -25,28 +25,6 @@ OF_90 = 1.645
 _LEAST = 1e-6  # share of an input's variance that the others must leave open
 _OUTERMOST = 7.0  # normal score beyond which nothing is drawn
 _OFF_FACES = 2.0**-40  # distance from the faces of the unit cube, where a normal score is infinite
-
-
-@dataclass(frozen=True, slots=True)
-class Unit:
-    """A unit in which values are shown."""
-
-    name: str  # ``1`` for a pure number
-    size: float = 1.0  # value of one [SI]
-    zero: float = 0.0  # value at its zero [SI]
-
-    def __post_init__(self) -> None:
-        if self.size <= 0:
-            raise InputError(f"the unit {self.name} has the size {self.size:g}; give one above 0")
-
-    def express(self, value: Any) -> Any:
-        """A value in SI, or an array of them, in this unit."""
-        return (value - self.zero) / self.size
-
-    @property
-    def suffix(self) -> str:
-        """The unit as it follows a number."""
-        return "" if self.name == "1" else f" {self.name}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +40,7 @@ class Unknown:
     kind: Form
     parameters: tuple[float, ...]
     unit: str = "1"
-    written: Unit | None = field(default=None, compare=False)
+    written: str = field(default="", compare=False)  # unit of the scene, if it is one of ours
     correlated: tuple[tuple[str, float], ...] = ()
     varies: bool = False  # from part to part; else it is one value
 
@@ -70,8 +48,8 @@ class Unknown:
         terms = self.parameters
         if self.kind not in get_args(Form) or not all(map(math.isfinite, terms)):
             raise InputError(f"{self.kind} with {terms} is not a distribution; give finite numbers")
-        unit, fault = self.shown, None
-        first, last = (f"{unit.express(value):g}{unit.suffix}" for value in (terms[0], terms[-1]))
+        first, last = self.text(terms[0]), self.text(terms[-1])
+        fault = None
         match self.kind, terms:
             case "normal", (_, spread) if spread <= 0:
                 fault = f"sd is {spread:g}; give above 0"
@@ -89,12 +67,8 @@ class Unknown:
     @classmethod
     def of(cls, told: Any) -> Unknown:
         """The input that plain data of its fields stand for."""
-        own = {
-            "parameters": tuple(told["parameters"]),
-            "written": told["written"] and Unit(**told["written"]),
-            "correlated": tuple((path, number) for path, number in told["correlated"]),
-        }
-        return cls(**told | own)
+        pairs = tuple((path, number) for path, number in told["correlated"])
+        return cls(**told | {"parameters": tuple(told["parameters"]), "correlated": pairs})
 
     def quantile(self, share: Array) -> Array:
         """Quantiles of the distribution [SI], at shares above 0 and below 1."""
@@ -121,14 +95,18 @@ class Unknown:
         return self.kind == "log-normal"
 
     @property
-    def shown(self) -> Unit:
-        """The unit in which its values are shown."""
-        return self.written or Unit(self.unit)
+    def shown(self) -> str:
+        """The unit in which its values are shown; empty of a number."""
+        return self.written or ("" if self.unit == "1" else self.unit)
 
     @property
-    def spread(self) -> Unit:
+    def spread(self) -> str:
         """The unit in which differences of its values are shown; those of a temperature, in K."""
-        return Unit(self.unit) if self.shown.zero else self.shown
+        return "K" if self.shown in ZERO else self.shown
+
+    def text(self, value: float, digits: int = 6) -> str:
+        """A value in its unit."""
+        return display(value, self.shown, digits).rstrip()
 
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data, without those that most inputs do not have."""
@@ -136,15 +114,13 @@ class Unknown:
         return {k: v for k, v in asdict(self).items() if v or k not in rare}
 
     def __str__(self) -> str:
-        unit = self.shown.suffix
-        values = [f"{self.shown.express(value):.6g}" for value in self.parameters]
+        values = [self.text(value) for value in self.parameters]
         first, second = values[0], self.parameters[1]
-        spread = f"{self.spread.express(second):.6g}{self.spread.suffix}"
         words = {
-            "normal": f"normal, mean {first}{unit}, sd {spread}",
-            "log-normal": f"log-normal, median {first}{unit}, factor {second:.6g}",
-            "uniform": f"uniform from {first} to {values[1]}{unit}",
-            "list": f"one of {', '.join(values)}{unit}",
+            "normal": f"normal, mean {first}, sd {display(second, self.spread).rstrip()}",
+            "log-normal": f"log-normal, median {first}, factor {second:.6g}",
+            "uniform": f"uniform from {first} to {values[1]}",
+            "list": f"one of {', '.join(values)}",
         }[self.kind]
         pairs = (f", correlated by {number:g} with {path}" for path, number in self.correlated)
         varies = ", from part to part" if self.varies and self.kind != "list" else ""
@@ -159,8 +135,7 @@ class Fixed:
     value: float  # [SI]
 
     def __str__(self) -> str:
-        unit = self.unknown.shown
-        return f"{self.unknown.path} is fixed at {unit.express(self.value):.6g}{unit.suffix}"
+        return f"{self.unknown.path} is fixed at {self.unknown.text(self.value)}"
 
 
 def without(unknown: Sequence[Unknown], paths: Collection[str]) -> tuple[Unknown, ...]:

@@ -17,7 +17,7 @@ from pipeline.sweep.conditions import FIELDS as PATHS_OF
 from pipeline.sweep.conditions import UNITS as UNITS_OF
 from pipeline.sweep.model import Plane, Record
 from pipeline.sweep.tables import replace_value
-from pipeline.sweep.variants import labelled_rows
+from pipeline.sweep.variants import Column, Row, Variants, labelled_rows, numbered_rows
 from tribo.simulation.pins import sizes_of
 
 _OF_SWEEP = {"name", "variants", "notes", "sources", "selection", "chosen", "stations", "judged"}
@@ -70,13 +70,13 @@ def changed(sweep, **values):
     if isinstance(reader, Given):
         kept = {name: value for name, value in reader.values.items() if name not in rest}
         reader = Given(reader.reader, kept) if kept else reader.reader
-    made = replace(sweep, written=written, reader=reader, made={}, **own)
+    made = replace(sweep, written=written, reader=reader, **own)
     try:
         made.parts()
     except tribo.TriboError:
-        made = replace(sweep, made={}, **own)
+        made = replace(sweep, **own)
     other = {name: value for name, value in rest.items() if not _has(made, name, value)}
-    return replace(made, reader=Given(reader, other), made={}) if other else made
+    return replace(made, reader=Given(reader, other)) if other else made
 
 
 def _has(sweep, name, value):
@@ -261,12 +261,29 @@ def _oil(oil):
 
 def rows(name, changes, velocities=None, loads=None):
     """Rows by hand, by the fields of parts of the sweep that each changes [SI], or by objects."""
+    places = {"load": loads, "velocity": velocities}
     return labelled_rows(
         name,
         {label: _row(change) for label, change in changes.items()},
-        velocities,
-        loads,
+        **{axis: values for axis, values in places.items() if values is not None},
     )
+
+
+def placed_rows(*places):
+    """Numbered rows, each with its load and velocity, and further labels and entries, if any."""
+    units = {"load": "N", "velocity": "m/s", "angle": "deg", "gear": None, "time": "1"}
+    held = [
+        Row({**labels, "load": load, "velocity": velocity}, values)
+        for load, velocity, labels, values in ((*one, {}, {})[:4] for one in places)
+    ]
+    columns = (Column(name, units[name], meaning=f"{name} of the row") for name in held[0].labels)
+    return numbered_rows(columns, held)
+
+
+def two_pins():
+    """Rows of two pins, of 1 and 2 mm."""
+    held = (Row({"pin.radius": n * 1e-3}, {"pin.radius": f"{n} mm"}) for n in (1, 2))
+    return Variants((Column("pin.radius", "m"),), tuple(held))
 
 
 _KEYS = {"wear": ("specific_wear_rate", "pattern")}

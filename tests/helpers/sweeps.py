@@ -62,4 +62,5 @@ def deciding(ds):
 def inputs_of(table):
     """Inputs of the samples of a table by row, shape (n_sample, n_input)."""
     labels = ("sample", "velocity")
-    return np.array([one.values for one in table.coordinates if one.name not in labels]).T
+    names = [one.name for one in table.coordinates if one.name not in labels]
+    return np.array([table.labels(name) for name in names]).T

@@ -11,7 +11,7 @@ from pipeline.analysis.dataset import dataset_of
 from pipeline.analysis.margin_frame import judged
 from pipeline.figures.style import TINTS
 from pipeline.sweep.plan import points, run_point
-from pipeline.sweep.variants import Column, placed_rows
+from tests.helpers.entries import placed_rows
 from tests.helpers.sweeps import with_fields
 from tests.helpers.tiny import sweep
 from tests.pipeline.conftest import commit_all
@@ -20,8 +20,9 @@ RADII = 6e-3, 8e-3
 
 
 def table(loads=(300.0, 300.0)):
-    labels = [Column("gear", ("a", "b"), None), Column("angle", (20.0, 5.0), "deg")]
-    return placed_rows([{"pin.radius": f"{one!r} m"} for one in RADII], labels, loads, (1.0, 1.0))
+    labels = ({"gear": "a", "angle": 20.0}, {"gear": "b", "angle": 5.0})
+    radii = ({"pin.radius": f"{one!r} m"} for one in RADII)
+    return placed_rows(*zip(loads, (1.0, 1.0), labels, radii, strict=True))
 
 
 @pytest.fixture(scope="module")

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
+from pipeline.quantities import shown_in
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import rise_limit, worst_rises
 from pipeline.sweep.variants import Variants
@@ -61,8 +62,8 @@ def entries_of(unknown, values):
 def written(unknown, value):
     """A value as it would stand in the scene."""
     unit = unknown.shown
-    if unit.name != "1":
-        return f"{float(unit.express(value))!r} {unit.name}"
+    if unit:
+        return f"{float(shown_in(value, unit))!r} {unit}"
     return int(value) if unknown.kind == "list" and value.is_integer() else value
 
 

@@ -15,9 +15,8 @@ from pipeline.store.create import writing
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import Law
-from pipeline.sweep.variants import placed_rows
 from tests.helpers import synthetic, tiny
-from tests.helpers.entries import rows
+from tests.helpers.entries import placed_rows, rows
 from tests.helpers.refusals import Refusals
 from tests.helpers.samples import dataset, ensemble
 from tests.helpers.sweeps import with_fields
@@ -47,7 +46,7 @@ def warming():
 
 
 def places():
-    return made(variants=placed_rows([{}], [], [250.0], [1.0]))
+    return made(variants=placed_rows((250.0, 1.0)))
 
 
 def joined(sweeps, dim="load"):

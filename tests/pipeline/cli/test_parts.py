@@ -26,13 +26,13 @@ from pipeline.scene.facts import Span, facts_of
 from pipeline.store.progress import FailedPoint
 from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.stages import Progress
-from pipeline.sweep.variants import placed_rows, surfaces
+from pipeline.sweep.variants import surfaces
 from pipeline.tradeoff.forecast import Estimate
 from pipeline.uncertain.drawn import described
 from pipeline.uncertain.samples import Design, Draw, drawn_rows
 from pipeline.uncertain.unknown import Fixed, Unknown
 from tests.helpers import synthetic, tiny
-from tests.helpers.entries import rows
+from tests.helpers.entries import placed_rows, rows
 from tribo import InputError
 
 # Values
@@ -362,7 +362,7 @@ def test_a_check_says_which_inputs_are_simulated_and_whether_more_samples_help()
          "12: 3 loads, 3 velocities, 2 values of pin.radius"),
         ({"variants": rows("test", {0: {}, 1: {}}, velocities=[0.5, 1.5])},
          "12: 3 loads, 2 velocities, 2 values of test"),
-        ({"variants": placed_rows([{}] * 2, [], [250.0, 600.0], [0.5, 1.5])},
+        ({"variants": placed_rows((250.0, 0.5), (600.0, 1.5))},
          "12: 2 rows, each at its own load and velocity"),
     ],
 )  # fmt: skip

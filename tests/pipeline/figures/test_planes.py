@@ -15,8 +15,8 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.overlays import film_lines
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.surface import find_lubrication
-from pipeline.sweep.variants import Column, Variants
 from tests.helpers import synthetic
+from tests.helpers.entries import two_pins as radii_rows
 from tribo import InputError
 
 LOADS, VELOCITIES = (200.0, 300.0, 400.0, 500.0, 600.0), (1.0, 1.5, 2.0, 3.0, 4.0)
@@ -199,11 +199,9 @@ def test_a_single_load_or_velocity_has_its_transition_or_the_reason_why_not():
 
 def two_pins(factors=(1.0, 0.1), **told):
     radii = (1e-3, 2e-3)
-    column = Column("pin.radius", radii, "m")
-    table = Variants((column,), ({"pin.radius": "1 mm"}, {"pin.radius": "2 mm"}))
     parts = [
         sweep(
-            variants=table,
+            variants=radii_rows(),
             rise=lambda *place, factor=factor: factor * synthetic.rise(*place),
             **told,
         )

@@ -11,8 +11,8 @@ from pipeline.run.vary import Variation, Variations
 from pipeline.store.create import writing
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import Measurement
-from pipeline.sweep.variants import placed_rows
 from tests.helpers import synthetic, tiny
+from tests.helpers.entries import placed_rows
 from tests.helpers.refusals import Refusals
 from tests.helpers.samples import dataset, ensemble
 from tests.helpers.unknowns import ALL
@@ -29,7 +29,7 @@ def plot(kind, *arguments, **options):
 
 
 def of_places():
-    with writing("a.zarr", tiny.sweep(variants=placed_rows([{}], [], [250.0], [1.0]))):
+    with writing("a.zarr", tiny.sweep(variants=placed_rows((250.0, 1.0)))):
         pass
     return pipeline.plot("a.zarr", "diagram", log=True)
 

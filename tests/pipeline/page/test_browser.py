@@ -20,11 +20,11 @@ from pipeline.analysis.laboratory import agreement, compared, model_error
 from pipeline.analysis.margin import percent
 from pipeline.analysis.transition import ABOVE, MILD
 from pipeline.sweep.about import Measurement
-from pipeline.sweep.variants import Column, Variants
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import samples, synthetic
 from tests.helpers.answers import answer
 from tests.helpers.browser import chromium
+from tests.helpers.entries import two_pins
 from tests.helpers.page_sweeps import column, same
 
 
@@ -254,10 +254,8 @@ def test_a_page_of_samples_tells_the_probability_at_any_place(page, monkeypatch)
 
 def test_another_value_of_an_entry_keeps_the_conditions_that_were_changed(page):
     radii = [1e-3, 2e-3]
-    parts = tuple({"pin.radius": f"{1e3 * radius:g} mm"} for radius in radii)
-    table = Variants((Column("pin.radius", tuple(radii), "m"),), parts)
     ds = xr.concat(
-        [synthetic.sweep(rise=sweeps.uneven(seed), variants=table) for seed in range(2)],
+        [synthetic.sweep(rise=sweeps.uneven(seed), variants=two_pins()) for seed in range(2)],
         xr.DataArray(radii, dims="pin.radius", name="pin.radius", attrs={"units": "m"}),
         combine_attrs="override",
     )

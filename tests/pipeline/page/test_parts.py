@@ -31,9 +31,9 @@ from pipeline.page.controls import controls, scene_choice, surface_choice
 from pipeline.page.pictures import coloured, packed_fields, packed_point
 from pipeline.store.schema import DONE
 from pipeline.sweep.digest import digest
-from pipeline.sweep.variants import Column, Variants
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import samples, synthetic
+from tests.helpers.entries import two_pins
 from tests.helpers.sweeps import with_fields
 from tribo import InputError
 
@@ -547,10 +547,8 @@ def test_fields_of_several_scenes_share_the_most_that_a_page_holds(tmp_path):
     assert (held.points, held.points_with_fields) == (9, 4)
     assert held.path == tmp_path / "b.html"
     radii = (1e-3, 2e-3)
-    column = Column("pin.radius", radii, "m")
-    table = Variants((column,), ({"pin.radius": "1 mm"}, {"pin.radius": "2 mm"}))
     two = xr.concat(
-        [sparse(fields=True, variants=table) for _ in radii],
+        [sparse(fields=True, variants=two_pins()) for _ in radii],
         xr.DataArray([*radii], dims="pin.radius", name="pin.radius", attrs={"units": "m"}),
         combine_attrs="override",
     )

@@ -69,7 +69,7 @@ def test_a_dataset_has_the_inputs_and_the_velocity_of_each_sample(sampled):
     samples, ds = load(sampled).variants, pipeline.open_sweep(sampled / "out.zarr")
     assert ds["max_rise"].dims == ("variant", "load", "step")
     assert ds["velocity"].dims == ("variant",)
-    assert ds["velocity"].values.tolist() == list(samples.velocities)
+    assert ds["velocity"].values.tolist() == list(samples.labels("velocity"))
     (rate,) = inputs_of(samples).T
     assert ds["wear.specific_wear_rate"].values.tolist() == rate.tolist()
     assert ds["wear.specific_wear_rate"].attrs["units"] == "m2 N-1"
@@ -79,7 +79,7 @@ def test_a_dataset_has_the_inputs_and_the_velocity_of_each_sample(sampled):
 
 def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(sampled):
     sweep, number = load(sampled), 5
-    (rate,), velocity = inputs_of(sweep.variants)[number], sweep.variants.velocities[number]
+    (rate,), velocity = inputs_of(sweep.variants)[number], sweep.variants.labels("velocity")[number]
     alone = changed(
         sweep,
         variants=Variants(),

@@ -53,8 +53,8 @@ def test_a_rotation_is_a_velocity_where_a_column_has_the_radius(tmp_path):
 def test_a_label_in_numbers_keeps_its_unit(tmp_path):
     heads = "cycle time [min],angle [deg],gear,load [N],velocity [m/s]"
     rows = f"{heads}\n0.5,30,2a,300,1\n1,60,3,600,2\n"
-    columns = pipeline.load_scene(scene(tmp_path, rows=rows)).variants.columns
-    held = {column.name: (column.values, column.unit) for column in columns}
+    table = pipeline.load_scene(scene(tmp_path, rows=rows)).variants
+    held = {column.name: (table.labels(column.name), column.unit) for column in table.columns}
     assert held["cycle time"] == ((0.5, 1.0), "min")
     assert held["angle"] == ((30.0, 60.0), "deg")
     assert held["gear"] == (("2a", "3"), None)

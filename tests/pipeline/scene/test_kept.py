@@ -227,7 +227,7 @@ def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
     sweep = scene_sweep(ds)
     rows = [sweep.variant(name).scene.roughness.digest for name in sweep.variants.names]
     assert len({*rows}) == 3
-    assert [row["disk.roughness.content"] for row in sweep.rows] == rows
+    assert [row.values["disk.roughness.content"] for row in sweep.rows] == rows
 
 
 def median(rises, share, quantiles):
@@ -240,7 +240,7 @@ def test_a_row_beside_a_criterion_of_the_user_says_what_it_replaces_alone():
     over = {"sweep.over": {"temperature.bulk": bulks}}
     sweep = pipeline.load_scene("first_try", overrides=over, laws={"criterion": rule})
     assert sweep.entries["temperature"]["criterion"].endswith(":median")
-    assert [*map(dict, sweep.rows)] == [
+    assert [dict(row.values) for row in sweep.rows] == [
         {"temperature.bulk": t} for t in over["sweep.over"].popitem()[1]
     ]
     assert back(sweep) == sweep

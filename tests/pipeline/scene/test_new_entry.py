@@ -64,4 +64,4 @@ def test_it_takes_several_values_and_a_row_reads_its_table_alone(scenes):
     rows = [sweep.variant(name) for name in sweep.variants.names]
     assert [row.scene.roughness.waviness for row in rows] == [*VALUES.values()]
     assert rows[1].parts().declared.pin is sweep.parts().declared.pin
-    assert replace(sweep, made={}) == sweep
+    assert replace(sweep) == sweep

@@ -16,8 +16,8 @@ from pipeline.store.progress import summary
 from pipeline.store.schema import require_free_names
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
-from pipeline.sweep.variants import Column, placed_rows
 from tests.helpers import entries, tiny
+from tests.helpers.entries import placed_rows
 from tests.helpers.refusals import Refusals
 from tests.helpers.stores import commit, forge
 
@@ -222,7 +222,7 @@ REFUSALS = {
     "many": (lambda: commit("a.zarr", tiny.full(loads=MANY, velocities=MANY), ()),
              "would have 1.6e+07 points"),
     "label": (lambda: require_free_names(tiny.sweep(variants=placed_rows(
-        [{"time": 1.0}], [Column("time", (1.0,), "1", meaning="time")], [250.0], [1.0]))),
+        (250.0, 1.0, {"time": 1.0}, {})))),
               "a column of the rows is called time"),
 }  # fmt: skip
 

@@ -6,9 +6,9 @@ import tribo
 from pipeline.scene.shipped import WORKFLOWS
 from pipeline.store import schema
 from pipeline.store.layout import block_of
-from pipeline.sweep.variants import Variants, placed_rows, surfaces
+from pipeline.sweep.variants import Variants, surfaces
 from tests.helpers import tiny
-from tests.helpers.entries import rows
+from tests.helpers.entries import placed_rows, rows
 from tests.house import reference
 
 
@@ -54,7 +54,7 @@ TESTS = {"a": {}, "b": {}}
         (rows("test", TESTS, velocities=(0.5, 1.0)), "load", "test load", "test load"),
         (rows("test", TESTS, loads=(200.0, 300.0)), "test", "test velocity", "test velocity"),
         (rows("test", TESTS, (0.5, 1.0), (200.0, 300.0)), "test", "test", "test"),
-        (placed_rows([{}, {}], [], [200.0, 300.0], [0.5, 1.0]), "variant", "variant", "variant"),
+        (placed_rows((200.0, 0.5), (300.0, 1.0)), "variant", "variant", "variant"),
     ],
     ids=["plane", "surfaces", "ramps", "surfaces and ramps", "velocities", "loads", "places",
          "rows"],

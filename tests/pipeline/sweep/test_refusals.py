@@ -12,9 +12,9 @@ from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.laws import Law, MissingSurface, law_record
 from pipeline.sweep.model import Plane
 from pipeline.sweep.severity import require_bulks
-from pipeline.sweep.variants import Column, Variants, placed_rows, surfaces
+from pipeline.sweep.variants import Column, Row, Variants, surfaces
 from tests.helpers import tiny
-from tests.helpers.entries import rows
+from tests.helpers.entries import placed_rows, rows
 from tests.helpers.refusals import Refusals
 
 OIL = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
@@ -38,7 +38,7 @@ def hidden():
 
 
 STORED = Law("laws:Law", (("distance", 1.0),), "0")
-PLACED = tiny.sweep(variants=placed_rows([{}], [], [100.0], [1.0]))
+PLACED = tiny.sweep(variants=placed_rows((100.0, 1.0)))
 SMOOTH = tiny.sweep(roughness=None)
 REFUSALS = {
     # conditions
@@ -64,10 +64,10 @@ REFUSALS = {
     "hold": (lambda: tiny.sweep(loading=RECORD).held(2.0), "hold is 2 s, but the load follows"),
     "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion: unknown key (did you mean"),
     "surface": (lambda: SMOOTH.take_surface(3), "realization is 3"),
-    "labels": (lambda: Variants((Column("a", (1, 1)),), ({}, {})), "do not have a label each"),
-    "tables": (lambda: surfaces((1, 2)) * surfaces((3,)), "have realization; give one"),
-    "row": (lambda: surfaces((1, 2)).row((("realization", 5),)),
-            "realization is 5, which the sweep does not have; it has 1, 2"),
+    "labels": (lambda: Variants((Column("a"),), (Row({"a": 1}, {}),) * 2).by_name,
+               "do not have a label each"),
+    "row": (lambda: surfaces((1, 2)).values((("realization", 5),)),
+            "the sweep has no realization 5; it has realization 1, 2"),
     "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(
         surfaces((2,)) * rows("pin", {"b": {}})), "such as realization 1, pin b"),
     # surfaces

@@ -27,32 +27,13 @@ def test_a_row_has_its_own_place_as_far_as_it_is_given(table, plane):
     assert table.has_plane is (plane == (LOADS, VELOCITIES))
 
 
-def test_what_is_not_drawn_is_given_and_each_combination_once():
-    assert surfaces((3, 4)).given == ((),)
-    assert OILS.given == OILS.names
-    both = OILS * surfaces((3, 4))
-    assert both.given == OILS.given
-    assert len(both) == 4
-    a, b = OILS.names
-    density = "materials.of_disk.density"
-    assert both.row(a) == {"oil": "a", density: "7800 kg/m^3"}
-    last = {"oil": "b", density: "7900 kg/m^3", "disk.roughness.seed": 4}
-    assert both.row((*b, ("realization", 4))) == last
-    assert both.below(a).axes == {"realization": (3, 4)}
-    assert OILS.below(a) == Variants()
-    with pytest.raises(InputError, match=r"realization is 5, which the sweep .* it has 3, 4"):
-        both.row((*a, ("realization", 5)))
-    with pytest.raises(InputError, match="two tables of variants have oil; give one"):
-        _ = OILS * OILS
-
-
 def test_rows_of_two_tables_are_put_together():
     few = rows("oil", {"b": {"disk.density": 7900.0}}) * surfaces((3, 4))
     with pytest.raises(InputError, match="combinations of values, such as oil a, realization 3"):
         few.union(OILS * surfaces((2,)))
     united = (OILS * surfaces((3, 4))).union(OILS * surfaces((2,)))
     assert united.axes == {"oil": ("a", "b"), "realization": (2, 3, 4)}
-    assert united.rows[0]["disk.roughness.seed"] == 2
+    assert united.rows[0].values["disk.roughness.seed"] == 2
     assert len(united) == 6
 
 
@@ -61,4 +42,4 @@ def test_a_row_reads_what_it_replaces_alone():
     plain, other = map(sweep.variant, sweep.variants.names)
     assert other.scene.pin.radius == 6e-3
     assert other.parts().declared.disk is plain.parts().declared.disk is sweep.parts().declared.disk
-    assert [*sweep.rows[1]] == ["pin", "pin.radius"]
+    assert [*sweep.rows[1].values] == ["pin.radius"]

@@ -10,7 +10,7 @@ from pipeline.sweep.accuracy import error_in_words, has_unknown_error, velocity_
 from pipeline.sweep.model import Point
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, duration, staged
-from pipeline.uncertain.unknown import Fixed, Unit, Unknown
+from pipeline.uncertain.unknown import Fixed, Unknown
 from tests.helpers import synthetic
 from tests.helpers.entries import changed
 from tribo import PRESETS
@@ -22,15 +22,11 @@ def test_a_point_is_said_with_its_place_and_variant():
 
 
 def test_inputs_are_said_in_the_unit_of_the_scene():
-    celsius = Unit("°C", zero=273.15)
-    assert f"{celsius.express(418.15):g}{celsius.suffix}" == "145 °C"
-    rate = Unknown(
-        "wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1", Unit("mm^3/(N m)", 1e-9)
-    )
+    rate = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1", "mm^3/(N m)")
     assert str(rate) == (
         "wear.specific_wear_rate: log-normal, median 1.2e-06 mm^3/(N m), factor 1.5"
     )
-    ra = Unknown("disk.roughness.ra", "uniform", (1e-7, 3e-7), "m", Unit("µm", 1e-6))
+    ra = Unknown("disk.roughness.ra", "uniform", (1e-7, 3e-7), "m", "µm")
     assert str(Fixed(ra, 2e-7)) == "disk.roughness.ra is fixed at 0.2 µm"
 
 

@@ -81,7 +81,7 @@ def test_no_more_samples_are_drawn_than_suffice(tmp_path):
 
 def test_samples_of_a_contact_have_its_inputs_and_its_wear_number(tmp_path):
     samples = pipeline.load_scene(scene(tmp_path, samples=16)).variants
-    values, velocities = inputs_of(samples), np.array(samples.velocities)
+    values, velocities = inputs_of(samples), np.array(samples.labels("velocity"))
     number = values[:, 0] * velocities
     for begin in range(0, 16, 4):
         assert np.ptp(values[begin : begin + 4, 1:], axis=0).max() == 0.0
@@ -89,7 +89,7 @@ def test_samples_of_a_contact_have_its_inputs_and_its_wear_number(tmp_path):
         assert len(set(velocities[begin : begin + 4])) == 4
     fewer = pipeline.load_scene(scene(tmp_path)).variants
     assert np.array_equal(inputs_of(fewer), inputs_of(samples)[:8])
-    assert fewer.velocities == samples.velocities[:8]
+    assert fewer.labels("velocity") == samples.labels("velocity")[:8]
 
 
 def test_a_sample_is_the_scene_with_its_values_typed_in(tmp_path):
@@ -162,7 +162,7 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
         ('"temperature.critical" = { mean = "145 degC", sd = "8 degC" }', 'such as "8 K"'),
         ('"pin.radius" = { mean = "2 mm", sd = 0.1 }', "give all with a unit, or none"),
         ('"pin.radius" = { from = "3 mm", to = "1 mm" }', "from 3 mm to 1 mm does not rise"),
-        ('"wear.pattern" = ["swept", "local"]', '"swept" is not a number with its unit; only num'),
+        ('"wear.pattern" = ["swept", "local"]', '"swept" is not a number followed by a unit'),
         ('"sweep.loads" = ["1 N", "2 N"]', "cannot be unknown"),
         ('"loading.reference_load" = ["750 N", "400 N"]', "number of steps"),
     ],
@@ -208,7 +208,7 @@ def test_either_of_two_inputs_may_say_that_they_are_correlated(tmp_path):
     [
         ('{ "temperature.critica" = 0.6 }', f'{WEAR}."temperature.critica"', "(did you mean"),
         ('{ "wear.specific_wear_rate" = 0.6 }', WEAR, "not another input of [unknown]"),
-        ('{ "disk.roughness.seed" = 0.6 }', WEAR, "each value of a list is as likely"),
+        ('{ "disk.roughness.seed" = 0.6 }', WEAR, "neither a list nor"),
         ('{ "temperature.critical" = 1.0 }', WEAR, "1.0 is out of range; give a number without a"),
         (
             '{ "friction.coefficient" = 0.9, "temperature.critical" = 0.6 }',
@@ -231,7 +231,7 @@ def test_an_input_that_changes_nothing_is_told(tmp_path):
             tmp_path, '[unknown]\n"materials.idle.density" = ["1 g/cm^3", "2 g/cm^3"]\n', text=text
         )
     )
-    assert "changes nothing in this scene; leave it out" in message
+    assert "depends on it; leave it out" in message
 
 
 def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
@@ -260,7 +260,7 @@ def test_an_input_varies_from_part_to_part_if_it_says_so_and_a_seed_always(tmp_p
     assert [one.varies for one in Draw.of(drawn).unknown] == [True, False, True]
     assert str(Draw.of(drawn).unknown[0]).endswith("factor 1.5, from part to part")
     tied = parts.replace("0.005", '0.005, correlated = { "wear.specific_wear_rate" = 0.5 }')
-    with pytest.raises(pipeline.SceneFileError, match="one of them varies from part to part"):
+    with pytest.raises(pipeline.SceneFileError, match="an input that alone varies"):
         pipeline.load_scene(scene(tmp_path, f"[unknown]\n{tied}"))
 
 
