@@ -109,17 +109,6 @@ class About:
         return replace(self, title=title, tested_oil=oil, measured=measured, tested=tested)
 
 
-def plane_rows(loads: Sequence[float], velocities: Sequence[float]) -> Line:
-    """Describe the loads and velocities of a sweep."""
-
-    def spanned(values: Sequence[float], name: str, unit: str) -> str:
-        if len(values) == 1:
-            return f"{values[0]:g} {unit}"
-        return f"{len(values)} {name} from {values[0]:g} to {values[-1]:g} {unit}"
-
-    return "sweep", f"{spanned(loads, 'loads', 'N')}, {spanned(velocities, 'velocities', 'm/s')}"
-
-
 def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Iterator[Line]:
     """Say when wear is severe, a row for each subject; of paths that are drawn, that they are."""
     bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"

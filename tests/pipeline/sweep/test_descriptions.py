@@ -10,7 +10,7 @@ import pytest
 
 import tribo
 from pipeline.sweep import stages
-from pipeline.sweep.about import Measurement, judged_by, oils_of, own_tests, plane_rows
+from pipeline.sweep.about import Measurement, judged_by, oils_of, own_tests
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.selection import Choice, Selection
 from pipeline.sweep.shown import shown
@@ -46,7 +46,6 @@ def test_conditions_of_several_are_said_once_each_and_what_is_drawn_as_that():
         "severe wear: more than the share of each sample of its contact above 145 °C;"
     )
     assert "bulk of each sample" in judged_by([own], ("temperature.bulk.pin",))
-    assert plane_rows((1.0,), (2.0, 3.0)) == ("sweep", "1 N, 2 velocities from 2 to 3 m/s")
 
 
 def test_tests_are_of_the_scene_s_oil_if_they_name_none_or_the_first_by_name():

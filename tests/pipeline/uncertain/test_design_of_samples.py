@@ -7,7 +7,8 @@ import pytest
 from scipy.stats import norm
 
 from pipeline.sweep.conditions import bulk_entries, changes_of
-from pipeline.sweep.model import Lead, Plane, Point, drop_last_digits
+from pipeline.sweep.leads import Lead, drop_last_digits
+from pipeline.sweep.model import Plane, Point
 from pipeline.uncertain.samples import Design, Draw, _sum, samples_per_contact
 from pipeline.uncertain.unknown import Unknown
 from tests.helpers import tiny
