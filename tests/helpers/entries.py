@@ -271,7 +271,14 @@ def rows(name, changes, velocities=None, loads=None):
 
 def placed_rows(*places):
     """Numbered rows, each with its load and velocity, and further labels and entries, if any."""
-    units = {"load": "N", "velocity": "m/s", "angle": "deg", "gear": None, "time": "1"}
+    units = {
+        "load": "N",
+        "velocity": "m/s",
+        "angle": "deg",
+        "gear": None,
+        "name": None,
+        "time": "1",
+    }
     held = [
         Row({**labels, "load": load, "velocity": velocity}, values)
         for load, velocity, labels, values in ((*one, {}, {})[:4] for one in places)

@@ -6,8 +6,8 @@ import pytest
 import pipeline
 from pipeline.figures.style import TINTS
 from pipeline.sweep.plan import points
-from pipeline.sweep.variants import Column, placed_rows
 from tests.helpers import tiny
+from tests.helpers.entries import placed_rows
 from tests.pipeline.conftest import commit_all
 from tests.pipeline.figures.test_plot import labels, lines
 
@@ -17,8 +17,9 @@ NAMES = ("first run", "second", "third", "last")
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
     """Four rows with names, of which the last one is pending."""
-    column = Column("name", NAMES, None)
-    table = placed_rows([{}] * 4, [column], [250.0, 600.0, 400.0, 300.0], [0.5, 3.0, 1.0, 1.0])
+    places = zip((250.0, 600.0, 400.0, 300.0), (0.5, 3.0, 1.0, 1.0), strict=True)
+    named = zip(places, NAMES, strict=True)
+    table = placed_rows(*((*place, {"name": name}, {}) for place, name in named))
     sweep = tiny.sweep(variants=table)
     path = tmp_path_factory.mktemp("rows") / "rows.zarr"
     with np.errstate(all="raise", under="ignore"):
