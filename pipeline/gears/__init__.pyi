@@ -8,6 +8,7 @@ from .fzg import Critical as Critical
 from .fzg import critical_temperature as critical_temperature
 from .fzg import predict_stages as predict_stages
 from .involute import Involutes as Involutes
+from .judge import judge as judge
 from .pair import Duty as Duty
 from .pair import Pair as Pair
 from .reading import read_pair as read_pair
@@ -19,5 +20,4 @@ from .rules import scuffing_integral as scuffing_integral
 from .rules import stage_bulk as stage_bulk
 from .rules import stage_torque as stage_torque
 from .scene import scene_toml as scene_toml
-from .spectrum import Spectrum as Spectrum
 from .spectrum import judge_spectrum as judge_spectrum

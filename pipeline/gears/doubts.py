@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from pipeline.gears.contact import Mesh
 from pipeline.gears.reading import FACE_WIDTH, LOAD_FACTOR, MODULE, ROUGHNESS
@@ -12,10 +12,10 @@ from pipeline.scene.reference import usual_of
 from pipeline.sweep.remarks import Remark
 
 
-def doubts(meshes: Iterable[Mesh]) -> list[Remark]:
-    """Values outside their usual ranges, of a pair and of its duties."""
-    found = (each for one in meshes for each in beyond_usual(_quantities(one)))
-    return [Remark(place, "warning", words) for place, words in dict.fromkeys(found)]
+def doubts(one: Mesh) -> list[Remark]:
+    """Values of a pair and its duty outside their usual ranges."""
+    found = beyond_usual(_quantities(one))
+    return [Remark(place, "warning", words) for place, words in found]
 
 
 def _quantities(one: Mesh) -> Iterator[Usual]:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import pandas as pd
+
 from pipeline.gears.contact import mesh
-from pipeline.gears.model import Simulated, simulate
+from pipeline.gears.judge import judge
 from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.reading import read_pair
 from pipeline.gears.rules import STAGES, scuffing_integral, stage_bulk, stage_torque
-from pipeline.quantities import display, shown_in
+from pipeline.quantities import si_of
 from tribo import InputError
 
 _FZG = "fzg_a"
+_BEYOND_ALL = 1500.0  # critical temperature [K] by which nothing is judged
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,23 +30,6 @@ class Critical:
     failed: float  #: The same in the stage that failed.
     stage: int  #: That failed.
     integral: float | None = None  #: Scuffing integral temperature of the rule of the standard.
-
-    @property
-    def words(self) -> Iterator[str]:
-        """The critical temperature in lines, beside the rule of the standard."""
-        yield (
-            f"critical temperature: {shown_in(self.value, '°C'):.0f} ± {self.doubt:.0f} °C by this "
-            f"model, of an oil that fails in load stage {self.stage} of FZG A/8.3/90"
-        )
-        yield (
-            f"the hottest place was at {display(self.passed, '°C', '.0f')} in the stage before, "
-            f"and at {display(self.failed, '°C', '.0f')} in that stage"
-        )
-        if self.integral is not None:
-            yield (
-                f"scuffing integral temperature: {display(self.integral, '°C', '.0f')} by the rule "
-                "of ISO/TR 13989-2, Eq. 94, for that rule alone, not for this model"
-            )
 
 
 def stage_duty(pair: Pair, stage: int) -> Duty:
@@ -88,7 +73,7 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> Critical:
     stage : int
         Failure load stage in A/8.3/90, from 2 to 12.
     **choices
-        Preset, workers and progress of `simulate`.
+        Preset, workers and progress of `judge`.
 
     Raises
     ------
@@ -101,15 +86,18 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> Critical:
             f"passes stage {len(STAGES)} has no failure stage: --failure-stage {len(STAGES)} is "
             "then a lower bound"
         )
-    gears = rig_pair(pair).changed(critical=None, critical_sd=None)
+    gears = rig_pair(pair).changed(critical=_BEYOND_ALL, critical_sd=None)
     meshes = [mesh(gears, duty=stage_duty(gears, number)) for number in (stage - 1, stage)]
-    passed, failed = simulate(meshes, **choices)
-    error, oil = max(passed.error, failed.error), gears.oil
+    table, oil = judge(meshes, **choices), gears.oil
+    hottest = table["decisive temperature [°C]"].tolist()
+    passed, failed = (si_of(value, "°C") for value in hottest)
+    errors = table["temperature error [K]"].astype(float)
+    error = math.inf if errors.isna().any() else errors.max()
     return Critical(
-        value=(passed.temperature + failed.temperature) / 2,
-        doubt=math.hypot((failed.temperature - passed.temperature) / math.sqrt(12), error),
-        passed=passed.temperature,
-        failed=failed.temperature,
+        value=(passed + failed) / 2,
+        doubt=math.hypot((failed - passed) / math.sqrt(12), error),
+        passed=passed,
+        failed=failed,
         stage=stage,
         integral=None
         if oil is None
@@ -117,16 +105,26 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> Critical:
     )
 
 
-def predict_stages(pair: Pair, **choices: Any) -> list[Simulated]:
-    """Simulate and judge a pair in all load stages of the test.
+def predict_stages(pair: Pair, **choices: Any) -> pd.DataFrame:
+    """Simulate and judge a pair in all load stages of the test; see `judge`.
 
     Parameters
     ----------
     pair : Pair
         The test gears, with any oil and roughness, or other gears; with a critical temperature.
     **choices
-        Preset, workers and progress of `simulate`.
+        Preset, workers and progress of `judge`.
     """
     stages = range(1, len(STAGES) + 1)
-    meshes = [mesh(pair, duty=stage_duty(pair, number)) for number in stages]
-    return simulate(meshes, **choices)
+    table = judge([mesh(pair, duty=stage_duty(pair, number)) for number in stages], **choices)
+    table.insert(0, "stage", stages)
+    return table
+
+
+def first_failure(table: pd.DataFrame) -> str:
+    """The first load stage of `predict_stages` that is likelier severe than mild, in words."""
+    failed = table[table["probability"] > 0.5]
+    if failed.empty:
+        return "Passes all load stages."
+    first = failed.iloc[0]
+    return f"Fails in load stage {first['stage']}. {first['sentence']}."

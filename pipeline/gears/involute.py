@@ -9,6 +9,7 @@ to D.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -105,21 +106,8 @@ class Involutes:
     face_width: float
 
     def __post_init__(self) -> None:
-        bases = sum(self.base_radii)
-        if self.centre_distance <= bases:
-            raise InputError(
-                f"mesh.centre_distance is {_mm(self.centre_distance)}; the base circles need more "
-                f"than {_mm(bases)} between them"
-            )
-        self._check_shifts()
-        for name, tip, base in zip(_GEARS, self.tip_diameters, self.base_radii, strict=True):
-            if tip <= 2 * base:
-                raise InputError(
-                    f"{name}.tip_diameter is {_mm(tip)}, within the base circle of {_mm(2 * base)}"
-                    ", where there is no involute; give a larger one"
-                )
-        self._check_teeth()
-        self._check_path()
+        for fault in self._faults():
+            raise InputError(fault)
 
     @property
     def transverse_angle(self) -> float:
@@ -193,71 +181,51 @@ class Involutes:
         lean = math.cos(self.base_helix_angle)
         return (first + place) / lean, (second - place) / lean
 
-    def _check_shifts(self) -> None:
-        """Compare the centre distance with that at which the profile shifts leave no backlash."""
+    def _faults(self) -> Iterator[str]:
+        """Why the gears cannot run; each reason supposes that there is none before it."""
+        apart, room = self.centre_distance, _MISFIT * self.module
         fitting = fitting_distance(
             self.module, self.pressure_angle, self.helix_angle, self.teeth, self.profile_shifts
         )
-        if abs(self.centre_distance - fitting) > _MISFIT * self.module:
-            raise InputError(
-                f"mesh.centre_distance is {_mm(self.centre_distance)}, and profile shifts of "
-                f"{self.profile_shifts[0]:g} and {self.profile_shifts[1]:g} fit {_mm(fitting)}; "
-                f"give one within {_mm(_MISFIT * self.module)} of that, or other shifts"
+        if abs(apart - fitting) > room or apart <= sum(self.base_radii):
+            yield (
+                f"mesh.centre_distance is {_mm(apart)}, and the profile shifts fit {_mm(fitting)}; "
+                f"give one within {_mm(room)} of that, or other shifts"
             )
-
-    def _check_teeth(self) -> None:
-        """Refuse pointed teeth."""
-        angle, tangent = self.transverse_angle, math.tan(self.pressure_angle)
-        for k, name in enumerate(_GEARS):
-            at_tip = math.acos(2 * self.base_radii[k] / self.tip_diameters[k])
-            half = (math.pi / 2 + 2 * self.profile_shifts[k] * tangent) / self.teeth[k]
-            thickness = self.tip_diameters[k] * (half + involute(angle) - involute(at_tip))
-            if thickness <= 0:
-                raise InputError(
-                    f"{name}.tip_diameter is {_mm(self.tip_diameters[k])}: the teeth are pointed "
-                    "below it; give a smaller one, or a smaller profile shift"
+        for k, (name, tip) in enumerate(zip(_GEARS, self.tip_diameters, strict=True)):
+            if tip <= 2 * self.base_radii[k]:
+                yield (
+                    f"{name}.tip_diameter is {_mm(tip)}, within the base circle, where there is no "
+                    f"involute; give more than {_mm(2 * self.base_radii[k])}"
+                )
+            if self._tip_thickness(k) <= 0:
+                yield (
+                    f"{name}.tip_diameter is {_mm(tip)}: the teeth are pointed below it; give a "
+                    "smaller one, or a smaller profile shift"
+                )
+        if self.contact_ratio < 1 or not self.path.a < 0 < self.path.e:
+            yield (
+                f"the transverse contact ratio is {self.contact_ratio:.3g}, from "
+                f"{_mm(self.path.a)} to {_mm(self.path.e)} about the pitch point; it must be at "
+                "least 1, and contact pass that point: give other tip diameters or profile shifts"
+            )
+        # On the flanks below the tips that meet them.
+        begins = self.tangents[0] + self.path.a, self.tangents[1] - self.path.e
+        for k, (begin, name) in enumerate(zip(begins, _GEARS, strict=True)):
+            if begin <= 0 or begin < self.undercut(k):
+                yield (
+                    f"{name}.profile_shift is {self.profile_shifts[k]:g}: contact begins at a "
+                    f"radius of curvature of {_mm(begin)}, and the involute at "
+                    f"{_mm(self.undercut(k))}; give a larger shift, more teeth, or a smaller "
+                    f"{_GEARS[1 - k]}.tip_diameter"
                 )
 
-    def _check_path(self) -> None:
-        """Refuse a path that is too short, or that leaves the involutes."""
-        path, (first, second) = self.path, self.tangents
-        if path.e <= path.a:
-            raise InputError(
-                f"the tips do not reach each other at a centre distance of "
-                f"{_mm(self.centre_distance)}; give larger tip diameters"
-            )
-        if self.contact_ratio < 1:
-            total = self.contact_ratio + self.overlap_ratio
-            helical = f" ({total:.3g} with the overlap)" if self.overlap_ratio else ""
-            raise InputError(
-                f"the transverse contact ratio is {self.contact_ratio:.3g}{helical}; it must be at "
-                "least 1, by larger tip diameters or more teeth"
-            )
-        if not path.a < 0 < path.e:
-            raise InputError(
-                f"contact runs from {_mm(path.a)} to {_mm(path.e)} about the pitch point, and not "
-                "through it; give other profile shifts or tip diameters"
-            )
-        room = first + path.a, second - path.e  # on the flanks below the tips that meet them
-        for name, other, left in zip(_GEARS, _GEARS[::-1], room[::-1], strict=True):
-            if left <= 0:
-                raise InputError(
-                    f"{name}.tip_diameter: its tip interferes with the flank of the {other}, "
-                    f"{_mm(-left)} beyond the end of the involute; give a smaller tip diameter, "
-                    "other profile shifts or more teeth"
-                )
-        for k, left in enumerate(room):
-            if left < (cut := self.undercut(k)):
-                raise InputError(
-                    f"{_GEARS[k]}.profile_shift is {self.profile_shifts[k]:g}: undercut takes the "
-                    f"involute up to a radius of curvature of {_mm(cut)}, and contact begins at "
-                    f"{_mm(left)}; give {self.least_shift(k):.3g} or more, or more teeth"
-                )
-
-    def least_shift(self, gear: int) -> float:
-        """Profile shift below which a standard rack undercuts: x = 1 − z sin² αt/(2 cos β)."""
-        sine = math.sin(self.transverse_angle)
-        return _TOOL_ADDENDUM - self.teeth[gear] * sine**2 / 2 / math.cos(self.helix_angle)
+    def _tip_thickness(self, gear: int) -> float:
+        """Thickness of the teeth of a gear at their tips [m]."""
+        tip, shift = self.tip_diameters[gear], self.profile_shifts[gear]
+        at_tip = math.acos(2 * self.base_radii[gear] / tip)
+        half = (math.pi / 2 + 2 * shift * math.tan(self.pressure_angle)) / self.teeth[gear]
+        return tip * (half + involute(self.transverse_angle) - involute(at_tip))
 
     def undercut(self, gear: int) -> float:
         """Radius of curvature of the involute up to which a standard rack cuts it away [m].
@@ -266,11 +234,10 @@ class Involutes:
         the gear has turned by φ; what it cuts there lies outside of the involute down to where both
         meet. 0 without undercut.
         """
-        r, rb = self.reference_radii[gear], self.base_radii[gear]
-        if self.profile_shifts[gear] >= self.least_shift(gear):
-            return 0.0
+        r, rb, angle = self.reference_radii[gear], self.base_radii[gear], self.transverse_angle
         depth = (_TOOL_ADDENDUM - self.profile_shifts[gear]) * self.module
-        angle = self.transverse_angle
+        if depth <= r * math.sin(angle) ** 2:
+            return 0.0
         turned = np.linspace(-1.5, 1.5, 20001)
         along, above = r * turned - depth * math.tan(angle), r - depth
         radius = np.hypot(along, above)

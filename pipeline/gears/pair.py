@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from pipeline.gears.involute import Involutes
-from pipeline.quantities import display
 from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.caveats import critical_in_words
 from tribo import Material, Oil
@@ -66,12 +65,6 @@ class Pair:
     def rms_roughness(self) -> float:
         """Rq of both flanks together, of heights distributed normally [m]."""
         return _RQ_OF_RA * math.hypot(*self.roughness)
-
-    @property
-    def critical_words(self) -> str:
-        """The critical temperature, and how exactly it is known; empty if it is not given."""
-        doubt = f" ± {self.critical_sd:.3g} K" if self.critical_sd else ", taken as exact"
-        return display(self.critical, "°C", 3) + doubt if self.critical is not None else ""
 
     @property
     def caveats(self) -> tuple[str, ...]:

@@ -9,12 +9,10 @@ import pytest
 
 import pipeline.gears as gears
 from pipeline.gears import rules
-from pipeline.gears.answer import _facts
 from pipeline.gears.contact import buttressing, load_share
-from pipeline.gears.fzg import Critical, rig_pair, stage_duty
-from pipeline.gears.model import Simulated, decisive_places
+from pipeline.gears.fzg import rig_pair, stage_duty
+from pipeline.gears.judge import decisive_places
 from pipeline.gears.reading import tip_diameter
-from pipeline.gears.spectrum import Spectrum, SpectrumRow
 from tribo import InputError
 
 HELICAL = {
@@ -44,52 +42,44 @@ def mesh(fzg):
 # Facts of a mesh
 
 
-def test_facts_of_the_test_gears_are_those_of_the_standard(mesh):
+def test_facts_of_the_test_gears_are_those_of_the_standard(irg, mesh):
     """ISO 14635-1: αwt 22.44°, 8.3 m/s, εα 1.36; tables of the test give 1539 MPa in stage 10."""
-    facts = dict(_facts(mesh))
-    assert facts["duty"] == "372.6 N m at 2170 rpm on the pinion, teeth at 165.7 °C"
-    assert facts["contact ratio"] == "1.361"
-    assert facts["mesh"] == "working pressure angle 22.439°, centre distance 91.5 mm"
-    assert facts["pitch line"] == "8.317 m/s, 1.54 GPa if one pair carries all"
+    facts = irg("gears", "fzg_a", "--json")
     normal = 372.6 / (36e-3 * math.cos(math.radians(20)))
-    assert facts["load"] == (
-        f"{normal:.6g} N normal to the flanks; all on one pair from B to D, beyond from a third at "
-        "A and E to two thirds, AGMA 925-A03"
-    )
-    assert facts["friction"] == f"{mesh.friction:.3g}, mean, by ISO/TR 13989-2, Eq. 1"
     hot = max(mesh.places, key=lambda place: place.flash)
     assert hot.letter == "D"
-    assert facts["hottest"] == (
-        f"{165.7 + hot.flash:.0f} °C at 9.97 mm, by Blok's flash temperature of {hot.flash:.0f} K"
-    )
-    films = [place.film_parameter for place in mesh.places]
-    assert facts["film"] == f"Λ {min(films):.2g} to {max(films):.2g}: boundary lubrication"
-    assert facts["integral"].endswith(" °C, by the rule of ISO/TR 13989-2 for this bulk")
-    assert "library" in facts
+    for name, value in {
+        "torque": 372.6, "speed [rpm]": 2170.0, "bulk_temperature": 438.85,
+        "contact_ratio": 1.361, "centre_distance": 91.5e-3, "overlap_ratio": 0.0,
+        "working pressure angle [°]": 22.439, "pitch_line_velocity": 8.317,
+        "pitch_pressure_of_one_pair": 1.54e9, "normal_load": normal, "friction": mesh.friction,
+        "hottest_place": hot.position, "hottest_temperature": hot.temperature,
+        "integral_temperature": mesh.integral.integral,
+    }.items():  # fmt: skip
+        assert facts[name] == pytest.approx(value, rel=1e-4), name
+    assert facts["load_sharing"].startswith("all on one pair from B to D")
+    assert facts["lubrication"] == "boundary lubrication"
+    assert facts["friction_from"] == "ISO/TR 13989-2, Eq. 1"
+    assert "library_1" in facts
 
 
-def test_facts_of_other_pairs_say_their_overlap_their_sharing_and_their_friction():
-    helical = gears.mesh(gears.read_pair("fzg_a", HELICAL))
-    facts = dict(_facts(helical))
-    assert facts["contact ratio"] == "1.46, overlap 0.541"
-    assert facts["load"].endswith(
-        "; helical: shared as lines of contact are long, 1/εα from an overlap of 1 on, and up to "
-        "1.3 times that at A and E, ISO/TR 13989-1"
-    )
-    long = gears.read_pair("fzg_a", LONG | {"friction.coefficient": 0.05})
-    facts = dict(_facts(gears.mesh(long)))
-    assert facts["load"].endswith("; shared equally by the pairs in mesh")
-    assert facts["friction"] == "0.05, as given"
-    dry = gears.read_pair("fzg_a", {"without": ["oil"], "friction.coefficient": 0.05})
-    facts = dict(_facts(gears.mesh(dry)))
-    assert not {"film", "integral"} & {*facts}
-    thin = gears.read_pair("fzg_a", {"oil": "ISO VG 32", "temperature.bulk": "20 degC"})
+def test_facts_of_other_pairs_say_their_overlap_their_sharing_and_their_friction(irg):
+    def facts(entries):
+        sets = (one for path, value in entries.items() for one in ("--set", f"{path}={value}"))
+        return irg("gears", "fzg_a", *sets, "--json")
+
+    helical = facts(HELICAL)
+    assert helical["overlap_ratio"] == pytest.approx(0.541, abs=5e-4)
+    assert helical["load_sharing"].startswith("helical")
+    long = facts(LONG | {"friction.coefficient": 0.05})
+    assert long["load_sharing"] == "shared equally by the pairs in mesh"
+    assert (long["friction"], long["friction_from"]) == (0.05, "the file")
+    dry = facts({"without": "oil", "friction.coefficient": 0.05})
+    assert dry["lubrication"] is dry["integral_temperature"] is None
     smooth = {"pinion.roughness": "0.05 um", "wheel.roughness": "0.05 um"}
-    polished = gears.mesh(gears.read_pair("fzg_a", smooth | {"temperature.bulk": "20 degC"}))
-    films = [place.film_parameter for place in polished.places]
-    assert max(films) > 3
-    assert "full film" in dict(_facts(polished))["film"]
-    assert gears.mesh(thin).places[0].film < polished.places[0].film
+    polished = facts(smooth | {"temperature.bulk": "20 degC"})
+    assert max(polished["Λ"]) > 3
+    assert "full film" in polished["lubrication"]
 
 
 def test_only_what_slides_and_is_named_or_hotter_than_its_neighbours_may_decide(mesh):
@@ -241,19 +231,7 @@ def test_tips_keep_the_clearance_of_the_rack():
     assert leaning == pytest.approx(80e-3 + 4e-3)
 
 
-# Stages and spectra
-
-
-def test_a_critical_temperature_says_both_stages_and_the_rule():
-    found = Critical(533.15, 12.0, 513.15, 553.15, 9, 550.15)
-    assert [*found.words] == [
-        "critical temperature: 260 ± 12 °C by this model, of an oil that fails in load stage 9 of "
-        "FZG A/8.3/90",
-        "the hottest place was at 240 °C in the stage before, and at 280 °C in that stage",
-        "scuffing integral temperature: 277 °C by the rule of ISO/TR 13989-2, Eq. 94, for that "
-        "rule alone, not for this model",
-    ]
-    assert len([*replace(found, integral=None).words]) == 2
+# Stages
 
 
 def test_the_oil_of_another_pair_is_tested_on_the_test_gears_with_its_surface(fzg):
@@ -273,57 +251,6 @@ def test_the_oil_of_another_pair_is_tested_on_the_test_gears_with_its_surface(fz
     duty = stage_duty(own, 5)
     assert duty.bulk == pytest.approx(353.15 + 0.23 * 94.1 * 0.8)
     assert duty.turns == pytest.approx(2170.0)
-
-
-def spectrum(mesh, *rows, unused=(), place=None):
-    """A spectrum of rows of verdict, probability and hours, the temperature at 240 °C."""
-    mesh = replace(mesh, pair=mesh.pair.changed(critical=523.15, critical_sd=14.0))
-    made = (
-        SpectrumRow(
-            number, hours, Simulated(mesh, place or mesh.hottest, 513.15, 2.0, verdict, probability)
-        )
-        for number, (verdict, probability, hours) in enumerate(rows, 1)
-    )
-    return Spectrum((*made,), unused)
-
-
-def test_the_worst_verdict_binds_and_of_equal_ones_the_likeliest(mesh):
-    rows = [("mild", 0.04, 1.0), ("not decided", 0.01, 1.0), ("not decided", 0.3, 1.0)]
-    assert spectrum(mesh, *rows).binding.number == 3
-    assert spectrum(mesh, *rows[:2]).verdict == "not decided"  # its numerical error is not known
-    assert spectrum(mesh, *rows, ("severe", 0.96, 1.0)).verdict == "severe"
-    assert spectrum(mesh, rows[0]).verdict == "mild"
-
-
-def test_a_spectrum_says_its_verdict_and_the_row_that_binds(mesh):
-    severe = spectrum(mesh, ("mild", 0.01, 100.0), ("severe", 0.97, 20.0), ("severe", 0.96, 4.0))
-    assert severe.sentence == (
-        "Scuffing is predicted in 2 of 3 rows, 24 of 124 h. Row 2, 372.6 N m at 2170 rpm, binds: "
-        "severe with 97 %, 10 K below the critical temperature (250 °C ± 14 K), 9.97 mm from the "
-        "pitch point towards the pinion's tip."
-    )
-    mild = spectrum(mesh, ("mild", 0.03, None), ("mild", 0.04, 5.0), place=mesh.places[0])
-    assert mild.sentence == (
-        "No scuffing is predicted in 2 of 2 rows. Row 2, 372.6 N m at 2170 rpm, binds: severe with "
-        "4 %, 10 K below the critical temperature (250 °C ± 14 K), 3.32 mm from the pitch point "
-        "towards the wheel's tip."
-    )
-    open_one = spectrum(mesh, ("not decided", 0.5, 0.0), ("mild", 0.01, 0.0))
-    assert open_one.sentence.startswith(
-        "Whether the gears scuff is not decided in 1 of 2 rows. Row 1, 372.6 N m at 2170 rpm, "
-        "binds: severe with 50 %"
-    )
-
-
-def test_remarks_on_a_spectrum_count_its_rows_and_name_what_is_not_used(mesh):
-    assert [*spectrum(mesh, ("mild", 0.01, 1.0)).remarks] == [
-        "verdict on 1 row: mild; hours are counted, and wear over them is not"
-    ]
-    both = spectrum(mesh, ("mild", 0.01, 1.0), ("severe", 0.99, 1.0), unused=("name", "shift"))
-    assert [*both.remarks] == [
-        "verdict on 2 rows: severe; hours are counted, and wear over them is not",
-        "columns not used: name, shift",
-    ]
 
 
 # The figure and the scene
