@@ -83,7 +83,7 @@ def point(options: argparse.Namespace) -> Result:
         "model_error": model and model.worded,
         "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
         "molten": decisive > MELTS,
-        "not_counted": note_on_turns(sweep, options.load, options.velocity),
+        "not_counted": note_on_turns(sweep),
         "wall_time": result.wall_time,
         "decided_by": decided_by,
         **selected(sweep),

@@ -5,31 +5,30 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict
+from dataclasses import is_dataclass
 from typing import Any
 
 from pipeline.quantities import display, shown_in
+from pipeline.scene.declare import Either, List, Table, table_of
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, tracks_of
-from pipeline.scene.format import BULK
+from pipeline.scene.faults import joined
+from pipeline.scene.format import BULK, Material, SceneFile
+from pipeline.scene.kinds import Kind, Number, Quantity
 from pipeline.scene.reference import usual_of, usual_range
+from pipeline.scene.written import form_of
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.physics import columns_in_closed_form, note_on_ends, note_on_turns
+from pipeline.sweep.physics import note_on_ends, note_on_turns
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
-from tribo import Corrections, Material, Ramp, SelfAffineRoughness, Wear
+from tribo import Ramp, SelfAffineRoughness
 from tribo.simulation.element_size import FEWEST_ACROSS, FEWEST_ROWS
-from tribo.simulation.pins import sizes_of
 from tribo.simulation.point_warnings import (
     FEWEST_PIXELS,
     FEWEST_TURNS,
     WIDEST,
 )
 
-_CONSTANTS = (
-    "elastic_modulus", "hardness", "thermal_conductivity", "density", "specific_heat",
-)  # fmt: skip
-"""Constants of a material that have a usual range."""
 _LONGEST = 1 / 3  # correlation length in sides of the window
 _REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
 _MOST_RISE = 2.0  # rise of the mean plane over the window, in Rq
@@ -57,11 +56,54 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
 
 def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     """Quantities outside their usual ranges."""
-    yield from beyond_usual(_quantities(sweep, facts))
+    declared = dict(vars(sweep.parts().declared))
+    for name, material in (declared.pop("materials") or {}).items():
+        yield from material_doubts(joined("materials", name), material)
+    for name, value in declared.items():
+        yield from _beyond_declared(table_of(SceneFile).keys[name].kind, value, name)
+    others = [("loading: time until the end", facts.duration.high, 0.05, 1e6, "s")]
+    loading, highest = sweep.scene.loading, max(sweep.plane.loads)
+    if isinstance(loading, Ramp):  # whose steps it sets
+        load = loading.reference_load
+        others.append(("loading.reference_load", load, highest / 100, highest * 100, "N"))
+    if facts.surface and facts.surface.measured:
+        others.append(("disk.roughness.ra", facts.surface.ra, *usual_range("disk.roughness.ra")))
+    yield from beyond_usual(others)
     band, friction = sweep.about.friction_band, sweep.conditions.friction
     if band and not min(band) <= friction <= max(band):
         outside = f"{min(band):g} to {max(band):g} does not hold friction.coefficient, {friction:g}"
         yield "friction.band", f"{outside}: give a band that does"
+
+
+def material_doubts(place: str, material: Any) -> Iterator[_Doubt]:
+    """Constants of a material outside their usual ranges."""
+    yield from _beyond_declared(table_of(Material), material, place)
+    share = material.hardness / material.elastic_modulus
+    yield from beyond_usual(
+        [(f"{place}.hardness", share, *USUAL_HARDNESS, "times the elastic modulus")]
+    )
+
+
+def _beyond_declared(kind: Kind, value: Any, path: str) -> Iterator[_Doubt]:
+    """Entries outside the usual ranges that the format declares."""
+    if value is None or value == ():
+        return
+    match kind:
+        case Either():
+            yield from _beyond_declared(form_of(kind, value), value, path)
+        case Table(keys):
+            for key, entry in keys.items():
+                yield from _beyond_declared(
+                    entry.kind, getattr(value, key, None), joined(path, key)
+                )
+        case List(of) if is_dataclass(value[0]):
+            for number, one in enumerate(value):
+                yield from _beyond_declared(of, one, f"{path}[{number}]")
+        case List(of):
+            for end in sorted({min(value), max(value)}):
+                yield from _beyond_declared(of, end, path)
+        case Quantity() | Number():
+            yield from beyond_usual([(path, value, *usual_of(kind))])
 
 
 def beyond_usual(quantities: Iterable[Usual]) -> Iterator[_Doubt]:
@@ -72,50 +114,6 @@ def beyond_usual(quantities: Iterable[Usual]) -> Iterator[_Doubt]:
             (place, _, part), of = name.partition(": "), f" {unit}" if unit else ""
             words = f"{part} {shown:.3g}{of}, where {low:g} to {high:g}{of} are usual".lstrip()
             yield place, f"{words}: check the number and its unit"
-
-
-def material_quantities(place: str, material: Material) -> Iterator[Usual]:
-    """Constants of a material with their usual ranges."""
-    for name in _CONSTANTS:
-        usual = usual_range(f"materials.NAME.{name}")
-        yield f"{place}: {name.replace('_', ' ')}", getattr(material, name), *usual
-    share = material.hardness / material.elastic_modulus
-    yield f"{place}: hardness", share, *USUAL_HARDNESS, "times the elastic modulus"
-
-
-def _quantities(sweep: Sweep, facts: Facts) -> Iterator[Usual]:
-    """Quantities of a sweep with their usual ranges."""
-    scene, pin, plane, conditions = sweep.scene, sweep.scene.pin, sweep.plane, sweep.conditions
-    bodies = {"disk": scene.disk} | ({"pin": pin.material} if pin.material != scene.disk else {})
-    for body, material in bodies.items():
-        yield from material_quantities(f"{body}.material", material)
-    highest = max([conditions.friction, *(sweep.about.friction_band or [])])
-    found = {f"pin.{size}": getattr(pin, size) for size in sizes_of(pin)} | {
-        "friction.coefficient": highest,
-        "sweep.velocities": max(plane.velocities),
-        "temperature.bulk": conditions.bulk_temperature,
-        "temperature.critical": conditions.critical_temperature,
-    }
-    kept = conditions.corrections or Corrections()
-    for body, bulk in (("pin", kept.pin_bulk), ("disk", kept.disk_bulk)):
-        if bulk and bulk.capacity:
-            found[f"{body}.capacity"] = bulk.capacity
-    if scene.motion and scene.motion.slide_roll_ratio is not None:
-        found["motion.slide_roll_ratio"] = scene.motion.slide_roll_ratio
-    if isinstance(scene.wear, Wear) and scene.wears:
-        found["wear.specific_wear_rate"] = scene.wear.specific_wear_rate
-    yield "loading: time until the end", facts.duration.high, 0.05, 1e6, "s"
-    if isinstance(scene.loading, Ramp):  # whose steps it sets
-        highest, load = max(plane.loads), scene.loading.reference_load
-        yield "loading.reference_load", load, highest / 100, highest * 100, "N"
-    if oil := sweep.about.oil:
-        found |= {"oil.kinematic_viscosity": max(oil.viscosities), "oil.density": oil.density}
-    if facts.surface:
-        found["disk.roughness.ra"] = facts.surface.ra
-    for path, value in found.items():
-        yield path, value, *usual_range(path)
-    for body, track in tracks_of(sweep).items():
-        yield f"{body}: track", track.length, *usual_range(f"{body}.track_length")
 
 
 def _wear_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
@@ -232,9 +230,6 @@ def _smooth_temperature(sweep: Sweep, load: float, velocity: float, width: float
         for body, speed in zip((pin.material, sweep.scene.disk), speeds, strict=True)
     )
     rise = load * velocity / (width * along_y * conducted)  # at friction 1
-    if corrections := conditions.corrections:
-        columns = columns_in_closed_form(sweep, load, velocity, rise)
-        rise = float(corrections.applied(columns)["mean_rise"][-1])
     return float(conditions.contact_temperature(rise))
 
 
@@ -259,9 +254,6 @@ def _test_doubts(sweep: Sweep) -> Iterator[_Doubt]:
         if not loads.low / _REACH <= test.normal_load <= loads.high * _REACH
         or not velocities.low / _REACH <= test.velocity <= velocities.high * _REACH
     ]
-    for test in [*sweep.about.measured, *sweep.about.tested]:
-        for doubt in doubts_of_row(asdict(test)):
-            yield "", f"the test of {test.normal_load:g} N at {test.velocity:g} m/s: {doubt}"
     if far:
         spans = f"{loads.low:g} to {loads.high:g} N and {velocities.low:g} to {velocities.high:g}"
         more = f" and {len(far) - 1} more" if len(far) > 1 else ""

@@ -136,7 +136,7 @@ class Body:
     loss: A[float | None, Quantity("2 W/K"),
         "Heat loss of the body to oil, air and holder, for each kelvin above its start; none by "
         f"default. {LATER}"] = None
-    diameter: A[float | None, Quantity("100 mm"),
+    diameter: A[float | None, Quantity("100 mm", usual=(6, 3000)),
         "Diameter, if the body is a disc that conducts as a whole and is heated around its rim; it "
         f"excludes `track_length`, `capacity` and `loss`. {LATER}"] = None
     width: A[float | None, Quantity("20 mm"), "Width of the disc; needed with `diameter`."] = None
@@ -302,7 +302,7 @@ class Oil:
         "Kinematic viscosity at each of these temperatures; give this or the dynamic one. A line "
         "of ASTM D341 is fitted to more than two.",
         Example(["95 mm^2/s", "10.7 mm^2/s"])] = None
-    dynamic_viscosity: A[tuple[float, ...] | None, List(Quantity("28 mPa s")),
+    dynamic_viscosity: A[tuple[float, ...] | None, List(Quantity("28 mPa s", usual=(0.4, 1e5))),
         "Dynamic viscosity at each of these temperatures.",
         Example(["83 mPa s", "8.9 mPa s"])] = None
     viscosity_index: A[float | None,

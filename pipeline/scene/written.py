@@ -26,7 +26,7 @@ def entries_of(kind: Kind, value: Any) -> Any:
         case _ if value is None or value == math.inf or (isinstance(value, tuple) and not value):
             return None
         case Either():
-            return entries_of(_form_of(kind, value), value)
+            return entries_of(form_of(kind, value), value)
         case Table(keys):
             texts = {key: entries_of(one.kind, getattr(value, key)) for key, one in keys.items()}
             return {key: text for key, text in texts.items() if text is not None}
@@ -131,7 +131,7 @@ def in_words(value: Any) -> str:
     return f"{number} {typeset(unit)}" if is_quantity else value
 
 
-def _form_of(kind: Either, value: Any) -> Kind:
+def form_of(kind: Either, value: Any) -> Kind:
     """The one of several kinds as which a value was read."""
     for one in kind.kinds:
         is_table = isinstance(one, Table) and isinstance(value, one.make)  # type: ignore[arg-type]

@@ -4,17 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from statistics import median_high
 from typing import Any
-
-import numpy as np
 
 from pipeline.quantities import display
 from pipeline.sweep.model import Sweep
-from tribo import Corrections, Motion, Scene, Track, contact_modulus
-from tribo.types import Array
-
-_HOT = 1e9  # K: a rise beside which the warming of earlier turns changes no share
+from tribo import Corrections, Motion, Scene, Track
 
 
 def cold_bodies(motion: Motion | None, corrections: Corrections | None) -> tuple[str, ...]:
@@ -36,30 +30,13 @@ def turn_parts(scene: Scene, cold: Iterable[str]) -> tuple[dict[str, Any], float
     return {"motion": motion, **tracks}, around
 
 
-def note_on_turns(
-    sweep: Sweep, load: float | None = None, velocity: float | None = None
-) -> str | None:
-    """Say that earlier turns of bodies that roll are not counted; None where all are.
-
-    By how much they warm the contact at a load and velocity, by default in the middle of the sweep,
-    follows in closed form: bodies share the heat as their effusivities times the roots of their
-    speeds.
-    """
-    scene, conditions, plane = sweep.scene, sweep.conditions, sweep.plane
-    load = median_high(plane.loads) if load is None else load
-    velocity = median_high(plane.velocities) if velocity is None else velocity
-    cold = cold_bodies(scene.motion, conditions.corrections)
-    if not cold or not velocity:
+def note_on_turns(sweep: Sweep) -> str | None:
+    """Say that earlier turns of bodies that roll are not counted; None where all are."""
+    cold = cold_bodies(sweep.scene.motion, sweep.conditions.corrections)
+    if not cold or not any(sweep.plane.velocities):
         return None
-    turns, around = turn_parts(scene, cold)
-    columns = columns_in_closed_form(sweep, load, velocity, _HOT)
-    rise = float(Corrections(**turns).added_rise(columns)[-1])
-    warming = conditions.friction_at(velocity) * rise
-    return describe_cold_bodies(
-        cold,
-        around,
-        f"warm the contact by about {warming:.2g} K more at {load:g} N and {velocity:g} m/s",
-    )
+    _, around = turn_parts(sweep.scene, cold)
+    return describe_cold_bodies(cold, around, "warm the contact further")
 
 
 def note_on_ends(sweep: Sweep) -> str | None:
@@ -71,31 +48,6 @@ def note_on_ends(sweep: Sweep) -> str | None:
         "only the pin's middle is computed: at sharp ends, wear turns severe at velocities 9 to "
         "23 % lower"
     )
-
-
-def columns_in_closed_form(
-    sweep: Sweep, load: float, velocity: float, rise: float
-) -> dict[str, Array]:
-    """Columns that corrections need, of a smooth contact with a rise at its end [K]."""
-    scene, pin = sweep.scene, sweep.scene.pin
-    stations = list(scene.way(load))
-    times = np.array([station.time for station in stations])
-    part_of_pin, part_of_disk = (
-        body.thermal_effusivity * math.sqrt(abs(speed))
-        for body, speed in zip(
-            (pin.material, scene.disk), scene.velocities_at(velocity), strict=True
-        )
-    )
-    hertz = pin.hertz(load, contact_modulus(pin.material, scene.disk))
-    return {
-        "time": times,
-        "normal_load": np.array([station.normal_load for station in stations]),
-        "sliding_distance": velocity * times,
-        "mean_pressure": np.full_like(times, hertz.peak_pressure),
-        "contact_width": np.full_like(times, 2 * hertz.half_width),
-        "pin_heat_share": np.full_like(times, part_of_pin / (part_of_pin + part_of_disk)),
-        "mean_rise": np.append(np.full(len(times) - 1, np.nan), rise),
-    }
 
 
 def describe_cold_bodies(bodies: tuple[str, ...], around: float, by_how_much: str) -> str:

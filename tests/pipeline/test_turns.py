@@ -1,7 +1,6 @@
 """Bodies that roll as if each turn met a cold track say so, with the size of what is missing."""
 
 import numpy as np
-import pytest
 
 import pipeline
 from pipeline.sweep.physics import note_on_turns
@@ -10,16 +9,6 @@ from tests.pipeline.conftest import commit_all
 COLD = {"without": ["pin.diameter", "pin.width", "disk.diameter", "disk.width"]}
 AROUND = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}
 BOTH = "earlier turns of the pin and the disk are not counted"
-
-
-# The table of PHYSICS.md, section 14, on discs much wider than their contact.
-@pytest.mark.parametrize(
-    ("load", "velocity", "kelvin"), [(3e3, 6.6, 18.6), (5e3, 4.1, 22.0), (8e3, 2.5, 23.8)]
-)
-def test_the_size_of_what_is_missing_is_a_sum_over_turns(load, velocity, kelvin):
-    note = note_on_turns(pipeline.load_scene("twin_disc", overrides=COLD | AROUND), load, velocity)
-    assert f"{BOTH}, as if each met a cold track: on tracks of 314 mm" in note
-    assert f"about {kelvin:.2g} K more" in note
 
 
 def test_bodies_that_do_not_both_roll_or_have_tracks_say_nothing():

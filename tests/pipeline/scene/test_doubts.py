@@ -16,60 +16,15 @@ from pipeline.sweep.about import Measurement
 from pipeline.sweep.physics import note_on_ends
 from pipeline.sweep.surface import SurfaceFacts
 from tests.helpers.entries import changed
-from tests.helpers.scenes import STEEL
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
 
 HALF_WIDTH = SMOOTH.scene.pin.radius  # as a unit
 JUST_LESS, JUST_MORE = 1 - 1e-6, 1 + 1e-6
 
 
-def of_both(**changes):
-    """The scene of one material, with something else about it."""
-    other = replace(STEEL, **changes)
-    return changed(SMOOTH, disk=other, pin=replace(SMOOTH.scene.pin, material=other))
-
-
-def warmer(bulk):
-    conditions = replace(SMOOTH.conditions, bulk_temperature=bulk, critical_temperature=1000.0)
-    return changed(SMOOTH, conditions=conditions)
-
-
-def slippery(friction):
-    return changed(SMOOTH, conditions=replace(SMOOTH.conditions, friction=friction))
-
-
-def hard(hardness):
-    return of_both(hardness=hardness or 1e9)
-
-
-def crowned(radius):
-    return changed(CROWNED, pin=replace(CROWNED.scene.pin, crown_radius=radius))
-
-
-def oiled(viscosity):
-    return changed(SMOOTH, oil=tribo.Oil((313.15, 373.15), (viscosity, 0.9 * viscosity), 866.0))
-
-
-def dense(density):
-    return changed(SMOOTH, oil=tribo.Oil((313.15, 373.15), (3e-5, 5e-6), density))
-
-
-def ramped(reference):
-    return changed(SMOOTH, loads=(750.0,), loading=tribo.Ramp(150.0, reference))
-
-
-def kept(capacity):
-    corrections = tribo.Corrections(disk_bulk=tribo.Bulk(capacity))
-    return changed(SMOOTH, conditions=replace(SMOOTH.conditions, corrections=corrections))
-
-
 def with_test(load):
     velocity = max(SMOOTH.plane.velocities)
     return changed(SMOOTH, loads=(200.0, 750.0), tested=(Measurement(load, velocity),))
-
-
-def with_pin(**changes):
-    return changed(SMOOTH, pin=replace(SMOOTH.scene.pin, **changes))
 
 
 def said_of(sweep, **facts):
@@ -80,33 +35,28 @@ def surface(**changes):
     return SurfaceFacts(**({"measured": True, "ra": 0.3e-6, "rq": 0.4e-6} | changes))
 
 
-# The usual ranges in SI, as they stand in no other place: a bound by which a slip of a unit is
-# seen, and a real scene is not doubted.
+# The usual ranges, as they stand in no other place: a bound by which a slip of a unit is seen, and
+# a real scene is not doubted.
+STEELS = "materials.AISI 52100"
 USUAL = [
-    ("disk.material: elastic modulus", 1e9, 1.2e12, lambda v: said_of(of_both(elastic_modulus=v))),
-    ("hardness", 1e7, 1e11, lambda v: said_of(of_both(hardness=v, elastic_modulus=30 * v))),
-    ("conductivity", 0.05, 2500, lambda v: said_of(of_both(thermal_conductivity=v))),
-    ("disk.material: density", 500, 25000, lambda v: said_of(of_both(density=v))),
-    ("specific heat", 100, 5000, lambda v: said_of(of_both(specific_heat=v))),
-    ("pin.radius: ", 1e-4, 1.0, lambda v: said_of(with_pin(radius=v))),
-    ("pin.length: ", 1e-4, 1.0, lambda v: said_of(with_pin(length=v))),
-    ("pin.crown_radius: ", 1e-4, 100.0, lambda v: said_of(crowned(v))),
-    ("temperature.bulk: ", 223.15, 523.15, lambda v: said_of(warmer(v))),
-    ("wear_rate: ", 1e-20, 1e-11, lambda v: said_of(changed(SMOOTH, wear=tribo.Wear(v)))),
-    ("disk.roughness.ra: ", 1e-9, 1e-5, lambda v: said_of(SMOOTH, surface=surface(ra=v, rq=v))),
-    ("sweep.velocities: ", 0.0, 100.0, lambda v: said_of(changed(SMOOTH, velocities=(v,)))),
-    ("friction.coefficient: ", 0.0, 1.0, lambda v: said_of(slippery(v))),
-    (
-        "times the elastic modulus",
-        0.001 * STEEL.elastic_modulus,
-        0.2 * STEEL.elastic_modulus,
-        lambda v: said_of(hard(v)),
-    ),
-    ("oil.kinematic_viscosity: ", 0.5e-6, 0.1, lambda v: said_of(oiled(v))),
-    ("oil.density: ", 500.0, 2000.0, lambda v: said_of(dense(v))),
-    ("loading.reference_load: ", 7.5, 75e3, lambda v: said_of(ramped(v))),
-    ("disk.capacity: ", 0.5, 1e6, lambda v: said_of(kept(v))),
-    ("the test of", 20.0, 7500.0, lambda v: said_of(with_test(v))),
+    (f"{STEELS}.elastic_modulus", 1, 1200, "GPa", {f"{STEELS}.hardness": "20 MPa"}),
+    (f"{STEELS}.hardness", 0.21, 42, "GPa", {f"{STEELS}.elastic_modulus": "210 GPa"}),
+    (f"{STEELS}.thermal_conductivity", 0.05, 2500, "W/(m K)", {}),
+    (f"{STEELS}.density", 500, 25000, "kg/m^3", {}),
+    (f"{STEELS}.specific_heat", 100, 5000, "J/(kg K)", {}),
+    ("pin.radius", 0.1, 1000, "mm", {}),
+    ("pin.length", 0, 1000, "mm", {}),
+    ("pin.crown_radius", 0.1, 1e5, "mm", {"without": ["pin.length"], "pin.shape": "crowned"}),
+    ("temperature.bulk", -50, 250, "degC", {"temperature.critical": "700 degC"}),
+    ("wear.specific_wear_rate", 1e-11, 1e-2, "mm^3/(N m)", {}),
+    ("disk.roughness.ra", 0.001, 10, "um", {}),
+    ("sweep.velocities", 0, 100, "m/s", {}),
+    ("friction.coefficient", 0, 1, "", {"without": ["friction.band"]}),
+    ("oil.kinematic_viscosity", 0.5, 1e5, "mm^2/s", {"oil": {"density": "860 kg/m^3"}}),
+    ("oil.density", 500, 2000, "kg/m^3", {"oil.kinematic_viscosity": ["95 mm^2/s", "11 mm^2/s"]}),
+    ("loading.reference_load", 7.5, 75e3, "N", {"sweep.loads": ["750 N"]}),
+    ("disk.capacity", 0.5, 1e6, "J/K", {}),
+    ("motion.slide_roll_ratio", -2, 2, "", {}),
 ]
 
 
@@ -120,16 +70,34 @@ def test_the_ends_of_a_cylinder_are_told_with_a_size():
         assert not any(size in doubt for doubt in said_of(other))
 
 
-@pytest.mark.parametrize(("words", "low", "high", "said"), USUAL, ids=[row[0] for row in USUAL])
-def test_values_are_doubted_beyond_the_usual_and_not_within(words, low, high, said):
+@pytest.mark.parametrize(
+    ("path", "low", "high", "unit", "beside"), USUAL, ids=[r[0] for r in USUAL]
+)
+def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, unit, beside):
     def is_doubted(value):
-        ends = "are usual", "far outside"
-        return any(words in doubt and any(end in doubt for end in ends) for doubt in said(value))
+        entry = f"{value!r} {unit}" if unit else value
+        if path == "sweep.velocities":
+            entry = [entry]
+        if path == "oil.kinematic_viscosity":
+            higher, lower = (value, 0.9 * value) if value > 10 else (1.1 * value, value)
+            entry = [f"{higher!r} {unit}", f"{lower!r} {unit}"]
+        scene = load_scene("first_try", overrides={**beside, path: entry})
+        key = path.rpartition(".")[2]
+        said = doubts(scene, facts_of(scene))
+        return any(one.place.endswith(key) and "are usual" in one.words for one in said)
 
-    for value in (low * JUST_LESS, high * JUST_MORE) if low else (high * JUST_MORE,):
+    def beyond(end, less):
+        return end + less * 1e-3 * abs(end)
+
+    for value in (beyond(low, -1), beyond(high, 1)) if low else (beyond(high, 1),):
         assert is_doubted(value), value
-    for value in (low * JUST_MORE, high * JUST_LESS):
+    for value in (beyond(low, 1), beyond(high, -1)) if low else (beyond(high, -1),):
         assert not is_doubted(value), value
+
+
+@pytest.mark.parametrize(("load", "is_far"), [(19.9, 1), (20.1, 0), (7499.0, 0), (7501.0, 1)])
+def test_a_test_far_outside_the_sweep_is_doubted(load, is_far):
+    assert sum("the test of" in doubt for doubt in said_of(with_test(load))) == is_far
 
 
 def test_a_ratio_in_percent_is_doubted_or_read():
@@ -142,12 +110,6 @@ def test_a_ratio_in_percent_is_doubted_or_read():
     assert [doubted(ratio) for ratio in (-2.1, -2.0, 0.5, 2.0, 50.0)] == [1, 0, 0, 0, 1]
     read = load_scene("twin_disc", overrides={"motion.slide_roll_ratio": "50 %"})
     assert read.scene.motion.slide_roll_ratio == 0.5
-
-
-def test_the_highest_friction_and_the_highest_velocity_of_a_scene_are_doubted():
-    said = said_of(changed(SMOOTH, friction_band=(0.05, 1.2), velocities=(1.0, 120.0)))
-    for words in ("friction.coefficient: 1.2", "sweep.velocities: 120 m/s"):
-        assert any(doubt.startswith(words) for doubt in said), said
 
 
 def test_a_band_beside_its_own_friction_is_doubted():
