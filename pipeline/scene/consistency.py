@@ -22,8 +22,8 @@ from tribo.simulation.pins import sizes_of
 _PLATE = "track_length", "capacity", "loss"
 """Entries of a body that is a plate."""
 _ALIKE = 0.01  # by which two lengths of one track may differ
-Misfits = Iterator[str | tuple[str, ...]]
-"""What is wrong with the first entry; or path of an entry, words, and path of its rival, if any."""
+Misfits = Iterator[str | tuple[str, str]]
+"""What is wrong with the first entry; or the path of an entry, and words."""
 _CHECKS: list[tuple[tuple[str, ...], frozenset[str], Callable[..., Misfits]]] = []
 """Paths of the entries that each check compares, their tables, and the check."""
 
@@ -143,7 +143,7 @@ def _unfit_motion(motion: Any) -> Misfits:
             f"{motion.slide_roll_ratio:g} and an entrainment_velocity are given; give one of them, "
             'with the other in without, such as --set "without=motion.slide_roll_ratio"'
         )
-        yield "motion.slide_roll_ratio", problem, "motion.entrainment_velocity"
+        yield "motion.slide_roll_ratio", problem
     else:
         yield from _refused(tribo.Motion, **vars(motion))
 
@@ -197,7 +197,6 @@ def _unfit_disc(*values: Any, body: str) -> Misfits:
             f"{body}.diameter",
             f"{display(diameter, 'mm')} of a disc and {' and '.join(both)} of a plate are given, "
             "which would count one heat twice; give one of them",
-            f"{body}.{both[0]}",
         )
     elif given and not diameter:
         problem = f"belongs to a disc; give {body}.diameter and {body}.width, or leave it out"

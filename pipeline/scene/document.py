@@ -20,24 +20,18 @@ from pipeline.scene.faults import (
     Faults,
     SceneFileError,
     did_you_mean,
-    joined,
     quoted,
 )
 from pipeline.scene.format import SceneFile
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
-from pipeline.sweep.limits import MOST_BYTES_OF_SCENE, MOST_IN_LIST, MOST_KEYS, MOST_LAYERS
+from pipeline.sweep.limits import MOST_BYTES_OF_SCENE
 from pipeline.sweep.tables import entry_at, replace_value
 
 _KEYS = table_of(SceneFile).keys
 _REPLACED = {"count": ("step",), "step": ("count", "spacing")}
 """Keys of a range that are left out where one is given that says the same."""
 _LEVELS = 10  # depth of tables in tables, more than the format has
-_KEY_PART = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _BARE_KEY = re.compile("[A-Za-z0-9_-]+")
-_LONG_KEY = re.compile(
-    rf"(?<![A-Za-z0-9_-]){_KEY_PART}(?:[ \t]*+\.[ \t]*+{_KEY_PART}){{{_LEVELS},}}+"
-    r"[ \t]*+(?P<end>[=\]])?"
-)
 
 
 class FileEntries(NamedTuple):
@@ -83,11 +77,9 @@ class Document(NamedTuple):
 
     def line(self, fault: Fault) -> str:
         """Write a fault on one line, with the file that it stands in if that is another one."""
-        # Beside what this scene gives, keys that suit the other one may be out of place.
-        doubtful = [fault.key, fault.rival] if fault.rival else [fault.key] * fault.is_unknown
-        inherited = [key for key in doubtful if self.file_of(key) != self.file]
-        hint = f'; or leave it out here: without = ["{inherited[0]}"]' if inherited else ""
         file = fault.file or self.file_of(fault.key)
+        is_inherited = not fault.file and file != self.file
+        hint = f'; or leave it out here: without = ["{fault.key}"]' if is_inherited else ""
         place = "" if file == self.file else f" (in {name_of(file)})"
         return f"{fault.key}{place}: {fault.problem}{hint}"
 
@@ -104,10 +96,6 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
         if without is not None:
             faults.append(Fault("without", "there is nothing to leave out; give extends too", path))
         return document
-    if len(above) >= MOST_LAYERS:
-        raise SceneFileError(
-            path, [f"extends: more than {MOST_LAYERS} scenes extend each other; join some of them"]
-        )
     name = _KEYS["extends"].kind.read(extends, "extends", wrong := Faults())
     if wrong:
         raise SceneFileError(path, [document.line(wrong[0])])
@@ -226,7 +214,6 @@ def _toml(path: Path) -> dict[str, Any]:
         )
     try:
         text = content.decode("utf-8-sig")
-        _require_short_keys(path, text)
         tables = tomllib.loads(text)
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
@@ -236,32 +223,7 @@ def _toml(path: Path) -> dict[str, Any]:
         reason = str(error).replace("Cannot overwrite a value", "A key is given twice")
         hint = _hint(text.splitlines(), reason)
         raise SceneFileError(path, [f"is not valid TOML: {reason}{hint}"]) from error
-    _require_few(path, tables, "")
     return tables
-
-
-def _require_few(path: Path, value: Any, place: str) -> None:
-    """Refuse a table or list of more entries than are worth checking one by one."""
-    most = MOST_KEYS if isinstance(value, dict) else MOST_IN_LIST
-    if not isinstance(value, dict | list):
-        return
-    if len(value) > most:
-        fault = f"has {len(value)} entries; give {most} at most"
-        raise SceneFileError(path, [f"{place}: {fault}" if place else fault])
-    items = value.items() if isinstance(value, dict) else enumerate(value)
-    for key, inner in items:
-        inner_place = joined(place, key) if isinstance(key, str) else f"{place}[{key}]"
-        _require_few(path, inner, inner_place)
-
-
-def _require_short_keys(path: Path, text: str) -> None:
-    """Raise `SceneFileError` for a key that goes deeper than any of the format."""
-    for key in _LONG_KEY.finditer(text):
-        # Python's reader of TOML takes memory by the square of the parts of a key.
-        if key["end"]:
-            line = text.count("\n", 0, key.start()) + 1
-            fault = f"line {line} has a key of more than {_LEVELS} parts; give one of the format"
-            raise SceneFileError(path, [fault])
 
 
 def _hint(lines: list[str], reason: str) -> str:

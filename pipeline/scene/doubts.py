@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
@@ -19,7 +18,6 @@ from pipeline.scene.written import form_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import note_on_ends, note_on_turns
 from pipeline.sweep.remarks import Remark
-from pipeline.sweep.severity import MELTS
 from pipeline.sweep.surface import SurfaceFacts
 from tribo import Ramp, SelfAffineRoughness
 from tribo.simulation.element_size import FEWEST_ACROSS, FEWEST_ROWS
@@ -49,7 +47,6 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
         *_motion_doubts(sweep),
         *(_surface_doubts(sweep, facts.surface) if facts.surface else ()),
         *_contact_doubts(sweep, facts),
-        *_heat_doubts(sweep, facts),
     )
     return tuple(Remark(place, "warning", words) for place, words in found if words)
 
@@ -192,45 +189,6 @@ def _contact_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
             f"about {len(wide)} of {points} points, those of high load and velocity; give more "
             "pixels if these matter",
         )
-
-
-def _heat_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
-    """Points at which steel would melt."""
-    hottest = sweep.plane.loads[-1], sweep.plane.velocities[-1]
-    if _smooth_temperature(sweep, *hottest, facts.contact_widths[-1][-1]) <= MELTS:
-        return
-    grid = itertools.product(sweep.plane.loads, sweep.plane.velocities)
-    widths = itertools.chain(*facts.contact_widths)
-    places = [
-        (_smooth_temperature(sweep, load, velocity, width), load, velocity)
-        for (load, velocity), width in zip(grid, widths, strict=True)
-    ]
-    if molten := sum(temperature > MELTS for temperature, _, _ in places):
-        temperature, load, velocity = max(places)
-        yield (
-            "",
-            f"steel would melt at about {molten} of {len(places)} points: at {load:g} N and "
-            f"{velocity:g} m/s even a smooth contact would reach some "
-            f"{display(temperature, '°C', 2)}, and steel melts from {display(MELTS, '°C', '.0f')} "
-            "on; the bodies of the model do not: check load, velocity and units",
-        )
-
-
-def _smooth_temperature(sweep: Sweep, load: float, velocity: float, width: float) -> float:
-    """Highest temperature of a smooth contact at the end of a point [K], roughly."""
-    pin, conditions, speeds = sweep.scene.pin, sweep.conditions, sweep.scene.velocities_at(velocity)
-    if not velocity:
-        return conditions.coldest_bulk_temperature
-    along_y = pin.length or math.pi / 4 * width * pin.hertz(1.0, 1e11).aspect
-    conducted = sum(
-        max(
-            math.sqrt(math.pi * abs(speed) / width) * body.thermal_effusivity / 2,
-            body.thermal_conductivity / width,
-        )
-        for body, speed in zip((pin.material, sweep.scene.disk), speeds, strict=True)
-    )
-    rise = load * velocity / (width * along_y * conducted)  # at friction 1
-    return float(conditions.contact_temperature(rise))
 
 
 def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:

@@ -23,19 +23,13 @@ class Fault(NamedTuple):
     """Key path of an entry, and in one line what is wrong, the value, what is allowed, the cure.
 
     The file is given if the key does not tell it, the row if it is one of a table, whose column is
-    the key; the rival is an entry that excludes this one.
+    the key.
     """
 
     key: str
     problem: str
     file: Path | None = None
-    rival: str = ""
     row: int = 0
-
-    @property
-    def is_unknown(self) -> bool:
-        """True of a key that the format does not have, outside lists."""
-        return self.problem.startswith("unknown key") and "[" not in self.key
 
 
 class Faults(list[Fault]):
@@ -47,9 +41,9 @@ class Faults(list[Fault]):
         self.is_complete = is_complete  # the entries of a store, which no default completes
         self.has_kept = has_kept  # entries that no file may have are allowed
 
-    def refuse(self, key: str, problem: str, rival: str = "") -> None:
+    def refuse(self, key: str, problem: str) -> None:
         """Add a fault of the entry at a key path."""
-        self.append(Fault(key, problem, rival=rival))
+        self.append(Fault(key, problem))
 
     def note(self, place: str, words: str) -> None:
         """Note what is no fault of the entry at a place."""

@@ -2,12 +2,6 @@
 
 MOST_BYTES_OF_SCENE = 1_000_000
 """Bytes of a scene file: 10 000 places of a table, written out, need less."""
-MOST_KEYS = 1000
-"""Keys of one table of a scene; each that is unknown is compared with all that are known."""
-MOST_IN_LIST = 10_000
-"""Entries of a list in a scene file; each is checked."""
-MOST_LAYERS = 20
-"""Scenes that extend each other; each is read and merged with those that it extends."""
 MOST_ON_AXIS = 5000
 """Loads or velocities of a range: `irg check` looks at each, in 3 s of processor time in all."""
 MOST_SCENES = 10_000

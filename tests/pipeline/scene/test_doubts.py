@@ -134,14 +134,6 @@ def test_a_pin_that_rolls_has_to_turn_often_enough_if_at_all(motion, words):
     assert not any("turns only" in doubt for doubt in said_of(changed(rolling, wear=None)))
 
 
-@pytest.mark.parametrize(("velocity", "is_doubted"), [(30.0, False), (3e4, True)])
-def test_points_where_even_a_smooth_contact_would_melt_are_doubted(velocity, is_doubted):
-    fast = changed(SMOOTH, velocities=(1.0, velocity), wear=None)
-    said = [doubt for doubt in said_of(fast) if "steel would melt" in doubt]
-    assert len(said) == is_doubted
-    assert not said or f"at {max(fast.plane.loads):g} N and {velocity:g} m/s" in said[0]
-
-
 @pytest.mark.parametrize(("share", "is_doubted"), [(0.299, 0), (0.31, 1)])
 def test_a_wide_contact_is_beyond_half_spaces_and_the_pin_s_shape(share, is_doubted):
     wide = Span(0.1 * HALF_WIDTH, 2 * share * HALF_WIDTH)

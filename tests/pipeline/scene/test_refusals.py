@@ -23,7 +23,6 @@ STEEL = TEXT[TEXT.index("[materials.steel]") : TEXT.index("[pin]")]
 WEAR = TEXT[TEXT.index("[wear]") : TEXT.index("[friction]")]
 RAMP = 'rate = "150 N/s"\nreference_load = "750 N"'
 STAGES = '\n[[tested]]\nvelocity = "2 m/s"\nmild_up_to = "400 N"\nrun = 1\n'
-LONG = "title = 'a'\n" + ".".join("a" * 20) + " = 1\n"
 
 
 def scene(*changes, text=TEXT, **overrides):
@@ -103,12 +102,6 @@ class Unlike:
 
     def over(self, begin, end):
         return self.rates[begin]
-
-
-def chained():
-    for number in range(30):
-        Path(f"{number}.toml").write_text(f'extends = "{number + 1}.toml"\n')
-    return load_scene("0.toml")
 
 
 def extending(text):
@@ -320,12 +313,8 @@ TEXTS = {
     "deep": (toml(b"a = " + b"[" * 100_000), "not valid TOML"),
     "backslash": (toml(b'[disk]\nfile = "C:\\scans\\disk.npy"'), "write / in place of \\ in"),
     "quotes": (toml("title = “Disk”".encode()), "write straight quotes"),
-    "key of parts": (toml(LONG.encode()), "line 2 has a key of more than 10 parts"),
-    "entries": (toml("".join(f"k{n} = 1\n" for n in range(10_001)).encode()), "10001 entries"),
-    "list": (toml(f"sweep.loads = {['1 N'] * 20_000}".encode()), "loads: has 20000 entries"),
     "folder": (lambda: load_scene("."), "not a file; give a scene file (TOML)"),
     "no scene": (lambda: load_scene("first_tyr"), "first_tyr"),
-    "layers": (chained, "more than 20 scenes"),
     "circle": (toml(b'extends = "scene.toml"\n'), "closes a circle"),
     "extends": (toml(b"extends = 3\n"), "extends: 3"),
     "extends none": (toml(b'extends = "no.toml"\n'), "extends: no.toml"),
