@@ -37,13 +37,14 @@ def modules(part: str) -> Iterator[ModuleType]:
             yield import_module(f"pipeline.{name}.{part}")
 
 
-def module(extra: str, part: str) -> ModuleType:
-    """A module of one extra; an `InputError` if the folder is not there."""
-    if extra not in present():
-        from tribo import InputError  # with NumPy, which importing the package does not need
+def module(part: str) -> ModuleType:
+    """The module of one name, of the extra that has it; an `InputError` if none has."""
+    for one in modules(part):
+        return one
+    from tribo import InputError  # with NumPy, which importing the package does not need
 
-        raise InputError(
-            f"this needs the extra {extra}; put back its folder, pipeline/{extra}, or install the "
-            "package again"
-        )
-    return import_module(f"pipeline.{extra}.{part}")
+    lacking = " or ".join(f"pipeline/{name}" for name in EXTRAS if name not in present())
+    raise InputError(
+        f"this needs an extra that is not there; put back its folder, {lacking}, or install the "
+        "package again"
+    )

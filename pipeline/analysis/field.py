@@ -407,7 +407,7 @@ def fields(ds: xr.Dataset | PathLike) -> list[Field]:
     ds = dataset_of(ds)
     kind = sweep_kind(ds)
     if kind is Kind.SAMPLES:
-        made: list[Field] = extras.module("uncertain", "fields").fields(ds)
+        made: list[Field] = extras.module("fields").fields(ds)
         return made
     if kind is Kind.PLACES:  # at once, for a read of each row by itself takes ten times as long
         ds = ds.drop_dims(["x", "y"], errors="ignore").compute()

@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> Result:
         )
     judged = pipeline.at(out)
     if sweep_kind(judged) is Kind.SAMPLES:
-        extras.module("uncertain", "fields").keep_fits(judged)
+        extras.module("fields").keep_fits(judged)
     stored = scene_sweep(judged)
     document = {
         "store": str(out),

@@ -72,7 +72,7 @@ def diagram(
             raise InputError(
                 "the diagram of samples shows probabilities; leave out the surface and ax"
             )
-        drawn: Figure = extras.module("uncertain", "figures").draw_probability(ds, log)
+        drawn: Figure = extras.module("figures").draw_probability(ds, log)
         return drawn
     ds = select_surface(ds, realization)
     if kind is Kind.PLACES:

@@ -8,6 +8,7 @@ from typing import Any
 from pipeline.scene.declare import ByPath, Example, declared
 from pipeline.scene.kinds import OneOf, Scalar, Text
 from pipeline.sweep.about import OUTCOMES
+from pipeline.sweep.tables import Entries
 
 
 # fmt: off
@@ -44,3 +45,12 @@ class Log:
 ENTRIES: dict[str, type] = {}
 FORMS = (Log,)
 """Further forms of tests."""
+
+
+def find(entries: Entries) -> list[str]:
+    """Paths of the lists of tests of a scene in which a file stands for some."""
+    return [
+        path
+        for path in ("measured", "tested")
+        if any(isinstance(test, dict) and "file" in test for test in entries.get(path) or ())
+    ]

@@ -189,7 +189,7 @@ _LOADS, _VELOCITIES = 45, 121  # nodes of the plane on a page of samples
 
 def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
     """What a page of samples shows, as plain data."""
-    samples = extras.module("uncertain", "fields")
+    samples = extras.module("fields")
     field = samples.single_field(ds)
     ensemble, scatter = field.ensemble, model_error(ds, field)
     loads = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)

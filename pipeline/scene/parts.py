@@ -281,7 +281,7 @@ def roughness_of(scene: Any, contents: Contents, faults: Faults) -> Roughness | 
             if path is None:
                 heights = contents.take(str(asked.content), scene.window.pixels)
                 return tribo.MeasuredRoughness(heights)
-            scans = extras.module("laboratory", "surfaces")
+            scans = extras.module("surfaces")
             window = vars(scene.window) if scene.window else {}
             heights = scans.window_heights(vars(asked), window, path, faults)
             if heights is not None:

@@ -234,7 +234,7 @@ def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines
     try:
         content = path.read_bytes()
         if content.startswith((b"PK", b"\xd0\xcf\x11\xe0", b"%PDF")) or sheet:
-            tables: list[Lines] = extras.module("laboratory", "workbook").read_book(path, sheet)
+            tables: list[Lines] = extras.module("workbook").read_book(path, sheet)
             return tables
         if len(content) > MOST_BYTES_OF_TEXT:
             raise InputError(f"{path} has more than 100 MB; keep the columns and rows of one test")

@@ -11,6 +11,7 @@ from pipeline.scene.declare import ByPath, Entry, Example, List, Table, declared
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.kinds import Flag, Kind, Number, Scalar, UnfitError, Whole
 from pipeline.sweep.limits import MOST_SAMPLES
+from pipeline.sweep.tables import Entries, entry_at
 
 
 class Shape(NamedTuple):
@@ -92,3 +93,9 @@ class Samples:
 ENTRIES = {"": Inputs, "sweep": Samples}
 """Further entries, by the path of their table."""
 FORMS: tuple[type, ...] = ()
+
+
+def find(entries: Entries) -> list[str]:
+    """Paths of the entries of a scene on unknown inputs."""
+    paths = "unknown", "sweep.samples", "sweep.sample_seed"
+    return [path for path in paths if entry_at(entries, path) is not None]
