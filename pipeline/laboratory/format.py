@@ -49,8 +49,10 @@ FORMS = (Log,)
 
 def find(entries: Entries) -> list[str]:
     """Paths of the lists of tests of a scene in which a file stands for some."""
+    lists = ((path, entries.get(path)) for path in ("measured", "tested"))
+    listed = ((path, tests) for path, tests in lists if isinstance(tests, list))
     return [
         path
-        for path in ("measured", "tested")
-        if any(isinstance(test, dict) and "file" in test for test in entries.get(path) or ())
+        for path, tests in listed
+        if any(isinstance(test, dict) and "file" in test for test in tests)
     ]
