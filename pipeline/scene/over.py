@@ -139,8 +139,11 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
 
 def _require_alike(scene: Sweep, sweep: Sweep) -> None:
     """Raise an `InputError` if a row of a sweep has other axes."""
-    first, second = ((s.plane, s.scene.unequal_bulks, s.record.steps) for s in (scene, sweep))
-    names = "loads and velocities", "unequal bulks", "steps"
+    first, second = (
+        (s.plane, s.scene.unequal_bulks, s.record.steps, sweep.record.fields and s.scene.grid)
+        for s in (scene, sweep)
+    )
+    names = "loads and velocities", "unequal bulks", "steps", "grid of the stored fields"
     for name, one, other in zip(names, first, second, strict=True):
         if one != other:
             raise InputError(
