@@ -236,11 +236,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
     0.000292
     """
-    ds = ordered(open_store(path))
-    ds = ds.drop_vars(["checksum", "message"], errors="ignore")  # so that all of it is numbers
-    words = [name for name, values in ds.coords.items() if values.dtype.kind == "T"]
-    ds = ds.assign_coords({name: ds[name].astype(object) for name in words})  # as netCDF has text
-    return ds
+    return ordered(open_store(path)).drop_vars(["checksum", "message"], errors="ignore")
 
 
 def messages(ds: xr.Dataset) -> xr.DataArray:

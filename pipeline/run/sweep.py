@@ -28,7 +28,7 @@ from pipeline.store.root import find_sweep
 from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.take import take_points
 from pipeline.store.verify import mend_store
-from pipeline.store.versions import package_versions
+from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store, Writer, opened
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, tasks
@@ -201,12 +201,12 @@ def _notes(store: Store, before: Sweep) -> Iterator[str]:
             f"the conditions of {store.place} are now those of the scene, and every command judges "
             f"by them: {'; '.join(changed)}"
         )
-    for name, version in package_versions().items():
-        if (first := store.root.facts.versions[name]) != version:
-            yield (
-                f"{store.place} was begun with {name} {first}, and goes on with {version}: "
-                "new points may differ from the others in the last digits"
-            )
+    now = in_words(package_versions())
+    if now not in (began := store.root.history[0]):
+        yield (
+            f"{store.place} was {began}, and goes on with {now}: new points may differ from the "
+            "others in the last digits"
+        )
 
 
 def coarse_first(tasks: Sequence[Task], velocities: Collection[float]) -> tuple[Task, ...]:

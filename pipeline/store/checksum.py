@@ -12,24 +12,23 @@ from typing import Any
 import numpy as np
 from numcodecs.zstd import Zstd
 
-from pipeline.store.schema import AT_END, COMPRESSION, VARIABLES
+from pipeline.store.schema import AT_END, COMPRESSION, OF_POINT, STEPPED, VARIABLES
 from pipeline.sweep.identity import Simulated
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
 
 _LONGEST = 2000  # characters of a message, which somebody is to read
 _ENCODER = Zstd(**COMPRESSION)  # as Zarr's codec of this name uses it
-SIGNED = ("message", "warning_flags")
-"""What a checksum covers beside data."""
+_COVERED = {*STEPPED, *AT_END, *OF_POINT, "message", "warning_flags"}
 
 
-def checksum(simulated: str, point: Point, data: Mapping[str, Any]) -> str:
+def checksum(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
     """Hash of what was simulated, of a point's place, and of the CRC of each variable there."""
     digest = hashlib.blake2b(simulated.encode(), digest_size=8)
     digest.update(struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode())
-    for name in sorted(data):
+    for name in sorted(entries.keys() & _COVERED):
         digest.update(name.encode())
-        content = data[name]
+        content = entries[name]
         if isinstance(content, str):
             content = content.encode()
         elif not isinstance(content, bytes):

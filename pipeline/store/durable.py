@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from zarr.storage import LocalStore
 
 from pipeline.store import files
 
 if TYPE_CHECKING:
-    from zarr.abc.buffer import Buffer, BufferPrototype
-    from zarr.abc.store import ByteRequest
+    from zarr.abc.buffer import Buffer
 
 
 class Durable(LocalStore):
@@ -22,28 +21,15 @@ class Durable(LocalStore):
     there and cannot be read is an `OSError`, and never taken for what is not there.
     """
 
-    async def get(
-        self,
-        key: str,
-        prototype: BufferPrototype | None = None,
-        byte_range: ByteRequest | None = None,
-    ) -> Buffer | None:
+    async def get(self, key: str, *arguments: Any, **options: Any) -> Buffer | None:
         """Content of a key; None if there is none."""
         if not files.is_there(self.root, key):
             return None
-        return await super().get(key, prototype, byte_range)
+        return await super().get(key, *arguments, **options)
 
-    def get_sync(
-        self,
-        key: str,
-        *,
-        prototype: BufferPrototype | None = None,
-        byte_range: ByteRequest | None = None,
-    ) -> Buffer | None:
+    def get_sync(self, key: str, **options: Any) -> Buffer | None:
         """Content of a key as `get` gives it."""
-        if not files.is_there(self.root, key):
-            return None
-        return super().get_sync(key, prototype=prototype, byte_range=byte_range)
+        return super().get_sync(key, **options) if files.is_there(self.root, key) else None
 
     async def set(self, key: str, value: Buffer) -> None:
         """Replace the content of a key."""

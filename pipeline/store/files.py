@@ -9,10 +9,8 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from collections.abc import Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from functools import partial
 from pathlib import Path
 
 PARTIAL = ".irg-partial"
@@ -21,47 +19,17 @@ THREADS = 8
 """Threads that wait for the disk, which then writes several files in one go."""
 
 _NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems cannot sync a folder
-
-
-def is_there(root: Path, key: str) -> bool:
-    """True for a file, False if nothing has its name; raise an `OSError` if nobody can tell.
-
-    Also for a link, on the way or in its place.
-    """
-    file = root
-    for name in _names(key):
-        file /= name
-        require_no_link(file)
-    try:
-        mode = file.lstat().st_mode
-    except (FileNotFoundError, NotADirectoryError):
-        return False
-    if not stat.S_ISREG(mode):  # a pipe has no end
-        raise OSError(errno.EINVAL, "it is not a file", str(file))
-    return True
-
-
-def require_no_link(path: Path | os.DirEntry[str]) -> None:
-    """Raise an `OSError` for a link, which may lead anywhere."""
-    if path.is_symlink():
-        what = "it is a link, and a store has none: put what it leads to in its place"
-        raise OSError(errno.ELOOP, what, os.fspath(path))
-
-
-def _names(key: str) -> list[str]:
-    """Names on the way to a key."""
-    names = key.split("/")
-    if not {"", ".", ".."}.isdisjoint(names):
-        raise OSError(f"{key} names no file within a store")
-    return names
+_FOLDER = os.O_RDONLY | os.O_DIRECTORY
 
 
 @contextmanager
 def _folder_of(root: Path, key: str, make: bool = False) -> Iterator[tuple[int, str]]:
     """Open the folder of a key, made if asked to; yield its descriptor and the key's last name."""
-    *above, name = _names(key)
+    *above, name = names = key.split("/")
+    if not {"", ".", ".."}.isdisjoint(names):
+        raise OSError(f"{key} names no file within a store")
     with ExitStack() as stack:
-        descriptor = os.open(root, os.O_RDONLY | os.O_DIRECTORY)
+        descriptor = os.open(root, _FOLDER)
         stack.callback(os.close, descriptor)
         for folder in above:
             root /= folder
@@ -69,36 +37,53 @@ def _folder_of(root: Path, key: str, make: bool = False) -> Iterator[tuple[int, 
                 with suppress(FileExistsError):
                     os.mkdir(folder, dir_fd=descriptor)
                     sync(root.parent)
-            descriptor = _open(root, os.O_RDONLY | os.O_DIRECTORY, descriptor)
+            descriptor = _open(root, _FOLDER, descriptor)
             stack.callback(os.close, descriptor)
         yield descriptor, name
 
 
 def _open(path: Path, flags: int, folder: int) -> int:
-    """Open a path by its last name in an open folder; an `OSError` names it if it is a link."""
+    """Open a path by its last name in an open folder; an `OSError` has the path."""
     try:
         return os.open(path.name, flags | os.O_NOFOLLOW, 0o666, dir_fd=folder)
-    except OSError:
-        require_no_link(path)
-        raise
+    except OSError as error:
+        _require_no_link(path)
+        raise OSError(error.errno, error.strerror, os.fspath(path)) from None
 
 
-def open_file(root: Path, key: str, flags: int, make: bool = False) -> int:
-    """Open a file, which is made with its folders if asked to; return its descriptor."""
-    with _folder_of(root, key, make) as (folder, _):
-        # A pipe in its place must not wait for a reader.
-        return _open(root / key, flags | os.O_NONBLOCK | (os.O_CREAT if make else 0), folder)
+def _require_no_link(path: Path) -> None:
+    """Raise an `OSError` for a link, which may lead anywhere."""
+    if path.is_symlink():
+        what = "it is a link, and a store has none: put what it leads to in its place"
+        raise OSError(errno.ELOOP, what, os.fspath(path))
+
+
+def open_file(root: Path, key: str, flags: int) -> int:
+    """Open a file, with its folders made if it may be new; return its descriptor."""
+    with _folder_of(root, key, bool(flags & os.O_CREAT)) as (folder, _):
+        descriptor = _open(root / key, flags | os.O_NONBLOCK, folder)
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):  # a pipe has no end
+        os.close(descriptor)
+        raise OSError(errno.EINVAL, "it is not a file", os.fspath(root / key))
+    return descriptor
+
+
+def is_there(root: Path, key: str) -> bool:
+    """True for a file, False if nothing has its name; raise an `OSError` if nobody can tell."""
+    with suppress(FileNotFoundError, NotADirectoryError):
+        os.close(open_file(root, key, os.O_RDONLY))
+        return True
+    return False
 
 
 def replace_file(root: Path, key: str, content: bytes) -> None:
     """Replace the content of a file at one stroke; return once that is on the disk."""
     make_folder(root)
+    begun = root / (key + PARTIAL)
     with _folder_of(root, key, make=True) as (folder, name):
-        require_no_link(root / key)
-        begun = root / (key + PARTIAL)
-        remove_file(root, key + PARTIAL)  # left by a killed process
+        _require_no_link(root / key)
         try:
-            descriptor = _open(begun, os.O_WRONLY | os.O_CREAT | os.O_EXCL, folder)
+            descriptor = _open(begun, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, folder)
             with os.fdopen(descriptor, "wb") as stream:
                 stream.write(content)
                 stream.flush()
@@ -108,12 +93,6 @@ def replace_file(root: Path, key: str, content: bytes) -> None:
             remove_file(root, key + PARTIAL)
             raise
     sync(begun.parent)
-
-
-def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
-    """Replace several files below a root, side by side."""
-    with ThreadPoolExecutor(THREADS) as threads:
-        list(threads.map(partial(replace_file, root), contents, contents.values()))
 
 
 def remove_file(root: Path, key: str) -> None:

@@ -7,26 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.store.schema import Variable
+from pipeline.store.schema import INPUTS, Variable
 from tribo.types import Array
 
 DIM = "input"
 """Dimension of the variable, which has no coordinate."""
 
 
-def inputs_variable(arrays: Mapping[str, Array]) -> Variable:
-    """The variable of some arrays; its attributes tell where each lies."""
-    table = {
-        "digests": " ".join(arrays),
-        "sizes": " ".join(str(array.size) for array in arrays.values()),
-    }
+def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
+    """The variable of arrays of some sizes, if there are any; attributes tell where each lies."""
+    table = {"digests": " ".join(sizes), "sizes": " ".join(map(str, sizes.values()))}
     meaning = "arrays that the attribute sweep names by their digests, one after the other"
-    return Variable((DIM,), None, meaning, attributes=table)
-
-
-def joined_arrays(arrays: Mapping[str, Array]) -> Array:
-    """Values of the variable."""
-    return np.concatenate([array.ravel() for array in arrays.values()])
+    return {INPUTS: Variable((DIM,), None, meaning, attributes=table)} if sizes else {}
 
 
 def split_arrays(values: Array, attributes: Mapping[str, Any]) -> dict[str, Array]:

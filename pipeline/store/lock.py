@@ -7,23 +7,19 @@ for machines that share a disk and do not see each other's locks. An object stor
 from __future__ import annotations
 
 import errno
+import fcntl
 import os
 import re
 import socket
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 
-from pipeline.store.files import is_there, make_folder, open_file
+from pipeline.store.files import make_folder, open_file
 from pipeline.store.place import LOCK, Bucket, Folder, StoreError, StorePlace, writes
 from pipeline.sweep.stages import Progress, Report, silent
 
-try:
-    import fcntl
-except ImportError:  # not a POSIX system: stores can be read, but not written
-    fcntl = None  # type: ignore[assignment]
-
-_CONTENT = re.compile(rb"(process \d+ on (\S+))\n")
+_CONTENT = re.compile(r"(process \d+ on (\S+))\n")
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
 _LONGEST = 1000  # bytes of the file that are read
 _TRIES, _PAUSE = 10, 0.05  # [s]: who asks for the holder has the lock for a moment
@@ -44,39 +40,27 @@ def held(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
         progress(unlocked)
         yield lambda: True
         return
-    if fcntl is None:
-        raise StoreError(
-            "this system has no file locks, which irg run needs; run it on Linux or macOS, or "
-            "within WSL on Windows (commands that only read a store work here)"
-        )
-    with ExitStack() as stack:
+    with writes(place):
+        make_folder(place.path)
+        descriptor = open_file(place.path, LOCK, os.O_RDWR | os.O_CREAT)
+    try:
         with writes(place):
-            descriptor = _open_lock(place)
-            stack.callback(os.close, descriptor)
             if not _is_flocked(place, descriptor):
                 progress(unlocked)
-            name, host = _named(os.pread(descriptor, _LONGEST, 0))
+            name, host = _named(descriptor)
             if host not in (None, socket.gethostname()):
                 raise StoreError(
                     f"{place} is in use by {name}; if that has ended, delete {place}/{LOCK}"
                 )
             os.ftruncate(descriptor, 0)
-            stack.callback(_empty, descriptor)
             os.pwrite(descriptor, f"process {os.getpid()} on {socket.gethostname()}\n".encode(), 0)
-        yield lambda: _is_in_place(place, descriptor)
-
-
-def _open_lock(folder: Folder) -> int:
-    """Open the file of a lock, which may be new."""
-    make_folder(folder.path)
-    is_there(folder.path, LOCK)  # raises if it is something else
-    return open_file(folder.path, LOCK, os.O_RDWR, make=True)
-
-
-def _empty(descriptor: int) -> None:
-    """Empty the file of a lock if its disk still can; the lock is released in any case."""
-    with suppress(OSError):
-        os.ftruncate(descriptor, 0)
+        try:
+            yield lambda: _is_in_place(place, descriptor)
+        finally:
+            with suppress(OSError):  # the lock is released in any case
+                os.ftruncate(descriptor, 0)
+    finally:
+        os.close(descriptor)
 
 
 def _is_flocked(folder: Folder, descriptor: int) -> bool:
@@ -92,8 +76,8 @@ def _is_flocked(folder: Folder, descriptor: int) -> bool:
             raise
         else:
             return True
-    name, _ = _named(os.pread(descriptor, _LONGEST, 0))
-    raise StoreError(f"{folder} is in use by {name}; wait for it, or write to another store")
+    holder = _named(descriptor)[0]
+    raise StoreError(f"{folder} is in use by {holder}; wait for it, or write to another store")
 
 
 def _is_in_place(folder: Folder, descriptor: int) -> bool:
@@ -106,30 +90,23 @@ def _is_in_place(folder: Folder, descriptor: int) -> bool:
 
 def holder_of(place: StorePlace) -> str | None:
     """Name the process that writes to a store; None if there is none."""
-    if isinstance(place, Bucket) or fcntl is None:
+    if isinstance(place, Bucket):
         return None
     with suppress(OSError):
-        name, host = _named(place.read(LOCK) or b"")
-        if host not in (None, socket.gethostname()) or _is_locked(place):
+        descriptor = open_file(place.path, LOCK, os.O_RDONLY)
+        try:
+            name, host = _named(descriptor)
+            if host not in (None, socket.gethostname()):
+                return name
+            fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
             return name
+        finally:
+            os.close(descriptor)
     return None
 
 
-def _is_locked(folder: Folder) -> bool:
-    """True if a process of this host holds a lock."""
-    descriptor = open_file(folder.path, LOCK, os.O_RDONLY)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    finally:
-        os.close(descriptor)
-    return False
-
-
-def _named(content: bytes) -> tuple[str, str | None]:
-    """Process that a lock names, and its host."""
-    match = _CONTENT.fullmatch(content)
-    if match is None:
-        return "another process", None
-    return match[1].decode(errors="replace"), match[2].decode(errors="replace")
+def _named(descriptor: int) -> tuple[str, str | None]:
+    """Process that the file of a lock names, and its host."""
+    match = _CONTENT.fullmatch(os.pread(descriptor, _LONGEST, 0).decode(errors="replace"))
+    return (match[1], match[2]) if match else ("another process", None)

@@ -16,13 +16,17 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.paths import user_path
-from pipeline.store.files import is_there, make_folder, replace_files
+from pipeline.store import files
+from pipeline.store.files import THREADS, is_there
+from pipeline.sweep.limits import MOST_BYTES_OF_ROOT
 from tribo import TriboError
 
 if TYPE_CHECKING:
@@ -86,21 +90,23 @@ class Folder:
         return Durable(self.path, read_only=read_only)
 
     def read(self, key: str) -> bytes | None:
-        """Content of a file; None if there is none."""
-        with suppress(FileNotFoundError, NotADirectoryError):  # by now
-            if is_there(self.path, key):
-                return (self.path / key).read_bytes()
-        return None
+        """Content of a file of no more than a root may have; None if there is none."""
+        if not is_there(self.path, key):
+            return None
+        if (file := self.path / key).stat().st_size > MOST_BYTES_OF_ROOT:
+            raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(file))
+        return file.read_bytes()
 
     def put(self, contents: Mapping[str, bytes]) -> None:
-        """Replace files; return once they are on the disk."""
-        replace_files(self.path, contents)
+        """Replace files side by side; return once they are on the disk."""
+        with ThreadPoolExecutor(THREADS) as threads:
+            list(threads.map(partial(files.replace_file, self.path), contents, contents.values()))
 
     def keys(self) -> set[str]:
         """Names of all files and links below the folder; no link is followed."""
         above = len(f"{self.path}/")
         walked = os.walk(self.path, onerror=_require_missing)
-        return {f"{folder}/{name}"[above:] for folder, _, files in walked for name in files}
+        return {f"{folder}/{name}"[above:] for folder, _, names in walked for name in names}
 
 
 def _require_missing(error: OSError) -> None:
@@ -124,36 +130,31 @@ class Bucket:
 
         return FsspecStore.from_url(self.address, read_only=read_only, storage_options=_OPTIONS)
 
+    def _opened(self) -> tuple[Any, str]:
+        """File system of the objects, and what their names begin with."""
+        import fsspec  # which stores in folders do without
+
+        system, path = fsspec.core.url_to_fs(self.address, **_OPTIONS)
+        return system, f"{path}/"
+
     def read(self, key: str) -> bytes | None:
         """Content of an object; None if there is none."""
+        system, above = self._opened()
         try:
-            content: bytes = self._call("cat_file", self._key(key))
+            content: bytes = system.cat_file(above + key)
         except FileNotFoundError:
             return None
         return content
 
     def put(self, contents: Mapping[str, bytes]) -> None:
         """Replace objects, side by side."""
-        self._call("pipe", {self._key(key): content for key, content in contents.items()})
+        system, above = self._opened()
+        system.pipe({above + key: content for key, content in contents.items()})
 
     def keys(self) -> set[str]:
         """Names of all objects."""
-        return {name.removeprefix(self._key("")) for name in self._call("find", self._key(""))}
-
-    def _key(self, key: str) -> str:
-        return f"{self._call('_strip_protocol', self.address)}/{key}"
-
-    def _call(self, name: str, *arguments: Any) -> Any:
-        """Call a method of the file system; what goes wrong is an `OSError`."""
-        import fsspec  # which stores in folders do without
-
-        try:
-            scheme = self.address.partition("://")[0]
-            return getattr(fsspec.filesystem(scheme, **_OPTIONS), name)(*arguments)
-        except OSError:
-            raise
-        except Exception as error:
-            raise OSError(f"{self.address}: {error}") from error
+        system, above = self._opened()
+        return {name.removeprefix(above) for name in system.find(above)}
 
 
 # With more, each read of an object would begin with a request for its size.
@@ -161,7 +162,7 @@ _OPTIONS = {"use_listings_cache": False, "max_concurrency": 1}
 
 
 StorePlace = Folder | Bucket
-"""Files of a store by their keys; what goes wrong is an `OSError`."""
+"""Files of a store by their keys."""
 
 
 def place_of(path: PathLike) -> StorePlace:
@@ -169,18 +170,12 @@ def place_of(path: PathLike) -> StorePlace:
     address = os.fspath(path)
     if "://" in address:
         return Bucket(address.rstrip("/"))
-    no_path = StoreError(
-        f"{address}: a store is a local folder, or an address such as s3://a/b.zarr"
-    )
-    if "\0" in address:
-        raise no_path
     try:
         folder = Path(os.path.realpath(user_path(address).absolute()))
-    except UnicodeEncodeError:
-        raise no_path from None
-    except FileNotFoundError:
+    except (ValueError, OSError) as error:
         raise StoreError(
-            f"{address}: the folder that this process works in was deleted; go to another"
+            f"{address!r} is no path: {error}; give a local folder, or an address such as "
+            "s3://a/b.zarr"
         ) from None
     if not folder.name:
         raise StoreError(f"{folder} cannot be a store; give a folder below it")
@@ -193,56 +188,42 @@ def require_writable(path: PathLike) -> None:
     if isinstance(place, Bucket):
         return
     with writes(place):
-        make_folder(place.path.parent)
+        files.make_folder(place.path.parent)
         if not os.access(place.path.parent, os.W_OK):
-            raise PermissionError("no permission to write to its folder")
+            raise PermissionError(errno.EACCES, "no permission to write to its folder")
 
 
 @contextmanager
-def writes(place: StorePlace, advice: str = "") -> Iterator[None]:
-    """Turn an `OSError` into a `StoreError` that says why a place cannot be written."""
+def reaches(place: StorePlace, verb: str = "read") -> Iterator[None]:
+    """Turn an error of a disk or network into a `StoreError` that names the file and the reason."""
     try:
         yield
-    except OSError as error:
-        above = place.path.parents if isinstance(place, Folder) else ()
-        in_the_way = (f"{folder} is a file, not a folder" for folder in above if folder.is_file())
-        reason = next(in_the_way, error.strerror or error)
-        is_within = str(error.filename).startswith(f"{place}/")
-        file = error.filename if is_within else place
-        raise StoreError(f"{file} cannot be written: {reason}{advice}") from error
-
-
-@contextmanager
-def reaches(place: StorePlace) -> Iterator[None]:
-    """Turn an `OSError` into a `StoreError` that says which file cannot be read, and why."""
-    try:
-        yield
-    except OSError as error:
-        if is_lack_of_memory(error):
+    except Exception as error:
+        is_expected = isinstance(error, OSError) or isinstance(place, Bucket)  # which raises any
+        if not is_expected or isinstance(error, TriboError) or is_lack_of_memory(error):
             raise
-        file = error.filename if isinstance(error.filename, str) else place
+        file, reason = getattr(error, "filename", None), getattr(error, "strerror", None) or error
         raise StoreError(
-            f"{file} cannot be read: {error.strerror or error}; see to its permissions or its "
-            "disk, then repeat the command"
+            f"{file or place} cannot be {verb}: {reason}; what is finished is safe: see to room, "
+            "permissions and disk, then repeat the command"
         ) from error
 
 
-@contextmanager
-def decodes(place: StorePlace, name: str) -> Iterator[None]:
-    """Turn an error of Zarr or its codecs into a `DamagedError` that names what they read."""
-    try:
-        yield
-    except (RuntimeError, ValueError, DamagedError) as error:
-        if is_lack_of_memory(error):  # nothing is damaged
-            raise
-        raise DamagedError(damaged(place, name)) from error
+def writes(place: StorePlace) -> AbstractContextManager[None]:
+    """Turn an error of a disk or network into a `StoreError`, as `reaches` does."""
+    return reaches(place, "written")
 
 
 @contextmanager
 def reads(place: StorePlace, name: str) -> Iterator[None]:
     """Turn errors of data into a `DamagedError`, or a `StoreError` if nobody can read them now."""
-    with reaches(place), decodes(place, name):
-        yield
+    with reaches(place):
+        try:
+            yield
+        except (RuntimeError, ValueError, DamagedError) as error:
+            if is_lack_of_memory(error):  # nothing is damaged
+                raise
+            raise DamagedError(damaged(place, name)) from error
 
 
 def damaged(place: StorePlace, name: str) -> str:

@@ -16,7 +16,8 @@ from xarray.backends import BackendArray, BackendEntrypoint, ZarrStore
 from xarray.core import indexing
 from zarr.storage import StorePath
 
-from pipeline.store.layout import Axes, bounded, made_coordinates, row_axes, spread_ids
+from pipeline.store.arrays import are_plain, bounded
+from pipeline.store.layout import Axes, row_axes
 from pipeline.store.place import (
     KEPT,
     ROOT,
@@ -29,7 +30,7 @@ from pipeline.store.place import (
     reaches,
     reads,
 )
-from pipeline.store.root import read_root, require_plain
+from pipeline.store.root import Root
 from pipeline.store.schema import (
     ABOUT,
     DONE,
@@ -38,16 +39,13 @@ from pipeline.store.schema import (
     PLANE,
     POINT,
     RECORDS,
-    SCENE_ID,
     attributes_of,
     is_coordinate,
     is_of_points,
-    variables_of,
 )
-from pipeline.store.write import Store
-from pipeline.sweep.model import Sweep
+from pipeline.store.write import Store, opened
 from pipeline.sweep.variants import in_order
-from tribo.types import Indices, Mask
+from tribo.types import Indices
 
 
 def open_store(path: PathLike) -> xr.Dataset:
@@ -57,9 +55,9 @@ def open_store(path: PathLike) -> xr.Dataset:
     Raise a `StoreError` if there is no readable store, or done points lack chunks.
     """
     place = place_of(path)
-    copy = _open_copy(place)
-    if copy is not None:
-        return copy
+    if (copy := _open_copy(place)) is not None:
+        words = [name for name, values in copy.coords.items() if values.dtype.kind == "T"]
+        return copy.assign_coords({name: copy[name].astype(object) for name in words})
     return xr.open_dataset(str(place), engine=_Backend, chunks=None)
 
 
@@ -72,20 +70,17 @@ def _open_copy(place: StorePlace) -> xr.Dataset | None:
         return None
     unlike = suppress(ValueError, KeyError, TypeError, AttributeError, RecursionError)
     with reaches(place), unlike:
-        document = json.loads(place.read(ROOT) or b"")
+        document, suffix = json.loads(place.read(ROOT) or b""), f"/{ROOT}"
         whole = document.setdefault("consolidated_metadata", {"kind": "inline", "metadata": {}})
-        if not (metadata := whole["metadata"]):
-            names = [
-                key.rpartition("/")[0] for key in sorted(place.keys()) if key.endswith(f"/{ROOT}")
-            ]
-            metadata = {name: json.loads(place.read(f"{name}/{ROOT}") or b"") for name in names}
-        is_store = any(path.split("/")[0] == ABOUT for path in metadata)
-        if "sweep" in document["attributes"] and not is_store:
-            require_plain(metadata)
+        metadata = whole["metadata"] or {
+            key.removesuffix(suffix): json.loads(place.read(key) or b"")
+            for key in sorted(place.keys())
+            if key.endswith(suffix)
+        }
+        if "sweep" in document["attributes"] and ABOUT not in metadata and are_plain(metadata):
             whole["metadata"] = bounded(metadata)
-            at = StorePath(place.zarr(read_only=True))
-            group = zarr.Group(zarr.AsyncGroup.from_dict(at, document))
-            return xr.open_dataset(ZarrStore(group), chunks=None)
+            group = zarr.AsyncGroup.from_dict(StorePath(place.zarr(read_only=True)), document)
+            return xr.open_dataset(ZarrStore(zarr.Group(group)), chunks=None)
     return None
 
 
@@ -94,35 +89,26 @@ class _Backend(BackendEntrypoint):
 
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store; no variable may be dropped."""
-        place = place_of(filename_or_obj)
-        root = read_root(place)
-        store = Store(place, root)  # statuses first: a point that was done stays whole
+        store = opened(filename_or_obj)  # statuses first: a point that was done stays whole
         _require_chunks(store)
-        sweep, axes, rows = _plane(store)
-        made = made_coordinates(sweep, axes)
-        made[SCENE_ID] = spread_ids(sweep, axes, root.ids)
+        root, rows = _plane(store.root)
+        present = root.coordinates()
+        coords = {*present, "own_grid"} - {INPUTS}
         marks = {"status": store.flags, "asked": store.asked}
-        marks = {name: _spread(values, rows) for name, values in marks.items()}
-        present: dict[str, Any] = axes | made | marks
+        present |= {name: _spread(values, rows) for name, values in marks.items()}
         variables = {}
-        for name, variable in variables_of(sweep).items():
-            if name not in present:
-                mask = store.flags != PENDING if name in RECORDS else store.flags == DONE
-                present[name] = indexing.LazilyIndexedArray(_Masked(store, name, mask, rows))
-            elif name in axes:
-                kind = np.dtypes.StringDType() if variable.dtype == "str" else variable.dtype
-                present[name] = np.array(axes[name], kind)
+        for name, variable in root.variables.items():
+            values = present.get(name)
+            if values is None:
+                values = indexing.LazilyIndexedArray(_Masked(store, name, rows))
+            elif name in root.axes:
+                values = np.array(values, object if variable.dtype == "str" else variable.dtype)
             shown = attributes_of(variable)
             shown.pop("coordinates", None)
-            variables[name] = xr.Variable(variable.dims, present[name], shown)
-        if INPUTS in store.arrays:
-            array = store.arrays[INPUTS]
-            values, shown = store.read(INPUTS, ...), array.metadata.attributes
-            variables[INPUTS] = xr.Variable(array.metadata.dimension_names, values, shown)
-        variables["status"].encoding["keeper"] = Keeper(place)
-        coords = {name: variables.pop(name) for name in (*axes, *made, "own_grid")}
-        steps = np.isfinite(made["time"]).any(tuple(range(made["time"].ndim - 1)))
-        ds = xr.Dataset(variables, coords, root.attributes)
+            variables[name] = xr.Variable(variable.dims, values, shown)
+        variables["status"].encoding["keeper"] = Keeper(store.place)
+        steps = np.isfinite(present["time"]).any(tuple(range(present["time"].ndim - 1)))
+        ds = xr.Dataset(variables, attrs=root.attributes).set_coords(coords)
         return ds.isel(step=slice(int(steps.argmax()), None))  # without the room for more of them
 
 
@@ -136,32 +122,32 @@ def _require_chunks(store: Store) -> None:
         raise StoreError(damaged(store.place, ", ".join(sorted(lost))))
 
 
-def _plane(store: Store) -> tuple[Sweep, Axes, Indices | None]:
-    """The sweep and axes that a store is shown with, and for each point the number of its row.
+def _plane(root: Root) -> tuple[Root, Indices | None]:
+    """The root that a store is shown with, and for each point the number of its row.
 
     Points of a search lie in the plane of all of their loads and velocities; −1 stands for a place
     without a point.
     """
-    if POINT not in store.axes:
-        return store.sweep, store.axes, None
-    sweep = replace(store.sweep, chosen=None)
-    inner = {name: store.axes[name] for name in store.axes if not is_of_points(name)}
-    loads = in_order([*sweep.plane.loads, *store.axes["load"]])
-    axes = {**row_axes(sweep), "load": loads, "velocity": in_order(store.axes["velocity"])}
+    if POINT not in root.axes:
+        return root, None
+    sweep, held = replace(root.sweep, chosen=None), root.axes
+    axes: Axes = {name: held[name] for name in held if not is_of_points(name)} | row_axes(sweep)
+    axes["load"] = in_order([*sweep.plane.loads, *held["load"]])
+    axes["velocity"] = in_order(held["velocity"])
     dims = [*sweep.variants.axes, *PLANE]
-    where = [pd.Index(axes[dim]).get_indexer(store.axes[dim]) for dim in dims]
+    where = [pd.Index(axes[dim]).get_indexer(held[dim]) for dim in dims]
     rows = np.full([len(axes[dim]) for dim in dims], -1)
-    rows[tuple(where)] = store.axes[POINT]
-    axes = {name: [*values] for name, values in axes.items()}
-    return sweep, axes | inner, rows
+    rows[tuple(where)] = held[POINT]
+    return replace(root, sweep=sweep, axes={name: [*values] for name, values in axes.items()}), rows
 
 
 class _Masked(BackendArray):
     """A variable that shows the entries of some points alone, by their rows if it has any."""
 
-    def __init__(self, store: Store, name: str, mask: Mask, rows: Indices | None) -> None:
+    def __init__(self, store: Store, name: str, rows: Indices | None) -> None:
         self._place, self._name, self._rows = store.place, name, rows
         self._array = array = store.arrays[name]
+        mask = store.flags != PENDING if name in RECORDS else store.flags == DONE
         self._mask = _spread(mask, rows)
         self._inner = array.shape[mask.ndim :]
         self.shape, self.dtype = (*self._mask.shape, *self._inner), array.dtype

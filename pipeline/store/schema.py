@@ -10,7 +10,7 @@ from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import ROWS, VARIANT, Column, Label
 from tribo import InputError, WarningKind
 
-FORMAT = 9
+FORMAT = 10
 """Version of the layout."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
@@ -35,17 +35,6 @@ POINT = "point"
 _STEP = (*PLANE, "step")
 _FIELD = (*PLANE, "x", "y")
 _RISE = "per unit friction coefficient"
-
-
-def _contact_variable(units: str, long_name: str) -> Variable:
-    """A variable at every step that depends on the size of the elements."""
-    comment = (
-        "Depends on the size of the elements: on larger ones a rough surface touches more of the "
-        "window at a lower pressure. In the paper's system the preset 'standard' has 14 to 17 % "
-        "more contact than the pixels, 'draft' 40 to 50 %. So it jumps at the end of a point, "
-        "where own_grid becomes true, without a change in time."
-    )
-    return Variable(_STEP, units, long_name, attributes={"comment": comment})
 
 
 def _field(units: str, long_name: str) -> Variable:
@@ -84,11 +73,11 @@ COLUMNS = {
     "own_grid": Variable(
         _STEP, "1", "true on the grid of the point, false on that of its history", "bool"
     ),
-    "contact_fraction": _contact_variable("1", "share of the window in contact"),
-    "contact_width": _contact_variable("m", "width of the contact along the sliding direction"),
-    "max_pressure": _contact_variable("Pa", "highest contact pressure"),
-    "mean_pressure": _contact_variable("Pa", "mean pressure over the contact"),
-    "saturated_fraction": _contact_variable("1", "share of the contact at the hardness"),
+    "contact_fraction": Variable(_STEP, "1", "share of the window in contact"),
+    "contact_width": Variable(_STEP, "m", "width of the contact along the sliding direction"),
+    "max_pressure": Variable(_STEP, "Pa", "highest contact pressure"),
+    "mean_pressure": Variable(_STEP, "Pa", "mean pressure over the contact"),
+    "saturated_fraction": Variable(_STEP, "1", "share of the contact at the hardness"),
     "wear_depth_max": Variable(_STEP, "m", "greatest wear depth of the pin"),
     "wear_volume": Variable(_STEP, "m^3", "worn volume of the whole pin"),
     "iterations": Variable(_STEP, "1", "iterations of the contact solver"),

@@ -8,8 +8,8 @@ from typing import Any
 from pipeline.store.checksum import checksum
 from pipeline.store.layout import blocks
 from pipeline.store.place import reaches
-from pipeline.store.schema import AT_END, DONE, OF_POINT, RECORDS, STEPPED
-from pipeline.store.verify import points_in, read_chunks, signed_data, stored_entries
+from pipeline.store.schema import AT_END, DONE, OF_POINT, STEPPED
+from pipeline.store.verify import fault_of, read_block, stored_entries
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
@@ -37,7 +37,7 @@ def take_points(store: Store, other: Store) -> int:
                 entries["message"],
                 entries["warning_flags"],
                 entries["wall_time"],
-                checksum=checksum(store.simulated.at(point), point, signed_data(entries)),
+                checksum=checksum(store.simulated.at(point), point, entries),
             )
             for here, entries in block
             for point in wanted.get((other.simulated.at(here), *here[:2]), ())
@@ -49,16 +49,12 @@ def take_points(store: Store, other: Store) -> int:
 
 def _sound_blocks(store: Store) -> Iterator[list[tuple[Point, dict[str, Any]]]]:
     """Done points of each chunk with their entries, as far as these have their checksum."""
-    done = store.flags == DONE
     with reaches(store.place):
         keys = store.place.keys()
-    names = [*(store.arrays.keys() & {*RECORDS, *STEPPED, *OF_POINT})]
-    for numbers, block in blocks(done, store.block):
-        values = read_chunks(store, names, numbers, keys)
-        found = []
-        for index, point in points_in(store, block, done):
-            entries = stored_entries(store, index, values)
-            if all(entry is not None for entry in entries.values()):
-                expected = checksum(store.simulated.at(point), point, signed_data(entries))
-                found += [(point, entries)] * (entries["checksum"] == expected)
-        yield found
+    for numbers, block in blocks(store.flags == DONE, store.block):
+        found = stored_entries(store, block, read_block(store, numbers, keys))
+        yield [
+            (point, entries)
+            for index, point, entries in found
+            if store.flags[index] == DONE and not fault_of(store, point, entries)
+        ]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
 from importlib import metadata
 
 
@@ -11,30 +12,21 @@ from importlib import metadata
 def package_versions() -> dict[str, str]:
     """Versions of the packages that compute and store."""
     try:
-        tribo = metadata.version("irg-transition")
+        own = metadata.version("irg-transition")
     except metadata.PackageNotFoundError:  # run from its source
-        tribo = "unknown"
-    return {"tribo": tribo} | {name: metadata.version(name) for name in ("numpy", "scipy", "zarr")}
+        own = "unknown"
+    names = ("numpy", "scipy", "zarr")
+    return {"irg-transition": own} | {name: metadata.version(name) for name in names}
 
 
-def provenance(
-    versions: Mapping[str, str],
-    later: Mapping[str, Mapping[str, str]],
-    workers: Mapping[str, Mapping[str, str]],
-) -> dict[str, str]:
-    """Attributes on the program that computed a store, by versions and the times they came at."""
+def in_words(versions: Mapping[str, str]) -> str:
+    """Versions of packages in words."""
+    return ", ".join(f"{name} {version}" for name, version in versions.items())
 
-    def listed(versions: Mapping[str, str]) -> str:
-        others = ", ".join(f"{name} {it}" for name, it in versions.items() if name != "tribo")
-        return f"irg-transition {versions.get('tribo')} with {others}"
 
-    lines = [f"computed by {listed(versions)}"]
-    lines += [f"{since}: gone on with by {listed(others)}" for since, others in later.items()]
-    for since, others in workers.items():
-        named = ", ".join(f"{name} {version}" for name, version in others.items())
-        lines.append(f"{since}: some points computed by workers with {named}")
-    return {
-        "source": f"simulated by irg-transition {versions.get('tribo')}",
-        "history": "\n".join(lines),
-        "license": "BSD-3-Clause for the program that computed this; the data are their author's",
-    }
+def noted(history: Sequence[str], what: str) -> list[str]:
+    """A history with a line on what computes now, unless it has that line."""
+    if any(line.endswith(what) for line in history):
+        return [*history]
+    since = f"{datetime.now(UTC).isoformat(timespec='seconds')}: " if history else ""
+    return [*history, since + what]

@@ -20,31 +20,22 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from pipeline.store.arrays import chunk_key, open_arrays
 from pipeline.store.checksum import packed
 from pipeline.store.files import THREADS
-from pipeline.store.layout import (
-    arrays_of,
-    blocks,
-    chunk_key,
-    field_key,
-    listed_points,
-    made_coordinates,
-    slices_of,
-)
+from pipeline.store.layout import blocks, listed_points, made_coordinates, slices_of
 from pipeline.store.lock import Lock
 from pipeline.store.place import (
     LOCK,
-    ROOT,
     Bucket,
     PathLike,
     StoreError,
     StorePlace,
-    decodes,
     place_of,
     reads,
     writes,
 )
-from pipeline.store.root import Root, now, read_root, root_documents
+from pipeline.store.root import Root, read_root
 from pipeline.store.schema import (
     DONE,
     FAILED,
@@ -52,15 +43,14 @@ from pipeline.store.schema import (
     PLANE,
     POINT,
     STEPPED,
-    variables_of,
 )
+from pipeline.store.versions import in_words, noted
 from pipeline.sweep.identity import Simulated
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.plan import points as points_of
 from tribo.types import Indices, Mask
 
-_ADVICE = "; what is finished is safe, go on when there is room and permission to write"
 _ABOUT = ("message", "warning_flags", "wall_time", "checksum")  # what is told about a point
 
 _Index = tuple[int, ...]
@@ -79,20 +69,15 @@ class Store:
         self.place, self.root, self.lock = place, root, lock
         self.sweep, self.axes = root.sweep, root.axes
         self.simulated = Simulated(root.sweep)
-        try:
-            self.arrays = arrays_of(place, root.arrays, read_only=lock is None)
-        except (ValueError, TypeError, KeyError) as error:  # what cannot be Zarr
-            raise StoreError(f"{place}: {ROOT} describes no store: {error}") from error
-        status = self.arrays["status"]
-        self.dims: tuple[str, ...] = status.metadata.dimension_names
-        self.block: tuple[int, ...] = status.chunks
-        points = listed_points(root.sweep, root.axes) if POINT in self.dims else []
-        self._listed = {point: (number,) for number, point in enumerate(points)}
-        self._numbers = [
-            {value: number for number, value in enumerate(self.axes[name])} for name in self.dims
-        ]
+        self.arrays = open_arrays(place, root.arrays, read_only=lock is None)
+        self.dims = root.variables["status"].dims
+        self.block = tuple(root.block[dim] for dim in self.dims)
+        listed = listed_points(root.sweep, root.axes) if POINT in self.dims else []
+        self._labels = [listed if dim == POINT else self.axes[dim] for dim in self.dims]
+        self._numbers = [{label: n for n, label in enumerate(one)} for one in self._labels]
+        shape = [len(labels) for labels in self._labels]
         self.flags, self.asked = (
-            np.zeros(status.shape, np.int8) if is_damaged else self.read(name, ...)
+            np.zeros(shape, np.int8) if is_damaged else self.read(name, ...)
             for name in ("status", "asked")
         )
 
@@ -100,21 +85,14 @@ class Store:
 
     def along(self, name: str) -> str:
         """Dimension of the loads or the velocities: their own, or that of rows with one each."""
-        (dim,) = variables_of(self.sweep)[name].dims
+        (dim,) = self.root.variables[name].dims
         return dim
 
     def index(self, point: Point) -> _Index:
         """Place of a point."""
-        if POINT in self.dims:
-            return self._listed[point]
-        values = dict(point.variant) | {"load": point.load, "velocity": point.velocity}
-        return tuple(
-            numbers[values[name]] for name, numbers in zip(self.dims, self._numbers, strict=True)
-        )
-
-    def chunk_of(self, index: _Index) -> _Index:
-        """Numbers of the chunk that a point lies in."""
-        return tuple(i // n for i, n in zip(index, self.block, strict=True))
+        labels = {"load": point.load, "velocity": point.velocity, POINT: point, **dict(point[2])}
+        found = zip(self.dims, self._numbers, strict=True)
+        return tuple(numbers[labels[dim]] for dim, numbers in found)
 
     def within(self, index: _Index) -> _Index:
         """Place of a point in its chunk."""
@@ -123,15 +101,16 @@ class Store:
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
         """Points at places that are given by their indices along each dimension."""
         if POINT in self.dims:
-            listed = [*self._listed]
-            return [listed[number] for number in where[0]]
-        loads, velocities = (self.axes[name] for name in PLANE)
-        of_load, of_velocity = (self.dims.index(self.along(name)) for name in PLANE)
-        front = [number for number, name in enumerate(self.dims) if name not in PLANE]
+            return [self._labels[0][number] for number in where[0]]
+        along = [self.dims.index(self.along(name)) for name in PLANE]
+        rows = [number for number, name in enumerate(self.dims) if name not in PLANE]
         points = []
-        for index in zip(*(along.tolist() for along in where), strict=True):
-            variant = tuple((self.dims[k], self.axes[self.dims[k]][index[k]]) for k in front)
-            points.append(Point(loads[index[of_load]], velocities[index[of_velocity]], variant))
+        for index in zip(*(numbers.tolist() for numbers in where), strict=True):
+            load, velocity = (
+                self.axes[name][index[k]] for name, k in zip(PLANE, along, strict=True)
+            )
+            variant = tuple((self.dims[k], self._labels[k][index[k]]) for k in rows)
+            points.append(Point(load, velocity, variant))
         return points
 
     def in_words(self, point: Point) -> str:
@@ -139,17 +118,14 @@ class Store:
         written = self.sweep.variants.written(point.variant)
         return str(point._replace(variant=tuple(written.items())))
 
-    def chunk_keys(self, name: str, numbers: Sequence[int]) -> Iterator[str]:
-        """Keys of the chunks of a variable with these numbers along the dimensions of points."""
-        array = self.arrays[name]
-        counts = [-(-n // size) for n, size in zip(array.shape, array.chunks, strict=True)]
-        inner = np.ndindex(*counts[len(numbers) :])
-        return (chunk_key(name, (*numbers, *rest)) for rest in inner)
+    def key(self, name: str, numbers: Sequence[int]) -> str:
+        """Key of a chunk of a variable by its numbers along the dimensions of points."""
+        return chunk_key(name, numbers, self.arrays[name].ndim)
 
     def lacks(self, name: str, mask: Mask, keys: set[str]) -> bool:
         """True if a variable lacks a chunk of any point of a mask, by the keys that there are."""
         chunks = blocks(mask, self.arrays[name].chunks[: mask.ndim])
-        return not all(keys.issuperset(self.chunk_keys(name, numbers)) for numbers, _ in chunks)
+        return not all(self.key(name, numbers) in keys for numbers, _ in chunks)
 
     # What is read
 
@@ -161,10 +137,10 @@ class Store:
     def read_steps(self) -> dict[str, Any]:
         """All variables at steps, with time, load and distance, in one shape each."""
         columns = {name: self.read(name, ...) for name in STEPPED if name in self.arrays}
-        dims = self.arrays["max_rise"].metadata.dimension_names
-        sizes = dict(zip(dims, columns["max_rise"].shape, strict=True))
-        for name, values in made_coordinates(self.sweep, self.axes).items():
-            made: Any = xr.Variable(variables_of(self.sweep)[name].dims, values)
+        wanted = self.root.variables
+        sizes = dict(zip(wanted["max_rise"].dims, columns["max_rise"].shape, strict=True))
+        for name, values in made_coordinates(self.sweep, self.axes, wanted).items():
+            made: Any = xr.Variable(wanted[name].dims, values)
             columns[name] = made.set_dims(sizes).values
         return columns
 
@@ -189,13 +165,13 @@ class Store:
 
     def note_worker(self, versions: Mapping[str, str]) -> None:
         """Note, once, the versions of packages that a worker has."""
-        noted = self.root.facts.worker_versions
-        if versions in noted.values():
+        words = f"some points computed by workers with {in_words(versions)}"
+        history = noted(self.root.history, words)
+        if history == self.root.history:
             return
-        facts = replace(self.root.facts, worker_versions=noted | {now(): dict(versions)})
-        self.root = self.root._replace(facts=facts)
+        self.root = replace(self.root, history=history)
         with self._writes():
-            for key, document in root_documents(self.root).items():  # the root last
+            for key, document in self.root.documents().items():  # the root last
                 self.place.put({key: document})
 
     def forget(self, points: Iterable[Point]) -> None:
@@ -220,9 +196,10 @@ class Store:
         for index, of_point in values.items():
             for name, value in of_point.items():
                 if isinstance(value, bytes):
-                    encoded[field_key(name, index)] = value
+                    encoded[self.key(name, index)] = value
                 else:
-                    chunks.setdefault((name, self.chunk_of(index)), {})[index] = value
+                    chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
+                    chunks.setdefault((name, chunk), {})[index] = value
         with self._writes():
             self.place.put(encoded)
             with ThreadPoolExecutor(THREADS) as threads:  # which ends when all have
@@ -231,7 +208,6 @@ class Store:
         for index, status in statuses.items():
             flags[index], changed[index] = status, True
         self._put_marks("status", flags, changed)
-        self.require_lock()  # a driver that came meanwhile may have read the statuses before
         self.flags = flags
 
     def _put(self, place: tuple[str, _Index], values: Mapping[_Index, Any]) -> None:
@@ -239,8 +215,7 @@ class Store:
         name, chunk = place
         array = self.arrays[name]
         block = slices_of(chunk, self.block)
-        with decodes(self.place, name):
-            part = array[block]
+        part = self.read(name, block)
         for index, value in values.items():
             if name in STEPPED:
                 part[self.within(index)] = array.fill_value
@@ -257,15 +232,14 @@ class Store:
 
     @contextmanager
     def _writes(self) -> Iterator[None]:
-        self.require_lock()
-        with writes(self.place, _ADVICE):
+        """Hold the lock before and after: else a driver that came may have read what was before."""
+        self._require_lock()
+        with writes(self.place):
             yield
+        self._require_lock()
 
-    def require_lock(self) -> None:
-        """Raise a `StoreError` if the lock of this process is no longer that of the store."""
-        with writes(self.place, _ADVICE):
-            is_lost = self.lock is not None and not self.lock()
-        if is_lost:
+    def _require_lock(self) -> None:
+        if self.lock and not self.lock():
             raise StoreError(
                 f"{self.place}: its lock ({LOCK}) was deleted or replaced while this run wrote; it "
                 "stops, since another one may write now. What is finished is safe, run it again"

@@ -146,8 +146,7 @@ def sealed(document):
     """Content of a root with the digest that belongs to it."""
     metadata = document["consolidated_metadata"]["metadata"]
     about = metadata["about"]["attributes"]
-    arrays = root._own_arrays(metadata)
-    about["digest"] = root._digest(document["attributes"], about, arrays)
+    about["digest"] = root._digest(document["attributes"], about, metadata)
     return json.dumps(document).encode()
 
 

@@ -8,7 +8,7 @@ import pytest
 
 import pipeline
 from pipeline.store.place import place_of
-from pipeline.store.root import read_root, root_documents
+from pipeline.store.root import read_root
 from pipeline.sweep.laws import Law
 from tests.helpers.entries import changed
 from tests.helpers.processes import python
@@ -89,7 +89,7 @@ def ran(tmp_path):
 
 def write(store, root):
     """Let a store have another root."""
-    (store / "zarr.json").write_bytes(root_documents(root)["zarr.json"])
+    (store / "zarr.json").write_bytes(root.documents()["zarr.json"])
 
 
 def forged(done, folder, store, criterion):

@@ -148,7 +148,7 @@ def test_all_files_of_a_store_follow_the_umask(tmp_path):
     [
         (Path.symlink_to, "cannot be written: it is a link, and a store has none"),
         (lambda file, _: os.mkfifo(file), "cannot be written: it is not a file"),
-        (lambda file, _: file.mkdir(), "cannot be written: it is not a file"),
+        (lambda file, _: file.mkdir(), "cannot be written: Is a directory"),
     ],
     ids=["a link", "a pipe", "a folder"],
 )

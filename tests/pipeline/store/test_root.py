@@ -85,7 +85,7 @@ def test_any_value_of_the_root_may_be_any_other(forged, alone, data):
 @settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_any_value_of_the_metadata_of_an_array_may_be_any_other(forged, alone, data):
-    """They are read from the root, and a run writes them anew."""
+    """They follow from the root, and are not read."""
     (forged / ROOT).write_bytes((alone / ROOT).read_bytes())
     name = data.draw(st.sampled_from(["mean_rise", "status", "message", "load", "pressure"]))
     text = (alone / path_of(name) / ROOT).read_text()
@@ -95,10 +95,6 @@ def test_any_value_of_the_metadata_of_an_array_may_be_any_other(forged, alone, d
     before = pipeline.open_sweep(alone)
     assert pipeline.open_sweep(forged).load().equals(before.load())
     assert pipeline.verify_store(forged).is_clean
-    commit(forged, SWEEP, ())
-    written = json.loads((forged / path_of(name) / ROOT).read_text())
-    own = {"attributes": json.loads(text)["attributes"]}
-    assert written | own == json.loads(text)
 
 
 @pytest.mark.parametrize(
@@ -131,56 +127,15 @@ def test_a_root_that_another_program_writes_in_another_form_is_read(forged, alon
     assert contents(forged).keys() == contents(alone).keys()
 
 
-def of_array(name, **entries):
-    return lambda axes, arrays: arrays[name].update(entries)
+def with_axes_of_a_hundred_million_points(texts, _):
+    texts["store"]["axes"] |= {name: [*range(10_000)] for name in ("load", "velocity")}
 
 
-def chunked(*sizes):
-    return {"chunk_grid": {"configuration": {"chunk_shape": [*sizes]}}}
-
-
-PLAIN = "its arrays are not of Zarr 3, or not those of a store"
-ROOT_FAULTS = {
-    "no checksums": (lambda axes, arrays: arrays.pop("about/checksum"), "the variable checksum is"),
-    "no status": (lambda axes, arrays: arrays.pop("status"), "the variable status is unknown"),
-    "Zarr 2": (of_array("mean_rise", zarr_format=2), PLAIN),
-    "a codec that runs code": (of_array("mean_rise", codecs=[{"name": "pickle"}]), PLAIN),
-    "chunks of nothing": (of_array("mean_rise", **chunked(3, 0, 7)), PLAIN),
-}
-
-
-@pytest.mark.parametrize("name", ROOT_FAULTS)
-def test_a_forged_root_that_is_not_that_of_its_scene_is_refused(forged, alone, name):
-    change, fault = ROOT_FAULTS[name]
-    forge(
-        forged,
-        alone / ROOT,
-        lambda texts, arrays: change(texts["store"]["axes"], arrays),
-    )
-    with pytest.raises(StoreError, match=f"another version of this program, or damaged: .*{fault}"):
-        pipeline.summary(forged)
-
-
-def with_a_billion_loads(_, arrays):
-    for array in arrays.values():
-        for axis, dim in enumerate(array.get("dimension_names", ())):
-            array["shape"][axis] = 10**9 if dim == "load" else array["shape"][axis]
-
-
-def with_axes_of_a_hundred_million_points(texts, arrays):
-    axes = texts["store"]["axes"]
-    axes |= {name: [*map(float, range(10_000))] for name in ("load", "velocity")}
-    for array in arrays.values():
-        if "shape" in array:
-            array["shape"] = [len(axes[dim]) for dim in array["dimension_names"]]
-
-
-@pytest.mark.parametrize("size", [with_a_billion_loads, with_axes_of_a_hundred_million_points])
-def test_a_forged_root_of_very_many_points_is_refused_at_once(forged, alone, size):
-    forge(forged, alone / ROOT, size)
+def test_a_forged_root_of_very_many_points_is_refused_at_once(forged, alone):
+    forge(forged, alone / ROOT, with_axes_of_a_hundred_million_points)
     began = time.process_time()
     for function in (pipeline.summary, pipeline.open_sweep, pipeline.verify_store):
-        with pytest.raises(StoreError, match=r"not those of a store|a store at most"):
+        with pytest.raises(StoreError, match="a store at most"):
             function(forged)
     assert time.process_time() - began < 2.0
 
@@ -196,7 +151,9 @@ def test_a_forged_root_of_very_many_points_is_refused_at_once(forged, alone, siz
         (("sweep", "stations", "holds"), None, "not the text of a sweep"),
         (("sweep", "entries", "friction", "same_rig"), 1, "friction.same_rig: 1 is neither"),
         (("sweep", "entries", "wear"), {"law": "os:system"}, "wear.law: "),
-        (("store", "colour"), 1, "unexpected keyword argument 'colour'"),
+        (("store", "axes", "load"), 1.0, "damaged, or a stranger's"),
+        (("store", "axes", "load", 0), "heavy", "damaged, or a stranger's: could not convert"),
+        (("store", "points_per_chunk", "load"), 10**9, "damaged, or a stranger's"),
     ],
 )
 def test_a_forged_value_of_another_kind_is_named(forged, alone, path, new, named):
@@ -231,7 +188,7 @@ def test_a_store_of_an_older_format_is_refused_in_a_line_and_left_as_it_is(forge
     (forged / ROOT).write_text(json.dumps(document))
     before = contents(forged)
     expected = (
-        f"{forged} is of another version of this program: it has format 5, and this one reads 9; "
+        f"{forged} is of another version of this program: it has format 5, and this one reads 10; "
         "run its scene into another store"
     )
     for command in ("status", "verify", "boundary"):
@@ -243,7 +200,7 @@ def test_a_store_of_an_older_format_is_refused_in_a_line_and_left_as_it_is(forge
 
 def test_a_root_of_terabytes_is_not_read(forged):
     os.truncate(forged / ROOT, 2**42)
-    with pytest.raises(StoreError, match=r"4.4e\+12 bytes"):
+    with pytest.raises(StoreError, match="File too large"):
         pipeline.summary(forged)
     (forged / ROOT).unlink()
 

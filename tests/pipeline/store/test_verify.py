@@ -130,15 +130,6 @@ def test_damage_of_any_array_is_named_and_one_run_has_the_same_bits(long, tmp_pa
     assert pipeline.verify_store(path).is_clean
 
 
-@pytest.mark.parametrize("harm", [flipped, missing])
-def test_damaged_metadata_of_an_array_are_not_read_and_written_anew(copy, harm):
-    before = contents(copy)
-    harm(copy / "mean_rise" / "zarr.json")
-    assert pipeline.verify_store(copy).is_clean
-    resumed(copy, SWEEP)
-    assert contents(copy) == before
-
-
 def test_damage_to_a_field_costs_its_point_alone(copy):
     (copy / "fields" / "rise" / "c.1.1.0.0").unlink()
     verification = pipeline.verify_store(copy)
