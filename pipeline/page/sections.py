@@ -145,7 +145,7 @@ def _origin(ds: xr.Dataset) -> Iterator[str]:
 
 def citation() -> Iterator[str]:
     """References to the program and to the work that it builds on, a line each."""
-    version = package_versions()["tribo"]
+    version = package_versions()["irg-transition"]
     yield f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause."
     yield (
         "R. Bosman and M. B. de Rooij: On the transition from mild to severe wear of lubricated, "

@@ -246,11 +246,14 @@ def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
 
 def _require_sound(root: Root) -> None:
     """Raise an error for axes of a stranger that are none, or take much memory."""
-    for name, variable in root.variables.items():
-        if is_coordinate(name) and name not in (*MADE, SCENE_ID, INPUTS):
-            values = np.array(root.axes[name], str if variable.dtype == "str" else variable.dtype)
-            if values.shape != (len(root.axes[variable.dims[0]]),):
-                raise ValueError(f"the axis {name} has the shape {values.shape}")
+    names = {name for name in root.variables if is_coordinate(name)} - {*MADE, SCENE_ID, INPUTS}
+    if unlike := sorted(names ^ root.axes.keys()):
+        raise ValueError(f"the variable {unlike[0]} is unknown or missing")
+    for name, values in root.axes.items():
+        (dim,), kind = root.variables[name].dims, root.variables[name].dtype
+        shape = np.array(values, str if kind == "str" else kind).shape
+        if shape != (len(root.axes[dim]),):
+            raise ValueError(f"the axis {name} has the shape {shape}")
     points = math.prod(root.arrays["status"]["shape"])
     if points > MOST_POINTS or not are_plain(root.arrays):
         raise ValueError(f"it has {points:.4g} points, and a store at most {MOST_POINTS:.0e}")

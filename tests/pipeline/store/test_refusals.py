@@ -194,6 +194,8 @@ REFUSALS = {
     "other": (changed(lambda path: edit(path / ROOT, lambda root: root["attributes"].update(
         scene_id="[7]"))), "zarr.json is damaged: it is not what was written"),
     "old": (changed(forged(lambda texts, _: texts["store"].update(format=3))), "it has format 3"),
+    "variable": (changed(forged(lambda texts, _: texts["store"]["axes"].update(mine=[1.0]))),
+                 "the variable mine is unknown or missing"),
     "shape": (changed(forged(lambda texts, _: texts["store"]["axes"].update(load=[[1.0]]))),
               "the axis load has the shape"),
     "points": (changed(forged(lambda texts, _: texts["store"]["axes"].update(
