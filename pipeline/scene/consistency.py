@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import tribo
 from pipeline.quantities import display
 from pipeline.scene.faults import Faults, did_you_mean, quoted
-from pipeline.scene.format import Bulks, Ramp
+from pipeline.scene.format import Bulks
 from pipeline.scene.library import library
 from pipeline.scene.parts import DISC, track_of
 from pipeline.scene.runs import run_faults
@@ -136,15 +134,7 @@ def _unfit_sizes(shape: str, *values: Any) -> Misfits:
 
 @_check("motion")
 def _unfit_motion(motion: Any) -> Misfits:
-    if motion is None:
-        return
-    if None not in (motion.slide_roll_ratio, motion.entrainment_velocity):
-        problem = (
-            f"{motion.slide_roll_ratio:g} and an entrainment_velocity are given; give one of them, "
-            'with the other in without, such as --set "without=motion.slide_roll_ratio"'
-        )
-        yield "motion.slide_roll_ratio", problem
-    else:
+    if motion is not None:
         yield from _refused(tribo.Motion, **vars(motion))
 
 
@@ -234,27 +224,6 @@ def _unfit_curve(rows: Any, coefficient: Any, name: str, unit: str) -> Misfits:
     if rows and coefficient == 0:
         words = f"0 cannot be scaled by friction.by_{name}; give a typical one, such as 0.1"
         yield "friction.coefficient", words
-
-
-@_check("loading", "sweep.loads", "measured", "tested", "fidelity")
-def _many_steps(loading: Any, loads: Any, measured: Any, tested: Any, fidelity: Any) -> Misfits:
-    """Loads and holds that take more steps than anybody waits for."""
-    if not isinstance(loading, Ramp):
-        return
-    ramp = tribo.Ramp(**vars(loading))
-    ways = [("loading", ramp, load) for load in (max(loads), min(loads))]
-    for name, tests in (("measured", measured), ("tested", tested)):
-        for number, test in enumerate(tests or ()):
-            if test.hold:
-                held = replace(ramp, hold=test.hold)
-                ways.append((f"{name}[{number}].hold", held, test.load))
-    for key, way, load in ways:
-        try:
-            stations = way.stations(load, fidelity.increments, fidelity.hold_increments)
-            deque(stations, maxlen=0)
-        except tribo.InputError as error:
-            yield key, str(error)
-            return
 
 
 @_check("measured", name="measured")

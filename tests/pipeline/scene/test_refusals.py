@@ -206,7 +206,7 @@ ENTRIES = {
               "pin.crown_radius: missing; a crowned pin needs"),
     "motion": (entry("motion", {}), "entrainment_velocity None; exactly one of them must be"),
     "motions": (entry("motion", {"slide_roll_ratio": 1, "entrainment_velocity": "1 m/s"}),
-                "motion.slide_roll_ratio: 1 and an entrainment_velocity are given; give one"),
+                "exactly one of them must be given"),
     "short track": (entry("motion", {"slide_roll_ratio": 1, "track_length": "0.1 mm"}),
                     "motion.track_length: 0.1 mm is shorter than the window, "),
     "critical": (entry("temperature.critical", "25 degC"), "not above temperature.bulk, 25 °C"),
