@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from operator import attrgetter
 from typing import Any, TypeVar
 
@@ -25,7 +25,7 @@ from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import conclusion, judge_spectrum
 from pipeline.sweep.about import library_tables
 from pipeline.sweep.caveats import joined, parted
-from tribo import InputError, lubrication_regime
+from tribo import InputError
 
 T = TypeVar("T")
 
@@ -54,18 +54,19 @@ def gears(options: argparse.Namespace) -> Result:
     """Print the contact along a mesh; write its scene; simulate FZG's test, or a spectrum."""
     pair = read_pair(options.pair, settings_in(options))
     if options.critical_temperature is not None:
-        pair = pair.changed(critical=options.critical_temperature)
+        sd = pair.file.temperature.critical_sd
+        pair = pair.with_critical(options.critical_temperature, sd)
     _check(options, pair)
     if options.stage:
-        pair = pair.changed(duty=stage_duty(pair, options.stage))
+        pair = replace(pair, duty=stage_duty(pair, options.stage))
     document, text = dict[str, Any](), list[str | pd.DataFrame]()
     if options.failure_stage:
         critical = _simulated(options, critical_temperature, pair, options.failure_stage)
-        pair = pair.changed(critical=critical.value, critical_sd=critical.doubt)
+        pair = pair.with_critical(critical.value, critical.doubt)
         found = frame_of([*_CRITICAL.values()], map(attrgetter(*_CRITICAL), [critical]))
         document["critical_temperature"] = asdict(critical)
         text = [upright(found), ""]
-    one = mesh(pair, options.places)
+    one = mesh(pair)
     if options.stages:
         table = _simulated(options, predict_stages, pair)
     elif options.points:
@@ -83,9 +84,7 @@ def gears(options: argparse.Namespace) -> Result:
     if options.new_scene:
         note = f"Written by irg gears {options.pair}."
         document["scene"] = str(write_text(scene_toml([one], note), options.new_scene))
-        store = options.new_scene.with_suffix(".zarr").name
-        text += ["", f"{options.new_scene} is written; its margins, place by place:"]
-        text += [f"  irg run {options.new_scene} -o {store}", f"  irg margin {store}"]
+        text += ["", f"scene: {options.new_scene}"]
     if "notes" not in table:
         table["notes"] = joined(map(str, (*doubts(one), *pair.caveats)))
     caveats = parted(table["notes"])
@@ -118,11 +117,9 @@ def _simulated(options: argparse.Namespace, simulate: Callable[..., T], *given: 
 
 def _facts(one: Mesh) -> pd.DataFrame:
     """What holds for the whole mesh, as a frame of one row."""
-    pair, gears, duty, rule, hot = one.pair, one.pair.gears, one.duty, one.integral, one.hottest
+    pair, gears, duty, rule = one.pair, one.pair.gears, one.duty, one.integral
     angle = gears.working_angle
     pitch = next(place for place in one.places if place.position == 0)
-    films = [place.film_parameter for place in one.places if place.film_parameter is not None]
-    regimes = dict.fromkeys(map(lubrication_regime, sorted(films)))
     facts = {
         "torque [N m]": duty.torque,
         "speed [rpm]": duty.turns,
@@ -134,24 +131,10 @@ def _facts(one: Mesh) -> pd.DataFrame:
         "pitch line velocity [m/s]": duty.speed * gears.base_radii[0] / math.cos(angle),
         "pitch pressure of one pair [GPa]": pitch.pressure / math.sqrt(pitch.share),
         "normal load [N]": one.normal_load,
-        "load sharing": _sharing(one),
         "friction": one.friction,
-        "friction from": "ISO/TR 13989-2, Eq. 1" if pair.friction is None else "the file",
-        "hottest place [mm]": hot.position,
-        "hottest temperature [°C]": hot.temperature,
-        "lubrication": " to ".join(regimes) or None,
+        "friction from": "the file" if pair.file.friction.coefficient else "ISO/TR 13989-2, Eq. 1",
         "integral temperature [°C]": rule and rule.integral,
     }
     for number, (values, source) in enumerate(library_tables(pair.sources), 1):
         facts[f"library {number}"] = f"{values}; from {source}"
     return frame_of([*facts], [[*facts.values()]])
-
-
-def _sharing(one: Mesh) -> str:
-    """The rule by which pairs of teeth share the load, in words."""
-    gears = one.pair.gears
-    if gears.overlap_ratio:
-        return "helical, shared as lines of contact are long, ISO/TR 13989-1"
-    if gears.contact_ratio >= 2:
-        return "shared equally by the pairs in mesh"
-    return "all on one pair from B to D, beyond a third at A and E to two thirds, AGMA 925-A03"

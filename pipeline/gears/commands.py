@@ -7,10 +7,6 @@ from pipeline.cli import values
 from pipeline.cli.options import Command, Group, Option
 from pipeline.paths import user_path
 
-_PLACES = Option(
-    "--places", metavar="N", type=values.count, default=25,
-    help="number of even steps along the path of contact; default: 25",
-)  # fmt: skip
 _STAGE = Option(
     "--stage", metavar="N", type=values.count,
     help="take torque, speed and bulk temperature of a load stage of FZG A/8.3/90",
@@ -47,7 +43,7 @@ COMMANDS = (
             o.SET.but(
                 help='change an entry of the pair, like "pinion.roughness=0.8 um"; may be repeated'
             ),
-            _PLACES, _STAGE, _SCENE, Group("", _CRITICAL), Group("", _DUTIES),
+            _STAGE, _SCENE, Group("", _CRITICAL), Group("", _DUTIES),
             o.SHEET, o.PRESET, o.WORKERS, o.FIGURE_OR_TABLE,
         ),
     ),

@@ -19,7 +19,7 @@ from tribo.analytic.heat import ROLLING_SLIDING_PEAK
 from tribo.material import minimum_line_film
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class MeshPlace:
     """The contact at one place of mesh, of the pinion (1) on the wheel (2).
 
@@ -54,11 +54,6 @@ class Mesh:
     friction: float  #: Mean coefficient of friction, as given or by the rule of the standard.
     normal_load: float  #: Load on all pairs of teeth in mesh, normal to the flanks [N].
     places: tuple[MeshPlace, ...]
-
-    @property
-    def hottest(self) -> MeshPlace:
-        """The place of the highest temperature."""
-        return max(self.places, key=lambda place: place.temperature)
 
     @property
     def integral(self) -> Integral | None:
@@ -103,10 +98,8 @@ def mesh(pair: Pair, places: int = 25, duty: Duty | None = None) -> Mesh:
     if gears.contact_ratio >= 2:
         letters = {at.a: "A", 0.0: "C", at.e: "E"}
     even = np.linspace(at.a, at.e, max(places, 2)).tolist()
-    positions = sorted({*even, *letters} - {p for p in even if _is_near(p, letters, at.e - at.a)})
-    coefficient = pair.friction
-    if coefficient is None:
-        coefficient = friction_coefficient(pair, duty)
+    positions = sorted({*even, *letters})
+    coefficient = friction_coefficient(pair, duty)
     total = duty.load_factor * duty.torque / gears.base_radii[0]
     normal = total / math.cos(gears.base_helix_angle)
     found = tuple(
@@ -116,52 +109,31 @@ def mesh(pair: Pair, places: int = 25, duty: Duty | None = None) -> Mesh:
     return Mesh(pair, duty, coefficient, normal, found)
 
 
-def _is_near(position: float, letters: dict[float, str], length: float) -> bool:
-    """True if a place nearly coincides with a place that has a letter."""
-    return any(0 < abs(position - letter) < 1e-6 * length for letter in letters)
-
-
 def _place(
     pair: Pair, duty: Duty, friction: float, normal: float, position: float, letter: str
 ) -> MeshPlace:
-    gears = pair.gears
-    first, second = gears.radii(position)
-    lean = math.cos(gears.base_helix_angle)
-    reduced = first * second / (first + second)
+    gears, lean = pair.gears, math.cos(pair.gears.base_helix_angle)
+    radius_1, radius_2 = gears.radii(position)
+    reduced_radius = radius_1 * radius_2 / (radius_1 + radius_2)
     # Radii in the transverse section, in which the gears turn.
-    u1, u2 = duty.speed * first * lean, duty.speed / gears.ratio * second * lean
-    share = load_share(gears, position, pair.quality)
-    line = share * normal * lean / gears.face_width
-    modulus = contact_modulus(*pair.materials)
-    half_width = analytic.hertz_line_half_width(line, reduced, modulus)
-    efforts = pair.materials[0].thermal_effusivity, pair.materials[1].thermal_effusivity
+    rolling = duty.speed * radius_1 * lean, duty.speed / gears.ratio * radius_2 * lean
     # At the pitch point 0 exactly, where the difference of both would be one of rounding.
     sliding = position * duty.speed * (1 + 1 / gears.ratio)
-    flash = flash_rise(friction, line, half_width, (u1, u2), efforts) if sliding else 0.0
+    share = load_share(gears, position, pair.file.mesh.quality)
+    line, modulus = share * normal * lean / gears.face_width, contact_modulus(*pair.materials)
+    half_width = analytic.hertz_line_half_width(line, reduced_radius, modulus)
+    pressure = analytic.hertz_line_peak_pressure(line, reduced_radius, modulus)
+    efforts = pair.materials[0].thermal_effusivity, pair.materials[1].thermal_effusivity
+    flash = flash_rise(friction, line, half_width, rolling, efforts) if sliding else 0.0
     film = parameter = None
     if pair.oil is not None and pair.oil.pressure_coefficients is not None:
         thick = pair.oil.viscosity(duty.bulk), pair.oil.pressure_coefficient(duty.bulk)
-        film = minimum_line_film((u1 + u2) / 2, *thick, line, reduced, modulus)
+        film = minimum_line_film(sum(rolling) / 2, *thick, line, reduced_radius, modulus)
         parameter = film / pair.rms_roughness if pair.rms_roughness else None
     return MeshPlace(
-        position=position,
-        letter=letter,
-        radius_1=first,
-        radius_2=second,
-        reduced_radius=reduced,
-        rolling_1=u1,
-        rolling_2=u2,
-        sliding=sliding,
-        share=share,
-        load=share * normal,
-        load_per_length=line,
-        half_width=half_width,
-        pressure=analytic.hertz_line_peak_pressure(line, reduced, modulus),
-        flash=flash,
-        temperature=duty.bulk + flash,
-        film=film,
-        film_parameter=parameter,
-    )
+        position, letter, radius_1, radius_2, reduced_radius, *rolling, sliding, share,
+        share * normal, line, half_width, pressure, flash, duty.bulk + flash, film, parameter,
+    )  # fmt: skip
 
 
 def load_share(gears: Involutes, position: float, quality: int) -> float:

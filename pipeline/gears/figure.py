@@ -28,39 +28,39 @@ def draw_mesh(mesh: Mesh) -> Figure:
     mesh : Mesh
         Places of `pipeline.gears.mesh`.
     """
-    places = mesh.places
-    at = [shown_in(place.position, "mm") for place in places]
+    at = [shown_in(place.position, "mm") for place in mesh.places]
     figure = Picture(figsize=(7.2, 7.6))
     speeds, loads, heat = figure.subplots(3, sharex=True)
     figure.suptitle(as_text(mesh.pair.title))
-    speeds.plot(at, [place.rolling_1 for place in places], color=BLUE, label="pinion's flank")
-    speeds.plot(at, [place.rolling_2 for place in places], color=GREEN, label="wheel's flank")
-    speeds.plot(at, [place.sliding for place in places], color=VERMILION, label="sliding")
-    speeds.set_ylabel("velocity [m/s]")
+    for axes, name, unit, colour, label in (
+        (speeds, "rolling_1", "m/s", BLUE, "pinion's flank"),
+        (speeds, "rolling_2", "m/s", GREEN, "wheel's flank"),
+        (speeds, "sliding", "m/s", VERMILION, "sliding"),
+        (loads, "pressure", "GPa", BLUE, None),
+        (heat, "temperature", "°C", VERMILION, "bulk and flash,\nsmooth flanks"),
+    ):
+        values = [shown_in(getattr(place, name), unit) for place in mesh.places]
+        axes.plot(at, values, color=colour, label=label)
     speeds.axhline(0.0, color=GREY, linewidth=0.8)
-    loads.plot(at, [shown_in(place.pressure, "GPa") for place in places], color=BLUE)
-    loads.set_ylabel("highest pressure [GPa]", color=BLUE)
     loads.set_ylim(bottom=0)
-    heat.plot(
-        at, [shown_in(place.temperature, "°C") for place in places], color=VERMILION,
-        label="bulk and flash,\nsmooth flanks",
-    )  # fmt: skip
     heat.axhline(shown_in(mesh.duty.bulk, "°C"), color=GREY, linestyle="--", label="bulk")
     if mesh.pair.critical is not None:
         critical = shown_in(mesh.pair.critical, "°C")
         heat.axhline(critical, color=PURPLE, linestyle="-.", label="critical")
+    speeds.set_ylabel("velocity [m/s]")
+    loads.set_ylabel("highest pressure [GPa]", color=BLUE)
     heat.set_ylabel("temperature [°C]")
     heat.set_xlabel("place on the path of contact, from the pitch point [mm]")
-    parameters = [place.film_parameter for place in places]
-    if None not in parameters:
+    films = [place.film_parameter for place in mesh.places]
+    if None not in films:
         film = loads.twinx()
-        film.plot(at, parameters, color=GREEN, linestyle=":")
+        film.plot(at, films, color=GREEN, linestyle=":")
         film.set_ylabel("film parameter Λ, dotted", color=GREEN)
         film.set_ylim(0, 1.6 * max(film.get_ylim()))  # apart from the pressure
         film.grid(visible=False)
-    for axes in (speeds, heat):
-        label_ends(axes)
-    for x, place in zip(at, places, strict=True):
+    label_ends(speeds)
+    label_ends(heat)
+    for x, place in zip(at, mesh.places, strict=True):
         if place.letter:
             for axes in (speeds, loads, heat):
                 axes.axvline(x, color=GREY, linewidth=0.6, linestyle=":")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import pandas as pd
@@ -34,7 +34,7 @@ class Critical:
 
 def stage_duty(pair: Pair, stage: int) -> Duty:
     """Duty of the test gears in a load stage; its bulk is that of the rule of the standard."""
-    bulk = stage_bulk(stage, pair.lubricant_factor)
+    bulk = stage_bulk(stage, pair.file.friction.lubricant_factor)
     return Duty(stage_torque(stage), read_pair(_FZG).duty.speed, bulk)
 
 
@@ -48,15 +48,9 @@ def rig_pair(pair: Pair) -> Pair:
             "a failure load stage belongs to an oil, and the oil of the pair is not given; give "
             "[oil] in the file"
         )
-    return rig.changed(
-        oil=pair.oil,
-        friction=pair.friction,
-        lubricant_factor=pair.lubricant_factor,
-        written={**rig.written, "oil": pair.written["oil"]},
-        correlation_length=pair.correlation_length,
-        hurst_exponent=pair.hurst_exponent,
-        specific_wear_rate=pair.specific_wear_rate,
-    )
+    file = replace(rig.file, friction=pair.file.friction, surface=pair.file.surface)
+    written = {**rig.written, "oil": pair.written["oil"]}
+    return replace(rig, file=file, oil=pair.oil, written=written)
 
 
 def critical_temperature(pair: Pair, stage: int, **choices: Any) -> Critical:
@@ -82,27 +76,21 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> Critical:
     """
     if not 2 <= stage <= len(STAGES):
         raise InputError(
-            f"failure load stage is {stage}; give 2 to {len(STAGES)}, of A/8.3/90. An oil that "
-            f"passes stage {len(STAGES)} has no failure stage: --failure-stage {len(STAGES)} is "
-            "then a lower bound"
+            f"failure load stage is {stage}; give 2 to {len(STAGES)} of A/8.3/90, the last one as "
+            "a lower bound for an oil that passes it"
         )
-    gears = rig_pair(pair).changed(critical=_BEYOND_ALL, critical_sd=None)
+    gears = rig_pair(pair).with_critical(_BEYOND_ALL, None)
     meshes = [mesh(gears, duty=stage_duty(gears, number)) for number in (stage - 1, stage)]
     table, oil = judge(meshes, **choices), gears.oil
     hottest = table["decisive temperature [°C]"].tolist()
     passed, failed = (si_of(value, "°C") for value in hottest)
     errors = table["temperature error [K]"].astype(float)
     error = math.inf if errors.isna().any() else errors.max()
-    return Critical(
-        value=(passed + failed) / 2,
-        doubt=math.hypot((failed - passed) / math.sqrt(12), error),
-        passed=passed,
-        failed=failed,
-        stage=stage,
-        integral=None
-        if oil is None
-        else scuffing_integral(stage, oil.viscosity(313.15) / oil.density, gears.lubricant_factor),
-    )
+    doubt, integral = math.hypot((failed - passed) / math.sqrt(12), error), None
+    if oil is not None:
+        factor = gears.file.friction.lubricant_factor
+        integral = scuffing_integral(stage, oil.viscosity(313.15) / oil.density, factor)
+    return Critical((passed + failed) / 2, doubt, passed, failed, stage, integral)
 
 
 def predict_stages(pair: Pair, **choices: Any) -> pd.DataFrame:

@@ -55,7 +55,7 @@ def involute_angle(value: float) -> float:
     return float(root)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Involutes:
     """Two external involute gears in mesh: the pinion first, the wheel second.
 
@@ -192,16 +192,11 @@ class Involutes:
                 f"mesh.centre_distance is {_mm(apart)}, and the profile shifts fit {_mm(fitting)}; "
                 f"give one within {_mm(room)} of that, or other shifts"
             )
-        for k, (name, tip) in enumerate(zip(_GEARS, self.tip_diameters, strict=True)):
-            if tip <= 2 * self.base_radii[k]:
+        for name, tip, base in zip(_GEARS, self.tip_diameters, self.base_radii, strict=True):
+            if tip <= 2 * base:
                 yield (
                     f"{name}.tip_diameter is {_mm(tip)}, within the base circle, where there is no "
-                    f"involute; give more than {_mm(2 * self.base_radii[k])}"
-                )
-            if self._tip_thickness(k) <= 0:
-                yield (
-                    f"{name}.tip_diameter is {_mm(tip)}: the teeth are pointed below it; give a "
-                    "smaller one, or a smaller profile shift"
+                    f"involute; give more than {_mm(2 * base)}"
                 )
         if self.contact_ratio < 1 or not self.path.a < 0 < self.path.e:
             yield (
@@ -219,13 +214,6 @@ class Involutes:
                     f"{_mm(self.undercut(k))}; give a larger shift, more teeth, or a smaller "
                     f"{_GEARS[1 - k]}.tip_diameter"
                 )
-
-    def _tip_thickness(self, gear: int) -> float:
-        """Thickness of the teeth of a gear at their tips [m]."""
-        tip, shift = self.tip_diameters[gear], self.profile_shifts[gear]
-        at_tip = math.acos(2 * self.base_radii[gear] / tip)
-        half = (math.pi / 2 + 2 * shift * math.tan(self.pressure_angle)) / self.teeth[gear]
-        return tip * (half + involute(self.transverse_angle) - involute(at_tip))
 
     def undercut(self, gear: int) -> float:
         """Radius of curvature of the involute up to which a standard rack cuts it away [m].

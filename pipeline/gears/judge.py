@@ -5,10 +5,10 @@ All that gears ask of the answers of the pipeline is asked here.
 
 from __future__ import annotations
 
+import math
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis.margin import NOT_DECIDED, told
-from pipeline.analysis.margin_frame import Judged, judged, margin_frame
+from pipeline.analysis.margin_frame import judged, margin_frame
 from pipeline.analysis.tables import frame_of
 from pipeline.gears.contact import Mesh
 from pipeline.gears.doubts import doubts
@@ -65,7 +65,7 @@ def judge(
         If a place cannot be simulated.
     """
     warm = [one for one in meshes if not _is_too_hot(one)]
-    found = _worst_margins(warm, preset, workers, progress) if warm else iter(())
+    found = iter(_worst_margins(warm, preset, workers, progress) if warm else ())
     rows = [_severe(one) if _is_too_hot(one) else next(found) for one in meshes]
     duties = (
         (one.duty.torque, one.duty.turns, one.duty.bulk, one.integral and one.integral.integral)
@@ -75,10 +75,11 @@ def judge(
     return pd.concat([frame_of(_DUTY, duties), margins], axis="columns")
 
 
-def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> Iterator[dict[str, Any]]:
+def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, Any]]:
     """Margin of the worst place of each mesh, by its columns."""
     preset, workers, progress = choices
     chosen = [decisive_places(one) for one in meshes]
+    numbers = [k for k, one in enumerate(chosen) for _ in one.places]
     with tempfile.TemporaryDirectory() as folder:
         file, store = Path(folder) / "mesh.toml", Path(folder) / "mesh.zarr"
         file.write_text(scene_toml(chosen), encoding="utf-8")
@@ -87,16 +88,22 @@ def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> Iterator[dict[str, 
         if outcome.failed:
             raise pipeline.ExecutionError(f"a place of mesh failed: {outcome.failed[0]}")
         ds = pipeline.open_sweep(store)
-        found = judged(ds, None)
-        worst = [max(islice(found, len(one.places)), key=_rank) for one in chosen]
-        table = margin_frame(ds, worst)
-    margins = [one.known() for one in worst]
+        found = [*judged(ds, None)]
+        table = margin_frame(ds, found)
+    margins = [one.known() for one in found]
     table["sentence"] = [one.sentence for one in margins]
     table["notes"] = [
-        _notes(mesh, *one.caveats, f"the model's own error: {one.model_error}")
-        for mesh, one in zip(meshes, margins, strict=True)
+        _notes(meshes[k], *one.caveats, f"the model's own error: {one.model_error}")
+        for k, one in zip(numbers, margins, strict=True)
     ]
-    yield from table.to_dict("records")
+    return [worst(part).to_dict() for _, part in table.groupby(numbers)]
+
+
+def worst(table: pd.DataFrame) -> pd.Series[Any]:
+    """The row with the worst verdict; of equal ones the likeliest to be severe, or the hottest."""
+    temperatures = table["decisive temperature [°C]"].astype(float).fillna(math.inf)
+    keys = zip(map(_WORSE.index, table["verdict"]), table["probability"], temperatures, strict=True)
+    return table.iloc[-max((key, -k) for k, key in enumerate(keys))[1]]
 
 
 def decisive_places(one: Mesh) -> Mesh:
@@ -111,16 +118,6 @@ def decisive_places(one: Mesh) -> Mesh:
         if at.sliding and (at.letter or at.temperature == max(heat[max(k - 1, 0) : k + 2]))
     )
     return replace(one, places=tuple(kept))
-
-
-def _rank(place: Judged) -> tuple[int, float, float]:
-    here = place.known()
-    return rank(here.verdict, told(here.probability), here.decisive_temperature)
-
-
-def rank(verdict: str, probability: float, temperature: float) -> tuple[int, float, float]:
-    """Key by which a worse place or duty is the larger one."""
-    return _WORSE.index(verdict), probability, temperature
 
 
 def _is_too_hot(one: Mesh) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from pipeline.gears.involute import Involutes
+from pipeline.gears.pairfile import PairFile
 from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.caveats import critical_in_words
 from tribo import Material, Oil
@@ -42,24 +43,24 @@ class Duty:
 class Pair:
     """A pair of gears of `read_pair`, the pinion first in each tuple."""
 
-    name: str
     title: str
+    file: PairFile  #: Its tables in SI.
     gears: Involutes
     materials: tuple[Material, Material]
-    roughness: tuple[float, float]  #: Ra of the flanks [m].
+    oil: Oil | None
     duty: Duty
-    quality: int = 6
-    critical: float | None = None  #: Critical temperature of the lubricant [K].
-    critical_sd: float | None = None  #: Its standard deviation [K]; None if it is not known.
-    friction: float | None = None  #: None by the rule of the standard.
-    lubricant_factor: float = 1.0
-    oil: Oil | None = None
-    oil_temperature: float | None = None  #: By which the bulk follows [K]; None if that is given.
-    correlation_length: tuple[float, float]  #: [m].
-    hurst_exponent: float
-    specific_wear_rate: float  #: Of the pinion [m²/N].
     written: Mapping[str, Any]  #: Materials and oil with units, those of the library in full.
-    sources: tuple[FromLibrary, ...] = ()
+    sources: tuple[FromLibrary, ...]
+
+    @property
+    def critical(self) -> float | None:
+        """Critical temperature of the lubricant [K]."""
+        return self.file.temperature.critical
+
+    @property
+    def roughness(self) -> tuple[float, float]:
+        """Ra of the flanks [m]."""
+        return self.file.pinion.roughness, self.file.wheel.roughness
 
     @property
     def rms_roughness(self) -> float:
@@ -71,8 +72,9 @@ class Pair:
         """What a reader of each answer must know, in a line each."""
         if self.critical is None:
             return _LIMITS
-        return *_LIMITS, critical_in_words(self.critical, self.critical_sd)
+        return *_LIMITS, critical_in_words(self.critical, self.file.temperature.critical_sd)
 
-    def changed(self, **fields: Any) -> Pair:
-        """The pair with some fields replaced."""
-        return replace(self, **fields)
+    def with_critical(self, kelvin: float, sd: float | None) -> Pair:
+        """The pair with another critical temperature, and its standard deviation [K]."""
+        temperature = replace(self.file.temperature, critical=kelvin, critical_sd=sd)
+        return replace(self, file=replace(self.file, temperature=temperature))

@@ -92,13 +92,15 @@ def scuffing_integral(
 
 
 def friction_coefficient(pair: Pair, duty: Duty) -> float:
-    """Mean coefficient of friction of a mesh, Eq. (1).
+    """Mean coefficient of friction of a mesh, as the file gives it, or by Eq. (1).
 
     µ = 0.045 (w KBγ/(vΣC ρC))^0.2 η^−0.05 XR XL, with the load w [N/mm] on the face width, at least
     150, the sum velocity vΣC [m/s] and the reduced radius ρC [mm] at the pitch point, the viscosity
     η [mPa s] of the oil, here at the bulk temperature, and XR = 2.2 (Ra/ρC)^0.25, Ra [µm] that of
     both flanks in the mean.
     """
+    if pair.file.friction.coefficient is not None:
+        return pair.file.friction.coefficient
     if pair.oil is None:
         raise InputError(
             "friction.coefficient is not given, and without an oil there is no rule for it; give "
@@ -108,15 +110,13 @@ def friction_coefficient(pair: Pair, duty: Duty) -> float:
     load = _unit_load(pair, duty) * 1e-3  # [N/mm]
     speed = min(_line_velocity(pair, duty), _FASTEST)
     total = 2 * speed * math.tan(gears.working_angle) * math.cos(gears.transverse_angle)
-    if total == 0:
-        raise InputError("duty.speed is 0; give the speed of the pinion, above 0")
     first, second = gears.radii(0.0)
     radius = 1e3 * first * second / (first + second)  # [mm]
     rough = 2.2 * (1e6 * sum(pair.roughness) / 2 / radius) ** 0.25
     thin = (1e3 * pair.oil.viscosity(duty.bulk)) ** -0.05
     helical = _helical_load(gears.contact_ratio + gears.overlap_ratio)
     loaded = (max(load, _LEAST_LOAD) * helical / (total * radius)) ** 0.2
-    return float(0.045 * loaded * thin * rough * pair.lubricant_factor)
+    return float(0.045 * loaded * thin * rough * pair.file.friction.lubricant_factor)
 
 
 def integral_temperature(pair: Pair, duty: Duty) -> Integral:
@@ -125,7 +125,7 @@ def integral_temperature(pair: Pair, duty: Duty) -> Integral:
     The bulk temperature is that of the duty, which `warm_duty` finds from the oil's.
     """
     gears = pair.gears
-    friction = friction_coefficient(pair, duty) if pair.friction is None else pair.friction
+    friction = friction_coefficient(pair, duty)
     (rb1, _), tip_radius = gears.base_radii, gears.tip_diameters[0] / 2
     u, a, working = gears.ratio, gears.centre_distance, gears.working_angle
     tip = 1e3 * math.sqrt(tip_radius**2 - rb1**2)  # [mm]
@@ -187,7 +187,7 @@ def warm_duty(
         If another duty than the pair's own has neither.
     """
     duty = Duty(torque, speed, bulk or pair.duty.bulk, load_factor or pair.duty.load_factor)
-    oil = oil or pair.oil_temperature
+    oil = oil or pair.file.temperature.oil
     if bulk or (oil is None and duty == pair.duty):
         return duty
     if oil is None:

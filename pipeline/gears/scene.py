@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from operator import itemgetter
 from typing import Any
 
 from pipeline.gears.contact import Mesh, MeshPlace
@@ -59,7 +60,7 @@ def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
     >>> scene_toml([mesh]).count("motion.slide_roll_ratio")  # at A, B, D and E
     4
     """
-    pair = meshes[0].pair
+    pair, surface = meshes[0].pair, meshes[0].pair.file.surface
     places = [(number, one, place) for number, one in enumerate(meshes, 1)
               for place in one.places if place.sliding]  # fmt: skip
     hertz = max(2 * place.half_width for _, _, place in places)
@@ -67,52 +68,50 @@ def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
     widest = max(
         math.sqrt(4 * place.half_width**2 + peaks * place.reduced_radius) for _, _, place in places
     )
-    along, across = (length / _PIXELS_A_LENGTH for length in pair.correlation_length)
+    along, across = (length / _PIXELS_A_LENGTH for length in surface.correlation_length)
     side = min(along, hertz / _PIXELS_A_WIDTH), across
     count = 8 * math.ceil(_ROOM * widest / side[0] / 8)  # as presets average pixels
     if count > _MOST_PIXELS:
         raise InputError(
-            f"surface.correlation_length is {display(pair.correlation_length[0], 'µm', 3)} along "
-            f"the sliding, on a contact {display(widest, 'mm', 3)} wide: {count} pixels of a "
-            f"quarter of it are more than {_MOST_PIXELS}; give a longer one"
+            f"surface.correlation_length is {display(4 * along, 'µm', 3)} along the sliding, on a "
+            f"contact {display(widest, 'mm', 3)} wide: {count} pixels of a quarter of it are more "
+            f"than {_MOST_PIXELS}; give a longer one"
         )
     highest = max(place.load for _, _, place in places)
     width = pair.gears.face_width / math.cos(pair.gears.base_helix_angle)
-    names = pair.written["names"]
+    names = pair.file.pinion.material, pair.file.wheel.material
+    sd, rough = pair.file.temperature.critical_sd, pair.roughness
     rows = [_row(number if len(meshes) > 1 else 0, one, place) for number, one, place in places]
-    temperature: dict[str, Any] = {"bulk": display(meshes[0].duty.bulk, "degC", 7)}
-    if pair.critical is not None:
-        temperature["critical"] = display(pair.critical, "degC", 7)
-    if pair.critical_sd:
-        temperature["critical_sd"] = display(pair.critical_sd, "K", 7)
-    rough = math.hypot(*pair.roughness)
-    wear_rate = display(pair.specific_wear_rate, "mm^3/(N m)", 7)
     tables: dict[str, dict[str, Any]] = {
-        **{f"materials.{as_toml(name)}": {k: v for k, v in table.items() if k != "like"}
-           for name, table in pair.written["materials"].items() if name in names},
+        **{f"materials.{as_toml(name)}": pair.written["materials"][name]
+           for name in dict.fromkeys(names)},
         "pin": {"shape": "cylinder", "radius": rows[0]["pin.radius"],
                 "length": display(width, "mm", 7), "material": names[0]},
         "disk": {"material": names[1]},
         "window": {"pixels": [count, _ALONG_Y],
                    "pixel_size": [display(one, "um", 7) for one in side]},
         "loading": {"rate": f"{highest / _RAMP:.7g} N/s", "reference_load": f"{highest:.7g} N"},
-        "wear": {"specific_wear_rate": wear_rate, "pattern": "swept"},
+        "wear": {"specific_wear_rate": display(surface.specific_wear_rate, "mm^3/(N m)", 7),
+                 "pattern": "swept"},
         "friction": {"coefficient": round(meshes[0].friction, 6)},
-        "temperature": temperature,
+        "temperature": {
+            "bulk": display(meshes[0].duty.bulk, "degC", 7),
+            "critical": pair.critical and display(pair.critical, "degC", 7),
+            "critical_sd": sd and display(sd, "K", 7),
+        },
+        "disk.roughness": {
+            "ra": display(math.hypot(*rough), "um", 7),
+            "hurst_exponent": surface.hurst_exponent,
+            "correlation_length": [display(one, "um", 7) for one in surface.correlation_length],
+        } if any(rough) else {},
+        "oil": pair.written.get("oil", {}),
     }  # fmt: skip
-    if rough:
-        tables["disk.roughness"] = {
-            "ra": display(rough, "um", 7),
-            "hurst_exponent": pair.hurst_exponent,
-            "correlation_length": [display(one, "um", 7) for one in pair.correlation_length],
-        }
-    if "oil" in pair.written:
-        tables["oil"] = {k: v for k, v in pair.written["oil"].items() if k != "like"}
     lines = [f"# {note}"] if note else []
     lines += [*_HEAD, "", f"title = {as_toml(f'{pair.title}: places of mesh')}"]
     lines += [f"caveat = {as_toml(UNTESTED)}"]
-    for name, table in tables.items():
-        lines += ["", f"[{name}]", *(f"{key} = {as_toml(value)}" for key, value in table.items())]
+    for name, table in filter(itemgetter(1), tables.items()):
+        entries = {k: v for k, v in table.items() if v is not None and k != "like"}
+        lines += ["", f"[{name}]", *(f"{key} = {as_toml(value)}" for key, value in entries.items())]
     lines += ["", "[sweep]", "along = [", *(f"  {as_toml(row)}," for row in rows), "]"]
     return "\n".join([*lines, ""])
 

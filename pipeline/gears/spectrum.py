@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -13,9 +12,9 @@ import pandas as pd
 
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.gears.contact import mesh
-from pipeline.gears.judge import judge, rank
+from pipeline.gears.judge import judge, worst
 from pipeline.gears.pair import Duty, Pair
-from pipeline.gears.reading import LOAD_FACTOR, SPEED, TORQUE
+from pipeline.gears.pairfile import LOAD_FACTOR, SPEED, TORQUE
 from pipeline.gears.rules import warm_duty
 from pipeline.scene.along import columns_of, lines_of
 from pipeline.scene.declare import declared
@@ -109,12 +108,10 @@ def judge_spectrum(
 
 def conclusion(table: pd.DataFrame) -> str:
     """The verdict on a spectrum in a sentence: scuffing has no memory, so the worst row decides."""
-    keys = table[["verdict", "probability", "decisive temperature [°C]"]].fillna(math.inf)
-    ranks = [rank(*key) for key in keys.itertuples(index=False, name=None)]
-    worst = table.iloc[ranks.index(max(ranks))]
-    is_same = table["verdict"] == worst["verdict"]
-    said = f"{_SAID[worst['verdict']]} in {is_same.sum()} of {len(table)} rows"
+    decisive = worst(table)
+    is_same = table["verdict"] == decisive["verdict"]
+    said = f"{_SAID[decisive['verdict']]} in {is_same.sum()} of {len(table)} rows"
     hours = table["hours"]
     if hours.notna().all() and hours.sum():
         said += f", {hours[is_same].sum():.6g} of {hours.sum():.6g} h"
-    return f"{said}. Row {worst['row']} decides. {worst['sentence']}."
+    return f"{said}. Row {decisive['row']} decides. {decisive['sentence']}."

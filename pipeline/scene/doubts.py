@@ -57,7 +57,7 @@ def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     for name, material in (declared.pop("materials") or {}).items():
         yield from material_doubts(joined("materials", name), material)
     for name, value in declared.items():
-        yield from _beyond_declared(table_of(SceneFile).keys[name].kind, value, name)
+        yield from beyond_declared(table_of(SceneFile).keys[name].kind, value, name)
     others = [("loading: time until the end", facts.duration.high, 0.05, 1e6, "s")]
     loading, highest = sweep.scene.loading, max(sweep.plane.loads)
     if isinstance(loading, Ramp):  # whose steps it sets
@@ -74,31 +74,31 @@ def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
 
 def material_doubts(place: str, material: Any) -> Iterator[_Doubt]:
     """Constants of a material outside their usual ranges."""
-    yield from _beyond_declared(table_of(Material), material, place)
+    yield from beyond_declared(table_of(Material), material, place)
     share = material.hardness / material.elastic_modulus
     yield from beyond_usual(
         [(f"{place}.hardness", share, *USUAL_HARDNESS, "times the elastic modulus")]
     )
 
 
-def _beyond_declared(kind: Kind, value: Any, path: str) -> Iterator[_Doubt]:
+def beyond_declared(kind: Kind, value: Any, path: str) -> Iterator[_Doubt]:
     """Entries outside the usual ranges that the format declares."""
     if value is None or value == ():
         return
     match kind:
         case Either():
-            yield from _beyond_declared(form_of(kind, value), value, path)
+            yield from beyond_declared(form_of(kind, value), value, path)
         case Table(keys):
             for key, entry in keys.items():
-                yield from _beyond_declared(
+                yield from beyond_declared(
                     entry.kind, getattr(value, key, None), joined(path, key)
                 )
         case List(of) if is_dataclass(value[0]):
             for number, one in enumerate(value):
-                yield from _beyond_declared(of, one, f"{path}[{number}]")
+                yield from beyond_declared(of, one, f"{path}[{number}]")
         case List(of):
             for end in sorted({min(value), max(value)}):
-                yield from _beyond_declared(of, end, path)
+                yield from beyond_declared(of, end, path)
         case Quantity() | Number():
             yield from beyond_usual([(path, value, *usual_of(kind))])
 
