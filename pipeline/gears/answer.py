@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable
-from dataclasses import asdict, replace
-from operator import attrgetter
+from dataclasses import asdict, astuple, replace
 from typing import Any, TypeVar
 
 import pandas as pd
@@ -29,22 +28,22 @@ from tribo import InputError
 
 T = TypeVar("T")
 
-_PLACES = {
-    "letter": "place", "position": "position [mm]", "radius_1": "radius 1 [mm]",
-    "radius_2": "radius 2 [mm]", "reduced_radius": "reduced radius [mm]",
-    "rolling_1": "rolling 1 [m/s]", "rolling_2": "rolling 2 [m/s]", "sliding": "sliding [m/s]",
-    "share": "share", "load": "load [N]", "half_width": "half-width [µm]",
-    "pressure": "pressure [GPa]", "flash": "flash [K]", "temperature": "temperature [°C]",
-    "film": "film [µm]", "film_parameter": "Λ",
-}  # fmt: skip
-_CRITICAL = {
-    "value": "critical temperature of this model [°C]", "doubt": "standard deviation [K]",
-    "passed": "hottest place, last stage passed [°C]", "failed": "hottest place, failed stage [°C]",
-    "integral": "scuffing integral temperature, ISO/TR 13989-2, Eq. 94 [°C]",
-}  # fmt: skip
+_PLACES = (
+    "place", "position [mm]", "radius 1 [mm]", "radius 2 [mm]", "reduced radius [mm]",
+    "rolling 1 [m/s]", "rolling 2 [m/s]", "sliding [m/s]", "share", "load [N]",
+    "load per length [N/m]", "half-width [µm]", "pressure [GPa]", "flash [K]", "temperature [°C]",
+    "film [µm]", "Λ",
+)  # fmt: skip
+"""Heads of the fields of `MeshPlace`."""
+_CRITICAL = (
+    "critical temperature of this model [°C]", "standard deviation [K]",
+    "hottest place, last stage passed [°C]", "hottest place, failed stage [°C]", "failed stage",
+    "scuffing integral temperature, ISO/TR 13989-2, Eq. 94 [°C]",
+)  # fmt: skip
+"""Heads of the fields of `Critical`."""
 _DRAWN = 400  # places of the figure, so that the load steps where it steps
 _WIDE = (
-    "reduced radius [mm]", "half-width [µm]", "load [N]", "velocity [m/s]",
+    "reduced radius [mm]", "load per length [N/m]", "half-width [µm]", "load [N]", "velocity [m/s]",
     "temperature error [K]", "integral temperature [°C]", "sentence", "notes",
 )  # fmt: skip
 """Columns for which a terminal is too narrow."""
@@ -63,7 +62,7 @@ def gears(options: argparse.Namespace) -> Result:
     if options.failure_stage:
         critical = _simulated(options, critical_temperature, pair, options.failure_stage)
         pair = pair.with_critical(critical.value, critical.doubt)
-        found = frame_of([*_CRITICAL.values()], map(attrgetter(*_CRITICAL), [critical]))
+        found = frame_of(_CRITICAL, [astuple(critical)])
         document["critical_temperature"] = asdict(critical)
         text = [upright(found), ""]
     one = mesh(pair)
@@ -72,7 +71,7 @@ def gears(options: argparse.Namespace) -> Result:
     elif options.points:
         table = _simulated(options, judge_spectrum, pair, options.points, options.sheet)
     else:
-        table = frame_of([*_PLACES.values()], map(attrgetter(*_PLACES), one.places))
+        table = frame_of(_PLACES, map(astuple, one.places))
     if options.stages or options.points:
         document["conclusion"] = (first_failure if options.stages else conclusion)(table)
         text += [document["conclusion"], *table.attrs.get("remarks", ())]

@@ -26,8 +26,8 @@ class MeshPlace:
     Radii are across the line of contact; velocities are those of the flanks past it.
     """
 
-    position: float  #: Distance from the pitch point, positive towards the pinion's tip [m].
     letter: str  #: Name of the place, as A to E; empty between.
+    position: float  #: Distance from the pitch point, positive towards the pinion's tip [m].
     radius_1: float  #: Radius of curvature of the pinion's flank [m].
     radius_2: float  #: Radius of curvature of the wheel's flank [m].
     reduced_radius: float  #: ρ1 ρ2/(ρ1 + ρ2) [m].
@@ -129,9 +129,9 @@ def _place(
     if pair.oil is not None and pair.oil.pressure_coefficients is not None:
         thick = pair.oil.viscosity(duty.bulk), pair.oil.pressure_coefficient(duty.bulk)
         film = minimum_line_film(sum(rolling) / 2, *thick, line, reduced_radius, modulus)
-        parameter = film / pair.rms_roughness if pair.rms_roughness else None
+        parameter = film / pair.rms_roughness
     return MeshPlace(
-        position, letter, radius_1, radius_2, reduced_radius, *rolling, sliding, share,
+        letter, position, radius_1, radius_2, reduced_radius, *rolling, sliding, share,
         share * normal, line, half_width, pressure, flash, duty.bulk + flash, film, parameter,
     )  # fmt: skip
 

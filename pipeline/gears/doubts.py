@@ -19,7 +19,9 @@ def doubts(one: Mesh) -> list[Remark]:
         for name, value in vars(one.pair.file).items()
         for doubt in beyond_declared(keys[name].kind, value, name)
     ]
-    pressure, sliding = (max(abs(getattr(at, of)) for at in places) for of in ("pressure", "sliding"))
+    pressure, sliding = (
+        max(abs(getattr(at, of)) for at in places) for of in ("pressure", "sliding")
+    )
     found += beyond_usual(
         [
             ("duty.torque: highest pressure", pressure, 0.01, 5, "GPa"),

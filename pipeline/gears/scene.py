@@ -80,7 +80,7 @@ def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
     highest = max(place.load for _, _, place in places)
     width = pair.gears.face_width / math.cos(pair.gears.base_helix_angle)
     names = pair.file.pinion.material, pair.file.wheel.material
-    sd, rough = pair.file.temperature.critical_sd, pair.roughness
+    sd = pair.file.temperature.critical_sd
     rows = [_row(number if len(meshes) > 1 else 0, one, place) for number, one, place in places]
     tables: dict[str, dict[str, Any]] = {
         **{f"materials.{as_toml(name)}": pair.written["materials"][name]
@@ -100,10 +100,10 @@ def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
             "critical_sd": sd and display(sd, "K", 7),
         },
         "disk.roughness": {
-            "ra": display(math.hypot(*rough), "um", 7),
+            "ra": display(math.hypot(*pair.roughness), "um", 7),
             "hurst_exponent": surface.hurst_exponent,
             "correlation_length": [display(one, "um", 7) for one in surface.correlation_length],
-        } if any(rough) else {},
+        },
         "oil": pair.written.get("oil", {}),
     }  # fmt: skip
     lines = [f"# {note}"] if note else []

@@ -90,9 +90,7 @@ def beyond_declared(kind: Kind, value: Any, path: str) -> Iterator[_Doubt]:
             yield from beyond_declared(form_of(kind, value), value, path)
         case Table(keys):
             for key, entry in keys.items():
-                yield from beyond_declared(
-                    entry.kind, getattr(value, key, None), joined(path, key)
-                )
+                yield from beyond_declared(entry.kind, getattr(value, key, None), joined(path, key))
         case List(of) if is_dataclass(value[0]):
             for number, one in enumerate(value):
                 yield from beyond_declared(of, one, f"{path}[{number}]")

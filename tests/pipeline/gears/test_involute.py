@@ -140,15 +140,6 @@ def test_undercut_is_what_a_drawn_rack_takes_away(teeth):
     assert gears.undercut(0) == 0.0
 
 
-def test_a_tooth_ends_where_its_flanks_meet():
-    """By hand: inv α = (π/2 + 2·0.8532·tan 20°)/16 + inv 20° = 0.151897, d = 67.658 mm/cos α."""
-    assert math.tan(0.713185) - 0.713185 == pytest.approx(0.151897, abs=2e-6)
-    point = 67.658 / math.cos(0.713185)
-    pair(tip_diameters=(1e-3 * (point - 0.01), 112.5e-3))
-    with pytest.raises(InputError, match="the teeth are pointed"):
-        pair(tip_diameters=(1e-3 * (point + 0.01), 112.5e-3))
-
-
 def test_a_centre_distance_may_be_a_tenth_of_a_module_off():
     fitting = fitting_distance(4.5e-3, TWENTY, 0.0, (16, 24), (0.8532, -0.5))
     for side in (-1, 1):
