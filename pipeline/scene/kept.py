@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -43,7 +42,7 @@ def sweep_text(sweep: Sweep) -> str:
         "name": sweep.name,
         "entries": sweep.entries,
         "columns": {k: {n: v for n, v in one.items() if v} for k, one in columns.items()},
-        "rows": (_packed(rows) if table.draw else rows) if columns else (),
+        "rows": (_packed(rows, table) if table.draw else rows) if columns else (),
         "notes": sweep.notes,
         "sources": sweep.sources,
         "selection": sweep.selection and asdict(sweep.selection),
@@ -55,26 +54,31 @@ def sweep_text(sweep: Sweep) -> str:
     return json.dumps(told, ensure_ascii=False)
 
 
-def _packed(rows: Sequence[Mapping[str, Any]]) -> Any:
-    """Rows of samples by columns: numbers in a unit, or values as they are."""
+def _packed(rows: Sequence[Mapping[str, Any]], table: Variants) -> Any:
+    """Rows of samples by columns: numbers [SI] with a unit, or values as they are."""
     if len({tuple(row) for row in rows}) > 1:
         return rows
     packed: dict[str, Any] = {key: [row[key] for row in rows] for key in rows[0]}
     for key, values in packed.items():
-        unit = str(values[0]).partition(" ")[2]
-        with suppress(ValueError):
-            numbers = [float(str(value).removesuffix(f" {unit}")) for value in values]
-            if [f"{number!r} {unit}" for number in numbers] == values:
-                packed[key] = {"unit": unit, "values": numbers}
+        unit, numbers = str(values[0]).partition(" ")[2], table.labels(key)
+        if numbers and values == [f"{number!r} {unit}" for number in numbers]:
+            packed[key] = {"unit": unit, "values": numbers}
     return packed
 
 
-def _unpacked(columns: Mapping[str, Any]) -> list[dict[str, Any]]:
-    values = [
-        one if isinstance(one, list) else [f"{x!r} {one['unit']}" for x in one["values"]]
-        for one in columns.values()
-    ]
-    return [dict(zip(columns, row, strict=True)) for row in zip(*values, strict=True)]
+def _unpacked(rows: Any) -> Iterator[tuple[Mapping[str, Any], Mapping[str, float]]]:
+    """Rows as they are written, each with those of its labels that are known [SI]."""
+    if isinstance(rows, list):
+        yield from ((row, {}) for row in rows)
+        return
+    known = {key: one["values"] for key, one in rows.items() if isinstance(one, dict)}
+    written = {
+        key: [f"{x!r} {rows[key]['unit']}" for x in known[key]] if key in known else one
+        for key, one in rows.items()
+    }
+    for number, row in enumerate(zip(*written.values(), strict=True)):
+        labels = {key: values[number] for key, values in known.items()}
+        yield dict(zip(written, row, strict=True)), labels
 
 
 def files_of(sweep: Sweep) -> dict[str, Array]:
@@ -111,15 +115,17 @@ def _variants(told: Any) -> Variants:
     columns = tuple(
         Column(**one | {"unit": one.get("unit")}) for one in told.get("columns", {}).values()
     )
-    rows = told.get("rows", [{}])
-    rows = tuple(
+    rows = (
         Row(
-            {one.name: _label(one, row[one.key]) for one in columns},
+            {
+                one.name: known[one.name] if one.name in known else _label(one, row[one.key])
+                for one in columns
+            },
             {path: value for path, value in row.items() if "." in path},
         )
-        for row in (rows if isinstance(rows, list) else _unpacked(rows))
+        for row, known in _unpacked(told.get("rows", [{}]))
     )
-    return Variants(columns, rows, told.get("samples"))
+    return Variants(columns, tuple(rows), told.get("samples"))
 
 
 def _label(column: Column, value: Any) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
@@ -17,14 +18,22 @@ def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
 
     `choices` are of tests: the oil whose tests count, and the scatter by which they weigh samples.
     """
-    rule, ids = sweep.variants.rule, list[int]()
+    rule, table, ids = sweep.variants.rule, sweep.variants, list[int]()
     inputs = (rule["unknown"], rule["fixed"]) if rule else ()
     of_part = functools.lru_cache(None, typed=True)(digest)  # rows share large surfaces
-    for name in sweep.variants.names:
+
+    @functools.cache
+    def of_scene(name: Variant) -> str:
         row = sweep.variant(name)
         parts = [of_part(getattr(row.scene, one.name)) for one in fields(row.scene)]
         about = replace(row.about, name="", title="", sources=(), notes=())
-        found = digest((*parts, row.conditions, about, inputs, choices))
+        return digest((*parts, row.conditions, about, inputs, choices))
+
+    for name, row in table.by_name.items():
+        found = of_scene(table.base(name))
+        if table.draw:
+            numbers = [one for path, one in row.labels.items() if "." in path]
+            found = hashlib.sha256(f"{found}{numbers}".encode()).hexdigest()
         ids.append(int.from_bytes(bytes.fromhex(found[:8]), signed=True))
     return ids
 

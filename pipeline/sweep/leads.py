@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from pipeline.sweep.variants import Variant
+from pipeline.sweep.variants import Row, Variant
 from tribo import Scene
 from tribo.simulation import inseparable, mechanics, wear_number
 
@@ -54,4 +54,23 @@ def leads_of(
         # Contacts may depend on more than their key.
         is_shared = leader != name and not any(inseparable(scene, some) for some in slides)
         leads[name] = lead if is_shared else Lead(name)
+    return leads
+
+
+def leads_of_samples(
+    samples: Iterable[tuple[Variant, Variant, Row]], scenes: Mapping[Variant, Scene], size: int
+) -> Mapping[Variant, Lead]:
+    """For each sample the first one of its contact, of which each has `size` samples.
+
+    Samples come with the names of the scenes that they are drawn for. No sample is read.
+    """
+    same: dict[Scene, Variant] = {}
+    alike = {name: same.setdefault(mechanics(scene), name) for name, scene in scenes.items()}
+    first: dict[tuple[Variant, int], tuple[Variant, float]] = {}
+    leads = {}
+    for name, base, row in samples:
+        place: Any = row.labels["velocity"]
+        key = alike[base], int(row.labels["sample"]) // size
+        leader, its_place = first.setdefault(key, (name, place))
+        leads[name] = Lead(leader, places=(place, its_place))
     return leads

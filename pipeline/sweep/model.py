@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Self
 from pipeline.sweep.about import About, FromLibrary
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.digest import digest
-from pipeline.sweep.leads import Lead, leads_of
+from pipeline.sweep.leads import Lead, leads_of, leads_of_samples
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import shown
@@ -250,6 +250,10 @@ class Sweep:
     def leads(self) -> Mapping[Variant, Lead]:
         """For each row of the table, the first with the same contacts; see `Lead`."""
         table = self.variants
+        if table.draw and (size := table.draw["design"]["per_contact"]) > 1:
+            samples = ((name, table.base(name), row) for name, row in table.by_name.items())
+            given = {name: self.variant(name).scene for name in table.given}
+            return leads_of_samples(samples, given, size)
         scenes = ((name, self.variant(name).scene) for name in table.names)
         places = table.labels("velocity") or (None,) * len(table)
         return leads_of(scenes, places, self.plane.velocities)

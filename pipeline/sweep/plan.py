@@ -145,12 +145,12 @@ class Task(NamedTuple):
 
 def tasks(todo: Iterable[Point], sweep: Sweep) -> tuple[Task, ...]:
     """Points by the contacts that they share; ramp by ramp, loads ascending."""
-    scene = functools.cache(lambda lead: sweep.variant(lead).scene)
-    increment = functools.cache(lambda lead, load: scene(lead).trunk(load))
+    base = functools.cache(sweep.variants.base)  # samples of a scene have its steps
+    increment = functools.cache(lambda name, load: sweep.variant(name).scene.trunk(load))
 
     def place(point: Point) -> tuple[Any, ...]:
         velocity, lead = sweep.contact_of(point)
-        return lead, velocity, increment(lead, point.load), point.load
+        return lead, velocity, increment(base(lead), point.load), point.load
 
     ordered = sorted(todo, key=lambda point: (*place(point), point.variant))
     groups = itertools.groupby(ordered, key=place)

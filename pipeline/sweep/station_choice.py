@@ -32,6 +32,6 @@ def _warms_in_hold(sweep: Sweep) -> bool:
     loading = sweep.scene.loading
     if not isinstance(loading, Ramp) or not loading.hold:
         return False
-    several = (sweep.variant(name) for name in sweep.variants.names)
+    several = (sweep.variant(name) for name in sweep.variants.given)
     kept = (one.conditions.corrections for one in several)
     return any(corrections.keeps_heat for corrections in kept if corrections)

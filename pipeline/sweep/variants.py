@@ -116,6 +116,10 @@ class Variants:
         """Combinations of the labels that are not drawn."""
         return combinations({one.name: self.axes[one.name] for one in self.chosen})
 
+    def base(self, name: Variant) -> Variant:
+        """Name of the scene of which a row is a sample; its own name where it is none."""
+        return tuple(pair for pair in name if pair[0] != VARIANT) if self.draw else name
+
     @property
     def unknown(self) -> tuple[str, ...]:
         """Paths of the unknown inputs of samples that have no single value."""
