@@ -48,9 +48,10 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     for path, values in asked.items():
         table *= _axis(path, values)
     made = with_rows(sweep, table, "sweep.over")
-    scenes = [made.variant(name) for name in made.variants.given]
-    read = [(scene.scene, scene.conditions, scene.about) for scene in scenes]
-    if len(read) > 1 and all(one == read[0] for one in read):
+    scenes = map(made.variant, made.variants.given)
+    read = ((scene.scene, scene.conditions, scene.about) for scene in scenes)
+    first = next(read)
+    if count > 1 and all(one == first for one in read):
         raise InputError(
             f"sweep.over: {' and '.join(asked)} changes nothing in this scene; leave it out"
         )
