@@ -19,7 +19,7 @@ from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import BULK, CRITICAL, FRICTION, LOAD, SPEED, SceneFile
-from pipeline.scene.names import BESIDE, UNITS, Heading
+from pipeline.scene.names import UNITS, Heading
 from pipeline.scene.over import labels_of, with_rows
 from pipeline.scene.sheet import Lines, Sheet, read_sheet
 from pipeline.scene.sheet import Row as SheetRow
@@ -46,10 +46,8 @@ _PLACE = Table({name: table_of(_Row).keys[name] for name in ("load", "velocity")
 _UNITS = {name: UNITS[name] for name in table_of(_Row).keys}
 CONDITIONS = {name: PATHS[name] for name in _UNITS if name not in _PLACE.keys}
 """Conditions that each row may set, and their entries in a scene."""
-_BEFORE = tuple(
-    f"{name}." for name in table_of(SceneFile).keys if name not in ("friction", "temperature")
-)
-"""Beginnings of paths that a simulation needs."""
+_TABLES = tuple(f"{name}." for name in table_of(SceneFile).keys)
+"""Beginnings of paths of entries."""
 
 
 class Place(NamedTuple):
@@ -161,17 +159,12 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
     heads = [heading.text for heading in sheet.headings if heading.text]
     for head in dict.fromkeys(head for head in heads if heads.count(head) > 1):
         yield f'column "{head}" appears twice; give each heading once'
-    unused = sheet.unused
-    for heading in (heading for heading in sheet.headings if heading.text in unused):
-        if heading.name == "hold" or heading.title.startswith(_BEFORE):
+    for heading in sheet.headings:
+        is_entry = heading.name == "hold" or heading.title.startswith(_TABLES)
+        if is_entry and heading.text in sheet.unused:
             yield (
                 f'column "{heading.text}" cannot act after the simulation; leave it out, or give '
                 "the table to [sweep] along of a scene, which computes each row"
-            )
-        elif heading.title.startswith(BESIDE):
-            yield (
-                f'column "{heading.text}" cannot be set for a row; leave it out, or give one of '
-                f"{', '.join(CONDITIONS.values())}"
             )
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import tribo
@@ -18,7 +18,7 @@ from pipeline.scene.units import to_si
 from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import Remark
-from pipeline.sweep.selection import Choice, Selection
+from pipeline.sweep.selection import Selection
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Column, Row, Variants
 from tribo import InputError
@@ -31,7 +31,7 @@ class SweepTextError(InputError):
 
 def sweep_text(sweep: Sweep) -> str:
     """JSON of a sweep."""
-    table = sweep.variants
+    table, selection = sweep.variants, sweep.selection
     columns = {one.name: asdict(one) for one in table.columns}
     keys = {one.name: one.key for one in table.columns}
     rows = [
@@ -45,7 +45,7 @@ def sweep_text(sweep: Sweep) -> str:
         "rows": (_packed(rows, table) if table.draw else rows) if columns else (),
         "notes": sweep.notes,
         "sources": sweep.sources,
-        "selection": sweep.selection and asdict(sweep.selection),
+        "selection": selection and asdict(replace(selection, choices=(), points=())),
         "stations": sweep.stations and asdict(sweep.stations),
         "samples": table.draw,
         "chosen": None if sweep.chosen is None else True,
@@ -138,18 +138,7 @@ def _label(column: Column, value: Any) -> Any:
 
 
 def _selection(told: Any) -> Selection | None:
-    if told is None:
-        return None
-
-    def fidelity(one: Any) -> Any:
-        return one | {"fidelity": tribo.Fidelity(**one["fidelity"])}
-
-    choices = (
-        Choice(**fidelity(one) | {"velocity_errors": tuple(one["velocity_errors"])})
-        for one in told["choices"]
-    )
-    points = tuple((load, velocity) for load, velocity in told["points"])
-    return Selection(**fidelity(told) | {"choices": tuple(choices), "points": points})
+    return told and Selection(**told | {"fidelity": tribo.Fidelity(**told["fidelity"])})
 
 
 def _stations(told: Any) -> Stations | None:

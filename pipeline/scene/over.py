@@ -19,7 +19,7 @@ from pipeline.scene.format import Oil
 from pipeline.scene.reading import contents_of
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.limits import MOST_SCENES
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.model import Parts, Sweep
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.tables import changes, entry_at, flat, replace_values
 from pipeline.sweep.variants import VARIANT, Column, Label, Row, Variants
@@ -119,30 +119,30 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
 
     A row has values of the library, and the digests of what was read of its files.
     """
-    rows = []
+    rows, reader, base = [], sweep.reader, sweep.parts()
     for row in table.rows:
         written = replace_values(sweep.written, row.values)
-        alone = replace(sweep, written=written, variants=Variants())
         try:
-            _require_alike(alone, sweep)
-            full = sweep.reader.complete(written, alone.parts(), sweep.parts())
+            parts = reader.read(written)
+            _require_alike(parts, base)
         except InputError as error:
             words = ", ".join(f"{path} = {quoted(value)}" for path, value in row.values.items())
             raise InputError(f"{key}: {words}: {error}") from error
         given = {path: one for path, one in row.values.items() if one is not None}
+        full = reader.complete(written, parts, base)
         before = {path: sweep.entries.get(path) for path in full}
         added = {path: one for path, one in changes(before, full) if path not in given}
-        contents = contents_of(alone.parts()).items()
+        contents = contents_of(parts).items()
         read = {path: one for path, one in contents if entry_at(written, path) != one}
         rows.append(row._replace(values=given | added | read))
     return replace(sweep, variants=replace(table, rows=tuple(rows)) * sweep.variants)
 
 
-def _require_alike(scene: Sweep, sweep: Sweep) -> None:
+def _require_alike(row: Parts, base: Parts) -> None:
     """Raise an `InputError` if a row of a sweep has other axes."""
     first, second = (
-        (s.plane, s.scene.unequal_bulks, s.record.steps, sweep.record.fields and s.scene.grid)
-        for s in (scene, sweep)
+        (s.plane, s.scene.unequal_bulks, s.record.steps, base.record.fields and s.scene.grid)
+        for s in (row, base)
     )
     names = "loads and velocities", "unequal bulks", "steps", "grid of the stored fields"
     for name, one, other in zip(names, first, second, strict=True):

@@ -38,7 +38,8 @@ def _plain(value: Any) -> Any:
     if is_given(value):
         value = law_record(value)
     if is_dataclass(value):
-        values = [_plain(getattr(value, one.name)) for one in fields(value) if one.init]
+        counted = [one.name for one in fields(value) if one.init and one.compare]
+        values = [_plain(getattr(value, name)) for name in counted]
         return [type(value).__name__, *values]
     if isinstance(value, Mapping):
         return [[_plain(key), _plain(one)] for key, one in value.items()]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from pipeline.sweep.shown import shown
@@ -90,9 +90,11 @@ class Selection:
     name: str  #: Name of the fidelity, as shown to the user.
     fidelity: Fidelity  #: The numerical choices.
     error: float  #: Largest relative error of the boundary velocity to expect at any load.
-    choices: tuple[Choice, ...]  #: Fidelities that were measured, the reference last.
-    points: tuple[tuple[float, float], ...]  #: Loads [N] and velocities [m/s] measured at.
-    seconds: float  #: Time that measuring took [s].
+    #: Fidelities that were measured, the reference last; a store keeps none.
+    choices: tuple[Choice, ...] = field(default=(), compare=False)
+    #: Loads [N] and velocities [m/s] measured at, and the time that it took [s].
+    points: tuple[tuple[float, float], ...] = field(default=(), compare=False)
+    seconds: float = field(default=0.0, compare=False)
 
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data."""

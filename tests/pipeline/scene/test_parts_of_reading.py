@@ -285,7 +285,7 @@ def test_columns_that_need_a_simulation_are_refused(name):
     [("friction.same_rig", "0"), ("friction.band", "0.2"), ("temperature.bulk.pin", "300 K")],
 )
 def test_an_entry_beside_a_condition_is_not_taken_for_it(name, cell):
-    with pytest.raises(InputError, match=f'column "{name}" cannot be set for a row; leave it out'):
+    with pytest.raises(InputError, match=f'column "{name}" cannot act after the sim'):
         OperatingPoints.read({"load": [400.0], "velocity": [1.0], name: [cell]})
 
 

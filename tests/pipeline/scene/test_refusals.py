@@ -160,7 +160,6 @@ FILES = {
                   "373.15, 313.15 K; they must rise"),
     "points twice": (points("load [N],velocity [m/s],x,x\n3,1,1,1\n"), 'column "x" appears twice'),
     "points hold": (points("load [N],velocity [m/s],hold [s]\n3,1,1\n"), "cannot act after"),
-    "points band": (points("load [N],velocity [m/s],friction.band\n3,1,1\n"), "cannot be set for"),
 }  # fmt: skip
 
 QUANTITIES = {
