@@ -14,23 +14,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.dataset import (
-    Kind,
-    count_missing,
-    dataset_of,
-    entry_dims,
-    moving_points,
-    read_conditions,
-    require_kind,
-    require_lists,
-    stored_sweep,
-    sweep_kind,
-)
+from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.decisive import attributes_by
 from pipeline.analysis.field import Field, PointField, fields, point_field
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import DECIDED, error_band
-from pipeline.analysis.scenes import map_scenes
+from pipeline.analysis.results import Results, results
+from pipeline.analysis.scenes import side_by_side
 from pipeline.analysis.transition import (
     ABOVE,
     BELOW,
@@ -43,7 +33,7 @@ from pipeline.analysis.transition import (
 )
 from pipeline.quantities import UNITS
 from pipeline.store.place import PathLike
-from pipeline.store.schema import PLANE
+from pipeline.store.schema import COORDINATES, PLANE, attributes_of
 from pipeline.sweep.caveats import caveats, joined
 from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
@@ -54,7 +44,7 @@ from tribo.types import Array
 
 
 @np.errstate(under="ignore")
-def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
+def boundary(ds: xr.Dataset | PathLike | Results) -> xr.Dataset:
     """Critical velocity for each load and critical load for each velocity.
 
     Parameters
@@ -124,28 +114,31 @@ def boundary(ds: xr.Dataset | PathLike) -> xr.Dataset:
     >>> pipeline.boundary(warmer)["critical_velocity"].sel(load=600).round(2).item()
     1.5
     """
-    ds = dataset_of(ds)
-    require_kind(ds, Kind.PLANE, Kind.SAMPLES)
-    if sweep_kind(ds) is Kind.SAMPLES:
-        found = map_scenes(ds, _band_alone)
-    else:
-        found = map_scenes(ds, boundary_under)
+    held = results(ds)
+    require_kind(held.kind, Kind.PLANE, Kind.SAMPLES)
+    answer = _band_alone if held.kind is Kind.SAMPLES else boundary_under
+    axes = [held.rows[name] for name in held.entry_dims]
+    found = side_by_side([answer(scene) for scene in held.scenes], axes)
+    if held.kind is Kind.PLANE:
         turns = [found[name].notnull() for name in found if "turn" in found[name].dims]
         most = max(int(one.sum("turn").max()) for one in turns)
         found = found.isel(turn=slice(max(most, 1)))
-    return found.assign_attrs(missing_points=count_missing(ds))
+    return found.assign_attrs(missing_points=held.missing)
 
 
-def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.Dataset:
+def boundary_under(ds: xr.Dataset | Results, conditions: Conditions | None = None) -> xr.Dataset:
     """The boundary of one scene, under given conditions or its own."""
-    require_lists(ds, *PLANE)
-    ds = moving_points(ds)
-    found = point_field(ds, conditions)
-    coords = {name: ds[name].variable for name in ("realization", *PLANE) if name in ds.indexes}
+    held = results(ds)
+    held.require_lists(*PLANE)
+    found = point_field(held, conditions)
+    held = found.source
+    coords = {name: held.rows[name].variable for name in held.front} | {
+        "load": axis_of("load", held.loads), "velocity": axis_of("velocity", held.velocities)
+    }  # fmt: skip
     result = xr.Dataset(coords=coords, attrs=_condition_attributes(found.conditions))
     for axis, line in (("velocity", "load"), ("load", "velocity")):
-        result = result.assign(_transitions(found, axis, line, ds))
-    if oil := find_lubrication(stored_sweep(ds)):
+        result = result.assign(_transitions(found, axis, line))
+    if oil := find_lubrication(held.sweep):
         for axis, line in (("velocity", "load"), ("load", "velocity")):
             places = {line: result[line].values, axis: result[f"critical_{axis}"].values}
             film = oil.film_parameter(
@@ -156,7 +149,13 @@ def boundary_under(ds: xr.Dataset, conditions: Conditions | None = None) -> xr.D
             result[f"film_parameter_at_{line}"] = dims, film, {"units": "1", "long_name": words}
     if "realization" in result.dims:
         result = add_band(result)
-    return _add_errors(result, found, ds)
+    return _add_errors(result, found)
+
+
+def axis_of(name: str, values: Array) -> xr.Variable:
+    """Loads [N] or velocities [m/s] as a dataset has them."""
+    about = COORDINATES[name]
+    return xr.Variable(about.dims, values, attributes_of(about))
 
 
 def _condition_attributes(conditions: Conditions, sampled: Collection[str] = ()) -> dict[str, Any]:
@@ -173,15 +172,15 @@ def _condition_attributes(conditions: Conditions, sampled: Collection[str] = ())
 _TURNS = 64  # turns of a line that are told; more are waves between points
 
 
-def _transitions(field: PointField, axis: str, line: str, ds: xr.Dataset) -> dict[str, Any]:
+def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
     """Transitions along the velocity at each load, or along the load at each velocity."""
     plane, by_load = field.planes[0], line == "load"
     others = plane.loads if by_load else plane.velocities
     here = np.full(others.shape, (plane.velocities if by_load else plane.loads)[-1])
     members = field.lines(axis, *((others, here) if by_load else (here, others)))
     noun, unit = "velocity" if axis == "velocity" else "normal load", UNITS[axis]
-    dims = [*(["realization"] if "realization" in ds.dims else []), line]
-    shape = tuple(ds.sizes[name] for name in dims)
+    dims = [*field.source.front, line]
+    shape = *(field.source.rows.sizes[name] for name in field.source.front), len(others)
 
     def each(take: Callable[[Line], Any]) -> Any:
         return np.array([take(member) for member in members])
@@ -234,10 +233,10 @@ _BEYOND = 3.0  # factor beyond the velocities computed to which they are
 _BESIDE = (1 - 1e-6, 1 + 1e-6)  # sides of a point, at which the numerical error may jump
 
 
-def _add_errors(boundaries: xr.Dataset, field: Field, ds: xr.Dataset) -> xr.Dataset:
+def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
     """Add the ends of the band that the errors leave, by load."""
-    loads, scatter = boundaries["load"].values, model_error(ds, field)
-    velocities = ds["velocity"].values
+    held, loads = field.source, field.source.loads
+    scatter, velocities = model_error(held, field), held.velocities
     bands = np.full((len(loads), 2), math.nan)
     if velocities.max() > 0:
         grid = np.geomspace(velocities.min() / _BEYOND, velocities.max() * _BEYOND, _STEPS)
@@ -249,27 +248,27 @@ def _add_errors(boundaries: xr.Dataset, field: Field, ds: xr.Dataset) -> xr.Data
     ):
         boundaries[name] = "load", ends, {"units": "m/s", "long_name": words}
     misfit = {"misfit": field.misfit} if field.misfit else {}
-    notes = joined(caveats(stored_sweep(ds), field.conditions, field.counts_inputs))
+    notes = joined(caveats(held.sweep, field.conditions, field.counts_inputs))
     return boundaries.assign_attrs(model_error=scatter.worded, caveats=notes, **misfit)
 
 
-def _band_alone(ds: xr.Dataset) -> xr.Dataset:
+def _band_alone(scene: Results) -> xr.Dataset:
     """The boundary of samples, by the probability of severe wear."""
-    (field,) = fields(ds)
-    loads = ds["load"].values
+    (field,) = fields(scene)
+    loads = scene.loads
     low, high = (float(end) for end in field.ends["velocity"])
     grid = np.geomspace(low, high, _STEPS)
-    scatter = model_error(ds, field)
+    scatter = model_error(scene, field)
     rows = field.probability(loads[:, None], grid, scatter)
     lines = [np.interp(DECIDED, np.maximum.accumulate(row), grid, 0.0, math.inf) for row in rows]
     result = xr.Dataset(
-        coords={"load": ds["load"].variable, "quantile": ("quantile", list(DECIDED))},
-        attrs=_condition_attributes(field.conditions, stored_sweep(ds).variants.unknown),
+        coords={"load": axis_of("load", loads), "quantile": ("quantile", list(DECIDED))},
+        attrs=_condition_attributes(field.conditions, scene.sweep.variants.unknown),
     )
     words = "velocity at which the next run is severe with a probability"
     attrs = {"units": "m/s", "long_name": words}
     result["critical_velocity_quantile"] = ("quantile", "load"), np.transpose(lines), attrs
-    return _add_errors(result, field, ds)
+    return _add_errors(result, field)
 
 
 BAND = (0.1, 0.5, 0.9)
@@ -334,18 +333,19 @@ def quantile(low: Array, high: Array, share: float) -> float:
     return float(ends[0] + (place - below) * (ends[1] - ends[0]))
 
 
-def turns_left_out(ds: xr.Dataset, crossings: xr.Dataset) -> str | None:
+def turns_left_out(ds: xr.Dataset | Results, crossings: xr.Dataset) -> str | None:
     """Say that bodies roll as if each turn met a cold track; None where none does."""
-    scene = stored_sweep(ds).scene
-    if entry_dims(ds) or not scene.motion:
+    held = results(ds)
+    scene = held.sweep.scene
+    if held.entry_dims or not scene.motion:
         return None
-    judged = read_conditions(ds)
+    judged = held.conditions
     cold = cold_bodies(scene.motion, judged.corrections)
     if not cold:
         return None
     turns, around = turn_parts(scene, cold)
     corrections = replace(judged.corrections or Corrections(), **turns)
-    warm = boundary_under(ds, replace(judged, corrections=corrections))
+    warm = boundary_under(held, replace(judged, corrections=corrections))
     moved = 100 * (warm["critical_velocity"] / crossings["critical_velocity"] - 1).values
     moved = moved[np.isfinite(moved)]
     size = "move the boundary to lower velocities, by more than is computed here"

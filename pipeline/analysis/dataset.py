@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from enum import Enum
@@ -41,20 +41,22 @@ from tribo.types import Array
 
 @dataclass(frozen=True)
 class _Source:
-    """The dataset whose arrays a text names by their digests, which tell all of them apart."""
+    """Arrays that a text names by their digests, which tell all of them apart."""
 
-    ds: Any = field(compare=False)
-    digests: str = field(init=False)  # of the arrays that it has
+    variable: Any = field(compare=False)
+    digests: str
 
-    def __post_init__(self) -> None:
-        held = self.ds[INPUTS].attrs["digests"] if INPUTS in self.ds else ""
-        object.__setattr__(self, "digests", str(held))
+    @classmethod
+    def of(cls, ds: xr.Dataset) -> _Source:
+        """The arrays that a dataset has."""
+        held = ds.variables.get(INPUTS)
+        return cls(held, "" if held is None else str(held.attrs["digests"]))
 
     def arrays(self) -> dict[str, Array]:
         """Arrays of the scene by digest."""
-        if INPUTS not in self.ds:
+        if self.variable is None:
             return {}
-        return split_arrays(self.ds[INPUTS].values, self.ds[INPUTS].attrs)
+        return split_arrays(self.variable.values, self.variable.attrs)
 
 
 RULES: dict[str, Rule] = {}
@@ -66,12 +68,12 @@ def scene_sweep(ds: xr.Dataset) -> Sweep:
 
     Raise an `InputError` if the dataset has lost its attribute ``sweep``.
     """
-    return _sweep(_text(ds), _Source(ds))
+    return _sweep(_text(ds), _Source.of(ds))
 
 
 def whole_sweep(ds: xr.Dataset) -> Sweep:
     """The sweep that a dataset is of or was taken from, judged as `pipeline.at` says."""
-    return _judged_at(_text(ds), _Source(ds), json.dumps(judged_values(ds)), _judgement(ds)[1])
+    return _judged_at(_text(ds), _Source.of(ds), json.dumps(judged_values(ds)), _judgement(ds)[1])
 
 
 def stored_sweep(ds: xr.Dataset) -> Sweep:
@@ -82,8 +84,12 @@ def stored_sweep(ds: xr.Dataset) -> Sweep:
         for path in PATHS.values()
         if path in ds.coords and not ds[path].ndim and path not in columns
     }
-    at, rule = json.dumps(judged_values(ds) | values), _judgement(ds)[1]
-    return _taken_at(_text(ds), _Source(ds), at, rule, taken_at(ds))
+    return judge_of(ds)(json.dumps(judged_values(ds) | values), taken_at(ds))
+
+
+def judge_of(ds: xr.Dataset) -> Callable[[str, Variant], Sweep]:
+    """What gives the sweep of a dataset at values as JSON, and at labels."""
+    return functools.partial(_taken_at, _text(ds), _Source.of(ds), _judgement(ds)[1])
 
 
 GIVEN_MEASURED = "given_measured"
@@ -117,7 +123,14 @@ def read_conditions(ds: xr.Dataset, with_criterion: bool = True) -> Conditions:
     if not with_criterion:
         conditions = replace(conditions, criterion="share")
     _ = conditions.decisive  # refuses a rule that is not here
-    require_bulks(ds, conditions)
+    return require_computed(conditions, sweep, ds)
+
+
+def require_computed(
+    conditions: Conditions, sweep: Sweep, columns: Container[Any] | xr.Dataset
+) -> Conditions:
+    """Refuse conditions that need what was not computed."""
+    require_bulks(columns, conditions)
     if conditions.friction and not sweep.scene.friction_heat:
         raise InputError(
             f"friction is {conditions.friction:g}; the sweep was computed without friction, and "
@@ -136,7 +149,11 @@ def temperature_conditions(ds: xr.Dataset) -> Conditions:
 
 def taken_at(ds: xr.Dataset) -> Variant:
     """Values of entries that a dataset was taken at; none unless each has one."""
-    table = scene_sweep(ds).variants
+    return name_at(scene_sweep(ds).variants, ds)
+
+
+def name_at(table: Variants, ds: xr.Dataset) -> Variant:
+    """The same by the table of variants of its sweep."""
     if any(one.name in ds.dims or one.name not in ds.coords for one in table.chosen):
         return ()
     names = [one.name for one in table.chosen]
@@ -180,7 +197,7 @@ def _judged_at(text: str, source: _Source, at: str, rule: str) -> Sweep:
 
 
 @functools.lru_cache(maxsize=64)
-def _taken_at(text: str, source: _Source, at: str, rule: str, name: Variant) -> Sweep:
+def _taken_at(text: str, source: _Source, rule: str, at: str, name: Variant) -> Sweep:
     whole = _judged_at(text, source, at, rule)
     if not name:
         return whole
@@ -345,7 +362,7 @@ def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
     return [
         str(dim)
         for dim in dims
-        if dim not in _USUAL or (dim == VARIANT and VARIANT not in _drawn(ds))
+        if dim not in _USUAL or (dim == VARIANT and VARIANT not in drawn_dims(ds))
     ]
 
 
@@ -358,8 +375,8 @@ def judged_dims(ds: xr.Dataset) -> list[str]:
 def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     """Dataset of a sweep with loads and velocities; one of rows with own places is refused."""
     ds = dataset_of(source)
-    require_kind(ds, Kind.PLANE)
-    require_one_scene(ds)
+    require_kind(sweep_kind(ds), Kind.PLANE)
+    require_one_scene(entry_dims(ds))
     require_lists(ds, *PLANE)
     return keep_steps(ds, "status", "normal_load", "rise_quantile", "cooler_share")
 
@@ -389,9 +406,9 @@ def sweep_kind(ds: xr.Dataset) -> Kind:
     return Kind.PLANE if all(set(ds[name].dims) <= {name} for name in PLANE) else Kind.PLACES
 
 
-def require_kind(ds: xr.Dataset, *kinds: Kind) -> None:
+def require_kind(kind: Kind, *kinds: Kind) -> None:
     """Raise an `InputError` at a sweep of another kind, which has no plane."""
-    if (kind := sweep_kind(ds)) not in kinds:
+    if kind not in kinds:
         raise InputError(_NO_PLANE[kind])
 
 
@@ -413,9 +430,9 @@ def require_lists(ds: xr.Dataset, *names: str) -> None:
             )
 
 
-def require_one_scene(ds: xr.Dataset) -> None:
-    """Raise an `InputError` at a sweep in which entries have several values."""
-    if names := entry_dims(ds):
+def require_one_scene(names: Sequence[str]) -> None:
+    """Raise an `InputError` at a sweep in which these entries have several values."""
+    if names:
         several = " and ".join(names)
         options = " ".join(f'--at "{name}=..."' for name in names)
         raise InputError(
@@ -427,12 +444,12 @@ def require_one_scene(ds: xr.Dataset) -> None:
 def ordered(ds: xr.Dataset) -> xr.Dataset:
     """Sort the axes of a sweep, which a store keeps in the order in which they grew."""
     numbers = [name for name in entry_dims(ds) if ds[name].dtype.kind == "f"]
-    axes = [*numbers, *(name for name in (*_drawn(ds), *PLANE) if name in ds.dims)]
+    axes = [*numbers, *(name for name in (*drawn_dims(ds), *PLANE) if name in ds.dims)]
     unsorted = [name for name in axes if (np.diff(ds[name].values) < 0).any()]
     return ds.sortby(unsorted) if unsorted else ds
 
 
-def _drawn(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
+def drawn_dims(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
     """Dimensions of rows that differ by chance; those of the table may be chosen, or samples."""
     return ("realization", VARIANT) if "sample" in ds.coords else ("realization",)
 
@@ -460,13 +477,13 @@ def select_surface(ds: xr.Dataset, seed: int | None) -> xr.Dataset:
 def one_row(ds: xr.Dataset, seed: int | None) -> xr.Dataset:
     """Take the sweep of one scene on the surface of a seed, on the first one if None."""
     ds = select_surface(plane_of(ds), seed)
-    return ds.isel({name: 0 for name in _drawn(ds) if name in ds.dims})
+    return ds.isel({name: 0 for name in drawn_dims(ds) if name in ds.dims})
 
 
 def drawn_row(ds: xr.Dataset) -> Variant:
     """Seed of the surface, or number of the sample, at which a sweep was taken."""
     return tuple(
-        (name, ds[name].item()) for name in _drawn(ds) if name in ds.coords.keys() - ds.dims
+        (name, ds[name].item()) for name in drawn_dims(ds) if name in ds.coords.keys() - ds.dims
     )
 
 

@@ -10,28 +10,18 @@ import xarray as xr
 
 from pipeline.analysis.dataset import (
     dataset_of,
-    keep_steps,
+    entry_dims,
     read_conditions,
-    require_lists,
     require_variables,
-    scene_sweep,
     sweep_at_bulks,
-    taken_at,
-    values_of,
 )
-from pipeline.analysis.scenes import map_scenes
+from pipeline.analysis.results import results
+from pipeline.analysis.scenes import scenes, side_by_side
 from pipeline.store.place import PathLike
-from pipeline.store.schema import DONE, PLANE, SCENE_ID
+from pipeline.store.schema import PLANE, SCENE_ID
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import (
-    columns_needed,
-    equivalent_rise,
-    failed_fraction,
-    worst_rises,
-)
-from tribo import QUANTILES, Criterion, InputError
-from tribo.simulation.corrections import NEEDED
-from tribo.types import Array, Mask
+from pipeline.sweep.severity import failed_fraction
+from tribo import QUANTILES, InputError
 
 
 def attributes_by(conditions: Conditions) -> dict[str, Any]:
@@ -44,21 +34,10 @@ def attributes_by(conditions: Conditions) -> dict[str, Any]:
 
 def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     """Rise at friction 1 that decides at each point [K], dims (..., load, velocity), or NaN."""
-    ds = dataset_of(ds)
-    require_lists(ds, *PLANE)
-    column = conditions.decisive.column
-    corrected = NEEDED if conditions.corrections else ()
-    ds = keep_steps(ds, "status", "normal_load", column, "cooler_share", *corrected)
-    names = ["normal_load", column, *columns_needed(conditions)]
-    columns = {name: values_of(ds, name) for name in dict.fromkeys(names) if name in ds}
-    columns["quantile"] = ds["cooler_share"].values
-    rises = worst_rises(columns, ds["load"].values[:, None, None], conditions)
-    rises = equivalent_rise(rises, solved_rises(ds, conditions), conditions)
-    dims = [*(str(name) for name in ds["status"].dims if name not in PLANE), *PLANE]
-    is_done = values_of(ds, "status") == DONE
-    rises = np.where(is_done, rises, np.nan)
+    held = results(ds)
+    dims = [*held.front, *PLANE]
     return xr.DataArray(
-        rises,
+        held.rises(conditions),
         {name: ds[name].variable for name in ("realization", *dims) if name in ds.coords},
         dims,
         "decisive_rise",
@@ -66,36 +45,10 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     )
 
 
-def solved_rises(ds: xr.Dataset, conditions: Conditions) -> Array:
-    """Rises by solved friction over its coefficient [K], NaN at points not solved for conditions.
-
-    The order of points is that of `decisive_rise`.
-    """
-    solved = scene_sweep(ds).variant(taken_at(ds)).scene.solved_friction
-    if solved is None or solved != conditions.solved_friction or "coupled_rise" not in ds:
-        return np.array(np.nan)
-    return np.asarray(values_of(ds, "coupled_rise"))
-
-
 def strip_friction(rise: xr.DataArray, conditions: Conditions) -> xr.DataArray:
     """A decisive rise [K] without the friction factor of its velocity, if there is one."""
     velocities = rise["velocity"]
     return rise / velocities.copy(data=conditions.friction_factor(velocities.values))
-
-
-def boundary_neighbours(rises: Array, limit: float) -> Mask:
-    """Points of rises (..., n_load, n_velocity) [K] whose next known one is across the limit."""
-    along_both = (np.apply_along_axis(_turns, axis, rises, limit) for axis in (-2, -1))
-    return np.logical_or(*along_both)
-
-
-def _turns(rise: Array, limit: float) -> Mask:
-    """Known points of a row with the other kind of wear at the next known one on either side."""
-    (indices,), severe = np.nonzero(np.isfinite(rise)), Criterion.is_severe(rise, limit)
-    turns = np.flatnonzero(severe[indices[:-1]] != severe[indices[1:]])
-    beside = np.zeros(rise.shape, dtype=bool)
-    beside[indices[turns]] = beside[indices[turns + 1]] = True
-    return beside
 
 
 @np.errstate(under="ignore")
@@ -129,7 +82,9 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     464.0
     """
     # No temperature depends on the criterion.
-    found = map_scenes(ds, lambda scene: _temperatures(scene, read_conditions(scene, False)))
+    ds = dataset_of(ds)
+    answers = [_temperatures(scene, read_conditions(scene, False)) for scene in scenes(ds)]
+    found = side_by_side(answers, [ds[name] for name in entry_dims(ds)])
     return found.drop_vars(SCENE_ID, errors="ignore")  # so that it merges with any dataset
 
 

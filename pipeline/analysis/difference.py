@@ -16,6 +16,7 @@ from pipeline.analysis.dataset import (
     asked,
     dataset_of,
     end_of_point,
+    entry_dims,
     require_lists,
     require_one_scene,
     require_variables,
@@ -82,7 +83,7 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     have_places = [sweep_kind(ds) is Kind.PLACES for ds in (first, second)]
     if not any(have_places):
         for ds in (first, second):
-            require_one_scene(ds)
+            require_one_scene(entry_dims(ds))
             require_lists(ds, *PLANE)
     elif not all(have_places):
         raise InputError(

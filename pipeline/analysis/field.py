@@ -19,34 +19,20 @@ import xarray as xr
 
 from pipeline import extras
 from pipeline.analysis.curve import Curve, certain
-from pipeline.analysis.dataset import (
-    Kind,
-    dataset_of,
-    moving_points,
-    read_conditions,
-    stored_sweep,
-    sweep_kind,
-    taken_entries,
-)
-from pipeline.analysis.decisive import (
-    decisive_rise,
-    strip_friction,
-)
+from pipeline.analysis.dataset import Kind
 from pipeline.analysis.model_error import Scatter
-from pipeline.analysis.rise_error import RiseError, RisePlane, add_counted, grids_of, rise_errors
-from pipeline.analysis.scenes import scenes
+from pipeline.analysis.results import Results, results
+from pipeline.analysis.rise_error import RiseError, RisePlane, add_counted, planes_of, rise_errors
 from pipeline.analysis.transition import LEAST_SLOPE, Line, Transitions, range_of
 from pipeline.quantities import UNITS
 from pipeline.store.place import PathLike
-from pipeline.store.schema import COORDINATES, PLANE
+from pipeline.store.schema import PLANE
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rise_limit, rise_limits
-from pipeline.sweep.variants import VARIANT
 from tribo import InputError
 from tribo.types import Array, Mask
 
-_USUAL = COORDINATES.keys() - {VARIANT, "realization"}
 _FAR, _PLACES = 30.0, 1024  # ratio to which a line goes on with its friction, and places of it
 _PARTS = 64  # parts of an interval of velocities, in each of which friction is taken as it is there
 
@@ -71,8 +57,8 @@ class Field(Protocol):
         """Conditions that the field is judged by."""
 
     @property
-    def source(self) -> xr.Dataset:
-        """Dataset of the scene or the row."""
+    def source(self) -> Results:
+        """Results of the scene or the row."""
 
     @property
     def entries(self) -> Mapping[str, Any]:
@@ -151,7 +137,7 @@ class PointField:
     conditions: Conditions
     promised: float | None  # relative error of boundary velocities
     ends: Mapping[str, tuple[float, float]]  # ends of the loads [N] and velocities [m/s] asked for
-    source: xr.Dataset  # where the rises are from
+    source: Results  # where the rises are from
     entries: Mapping[str, Any] = field(default_factory=dict)
     shown: Mapping[str, Any] = field(default_factory=dict)
     place: tuple[float, float] | None = None
@@ -180,9 +166,7 @@ class PointField:
         names = "bulk_ratio", "solved_friction"
         if all(getattr(conditions, name) == getattr(self.conditions, name) for name in names):
             return replace(self, conditions=conditions)  # rises at friction 1 are the same
-        rise = decisive_rise(self.source, conditions)
-        planes = tuple(grids_of(self.source, strip_friction(rise, conditions), conditions))
-        return replace(self, planes=planes, conditions=conditions)
+        return replace(self, planes=planes_of(self.source, conditions), conditions=conditions)
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
         """See `Field`."""
@@ -402,43 +386,33 @@ def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
     return Curve(places, heat(places, continued=True, least_slope=LEAST_SLOPE) * factor(places))
 
 
-def fields(ds: xr.Dataset | PathLike) -> list[Field]:
+def fields(ds: xr.Dataset | PathLike | Results) -> list[Field]:
     """The field of each scene of a sweep, or of each row with its own place."""
-    ds = dataset_of(ds)
-    kind = sweep_kind(ds)
-    if kind is Kind.SAMPLES:
-        made: list[Field] = extras.module("fields").fields(ds)
+    held = results(ds)
+    if held.kind is Kind.SAMPLES:
+        made: list[Field] = extras.module("fields").fields(held)
         return made
-    if kind is Kind.PLACES:  # at once, for a read of each row by itself takes ten times as long
-        ds = ds.drop_dims(["x", "y"], errors="ignore").compute()
-    return [point_field(scene) for scene in scenes(ds)]
+    return [point_field(scene) for scene in held.scenes]
 
 
-def point_field(scene: xr.Dataset, conditions: Conditions | None = None) -> PointField:
+def point_field(ds: xr.Dataset | Results, conditions: Conditions | None = None) -> PointField:
     """The field of one scene, under given conditions or its own."""
-    conditions = conditions or read_conditions(scene)
-    placed = [name for name in PLANE if name not in scene.dims]
-    place = tuple(scene[name].item() for name in PLANE) if len(placed) == len(PLANE) else None
-    coords = {str(name): label for name, label in scene.coords.items() if name not in _USUAL}
-    shown = {name: label.item() for name, label in coords.items() if not label.ndim}
-    entries = {path: scene[path].item() for path in taken_entries(scene)}
-    whole, sweep = scene.expand_dims(placed if place else []), stored_sweep(scene)
-    scene = moving_points(whole)
-    rise = decisive_rise(scene, conditions)
+    whole = results(ds)
+    conditions, place, scene = conditions or whole.conditions, whole.place, whole.take_moving()
     ends = {
         name: (at, at) if place else range_of(scene, name)
         for name, at in zip(PLANE, place or (np.nan, np.nan), strict=True)
     }
     return PointField(
-        planes=tuple(grids_of(scene, strip_friction(rise, conditions), conditions)),
+        planes=planes_of(scene, conditions),
         conditions=conditions,
-        promised=velocity_error(sweep),
+        promised=velocity_error(scene.sweep),
         ends=ends,
         source=scene,
-        entries=entries,
-        shown=shown,
+        entries={path: whole.rows[path].item() for path, _ in whole.name},
+        shown=whole.labels,
         place=place,
-        from_rest=0.0 in whole["velocity"].values and scene.sizes != whole.sizes,
+        from_rest=0.0 in whole.velocities and scene is not whole,
     )
 
 

@@ -14,10 +14,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import Kind, scene_sweep, stored_sweep, sweep_kind
+from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import Field, Here, PointField, places_of, point_field, quantile
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import AGREED, USUAL, ModelError, Scatter
+from pipeline.analysis.results import Results, results
 from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import frame_of, notes_of, short
 from pipeline.quantities import display
@@ -40,12 +41,12 @@ _HEADS = (
 )  # fmt: skip
 
 
-def laboratory_tests(ds: xr.Dataset) -> tuple[Measurement, ...]:
+def laboratory_tests(ds: xr.Dataset | Results) -> tuple[Measurement, ...]:
     """Measured transitions of a sweep, and then its tests, of the oil that it is judged for.
 
     All of them where that is not told.
     """
-    return _tests_of(stored_sweep(ds).about)
+    return _tests_of(results(ds).sweep.about)
 
 
 def _tests_of(about: About) -> tuple[Measurement, ...]:
@@ -59,9 +60,9 @@ def untold_oils(about: About) -> list[str]:
     return [] if "" in names or about.tested_oil else names
 
 
-def require_one_oil(ds: xr.Dataset) -> None:
+def require_one_oil(about: About) -> None:
     """Raise an `InputError` if tests name several oils, and it is not told whose count."""
-    names = untold_oils(stored_sweep(ds).about)
+    names = untold_oils(about)
     if len(names) > 1:
         raise InputError(
             f"the tests are of {len(names)} oils, and the answer is for one: {', '.join(names)}; "
@@ -69,9 +70,10 @@ def require_one_oil(ds: xr.Dataset) -> None:
         )
 
 
-def own_conditions(ds: xr.Dataset, test: Measurement) -> Conditions:
+def own_conditions(ds: xr.Dataset | Results, test: Measurement) -> Conditions:
     """Conditions of a test: its friction and bulk, or the scene's, not those judged at."""
-    return _tested_conditions(stored_sweep(ds).conditions, scene_sweep(ds).conditions, test)
+    held = results(ds)
+    return _tested_conditions(held.sweep.conditions, held.stored.conditions, test)
 
 
 def _tested_conditions(judged: Conditions, scene: Conditions, test: Measurement) -> Conditions:
@@ -81,17 +83,18 @@ def _tested_conditions(judged: Conditions, scene: Conditions, test: Measurement)
     return replace(judged, friction=scene.friction, **bulks).replace_friction(test.friction)
 
 
-def model_error(ds: xr.Dataset, field: Field) -> Scatter:
+def model_error(ds: xr.Dataset | Results, field: Field) -> Scatter:
     """The model's own error in a scene, by its tests."""
+    held = results(ds)
     scatter: Scatter | None = getattr(field, "scatter", None)  # that samples have inferred
-    require_one_oil(ds)
+    require_one_oil(held.sweep.about)
     if scatter is not None:
         return scatter
-    plain = untested_error(stored_sweep(ds))
+    plain, tests = untested_error(held.sweep), laboratory_tests(held)
     if not isinstance(field, PointField):
         untold = "the scene's tests count with --given-measured"
-        return replace(plain, untold=untold) if laboratory_tests(ds) else plain
-    found = [(test, one) for test in laboratory_tests(ds) if (one := _known(ds, field, test))]
+        return replace(plain, untold=untold) if tests else plain
+    found = [(test, one) for test in tests if (one := _known(held, field, test))]
     return replace(_counted(plain, found), untold=AGREED if found else plain.untold)
 
 
@@ -124,13 +127,13 @@ def point_error(sweep: Sweep, place: Point, rise: float) -> ModelError:
     return replace(plain, wrong=wrong, untold=AGREED if distances else plain.untold)
 
 
-def _known(ds: xr.Dataset, field: PointField, test: Measurement) -> Comparison | None:
+def _known(held: Results, field: PointField, test: Measurement) -> Comparison | None:
     """A test beside what is computed at its own conditions.
 
     None beyond the loads of the sweep, and where velocities that were not computed may agree.
     """
     try:
-        found = comparison(field.under(own_conditions(ds, test)), test)
+        found = comparison(field.under(own_conditions(held, test)), test)
     except InputError:
         return None
     return found if found.is_known and 0 < found.critical < math.inf else None
@@ -203,18 +206,18 @@ def critical_velocity(own: PointField, test: Measurement, continued: bool = Fals
 
 
 def tests_beside(
-    ds: xr.Dataset, conditions: Conditions, load: float, velocity: float
+    held: Results, conditions: Conditions, load: float, velocity: float
 ) -> Iterator[str]:
     """Tests at or beside a place, in words, with their own conditions if others are judged by.
 
     Those as warm as the critical temperature are left out.
     """
-    for test in laboratory_tests(ds):
+    for test in laboratory_tests(held):
         pairs = (test.normal_load, load), (test.velocity, velocity)
         if any(abs(measured - asked) > _BESIDE * abs(asked) for measured, asked in pairs):
             continue
         with suppress(InputError):
-            own, at = own_conditions(ds, test), ""
+            own, at = own_conditions(held, test), ""
             if not are_near(own, conditions, test.velocity):
                 bulk = display(own.bulk_temperature, "°C", 3)
                 at = f" at friction {own.friction_at(test.velocity):.3g} and bulk {bulk}"
@@ -229,11 +232,16 @@ def are_near(one: Conditions, other: Conditions, velocity: float) -> bool:
     return is_alike and bool(abs(limits[0] / limits[1] - 1) < _NEAR)
 
 
-def compared(ds: xr.Dataset) -> pd.DataFrame | None:
-    """Frame of tests beside what is computed at their own conditions; None if there are none."""
-    if not laboratory_tests(ds) or sweep_kind(ds) is not Kind.PLANE:
+def compared(ds: xr.Dataset | Results) -> pd.DataFrame | None:
+    """Frame of tests beside what is computed at their own conditions; None if there are none.
+
+    Of several values of a condition none is that of a test which gives none.
+    """
+    held = results(ds)
+    held = held.take(dict.fromkeys(held.judged_dims, 0))
+    if not laboratory_tests(held) or held.kind is not Kind.PLANE:
         return None
-    return frame_by_scene(ds, lambda scene: frame_of(_HEADS, _rows(scene)))
+    return frame_by_scene(held, lambda scene: frame_of(_HEADS, _rows(scene)))
 
 
 def agreement(frame: pd.DataFrame) -> str:
@@ -261,19 +269,19 @@ def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     )
 
 
-def _rows(ds: xr.Dataset) -> Iterator[tuple[Any, ...]]:
+def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
     """Rows of one scene."""
-    field = point_field(ds)
+    field = point_field(scene)
     under = functools.cache(field.under)
-    held = getattr(stored_sweep(ds).scene.loading, "hold", 0.0)
-    for test in laboratory_tests(ds):
+    held = getattr(scene.sweep.scene.loading, "hold", 0.0)
+    for test in laboratory_tests(scene):
         place = test.normal_load, test.velocity
         note = ""
         if test.hold not in (None, held):
             note = f"computed with the hold of the scene, {held:g} s"
         at = test.friction, test.bulk_temperature
         try:
-            own = own_conditions(ds, test)
+            own = own_conditions(scene, test)
             at = own.friction, own.bulk_temperature
             found = comparison(under(own), test)
             computed, temperature, agrees = _answer(test, under(own), found)

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.field import Field, Here, continued_friction, quantile
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.rise_error import RiseError
@@ -202,7 +201,7 @@ def answers(
         "counts_inputs": field.counts_inputs,
         "critical_sd": field.conditions.critical_sd,
         "misfit": field.misfit,
-        "caveats": caveats(stored_sweep(field.source), field.conditions, field.counts_inputs),
+        "caveats": caveats(field.source.sweep, field.conditions, field.counts_inputs),
         "entries": field.entries,
     }
     rows = zip(*columns.values(), strict=True)

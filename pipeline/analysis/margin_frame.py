@@ -11,11 +11,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import Kind, dataset_of, entry_dims, require_kind, sweep_kind
+from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.field import Field, fields
 from pipeline.analysis.laboratory import model_error, tests_beside
 from pipeline.analysis.margin import Margin, answers, told
 from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.results import Results, results
 from pipeline.analysis.scenes import heads_of, shown_label
 from pipeline.analysis.tables import as_dict, frame_of
 from pipeline.quantities import column_heads, snap
@@ -34,17 +35,17 @@ Points = OperatingPoints | PathLike | Mapping[str, Sequence[Any]]
 
 @overload
 def margin(
-    ds: xr.Dataset | PathLike, load: float | str, velocity: float | str
+    ds: xr.Dataset | PathLike | Results, load: float | str, velocity: float | str
 ) -> Margin | pd.DataFrame: ...
 
 
 @overload
-def margin(ds: xr.Dataset | PathLike, load: Points | None = None) -> pd.DataFrame: ...
+def margin(ds: xr.Dataset | PathLike | Results, load: Points | None = None) -> pd.DataFrame: ...
 
 
 @np.errstate(under="ignore")
 def margin(
-    ds: xr.Dataset | PathLike, load: Any = None, velocity: Any = None
+    ds: xr.Dataset | PathLike | Results, load: Any = None, velocity: Any = None
 ) -> Margin | pd.DataFrame:
     """Verdict on operating points, and their distance from severe wear, without a new simulation.
 
@@ -92,22 +93,22 @@ def margin(
     0     400.0    mild
     1     600.0  severe
     """
-    ds = dataset_of(ds)
+    held = results(ds)
     if velocity is not None:
         if load is None:
             raise InputError("velocity is given without a load; give both")
         place = Place(in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s"))
-        found = [*judged(ds, OperatingPoints((place,), {}))]
+        found = [*judged(held, OperatingPoints((place,), {}))]
         if len(found) == 1:
             return found[0].known()
-        return margin_frame(ds, found)
+        return margin_frame(held, found)
     if load is None or isinstance(load, OperatingPoints):
         points = load
     elif isinstance(load, float | int):
         raise InputError("load is given without a velocity; give both")
     else:
         points = OperatingPoints.read(load)
-    return margin_frame(ds, [*judged(ds, points)], points)
+    return margin_frame(held, [*judged(held, points)], points)
 
 
 class Judged(NamedTuple):
@@ -126,11 +127,12 @@ class Judged(NamedTuple):
         return self.margin
 
 
-def judged(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[Judged]:
+def judged(ds: xr.Dataset | Results, points: OperatingPoints | None) -> Iterator[Judged]:
     """Places of each scene of a sweep, or of its rows where no points are given."""
+    held = results(ds)
     if points is not None:
-        require_kind(ds, Kind.PLANE, Kind.SAMPLES)
-    for field in fields(ds):
+        require_kind(held.kind, Kind.PLANE, Kind.SAMPLES)
+    for field in fields(held):
         scatter = model_error(field.source, field)
         if points is None and field.place is None:
             raise InputError(
@@ -170,14 +172,15 @@ def _judged_places(
 
 
 def margin_frame(
-    ds: xr.Dataset, found: Sequence[Judged], points: OperatingPoints | None = None
+    ds: xr.Dataset | Results, found: Sequence[Judged], points: OperatingPoints | None = None
 ) -> pd.DataFrame:
     """Frame of places, with the labels of their scenes and further columns in front."""
-    names = _labels(found) if sweep_kind(ds) is Kind.PLACES else entry_dims(ds)
-    heads = heads_of(ds, names)
+    held = results(ds)
+    names = _labels(found) if held.kind is Kind.PLACES else held.entry_dims
+    heads = heads_of(held.rows, names)
     labels = pd.DataFrame(
         {
-            head: [shown_label(ds[name], one.field.shown[name]) for one in found]
+            head: [shown_label(held.rows[name], one.field.shown[name]) for one in found]
             for name, head in heads.items()
         }
     )
@@ -191,8 +194,8 @@ def margin_frame(
             values = [_value(one.margin, name) for name in _COLUMNS]
             notes += one.margin.caveats
         rows.append((*one.place, *values, joined(notes)))
-    results = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS.values(), "notes"), rows)
-    return pd.concat([labels, _passed_on(points, results), results], axis="columns")
+    answers = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS.values(), "notes"), rows)
+    return pd.concat([labels, _passed_on(points, answers), answers], axis="columns")
 
 
 _COLUMNS = column_heads(
@@ -218,14 +221,14 @@ def _labels(found: Sequence[Judged]) -> list[str]:
     return [name for name in held if name != VARIANT] or held
 
 
-def _passed_on(points: OperatingPoints | None, results: pd.DataFrame) -> pd.DataFrame:
+def _passed_on(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.DataFrame:
     """Further columns of a table, for each of the scenes that it is judged in."""
-    taken, count = {*results, *as_dict(results)}, len(results)
+    taken, count = {*answers, *as_dict(answers)}, len(answers)
     columns = {
         f"{head} (given)" if head in taken else head: [*values] * (count // len(values))
         for head, values in (points.others.items() if points else ())
     }
-    return pd.DataFrame(columns, index=results.index)
+    return pd.DataFrame(columns, index=answers.index)
 
 
 def row_labels(frame: pd.DataFrame) -> list[str]:

@@ -20,11 +20,9 @@ from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 import scipy  # loads its parts when they are used
-import xarray as xr
 
-from pipeline.analysis.dataset import keep_steps
-from pipeline.analysis.decisive import solved_rises
-from pipeline.analysis.warned_points import warnings_of
+from pipeline.analysis.results import Results
+from pipeline.analysis.warned_points import warning_flags
 from pipeline.sweep.conditions import Conditions
 from tribo import WarningKind
 from tribo.types import Array, Indices, Mask
@@ -155,17 +153,16 @@ class RisePlane:
         return [(row, places) for row, places in points if places.size]
 
 
-def grids_of(ds: xr.Dataset, rise: xr.DataArray, conditions: Conditions) -> list[RisePlane]:
-    """Grid of each surface of a sweep, by its deciding rises for some conditions."""
-    shape = -1, *rise.shape[-2:]
-    duration = keep_steps(ds, "time")["time"].max("step")
-    is_solved = rise.copy(data=np.broadcast_to(~np.isnan(solved_rises(ds, conditions)), rise.shape))
-    of_rows = rise, warnings_of(ds), duration, is_solved
-    parts = (
-        part.broadcast_like(rise).transpose(*rise.dims).values.reshape(shape) for part in of_rows
-    )
-    axes = rise["load"].values, rise["velocity"].values
-    return [RisePlane(*axes, *values) for values in zip(*parts, strict=True)]
+def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
+    """Plane of each surface of a scene under some conditions, without friction by velocity."""
+    scene.require("time")
+    rises = scene.rises(conditions) / conditions.friction_factor(scene.velocities)
+    is_solved = np.broadcast_to(~np.isnan(scene.solved(conditions)), rises.shape)
+    times = np.nan_to_num(scene.columns["time"], nan=-np.inf).max(axis=-1)
+    shape = -1, *rises.shape[-2:]
+    parts = (one.reshape(shape) for one in (rises, warning_flags(scene), times, is_solved))
+    axes = scene.loads, scene.velocities
+    return tuple(RisePlane(*axes, *values) for values in zip(*parts, strict=True))
 
 
 def rise_errors(

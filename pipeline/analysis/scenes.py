@@ -10,15 +10,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import (
-    Kind,
-    dataset_of,
-    entry_dims,
-    read_conditions,
-    stored_sweep,
-    sweep_kind,
-    taken_entries,
-)
+from pipeline.analysis.dataset import Kind, dataset_of, entry_dims, taken_entries
+from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import frame_of
 from pipeline.quantities import display, shown_in
 from pipeline.scene.reference import usual_range
@@ -39,11 +32,9 @@ def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
         yield ds.isel(dict(zip(names, places, strict=True)))
 
 
-def map_scenes(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]) -> Result:
-    """Answers on each scene side by side; attributes in which they differ become coordinates."""
-    ds = dataset_of(ds)
-    results, axes = [answer(scene) for scene in scenes(ds)], [ds[name] for name in entry_dims(ds)]
-    rows = [result.attrs for result in results]
+def side_by_side(answers: list[Result], axes: Sequence[xr.DataArray]) -> Result:
+    """Answers on each scene along their axes; attributes in which they differ are coordinates."""
+    rows = [result.attrs for result in answers]
     names: list[str] = [str(axis.name) for axis in axes]
     sizes = [axis.size for axis in axes]
     alike: dict[str, Any] = {
@@ -55,17 +46,18 @@ def map_scenes(ds: xr.Dataset | PathLike, answer: Callable[[xr.Dataset], Result]
         if name not in {*alike, *names}
     }
     for axis in reversed(axes):
-        starts = range(0, len(results), axis.size)
-        results = [_joined(results[start : start + axis.size], axis) for start in starts]
-    whole = results[0].assign_coords(others)
+        starts = range(0, len(answers), axis.size)
+        answers = [_joined(answers[start : start + axis.size], axis) for start in starts]
+    whole = answers[0].assign_coords(others)
     whole.attrs = alike
     return whole
 
 
-def caveats_of(ds: xr.Dataset) -> list[str]:
-    """Caveats of answers on a dataset, each once."""
-    is_drawn = sweep_kind(ds) is Kind.SAMPLES
-    lines = (caveats(stored_sweep(one), read_conditions(one), is_drawn) for one in scenes(ds))
+def caveats_of(ds: xr.Dataset | PathLike | Results) -> list[str]:
+    """Caveats of answers on a sweep, each once."""
+    held = results(ds)
+    is_drawn = held.kind is Kind.SAMPLES
+    lines = (caveats(one.sweep, one.conditions, is_drawn) for one in held.scenes)
     return [*dict.fromkeys(itertools.chain(*lines))]
 
 
@@ -114,13 +106,14 @@ def _usual_unit(axis: xr.DataArray) -> str:
 
 
 def frame_by_scene(
-    ds: xr.Dataset, frame_of_scene: Callable[[xr.Dataset], pd.DataFrame]
+    held: Results, frame_of_scene: Callable[[Results], pd.DataFrame]
 ) -> pd.DataFrame:
     """Frames of all scenes below each other, with the values of their entries in front."""
-    heads, frames = heads_of(ds["status"]), []
-    for scene in scenes(ds):
+    heads, frames = heads_of(held.rows, held.entry_dims), []
+    for scene in held.scenes:
         frame = frame_of_scene(scene)
-        values = frame_of([*heads.values()], [[scene[name].item() for name in heads]] * len(frame))
+        labels = [scene.rows[name].item() for name in heads]
+        values = frame_of([*heads.values()], [labels] * len(frame))
         frames.append(pd.concat([values, frame], axis="columns"))
     return pd.concat(frames, ignore_index=True)
 

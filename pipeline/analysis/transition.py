@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.curve import Curve
-from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.results import Results, results
 from pipeline.quantities import UNITS
 from tribo import Criterion
 from tribo.types import Array, Indices, Mask
@@ -214,10 +214,11 @@ def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> st
     return f"severe {' and '.join(parts)}"
 
 
-def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
+def range_of(ds: xr.Dataset | Results, axis: str) -> tuple[float, float]:
     """Lowest and highest velocity [m/s] or load [N] of a scene, above 0."""
-    present = ds[axis].values.tolist()
-    plane = stored_sweep(ds).plane
+    held = results(ds)
+    present = (held.loads if axis == "load" else held.velocities).tolist()
+    plane = held.sweep.plane
     of_scene = plane.loads if axis == "load" else plane.velocities
     asked = [value for value in of_scene if value > 0] or present
     return float(min(asked)), float(max(asked))

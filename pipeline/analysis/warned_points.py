@@ -16,29 +16,19 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.dataset import (
-    Kind,
-    dataset_of,
-    judged_dims,
-    messages,
-    read_conditions,
-    require_variables,
-    stored_sweep,
-    sweep_kind,
-)
-from pipeline.analysis.decisive import boundary_neighbours, decisive_rise
-from pipeline.analysis.scenes import map_scenes, scenes, value_text
+from pipeline.analysis.dataset import Kind
+from pipeline.analysis.results import Results, results
+from pipeline.analysis.scenes import value_text
 from pipeline.store.place import PathLike
-from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import LawError
 from pipeline.sweep.model import Point
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
 from pipeline.sweep.shown import shown
-from tribo import CRITERIA, WarningKind
+from tribo import CRITERIA, Criterion, WarningKind
 from tribo.simulation.point_warnings import SLOW, SLOWEST
-from tribo.types import Array
+from tribo.types import Array, Indices, Mask
 
 
 @shown
@@ -87,7 +77,7 @@ NO_WARNING = Warned(0, {}, 0)
 
 
 @np.errstate(under="ignore")
-def warned(ds: xr.Dataset | PathLike) -> Warned:
+def warned(ds: xr.Dataset | PathLike | Results) -> Warned:
     """Count the points of a sweep that carry a warning.
 
     Parameters
@@ -102,93 +92,101 @@ def warned(ds: xr.Dataset | PathLike) -> Warned:
     >>> pipeline.warned(pipeline.open_sweep("results/first_try.zarr")).points
     0
     """
-    ds = dataset_of(ds)
-    judged = judged_dims(ds)
-    alone = ds.isel(dict.fromkeys(judged, 0))
-    flags = warnings_of(alone) | _marked(ds, _is_molten).any(judged) * int(WarningKind.MOLTEN)
+    held = results(ds)
+    judged = tuple(held.front.index(name) for name in held.judged_dims)
+    alone = tuple(0 if k in judged else slice(None) for k in range(len(held.front)))
+    flags = warning_flags(held)[alone]
+    flags = flags | _marked(held, _is_molten).any(axis=judged) * int(WarningKind.MOLTEN)
     there = flags != 0
     if not there.any():
         return NO_WARNING
     counts = {kind.label: int((flags & kind != 0).sum()) for kind in WarningKind}
-    near = _boundary_neighbours(ds)
-    beside = there if near is None else there & near.any(judged)
+    near = _boundary_neighbours(held)
+    beside = there if near is None else there & near.any(axis=judged)
     return Warned(
         points=int(there.sum()),
         kinds={kind: count for kind, count in counts.items() if count},
         at_boundary=None if near is None else int(beside.sum()),
-        example=_first(alone, beside if beside.any() else there, flags),
+        example=_first(held, judged, beside if beside.any() else there, flags),
     )
 
 
-def warnings_of(ds: xr.Dataset) -> xr.DataArray:
+def warning_flags(held: Results) -> Indices:
     """Sum of the `WarningKind` of each done point: its own, and what its neighbours tell."""
-    require_variables(ds, "status", "warning_flags")
-    flags = ds["warning_flags"].where(ds["status"] == DONE, 0).astype(int)
-    flags = flags | _marked(ds, _rises_slowly) * int(WarningKind.SLOW_RISE)
-    all_flags: xr.DataArray = flags.transpose(..., "load", "velocity", missing_dims="ignore")
-    return all_flags
+    held.require("status", "warning_flags")
+    flags = np.where(held.done, held.columns["warning_flags"], 0).astype(int)
+    return np.asarray(flags | _marked(held, _rises_slowly) * int(WarningKind.SLOW_RISE))
 
 
-def _is_molten(scene: xr.Dataset) -> xr.DataArray:
+def _is_molten(scene: Results) -> Mask:
     """Points at which steel would have melted."""
     # Of a criterion that is code nothing runs here; the share serves as well.
-    judged = read_conditions(scene, with_criterion=False)
-    return decisive_rise(scene, judged) > judged.limit(MELTS)
+    judged = scene.plain_conditions
+    return np.asarray(scene.rises(judged) > judged.limit(MELTS))
 
 
-def _marked(ds: xr.Dataset, mark: Callable[[xr.Dataset], xr.DataArray]) -> xr.DataArray:
+def _marked(held: Results, mark: Callable[[Results], Mask]) -> Mask:
     """Points that are marked in their scene; none of rows that have no plane."""
-    has_plane = sweep_kind(ds) is Kind.PLANE
-    return map_scenes(ds, mark) if has_plane else xr.zeros_like(ds["status"], bool)
+    if held.kind is not Kind.PLANE:
+        return np.zeros(held.done.shape, bool)
+    return np.reshape([mark(scene) for scene in held.scenes], held.done.shape)
 
 
-def _boundary_neighbours(ds: xr.Dataset) -> xr.DataArray | None:
+def _boundary_neighbours(held: Results) -> Mask | None:
     """Points beside the other kind of wear; None where that is not known."""
-    if sweep_kind(ds) is not Kind.PLANE:
+    if held.kind is not Kind.PLANE:
         return None
     try:
-        if any(read_conditions(scene).critical_temperature is None for scene in scenes(ds)):
+        if any(scene.conditions.critical_temperature is None for scene in held.scenes):
             return None
     except LawError:
         return None
-
-    def mark_scene(scene: xr.Dataset) -> xr.DataArray:
-        conditions = read_conditions(scene)
-        rise = decisive_rise(scene, conditions)
-        return rise.copy(data=boundary_neighbours(rise.values, rise_limit(conditions)))
-
-    return _marked(ds, mark_scene)
+    return _marked(held, _beside_turns)
 
 
-def _first(ds: xr.Dataset, chosen: xr.DataArray, flags: xr.DataArray) -> str:
+def _beside_turns(scene: Results) -> Mask:
+    """Points of a scene whose next known one along either axis has the other kind of wear."""
+    rises, limit = scene.rises(scene.conditions), rise_limit(scene.conditions)
+    return np.logical_or(*(np.apply_along_axis(_turns, k, rises, limit) for k in (-2, -1)))
+
+
+def _turns(rise: Array, limit: float) -> Mask:
+    """Known points of a row with the other kind of wear at the next known one on either side."""
+    (indices,), severe = np.nonzero(np.isfinite(rise)), Criterion.is_severe(rise, limit)
+    turns = np.flatnonzero(severe[indices[:-1]] != severe[indices[1:]])
+    beside = np.zeros(rise.shape, dtype=bool)
+    beside[indices[turns]] = beside[indices[turns + 1]] = True
+    return beside
+
+
+def _first(held: Results, judged: tuple[int, ...], chosen: Mask, flags: Indices) -> str:
     """The first message of those chosen, and its point; empty if a writer has just cleared it."""
-    said = messages(ds).transpose(*chosen.dims)
-    for place in np.argwhere(chosen.values):
-        point = said[tuple(place)]
-        flag = flags.values[tuple(place)]
+    names = [name for k, name in enumerate(held.front) if k not in judged]
+    for place in np.argwhere(chosen).tolist():
+        flag = flags[tuple(place)]
+        *row, load, velocity = place
+        labels = dict(zip(names, row, strict=True))
+        here = held.take(dict.fromkeys(held.judged_dims, 0) | labels)
         slow = SLOW if flag & WarningKind.SLOW_RISE else ""
         melted = MOLTEN if flag & WarningKind.MOLTEN else ""
         kinds = ", ".join(kind.label for kind in WarningKind if flag & kind)  # of a copy
-        told = str(point.item()) or (kinds if not (slow or melted) else "")
+        told = here.message(load, velocity) or (kinds if not (slow or melted) else "")
         if message := "; ".join(filter(None, (told, slow, melted))):
-            names = [str(dim) for dim in chosen.dims if dim not in ("load", "velocity")]
-            values = tuple((name, value_text(ds[name], point[name].item())) for name in names)
-            return f"{Point(point['load'].item(), point['velocity'].item(), values)}: {message}"
+            values = tuple((n, value_text(here.rows[n], here.rows[n].item())) for n in names)
+            return f"{Point(*here.point(load, velocity), values)}: {message}"
     return ""
 
 
 _APART = 1.1  # least ratio of velocities over which an exponent is taken
 
 
-def _rises_slowly(scene: xr.Dataset) -> xr.DataArray:
+def _rises_slowly(scene: Results) -> Mask:
     """Points at which the rise by friction, between equal bulks, grows slowly with velocity."""
-    stored = stored_sweep(scene).conditions
+    stored = scene.sweep.conditions
     kind = stored.criterion if stored.criterion in CRITERIA else "share"
     plain = Conditions(1.0, 300.0, None, stored.failing_share, criterion=kind)
-    rise = decisive_rise(scene, plain)
-    x = rise["velocity"].values
-    slow = np.apply_along_axis(lambda row: exponents(x, row) < SLOWEST, -1, rise.values)
-    return rise.copy(data=slow)
+    rises, x = scene.rises(plain), scene.velocities
+    return np.apply_along_axis(lambda row: exponents(x, row) < SLOWEST, -1, rises)
 
 
 def exponents(x: Array, y: Array) -> Array:

@@ -32,8 +32,9 @@ from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.analysis.margin import DECIDED, verdict_plane
+from pipeline.analysis.results import results
 from pipeline.analysis.scenes import scenes, value_text
-from pipeline.analysis.warned_points import warnings_of
+from pipeline.analysis.warned_points import warning_flags
 from pipeline.figures import style
 from pipeline.figures.overlays import (
     film_lines,
@@ -231,7 +232,7 @@ def _mark_points(axes: Axes, ds: xr.Dataset) -> list[Artist]:
         ("severe on some surfaces", hot & cold, {"marker": "s", "mfc": "white", "mec": VERMILION}),
         ("failed", failed, {"marker": "x", "mec": BLACK}),
         ("pending", pending, {"marker": "o", "mfc": GREY, "mec": "none"}),
-        ("carries a warning", _any_surface(warnings_of(ds) != 0),
+        ("carries a warning", _any_surface(r.copy(data=warning_flags(results(ds)) != 0)),
          {"marker": "o", "mfc": "none", "mec": BLACK, "ms": style.BIG * usual}),
     ]  # fmt: skip
     look_of_all = {"ls": "none", "ms": usual * (0.5 if failed.size > _MANY else 0.8)}

@@ -72,7 +72,7 @@ _NUMBERS = (
 def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     """What a page shows, as plain data, with the fields of the points nearest to the transition."""
     ds = moving_points(ordered(plane_of(ds)))
-    require_one_oil(ds)
+    require_one_oil(stored_sweep(ds).about)
     sweep, conditions = stored_sweep(ds), read_conditions(ds)
     unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
     ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)

@@ -21,21 +21,12 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
-from pipeline.analysis.dataset import (
-    Kind,
-    asked,
-    dataset_of,
-    read_conditions,
-    require_lists,
-    require_one_scene,
-    stored_sweep,
-    sweep_kind,
-    values_of,
-)
-from pipeline.analysis.scenes import scenes
+from pipeline.analysis.dataset import Kind, require_one_scene
+from pipeline.analysis.results import Results, results
 from pipeline.quantities import snap
 from pipeline.store.place import PathLike
 from pipeline.store.read import Keeper
+from pipeline.store.schema import MADE, STEPPED
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import FIELDS, PATHS, Conditions
 from pipeline.sweep.model import Sweep
@@ -59,7 +50,7 @@ from tribo import InputError
 from tribo.types import Array
 
 Axis = Sequence[float] | Array
-Samples = Union["Ensemble", xr.Dataset, PathLike]
+Samples = Union["Ensemble", Results, xr.Dataset, PathLike]
 """Samples of a sweep that were read, its dataset, or the path of its store."""
 """Loads [N] or velocities [m/s]."""
 _FIELD_OF = {path: name for name, path in FIELDS.items()}
@@ -133,30 +124,31 @@ class Ensemble:
         """
         if isinstance(ds, Ensemble):
             return ds
-        ds = dataset_of(ds)
-        if sweep_kind(ds) is not Kind.SAMPLES:
+        held = results(ds)
+        if held.kind is not Kind.SAMPLES:
             raise InputError(
                 "the sweep has no samples; give [unknown] and sweep.samples in the scene, and run "
                 "it into a new store"
             )
-        require_one_scene(ds)
-        if VARIANT not in ds.dims:
+        require_one_scene(held.entry_dims)
+        if VARIANT not in held.front:
             raise InputError(
                 "the dataset has a single sample, and answers follow from all of them; select none "
                 f"by {VARIANT}"
             )
-        require_lists(ds, "load")
-        sweep = stored_sweep(ds)
+        held.require_lists("load")
+        sweep = held.sweep
         draw = Draw.of(sweep.variants.draw)
-        design, conditions = draw.design, read_conditions(ds)
+        design, conditions = draw.design, held.conditions
         paths = [quantity.path for quantity in design.inputs]
-        ds = ds.sortby("load").isel(variant=asked(ds).any("load").values)
-        numbers, loads = ds["sample"].values, ds["load"].values
-        inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
+        taken = held.asked.any(axis=(1, 2))
+        rows, loads = held.rows.isel(variant=taken), held.loads
+        numbers = rows["sample"].values
+        inputs = np.array([rows[quantity.path].values for quantity in design.inputs]).T
         is_drawn = SHARE in paths and SHARE not in {one.unknown.path for one in draw.fixed}
         shares = inputs[:, paths.index(SHARE)].tolist() if is_drawn else None
-        of_rows = _row_conditions(conditions, sweep, ds["variant"].values.tolist(), shares)
-        columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
+        of_rows = _row_conditions(conditions, sweep, rows["variant"].values.tolist(), shares)
+        columns = {k: v[taken, :, 0] for k, v in held.columns.items() if k in STEPPED or k in MADE}
         rises = decisive_rises(columns, loads, of_rows)
         done = np.isfinite(rises.sum(axis=1))
         _require_enough(int(np.count_nonzero(done)), len(numbers))
@@ -173,7 +165,7 @@ class Ensemble:
             design=design,
             conditions=conditions,
             inputs=inputs.reshape(len(numbers), len(paths))[done],
-            sample_velocities=ds["velocity"].values[done],
+            sample_velocities=rows["velocity"].values[done],
             contacts=(numbers // design.per_contact)[done],
             loads=loads,
             rises=rises[done],
@@ -184,7 +176,7 @@ class Ensemble:
             missing=int(np.count_nonzero(~done)),
             same_rig=sweep.about.same_rig,
             velocity_error=velocity_error(sweep),
-            keeper=ds["status"].encoding.get("keeper"),
+            keeper=held.keeper,
         )
 
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
@@ -349,12 +341,12 @@ class Ensemble:
 
 def keep_fits(ds: xr.Dataset) -> None:
     """Fit the samples of a store and keep the fits in it, so that commands need not."""
-    ds["status"].encoding["keeper"].may_keep = True
-    for scene in scenes(ds):
+    held = results(ds)
+    held.keeper.may_keep = True
+    for scene in held.scenes:
         with suppress(InputError):  # too few are done
-            ensemble = Ensemble.of(scene)
-            for held in ensemble.ensembles_by_hold.values():
-                _ = held._rise
+            for one in Ensemble.of(scene).ensembles_by_hold.values():
+                _ = one._rise
 
 
 def _row_conditions(

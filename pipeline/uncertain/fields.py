@@ -12,11 +12,10 @@ import numpy as np
 import xarray as xr
 from scipy.special import ndtr
 
-from pipeline.analysis.dataset import taken_entries
 from pipeline.analysis.field import Here, Places, places_of
 from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.results import Results, results
 from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
-from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import (
     CROSSES,
     LEAST_SLOPE,
@@ -65,7 +64,7 @@ class SampleField:
 
     ensemble: Ensemble
     draws: Draws
-    source: xr.Dataset
+    source: Results
     posterior: Posterior | None = None
     entries: Mapping[str, Any] = field(default_factory=dict)
     shown: Mapping[str, Any] = field(default_factory=dict)
@@ -325,19 +324,18 @@ def _normal_below(sd: float, distances: Array) -> Array:
     return np.asarray(ndtr(distances / sd))
 
 
-def fields(ds: xr.Dataset) -> list[SampleField]:
+def fields(held: Results) -> list[SampleField]:
     """The field of each scene of a sweep of samples."""
-    return [single_field(scene) for scene in scenes(ds)]
+    return [single_field(scene) for scene in held.scenes]
 
 
-def single_field(scene: xr.Dataset) -> SampleField:
+def single_field(ds: xr.Dataset | Results) -> SampleField:
     """The field of a sweep of samples of one scene; an `InputError` if it has several."""
+    scene = results(ds)
     ensemble = Ensemble.of(scene)
     weighed = posterior_at(scene, ensemble)
-    coords = {str(name): label for name, label in scene.coords.items()}
-    shown = {name: label.item() for name, label in coords.items() if not label.ndim}
     draws = draws_of(ensemble, weighed.draws if weighed else None)
-    return SampleField(ensemble, draws, scene, weighed, taken_entries(scene), shown)
+    return SampleField(ensemble, draws, scene, weighed, scene.entries, scene.labels)
 
 
 def _describe_left_out(ensemble: Ensemble) -> str:

@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-import xarray as xr
 from scipy.special import logsumexp, softmax
 
-from pipeline.analysis.dataset import GIVEN_MEASURED, judged_values
+from pipeline.analysis.dataset import GIVEN_MEASURED
+from pipeline.analysis.results import Results
 from pipeline.sweep.remarks import remarks
 from pipeline.uncertain.ensemble import Ensemble, Samples
 from pipeline.uncertain.evidence import FACTOR, Joint, JudgedTests
@@ -164,9 +164,9 @@ def _long_tailed(z: Array) -> Array:
     return np.asarray(np.where(t < 0, tail, 1.0 - tail))
 
 
-def posterior_at(ds: xr.Dataset, ensemble: Ensemble) -> Posterior | None:
+def posterior_at(held: Results, ensemble: Ensemble) -> Posterior | None:
     """Inputs weighed by the tests, if `pipeline.at` said that they are to count."""
-    scatter = judged_values(ds).get(GIVEN_MEASURED)
+    scatter = held.judged.get(GIVEN_MEASURED)
     if scatter is None:
         return None
     if not ensemble.tests:

@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+import pipeline
 import tribo
 from pipeline.analysis.model_error import ModelError
 from pipeline.store.schema import DONE
@@ -82,7 +83,7 @@ def critical_velocity(inputs, load):
 
 def field(samples):
     """The field of samples, whose inputs are as they were drawn."""
-    return SampleField(samples, draws_of(samples, None), dataset(samples))
+    return SampleField(samples, draws_of(samples, None), pipeline.results(dataset(samples)))
 
 
 def margin(samples, load, velocity, scatter=0.0):

@@ -12,7 +12,8 @@ import zarr
 import pipeline
 from pipeline.analysis.dataset import read_conditions
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.warned_points import Warned, warned, warnings_of
+from pipeline.analysis.results import results
+from pipeline.analysis.warned_points import Warned, warned, warning_flags
 from pipeline.cli import main
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.model import Point
@@ -98,7 +99,7 @@ def narrow(tmp_path_factory):
 def test_a_summary_counts_the_same_points(narrow, tmp_path):
     path = shutil.copytree(narrow, tmp_path / "out.zarr")
     ds = pipeline.open_sweep(path)
-    there = warnings_of(ds) != 0
+    there = ds["status"].copy(data=warning_flags(results(ds)) != 0)
     count = int(there.sum())
     assert pipeline.summary(path).warned == count > 0
     row, column = np.argwhere(there.values)[0]

@@ -1,0 +1,323 @@
+"""Results of a sweep, typed once where a path or a dataset comes in.
+
+Every answer takes `Results`, and none asks a dataset again. They live for one call: what a dataset
+is changed to afterwards is not in them.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pipeline.analysis.dataset import (
+    Kind,
+    dataset_of,
+    drawn_dims,
+    entry_dims,
+    judge_of,
+    judged_values,
+    keep_steps,
+    name_at,
+    require_computed,
+    scene_sweep,
+    sweep_kind,
+)
+from pipeline.store.place import PathLike
+from pipeline.store.schema import (
+    COORDINATES,
+    DONE,
+    MADE,
+    OF_POINT,
+    PLANE,
+    SCENE_ID,
+    STEPPED,
+)
+from pipeline.sweep.conditions import PATHS, Conditions
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.severity import columns_needed, equivalent_rise, worst_rises
+from pipeline.sweep.variants import VARIANT, Label, Variant
+from tribo import InputError
+from tribo.simulation.corrections import NEEDED
+from tribo.types import Array, Mask
+
+_INNER = ("step", "bulk_ratio", "cooler_share")
+_MARKS = ("status", "warning_flags", "asked", "message", *OF_POINT)
+_RISES = ("max_rise", "mean_rise", "rise_quantile", "bulk_rise_quantile", "mean_bulk_response")
+_UNNAMED = (COORDINATES.keys() | {SCENE_ID}) - {VARIANT, "realization"}
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """Results of a sweep, or of one of its scenes, as arrays.
+
+    Attributes
+    ----------
+    stored : Sweep
+        The whole sweep as it was stored.
+    judged : mapping
+        Values that it is judged at, by the paths of entries [SI].
+    kind : Kind
+        What its rows are.
+    front : tuple of str
+        Dimensions of its rows: entries with several values, then surfaces or samples.
+    rows : Dataset
+        Labels of the rows as coordinates; those of a scene are single values.
+    loads, velocities : ndarray
+        Axes of the plane, ascending [N, m/s]; of samples the velocities stand in `rows`.
+    cut : tuple of str
+        Axes that the dataset was cut to one value of.
+    columns : mapping
+        Variables by name, of shape (rows, ..., load, velocity, ...), the steps last but for shares.
+    shares : ndarray
+        Shares of the contact of the quantiles.
+    """
+
+    stored: Sweep
+    judged: Mapping[str, Any]
+    kind: Kind
+    front: tuple[str, ...]
+    rows: xr.Dataset
+    loads: Array
+    velocities: Array
+    cut: tuple[str, ...]
+    columns: Mapping[str, Array] = field(repr=False)
+    shares: Array = field(repr=False)
+    keeper: Any = field(repr=False)  # of the store that they are from, which has its messages
+    judge: Callable[[str, Variant], Sweep] = field(repr=False)
+
+    @property
+    def entry_dims(self) -> tuple[str, ...]:
+        """Dimensions of entries with several values, or of rows with places of their own."""
+        drawn = drawn_dims(self.rows)
+        return tuple(name for name in self.front if name not in drawn)
+
+    @property
+    def judged_dims(self) -> list[str]:
+        """Dimensions of conditions that the sweep is judged at several values of."""
+        columns = {column.name for column in self.stored.variants.columns}
+        return [one for one in self.entry_dims if one in PATHS.values() and one not in columns]
+
+    @property
+    def labels(self) -> dict[str, Label]:
+        """Values that all of it has: of entries, of a surface, of the row of a table."""
+        found = {str(name): one for name, one in self.rows.coords.items() if not one.ndim}
+        return {name: one.item() for name, one in found.items() if name not in _UNNAMED}
+
+    @property
+    def place(self) -> tuple[float, float] | None:
+        """Load [N] and velocity [m/s] of a row that has no plane."""
+        is_row = self.kind is Kind.PLACES and not self.entry_dims
+        if not (is_row or len(self.cut) == len(PLANE)):
+            return None
+        return float(self.loads[0]), float(self.velocities[0])
+
+    @functools.cached_property
+    def name(self) -> Variant:
+        """Values of entries that were taken; none unless each has one."""
+        return name_at(self.stored.variants, self.rows)
+
+    @property
+    def entries(self) -> dict[str, Any]:
+        """Values of the entries that were taken, as the scene writes them."""
+        return self.stored.variants.written(self.name)
+
+    @functools.cached_property
+    def sweep(self) -> Sweep:
+        """The sweep at these labels, judged."""
+        columns = {column.name for column in self.stored.variants.columns}
+        labels = {
+            path: self.rows[path].item()
+            for path in PATHS.values()
+            if path in self.rows.coords and not self.rows[path].ndim and path not in columns
+        }
+        return self.judge(json.dumps({**self.judged, **labels}), self.name)
+
+    @functools.cached_property
+    def conditions(self) -> Conditions:
+        """The conditions that a scene is judged by, if the sweep has what they need."""
+        _ = self.sweep.conditions.decisive  # refuses a rule that is not here
+        return require_computed(self.sweep.conditions, self.sweep, self.columns)
+
+    @property
+    def plain_conditions(self) -> Conditions:
+        """The same with a share, as the criterion of a store may be a rule that is not here."""
+        plain = replace(self.sweep.conditions, criterion="share")
+        return require_computed(plain, self.sweep, self.columns)
+
+    @property
+    def scenes(self) -> Iterator[Results]:
+        """The results of each scene: at each combination of the values of entries."""
+        names = self.entry_dims
+        for places in np.ndindex(*(self.rows.sizes[name] for name in names)):
+            yield self.take(dict(zip(names, places, strict=True)))
+
+    def take(self, places: Mapping[str, int]) -> Results:
+        """The results at places along some of the dimensions in front."""
+        if not places:
+            return self
+        rows = self.rows.isel(places)
+        at = tuple(places.get(name, slice(None)) for name in self.front)
+        axes = {"load": self.loads, "velocity": self.velocities}
+        if self.kind is Kind.PLACES:
+            axes = {name: np.atleast_1d(rows[name].values) for name in PLANE}
+        return replace(
+            self,
+            front=tuple(name for name in self.front if name not in places),
+            rows=rows,
+            loads=axes["load"],
+            velocities=axes["velocity"],
+            columns={name: values[at] for name, values in self.columns.items()},
+        )
+
+    def take_moving(self) -> Results:
+        """The points that slide; all of them where none does.
+
+        At rest there is no heat, and the rise is no power of the velocity.
+        """
+        slides = self.velocities > 0
+        if slides.all() or not slides.any():
+            return self
+        along = len(self.front) + 1
+        columns = {k: np.compress(slides, v, axis=along) for k, v in self.columns.items()}
+        return replace(self, velocities=self.velocities[slides], columns=columns)
+
+    def point(self, load: int, velocity: int) -> tuple[float, float]:
+        """Load [N] and velocity [m/s] of a point of one row, by its numbers."""
+        if self.kind is Kind.SAMPLES:
+            return float(self.loads[load]), float(self.rows["velocity"])
+        return float(self.loads[load]), float(self.velocities[velocity])
+
+    def message(self, load: int, velocity: int) -> str:
+        """Warnings of a point of one row, or why it failed; empty where none is known."""
+        if "message" in self.columns:
+            return str(self.columns["message"][load, velocity])
+        if self.keeper is None:
+            return ""
+        stored = self.keeper.messages()
+        labels = dict(zip(PLANE, self.point(load, velocity), strict=True)) | {
+            str(name): label.item() for name, label in self.rows.coords.items()
+        }
+        with suppress(KeyError, ValueError):  # of a dataset with places of its own
+            return str(stored.sel({k: v for k, v in labels.items() if k in stored.dims}).item())
+        return ""
+
+    def require(self, *names: str) -> None:
+        """Raise an `InputError` if any of these variables is not there."""
+        if missing := [name for name in names if name not in self.columns]:
+            raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
+
+    def require_lists(self, *names: str) -> None:
+        """Raise an `InputError` at results that were cut to one value of these axes."""
+        for name in names:
+            if name in self.cut:
+                value = (self.loads if name == "load" else self.velocities)[0]
+                raise InputError(
+                    f"the dataset has a single {name}, and no dimension of it; select a list of "
+                    f"one, such as ds.sel({name}=[{value:g}])"
+                )
+
+    @property
+    def done(self) -> Mask:
+        """Points that are done (rows, ..., load, velocity)."""
+        self.require("status")
+        return np.asarray(self.columns["status"] == DONE)
+
+    @property
+    def missing(self) -> int:
+        """Number of the points asked for that are pending or failed."""
+        return int(np.count_nonzero(self.asked & ~self.done))
+
+    @property
+    def asked(self) -> Mask:
+        """Points that the last run asked for: all of its scene, or those it chose."""
+        return np.asarray(self.columns.get("asked", np.ones(self.done.shape)) != 0)
+
+    def rises(self, conditions: Conditions) -> Array:
+        """Rise at friction 1 that decides at each point [K] (rows, ..., load, velocity), or NaN."""
+        if self.place is None:
+            self.require_lists(*PLANE)
+        column = conditions.decisive.column
+        self.require("status", "normal_load", column, *(NEEDED if conditions.corrections else ()))
+        names = {"normal_load", column, *columns_needed(conditions)}
+        columns: dict[str, Any] = {k: self.columns[k] for k in names if k in self.columns}
+        columns["quantile"] = self.shares
+        rises = worst_rises(columns, self.loads[:, None, None], conditions)
+        rises = equivalent_rise(rises, self.solved(conditions), conditions)
+        return np.where(self.done, rises, np.nan)
+
+    def solved(self, conditions: Conditions) -> Array:
+        """Rises by solved friction over its coefficient [K]; NaN if not solved for conditions."""
+        solved = self.stored.variant(self.name).scene.solved_friction
+        if solved is None or solved != conditions.solved_friction:
+            return np.array(np.nan)
+        return self.columns.get("coupled_rise", np.array(np.nan))
+
+
+def results(ds: xr.Dataset | PathLike | Results) -> Results:
+    """Read the results of a sweep, for many questions on the same numbers.
+
+    Every answer takes what it returns in place of a dataset. Later changes of the dataset are not
+    in it.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store.
+
+    Returns
+    -------
+    Results
+        The sweep, judged, with its axes and columns.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no longer one of a sweep.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> held = pipeline.results("results/first_try.zarr")
+    >>> held.columns["mean_rise"].shape, held.loads.tolist()
+    ((4, 6, 4), [200.0, 400.0, 600.0, 750.0])
+    >>> pipeline.margin(held, "400 N", "1.4 m/s").verdict
+    'mild'
+    """
+    if isinstance(ds, Results):
+        return ds
+    ds = keep_steps(dataset_of(ds), "status")
+    kind, status = sweep_kind(ds), ds["status"]
+    front = (*entry_dims(ds), *(name for name in drawn_dims(ds) if name in status.dims))
+    rows = {*front, *(name for name, one in ds.coords.items() if {*one.dims} <= {*front})}
+    plane = {name: ds.sizes[name] if name in status.dims else 1 for name in PLANE}
+    sizes = {name: status.sizes[name] for name in front} | plane
+    wanted = STEPPED if kind is Kind.SAMPLES else {*_RISES, *NEEDED}
+    names = [*_MARKS, *dict.fromkeys((*MADE, *(name for name in STEPPED if name in wanted)))]
+    columns = {}
+    for name in names:
+        if name in ds.variables:
+            held = ds.variables[name]
+            inner = {dim: held.sizes[dim] for dim in _INNER if dim in held.dims}
+            one = xr.Variable(held.dims, np.array(held.values))
+            columns[name] = one.set_dims(sizes | inner).values  # type: ignore[no-untyped-call]
+    return Results(
+        stored=scene_sweep(ds),
+        judged=judged_values(ds),
+        kind=kind,
+        front=front,
+        rows=xr.Dataset(coords={name: ds[name].variable.copy() for name in rows}),
+        loads=np.array(ds["load"].values, ndmin=1),
+        velocities=np.array(ds["velocity"].values, ndmin=1),
+        cut=tuple(name for name in PLANE if not ds[name].ndim),
+        columns=columns,
+        shares=np.array(ds["cooler_share"].values) if "cooler_share" in ds.coords else np.empty(0),
+        keeper=status.encoding.get("keeper"),
+        judge=judge_of(ds),
+    )
