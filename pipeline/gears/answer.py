@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable
-from dataclasses import asdict, astuple, replace
-from typing import Any, TypeVar
+from dataclasses import astuple, replace
+from typing import Any
 
 import pandas as pd
 
@@ -26,8 +26,6 @@ from pipeline.sweep.about import library_tables
 from pipeline.sweep.caveats import joined, parted
 from tribo import InputError
 
-T = TypeVar("T")
-
 _PLACES = (
     "place", "position [mm]", "radius 1 [mm]", "radius 2 [mm]", "reduced radius [mm]",
     "rolling 1 [m/s]", "rolling 2 [m/s]", "sliding [m/s]", "share", "load [N]",
@@ -36,7 +34,7 @@ _PLACES = (
 )  # fmt: skip
 """Heads of the fields of `MeshPlace`."""
 _CRITICAL = (
-    "critical temperature of this model [°C]", "standard deviation [K]",
+    "critical temperature [°C]", "standard deviation [K]",
     "hottest place, last stage passed [°C]", "hottest place, failed stage [°C]", "failed stage",
     "scuffing integral temperature, ISO/TR 13989-2, Eq. 94 [°C]",
 )  # fmt: skip
@@ -58,38 +56,33 @@ def gears(options: argparse.Namespace) -> Result:
     _check(options, pair)
     if options.stage:
         pair = replace(pair, duty=stage_duty(pair, options.stage))
-    document, text = dict[str, Any](), list[str | pd.DataFrame]()
+    document, found = dict[str, Any](), list[pd.DataFrame]()
     if options.failure_stage:
         critical = _simulated(options, critical_temperature, pair, options.failure_stage)
         pair = pair.with_critical(critical.value, critical.doubt)
-        found = frame_of(_CRITICAL, [astuple(critical)])
-        document["critical_temperature"] = asdict(critical)
-        text = [upright(found), ""]
-    one = mesh(pair)
+        found.append(frame_of(_CRITICAL, [astuple(critical)]))
+    one, said = mesh(pair), list[str]()
     if options.stages:
         table = _simulated(options, predict_stages, pair)
+        said = [first_failure(table)]
     elif options.points:
         table = _simulated(options, judge_spectrum, pair, options.points, options.sheet)
+        said = [conclusion(table), *table.attrs["remarks"]]
     else:
         table = frame_of(_PLACES, map(astuple, one.places))
-    if options.stages or options.points:
-        document["conclusion"] = (first_failure if options.stages else conclusion)(table)
-        text += [document["conclusion"], *table.attrs.get("remarks", ())]
-    else:
-        facts = _facts(one)
-        document |= {name: value for name, (value,) in as_dict(facts).items()}
-        text.append(upright(facts))
-    text += ["", short(table, _WIDE)]
+        found.append(_facts(one))
+    for row in found:
+        document |= {name: value for name, (value,) in as_dict(row).items()}
     if options.new_scene:
-        note = f"Written by irg gears {options.pair}."
-        document["scene"] = str(write_text(scene_toml([one], note), options.new_scene))
-        text += ["", f"scene: {options.new_scene}"]
+        document["scene"] = str(write_text(scene_toml([one]), options.new_scene))
+        said.append(f"scene: {options.new_scene}")
+    text = [part for row in found for part in (upright(row), "")]
     if "notes" not in table:
         table["notes"] = joined(map(str, (*doubts(one), *pair.caveats)))
     caveats = parted(table["notes"])
     return Result(
-        {"title": pair.title, "caveats": caveats} | document | as_dict(table),
-        [pair.title, "", *text, "", *caveats],
+        {"title": pair.title, "caveats": caveats, "said": said} | document | as_dict(table),
+        [pair.title, "", *text, *said, "", short(table, _WIDE), "", *caveats],
         frames=[table],
         draw=lambda: pipeline.gears.draw_mesh(mesh(pair, _DRAWN)),
     )
@@ -108,7 +101,7 @@ def _check(options: argparse.Namespace, pair: Pair) -> None:
         writable_path(options.new_scene, (".toml",))
 
 
-def _simulated(options: argparse.Namespace, simulate: Callable[..., T], *given: Any) -> T:
+def _simulated(options: argparse.Namespace, simulate: Callable[..., Any], *given: Any) -> Any:
     """Call what simulates, with the options of a run and a line of progress."""
     with output.run_line() as progress:
         return simulate(*given, preset=options.preset, workers=options.workers, progress=progress)
@@ -119,7 +112,7 @@ def _facts(one: Mesh) -> pd.DataFrame:
     pair, gears, duty, rule = one.pair, one.pair.gears, one.duty, one.integral
     angle = gears.working_angle
     pitch = next(place for place in one.places if place.position == 0)
-    facts = {
+    facts: dict[str, Any] = {
         "torque [N m]": duty.torque,
         "speed [rpm]": duty.turns,
         "bulk temperature [°C]": duty.bulk,
@@ -131,7 +124,6 @@ def _facts(one: Mesh) -> pd.DataFrame:
         "pitch pressure of one pair [GPa]": pitch.pressure / math.sqrt(pitch.share),
         "normal load [N]": one.normal_load,
         "friction": one.friction,
-        "friction from": "the file" if pair.file.friction.coefficient else "ISO/TR 13989-2, Eq. 1",
         "integral temperature [°C]": rule and rule.integral,
     }
     for number, (values, source) in enumerate(library_tables(pair.sources), 1):

@@ -33,15 +33,13 @@ _HEAD = (
 """Comments at the head of the file."""
 
 
-def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
+def scene_toml(meshes: Sequence[Mesh]) -> str:
     """Write the scene of the places of mesh, of one pair at one duty or several.
 
     Parameters
     ----------
     meshes : sequence of Mesh
         Places of one pair; those without sliding, which no friction heats, are left out.
-    note : str
-        Words on how the scene was made, for its head.
 
     Returns
     -------
@@ -106,8 +104,7 @@ def scene_toml(meshes: Sequence[Mesh], note: str = "") -> str:
         },
         "oil": pair.written.get("oil", {}),
     }  # fmt: skip
-    lines = [f"# {note}"] if note else []
-    lines += [*_HEAD, "", f"title = {as_toml(f'{pair.title}: places of mesh')}"]
+    lines = [*_HEAD, "", f"title = {as_toml(f'{pair.title}: places of mesh')}"]
     lines += [f"caveat = {as_toml(UNTESTED)}"]
     for name, table in filter(itemgetter(1), tables.items()):
         entries = {k: v for k, v in table.items() if v is not None and k != "like"}

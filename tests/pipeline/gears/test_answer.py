@@ -152,11 +152,14 @@ def test_a_simulation_takes_the_hottest_place_of_each_duty():
 def test_a_failure_stage_is_a_temperature_between_two_stages(irg):
     said = irg("gears", "fzg_a", "--failure-stage", "10")
     assert re.search(r"scuffing integral temperature, ISO/TR 13989-2, Eq. 94 .* 27[78]\S*\n", said)
-    critical = irg("gears", "fzg_a", "--failure-stage", "10", "--json")["critical_temperature"]
-    assert critical["value"] == (critical["passed"] + critical["failed"]) / 2
-    spread = (critical["failed"] - critical["passed"]) / math.sqrt(12)
-    assert critical["doubt"] == pytest.approx(math.hypot(spread, 1.0))
-    assert critical["failed"] == pytest.approx(331 + 273.15, abs=1)
+    found = irg("gears", "fzg_a", "--failure-stage", "10", "--json")
+    passed, failed = (
+        found[f"hottest_place,_{stage}"] for stage in ("last_stage_passed", "failed_stage")
+    )
+    assert found["critical_temperature"] == pytest.approx((passed + failed) / 2, abs=1e-8)
+    spread = (failed - passed) / math.sqrt(12)
+    assert found["standard_deviation"] == pytest.approx(math.hypot(spread, 1.0))
+    assert failed == pytest.approx(331 + 273.15, abs=1)
 
 
 @pytest.mark.usefixtures("warm")
@@ -164,14 +167,14 @@ def test_the_stage_that_is_predicted_is_the_one_that_was_told(irg):
     """An oil that fails in stage 10 fails there again, and on rougher flanks sooner."""
     given = ("gears", "fzg_a", "--failure-stage", "10", "--stages", "--json")
     stages = irg(*given)
-    assert stages["conclusion"].startswith("Fails in load stage 10. ")
+    assert stages["said"][0].startswith("Fails in load stage 10. ")
     assert stages["stage"] == [*range(1, 13)]
     assert stages["torque"][9] == 372.6
     told = irg("gears", "fzg_a", "--failure-stage", "10", "--json")["critical_temperature"]
-    limit = f"{told['value'] - 273.15} degC"
+    limit = f"{told - 273.15} degC"
     rough = ("--set", "pinion.roughness=1 um", "--set", "wheel.roughness=1 um")
     rougher = irg("gears", "fzg_a", "--stages", "--critical-temperature", limit, *rough, "--json")
-    assert int(re.search(r"stage (\d+)\.", rougher["conclusion"])[1]) < 10
+    assert int(re.search(r"stage (\d+)\.", rougher["said"][0])[1]) < 10
     passes = irg("gears", "fzg_a", "--stages", "--critical-temperature", "900 degC")
     assert "Passes all load stages." in passes
 
@@ -198,11 +201,11 @@ def test_a_spectrum_has_one_verdict_and_a_sentence(irg, tmp_path):
     assert "4 rows: 3 used, 1 left out: row 3 is at rest" in severe
     assert "columns not used: name" in severe
     document = irg(*given, "--critical-temperature", "400 degC", "--json")
-    assert document["conclusion"].startswith("No scuffing in 3 of 3 rows, 2000 of 2000 h. Row 4")
+    assert document["said"][0].startswith("No scuffing in 3 of 3 rows, 2000 of 2000 h. Row 4")
     assert (document["row"], document["hours"]) == ([2, 4, 5], [1800, 150, 50])
     assert document["verdict"] == ["mild"] * 3
     undecided = irg(*given, "--critical-temperature", "331 degC", "--json")
-    assert undecided["conclusion"].startswith("Scuffing is not decided in 1 of 3 rows, 150 of 2000")
+    assert undecided["said"][0].startswith("Scuffing is not decided in 1 of 3 rows, 150 of 2000")
 
 
 def test_a_row_of_a_spectrum_has_hours_and_its_own_factor_or_temperature():
@@ -259,13 +262,13 @@ def test_the_oil_s_temperature_of_a_row_gives_its_teeth_theirs():
 def test_the_doubt_of_a_failure_stage_is_in_all_that_is_written(irg, tmp_path):
     given = ("gears", "fzg_a", "--failure-stage", "10")
     document = irg(*given, "--stages", "--scene", tmp_path / "mesh.toml", "--json")
-    found = document["critical_temperature"]
+    value, doubt = document["critical_temperature"], document["standard_deviation"]
     scene = tomllib.loads((tmp_path / "mesh.toml").read_text(encoding="utf-8"))
-    assert scene["temperature"]["critical"] == f"{found['value'] - 273.15:.7g} degC"
-    assert scene["temperature"]["critical_sd"] == f"{found['doubt']:.7g} K"
+    assert scene["temperature"]["critical"] == f"{value - 273.15:.7g} degC"
+    assert scene["temperature"]["critical_sd"] == f"{doubt:.7g} K"
     assert scene["caveat"].startswith("not validated")
-    doubt = f"°C ± {found['doubt']:.2g} K, which is counted"
-    assert sum(doubt in one for one in document["caveats"]) == 1
+    counted = f"°C ± {doubt:.2g} K, which is counted"
+    assert sum(counted in one for one in document["caveats"]) == 1
     for options in ((), ("--failure-stage", "10"), ("--stages", *CRITICAL)):
         irg("gears", "fzg_a", *options, "-o", tmp_path / "table.csv")
         notes = pd.read_csv(tmp_path / "table.csv")["notes"]
@@ -280,8 +283,8 @@ def test_friction_that_is_given_holds_for_the_test_gears(irg, tmp_path):
 
     def flash(friction):
         given = ("--failure-stage", "10", "--set", f"friction.coefficient={friction}", "--json")
-        found = irg("gears", tmp_path / "own.toml", *given)["critical_temperature"]
-        return found["failed"] - gears.stage_bulk(10)
+        found = irg("gears", tmp_path / "own.toml", *given)
+        return found["hottest_place,_failed_stage"] - gears.stage_bulk(10)
 
     assert flash(0.06) == pytest.approx(2 * flash(0.03))
 
@@ -387,7 +390,7 @@ def test_the_page_leads_from_a_drawing_to_a_verdict(irg, tmp_path, monkeypatch):
     (command,) = re.findall(r"^irg (gears pair.toml .*--points.*)$", page, flags=re.MULTILINE)
     said = irg(*shlex.split(command))
     assert "No scuffing in 3 of 3 rows, 10000 of 10000 h. Row 3 decides. Mild: " in said
-    (critical,) = re.findall(r"critical temperature of this model \[°C\] +(\S+)", said)
+    (critical,) = re.findall(r"critical temperature \[°C\] +(\S+)", said)
     (doubt,) = re.findall(r"standard deviation \[K\] +(\S+)", said)
     (limit,) = re.findall(r"scuffing integral .*\] +(\S+)", said)
     assert f"{float(critical):.0f} ± {float(doubt):.0f} °C" in page
