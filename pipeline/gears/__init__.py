@@ -7,7 +7,7 @@ The public names, each loaded when it is first used:
 
 - pairs: `read_pair`, `shipped_pairs`, `Pair`, `Duty`, `Involutes`
 - contact: `mesh`, `Mesh`, `MeshPlace`, `load_share`, `flash_rise`, `draw_mesh`, `scene_toml`
-- simulation: `judge`, `critical_temperature`, `Critical`, `predict_stages`, `judge_spectrum`
+- simulation: `judge`, `critical_temperature`, `predict_stages`, `judge_spectrum`
 - the rule of the standard: `STAGES`, `stage_torque`, `stage_bulk`, `scuffing_integral`,
   `friction_coefficient`, `integral_temperature`
 """

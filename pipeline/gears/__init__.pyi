@@ -4,7 +4,6 @@ from .contact import flash_rise as flash_rise
 from .contact import load_share as load_share
 from .contact import mesh as mesh
 from .figure import draw_mesh as draw_mesh
-from .fzg import Critical as Critical
 from .fzg import critical_temperature as critical_temperature
 from .fzg import predict_stages as predict_stages
 from .involute import Involutes as Involutes

@@ -22,6 +22,7 @@ from pipeline.gears.pair import Pair
 from pipeline.gears.reading import read_pair
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import conclusion, judge_spectrum
+from pipeline.quantities import si_of
 from pipeline.sweep.about import library_tables
 from pipeline.sweep.caveats import joined, parted
 from tribo import InputError
@@ -33,12 +34,6 @@ _PLACES = (
     "film [µm]", "Λ",
 )  # fmt: skip
 """Heads of the fields of `MeshPlace`."""
-_CRITICAL = (
-    "critical temperature [°C]", "standard deviation [K]",
-    "hottest place, last stage passed [°C]", "hottest place, failed stage [°C]", "failed stage",
-    "scuffing integral temperature, ISO/TR 13989-2, Eq. 94 [°C]",
-)  # fmt: skip
-"""Heads of the fields of `Critical`."""
 _DRAWN = 400  # places of the figure, so that the load steps where it steps
 _WIDE = (
     "reduced radius [mm]", "load per length [N/m]", "half-width [µm]", "load [N]", "velocity [m/s]",
@@ -58,9 +53,9 @@ def gears(options: argparse.Namespace) -> Result:
         pair = replace(pair, duty=stage_duty(pair, options.stage))
     document, found = dict[str, Any](), list[pd.DataFrame]()
     if options.failure_stage:
-        critical = _simulated(options, critical_temperature, pair, options.failure_stage)
-        pair = pair.with_critical(critical.value, critical.doubt)
-        found.append(frame_of(_CRITICAL, [astuple(critical)]))
+        found.append(_simulated(options, critical_temperature, pair, options.failure_stage))
+        value, sd, *_ = found[0].iloc[0]
+        pair = pair.with_critical(si_of(value, "°C"), sd)
     one, said = mesh(pair), list[str]()
     if options.stages:
         table = _simulated(options, predict_stages, pair)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import pandas as pd
 
+from pipeline.analysis.tables import frame_of
 from pipeline.gears.contact import mesh
 from pipeline.gears.judge import judge
 from pipeline.gears.pair import Duty, Pair
@@ -17,19 +18,11 @@ from pipeline.quantities import si_of
 from tribo import InputError
 
 _FZG = "fzg_a"
+_CRITICAL = (
+    "critical temperature [°C]", "standard deviation [K]", "hottest place, last stage passed [°C]",
+    "hottest place, failed stage [°C]", "scuffing integral temperature [°C]",
+)  # fmt: skip
 _BEYOND_ALL = 1500.0  # critical temperature [K] by which nothing is judged
-
-
-@dataclass(frozen=True, slots=True)
-class Critical:
-    """A critical temperature [K], by the last stage passed and the failed stage."""
-
-    value: float  #: In the middle between both.
-    doubt: float  #: Standard deviation: even between both, and the simulation's error.
-    passed: float  #: Temperature of its hottest place, in the last stage passed.
-    failed: float  #: The same in the stage that failed.
-    stage: int  #: That failed.
-    integral: float | None = None  #: Scuffing integral temperature of the rule of the standard.
 
 
 def stage_duty(pair: Pair, stage: int) -> Duty:
@@ -53,7 +46,7 @@ def rig_pair(pair: Pair) -> Pair:
     return replace(rig, file=file, oil=pair.oil, written=written)
 
 
-def critical_temperature(pair: Pair, stage: int, **choices: Any) -> Critical:
+def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame:
     """Critical temperature of an oil that fails in a load stage, by simulating that test.
 
     It lies between the temperatures that decide at the hottest place in the last stage passed and
@@ -68,6 +61,13 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> Critical:
         Failure load stage in A/8.3/90, from 2 to 12.
     **choices
         Preset, workers and progress of `judge`.
+
+    Returns
+    -------
+    DataFrame
+        In one row the value, in the middle between both stages; its standard deviation, of an even
+        distribution between both and of the simulation's error; both temperatures; and beside them
+        the scuffing integral temperature of ISO/TR 13989-2, Eq. 94, for that rule alone.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> Critical:
     if oil is not None:
         factor = gears.file.friction.lubricant_factor
         integral = scuffing_integral(stage, oil.viscosity(313.15) / oil.density, factor)
-    return Critical((passed + failed) / 2, doubt, passed, failed, stage, integral)
+    return frame_of(_CRITICAL, [((passed + failed) / 2, doubt, passed, failed, integral)])
 
 
 def predict_stages(pair: Pair, **choices: Any) -> pd.DataFrame:

@@ -49,7 +49,7 @@ class Pair:
     materials: tuple[Material, Material]
     oil: Oil | None
     duty: Duty
-    written: Mapping[str, Any]  #: Materials and oil with units, those of the library in full.
+    written: Mapping[str, Any]  #: Its entries with units, those of the library in full.
     sources: tuple[FromLibrary, ...]
 
     @property

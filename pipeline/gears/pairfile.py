@@ -35,9 +35,6 @@ def _angle(example: str, zero: bool = False) -> Quantity:
 
 
 TORQUE = Quantity("100 N m", ends=("1e-6 N m", "1e9 N m"), name="a torque")
-MODULE = Quantity("4.5 mm", usual=(0.1, 100))
-FACE_WIDTH = Quantity("20 mm", usual=(1, 1000))
-ROUGHNESS = Quantity("0.35 um", usual=(0, 10))
 LOAD_FACTOR = Number(above=0, usual=(0.5, 10))
 SPEED = _Speed("1500 rpm", ends=("1e-3 rpm", "1e6 rpm"), name="a speed")
 
@@ -52,18 +49,18 @@ class Gear:
     tip_diameter: A[float | None, Quantity("88.77 mm"),
         "Diameter of the tip circle; by default that which keeps the clearance of the rack."] = None
     material: A[str, "Name of its material, here or in the library."]
-    roughness: A[float, ROUGHNESS, "Ra of the flanks."]
+    roughness: A[float, Quantity("0.35 um", usual=(0, 10)), "Ra of the flanks."]
 
 @declared
 class Toothing:
     """What both gears share."""
 
-    module: A[float, MODULE, "Normal module."]
+    module: A[float, Quantity("4.5 mm", usual=(0.1, 100)), "Normal module."]
     pressure_angle: A[float, _angle("20 deg"), "Normal pressure angle."] = math.radians(20)
     helix_angle: A[float, _angle("15 deg", zero=True), "Helix angle; 0 of spur gears."] = 0.0
     centre_distance: A[float | None, Quantity("91.5 mm"),
         "By default that at which the profile shifts leave no backlash."] = None
-    face_width: A[float, FACE_WIDTH, "Common face width."]
+    face_width: A[float, Quantity("20 mm", usual=(1, 1000)), "Common face width."]
     quality: A[int, Whole(at_least=1, at_most=12), "Flank tolerance class of ISO 1328-1."] = 6
 
 @declared

@@ -14,9 +14,10 @@ from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.pairfile import PairFile
 from pipeline.gears.rules import warm_duty
 from pipeline.paths import user_path
+from pipeline.scene.consistency import unknown_material
 from pipeline.scene.declare import table_of
 from pipeline.scene.document import override_entries, read_document
-from pipeline.scene.faults import Faults, SceneFileError, quoted
+from pipeline.scene.faults import Faults, SceneFileError
 from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import material_of, oil_of
 from pipeline.sweep.about import FromLibrary
@@ -71,12 +72,8 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     tables: PairFile = table_of(PairFile).read(asked, "", faults)
     materials = tables.materials or {}
     for body, gear in _BODIES.items():
-        if isinstance(named[body], str) and named[body] not in materials:
-            known = ", ".join(map(quoted, materials)) or "a table [materials]"
-            faults.refuse(
-                f"{gear}.material",
-                f"{quoted(named[body])} is neither in the library nor in {known}; give one of it",
-            )
+        if isinstance(named[body], str) and (why := unknown_material(named[body], materials)):
+            faults.refuse(f"{gear}.material", why)
     temperature = tables.temperature
     if temperature and not faults and (temperature.bulk is None) == (temperature.oil is None):
         faults.refuse("temperature", "give one of bulk, that of the teeth, and oil")
@@ -93,9 +90,8 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     oil = oil_of(tables.oil, faults) if not faults else None
     if faults:
         raise SceneFileError(given, [*map(document.line, faults)])
-    written = {key: filled[key] for key in ("materials", "oil") if filled.get(key) is not None}
     try:
-        return _make_pair(tables, oil, written, sources)
+        return _make_pair(tables, oil, filled, sources)
     except InputError as error:
         raise SceneFileError(given, [str(error)]) from error
 

@@ -102,7 +102,7 @@ def scene_toml(meshes: Sequence[Mesh]) -> str:
             "hurst_exponent": surface.hurst_exponent,
             "correlation_length": [display(one, "um", 7) for one in surface.correlation_length],
         },
-        "oil": pair.written.get("oil", {}),
+        "oil": pair.written.get("oil") or {},
     }  # fmt: skip
     lines = [*_HEAD, "", f"title = {as_toml(f'{pair.title}: places of mesh')}"]
     lines += [f"caveat = {as_toml(UNTESTED)}"]

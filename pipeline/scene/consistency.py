@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -44,7 +44,8 @@ def check_tables(tables: dict[str, Any], changed: Collection[str], faults: Fault
     """
     if not any(fault.key == "materials" for fault in faults):
         for body in ("pin", "disk"):
-            if problem := _unknown_material(body, tables):
+            name = entry_at(tables, f"{body}.material")
+            if problem := unknown_material(name, tables["materials"] or {}):
                 faults.refuse(f"{body}.material", problem)
     for paths, names, find in _CHECKS:
         if names.isdisjoint(changed) or any(map(faults.touch, paths)):
@@ -53,8 +54,8 @@ def check_tables(tables: dict[str, Any], changed: Collection[str], faults: Fault
             faults.refuse(*((paths[0], misfit) if isinstance(misfit, str) else misfit))
 
 
-def _unknown_material(body: str, tables: dict[str, Any]) -> str:
-    name, materials = entry_at(tables, f"{body}.material"), tables["materials"] or {}
+def unknown_material(name: Any, materials: Mapping[str, Any]) -> str:
+    """Why a body cannot be of a material; empty if there is a table for it."""
     if not name or name in materials:
         return ""
     known = {**materials, **library()["materials"]}

@@ -151,7 +151,7 @@ def test_a_simulation_takes_the_hottest_place_of_each_duty():
 @pytest.mark.usefixtures("warm")
 def test_a_failure_stage_is_a_temperature_between_two_stages(irg):
     said = irg("gears", "fzg_a", "--failure-stage", "10")
-    assert re.search(r"scuffing integral temperature, ISO/TR 13989-2, Eq. 94 .* 27[78]\S*\n", said)
+    assert re.search(r"scuffing integral temperature .* 27[78]\S*\n", said)
     found = irg("gears", "fzg_a", "--failure-stage", "10", "--json")
     passed, failed = (
         found[f"hottest_place,_{stage}"] for stage in ("last_stage_passed", "failed_stage")
@@ -185,7 +185,7 @@ def test_the_oil_of_a_pair_is_tested_on_the_test_gears(tmp_path):
     own = gears.read_pair(tmp_path / "own.toml")
     thin = gears.critical_temperature(own, 9)
     rig = gears.read_pair("fzg_a", {"oil": "ISO VG 46"})
-    assert thin.value == gears.critical_temperature(rig, 9).value
+    assert thin.equals(gears.critical_temperature(rig, 9))
 
 
 @pytest.mark.usefixtures("warm")

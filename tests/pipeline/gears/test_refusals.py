@@ -71,7 +71,7 @@ REFUSALS = {
     "unit": (pair(('"3 mm"', '"3 kg"')), 'mesh.module: "3 kg" cannot be converted to mm'),
     "speed": (pair(('"157 rad/s"', '"25 1/s"')), '"25 1/s" is not in rpm or rad/s'),
     "key": (pair(("title", "colour = 3\ntitle")), "colour: unknown key"),
-    "material": (pair(('"bronze CuSn12"', '"bronce"')), '"bronce" is neither in the library'),
+    "material": (pair(('"bronze CuSn12"', '"bronce"')), '"bronce" is neither a table'),
     "oil": (pair(('like = "ISO VG 46"', 'density = "866 kg/m^3"\ntemperatures = ["40 degC", '
                   '"100 degC"]')), "oil: no viscosity; give kinematic_viscosity"),
     "density": (pair(('like = "ISO VG 46"', 'temperatures = ["40 degC", "100 degC"]\n'
