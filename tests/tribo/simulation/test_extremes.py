@@ -1,13 +1,12 @@
 """Extremes: each ends soon, in a result that is proven or an error that says why.
 
-``python -m tests.tribo.simulation.test_extremes`` lists them, and writes the table of MEASURED.md.
+``python -m tests.tribo.simulation.test_extremes`` lists them.
 """
 
 import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -37,8 +36,6 @@ from tribo.loading import MeasuredLoad
 from tribo.simulation import heat
 from tribo.surface import self_affine
 
-PAGE = Path(__file__).parents[3] / "workflows" / "MEASURED.md"
-HEADING = "## Extremes, and what happens\n"
 SOLVED = "solved"
 
 CAPACITY = 6.6e9 * 48 * 8e-6 * 3.4e-3  # load that the small scene's window carries [N]
@@ -47,7 +44,7 @@ SHAPE = (48, 16)
 
 @dataclass(frozen=True)
 class Extreme:
-    """One line of the table: what is extreme, and what must happen."""
+    """What is extreme, and what must happen."""
 
     group: str
     what: str
@@ -281,19 +278,6 @@ EXTREMES = [
 ]
 
 
-def table():
-    """Count of the solved cases of each kind, and those that end in an error."""
-    lines = ["| extreme | solved | error |", "|---|---|---|"]
-    for group, cases in itertools.groupby(EXTREMES, key=lambda case: case.group):
-        kinds = {}
-        for case in cases:
-            kinds.setdefault(case.error and case.error.__name__, []).append(case.what)
-        solved = len(kinds.pop(None))
-        errors = "; ".join(f"`{error}`: {', '.join(what)}" for error, what in kinds.items())
-        lines.append(f"| {group} | {solved} | {errors} |")
-    return "\n".join(lines) + "\n"
-
-
 @pytest.mark.parametrize("case", EXTREMES, ids=lambda case: f"{case.group}: {case.what}")
 def test_extremes_end_in_a_proven_result_or_a_named_error(case):
     if case.error is None:
@@ -302,11 +286,6 @@ def test_extremes_end_in_a_proven_result_or_a_named_error(case):
     else:
         with pytest.raises(case.error, match=case.outcome):
             case.run()
-
-
-def test_the_table_is_up_to_date():
-    section = PAGE.read_text(encoding="utf-8").partition(HEADING)[2]
-    assert section.endswith(f"\n\n{table()}")
 
 
 def test_no_motion_means_no_heat_and_no_wear():
@@ -555,6 +534,3 @@ def test_what_is_no_number_shape_or_size_is_named(build, said):
 if __name__ == "__main__":
     for case in EXTREMES:
         print(f"{case.group}: {case.what}: {case.outcome}")
-    head, heading, section = PAGE.read_text(encoding="utf-8").partition(HEADING)
-    about = section.partition("\n| extreme |")[0]
-    PAGE.write_text(f"{head}{heading}{about}\n{table()}", encoding="utf-8")
