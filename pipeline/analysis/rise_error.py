@@ -19,8 +19,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import astuple, dataclass, replace
 
 import numpy as np
-import scipy  # loads its parts when they are used
 
+from pipeline.analysis.curve import Curve
 from pipeline.analysis.results import Results
 from pipeline.analysis.warned_points import warning_flags
 from pipeline.sweep.conditions import Conditions
@@ -278,8 +278,8 @@ def _missed(grid: RisePlane, axis: str) -> float | None:
     for x, y in _powers(*lines):
         for place in range(1, len(x) - 1):
             others = np.delete(np.arange(len(x)), place)
-            curve = scipy.interpolate.PchipInterpolator(x[others], y[:, others], axis=1)
-            missed.append((curve(x[place]) - y[:, place]) / (x[place + 1] - x[place - 1]))
+            found = np.log(Curve(np.exp(x[others]), np.exp(y[:, others]))(np.exp(x[[place]])))
+            missed.append((found[:, 0] - y[:, place]) / (x[place + 1] - x[place - 1]))
     every = np.concatenate(missed)
     return float(np.sqrt(np.mean(every**2))) if every.size else None
 
