@@ -74,7 +74,7 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
         raise _no_room(place, "a plane and a search of its boundary have a store each")
     kept = join(before.sweep if before else None, sweep)
     wanted = variables_of(kept)
-    axes = grown_axes(before.axes if before else {}, kept, sweep)
+    axes = grown_axes(before.axes if before else {}, kept, wanted, sweep)
     axes = {name: values for name, values in axes.items() if name in wanted}
     sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
     if (points := math.prod(sizes.values())) > MOST_POINTS:

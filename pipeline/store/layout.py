@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.store.schema import POINT, SCENE_ID, STEPPED, Variable, is_of_points
+from pipeline.store.schema import PLANE, POINT, SCENE_ID, STEPPED, Variable, is_of_points
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.stations import ramp_of
-from pipeline.sweep.variants import Variant, combinations, in_order
+from pipeline.sweep.variants import Variant, in_order
 from tribo import QUANTILES
 from tribo.thermal import BULK_RATIOS
-from tribo.types import Array, Mask
+from tribo.types import Array, Indices, Mask
 
 Axes = dict[str, list[Any]]
 """Values along each dimension, and of coordinates along another one."""
@@ -51,17 +51,18 @@ def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
     )
 
 
-def grown_axes(before: Axes, kept: Sweep, sweep: Sweep) -> Axes:
+def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep: Sweep) -> Axes:
     """Axes of a store: those that it had before, and what a sweep adds, ascending.
 
-    `kept` is the sweep of the store with the rows of both.
+    `kept` is the sweep of the store with the rows of both, and `wanted` are its variables.
     """
     inner = _inner_axes(before, kept, sweep.plane.loads)
     if sweep.chosen is None:
         values = {"load": sweep.plane.loads, "velocity": sweep.plane.velocities}
         plane = {name: in_order([*before.get(name, ()), *added]) for name, added in values.items()}
         return {**plane, **row_axes(kept), **inner}
-    listed = dict.fromkeys([*(listed_points(kept, before) if before else ()), *points_of(sweep)])
+    known = points_on(kept, before, wanted, [POINT]) if before else []
+    listed = dict.fromkeys([*known, *points_of(sweep)])
     names = [dict(point.variant) for point in listed]
     followers = {
         column.name: [values[name[column.along]] for name in names]
@@ -103,64 +104,60 @@ def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
     }
 
 
-def listed_points(sweep: Sweep, axes: Axes) -> list[Point]:
-    """Points of a search, in the order of its store."""
-    names = [*sweep.variants.axes]
-    columns = (axes[name] for name in ("load", "velocity", *names))
+def points_at(
+    sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], where: Sequence[Indices]
+) -> list[Point]:
+    """Points at places that are given by their indices along each dimension of points."""
+    dims, names, columns = wanted["status"].dims, [*PLANE, *sweep.variants.axes], []
+    for name in names:
+        numbers = where[dims.index(wanted[name].dims[0])]
+        columns.append([axes[name][number] for number in numbers.tolist()])
     return [
-        Point(load, velocity, tuple(zip(names, labels, strict=True)))
+        Point(load, velocity, tuple(zip(names[2:], labels, strict=True)))
         for load, velocity, *labels in zip(*columns, strict=True)
     ]
 
 
-def made_coordinates(sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable]) -> dict[str, Array]:
-    """Time, load and distance at each step, by the dimensions of the variables that are wanted.
+def points_on(
+    sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], dims: Sequence[str]
+) -> list[Point]:
+    """Points along some of the dimensions of points, each time the first along the others."""
+    sizes = [len(axes[dim]) if dim in dims else 1 for dim in wanted["status"].dims]
+    return points_at(sweep, axes, wanted, np.nonzero(np.ones(sizes)))
+
+
+def made_coordinates(
+    sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], ids: Sequence[int]
+) -> dict[str, Array]:
+    """Time, load and distance at each step, and ids of scenes, by those of the rows of the sweep.
 
     NaN before a point's first step.
     """
-    stations, dims, steps = choose_stations(sweep), wanted["time"].dims, len(axes["step"])
+    stations, dims = choose_stations(sweep), wanted["time"].dims
+    by_row = dict(zip(sweep.variants.names, ids, strict=True))
 
     @functools.cache
     def known(name: Variant, load: float) -> list[tuple[float, float]]:
         kept = stations.kept(sweep.variant(name).scene, load)
-        lacking = [(math.nan, math.nan)] * (steps - len(kept))
+        lacking = [(math.nan, math.nan)] * (len(axes["step"]) - len(kept))
         return lacking + [(step.time, step.normal_load) for step in kept]
 
-    values = np.array([known(*place) for place in _ramps(sweep, axes, dims)])
-    sizes = (len(axes[dim]) for dim in dims)
-    time, normal_load = np.moveaxis(values, -1, 0).reshape(2, *sizes)
-    speeds: Any = xr.Variable(wanted["velocity"].dims, np.abs(axes["velocity"]))
-    whole = {dim: len(axes[dim]) for dim in wanted["sliding_distance"].dims}
-    distance = (speeds * xr.Variable(dims, time)).set_dims(whole).values
-    return {"time": time, "normal_load": normal_load, "sliding_distance": distance}
+    def along(dims: Sequence[str], values: Any) -> Any:
+        return xr.Variable(dims, np.reshape(values, [len(axes[dim]) for dim in dims]))
 
-
-def _ramps(sweep: Sweep, axes: Axes, dims: Sequence[str]) -> Iterator[tuple[Variant, float]]:
-    """Variant and load of each ramp along dimensions that end with the step."""
-    if POINT in dims:
-        yield from ((point.variant, point.load) for point in listed_points(sweep, axes))
-        return
-    for name in combinations({dim: axes[dim] for dim in dims if dim not in ("load", "step")}):
-        is_shared = "load" in dims
-        loads = axes["load"] if is_shared else sweep.variants.plane_of(name, (), ())[0]
-        yield from ((name, load) for load in loads)
-
-
-def spread_ids(
-    sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], ids: Sequence[int]
-) -> Array:
-    """Id of the scene of each point, by those of the rows of a sweep."""
-    by_row = dict(zip(sweep.variants.names, ids, strict=True))
-    dims = wanted[SCENE_ID].dims
-    if POINT in dims:
-        rows, names = [POINT], [point.variant for point in listed_points(sweep, axes)]
-    else:
-        rows = [*sweep.variants.axes]
-        names = [*combinations({dim: axes[dim] for dim in rows})]
-    shape = [len(axes[dim]) for dim in rows]
-    values: Any = xr.Variable(rows, np.reshape([by_row[name] for name in names], shape))
-    spread: Array = values.set_dims({dim: len(axes[dim]) for dim in dims}).values
-    return spread.astype(np.int32)
+    ramps = [known(point.variant, point.load) for point in points_on(sweep, axes, wanted, dims)]
+    time, normal_load = (along(dims, values) for values in np.moveaxis(np.array(ramps), -1, 0))
+    speed: Any = xr.Variable(wanted["velocity"].dims, np.abs(axes["velocity"]))
+    rows = [dim for dim in wanted[SCENE_ID].dims if dim in (POINT, *sweep.variants.axes)]
+    of_rows = [by_row[point.variant] for point in points_on(sweep, axes, wanted, rows)]
+    made = {
+        "time": time,
+        "normal_load": normal_load,
+        "sliding_distance": speed * time,
+        SCENE_ID: along(rows, np.array(of_rows, np.int32)),
+    }
+    sizes = {name: {dim: len(axes[dim]) for dim in wanted[name].dims} for name in made}
+    return {name: array.set_dims(sizes[name]).values for name, array in made.items()}
 
 
 def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Slices]]:

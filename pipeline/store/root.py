@@ -20,7 +20,7 @@ from pipeline.scene.resume import misfits
 from pipeline.store.arrays import Document, are_plain, array_documents, open_arrays
 from pipeline.store.files import PARTIAL
 from pipeline.store.inputs import DIM, inputs_variable, split_arrays
-from pipeline.store.layout import Axes, made_coordinates, spread_ids
+from pipeline.store.layout import Axes, made_coordinates
 from pipeline.store.lock import holder_of
 from pipeline.store.place import (
     LOCK,
@@ -93,10 +93,9 @@ class Root:
 
     def coordinates(self) -> dict[str, Any]:
         """Values of all variables that are not of points: they follow from the root."""
-        sweep, axes, wanted = self.sweep, self.axes, self.variables
-        values: dict[str, Any] = axes | made_coordinates(sweep, axes, wanted)
-        values[SCENE_ID] = spread_ids(sweep, axes, wanted, self.ids)
-        if held := files_of(sweep):
+        made = made_coordinates(self.sweep, self.axes, self.variables, self.ids)
+        values: dict[str, Any] = self.axes | made
+        if held := files_of(self.sweep):
             values[INPUTS] = np.concatenate([array.ravel() for array in held.values()])
         return values
 
@@ -108,8 +107,7 @@ class Root:
             "title": self.sweep.about.title,
             "source": "simulated by irg-transition",
             "history": "\n".join(self.history),
-            "license": "BSD-3-Clause for the program that computed this; "
-            "the data are their author's",
+            "license": "BSD-3-Clause for the program; the data are their author's",
             "sweep": sweep_text(self.sweep),
             SCENE_ID: json.dumps(self.ids),
         }

@@ -33,6 +33,8 @@ PLANE = ("load", "velocity")
 POINT = "point"
 """Dimension of the points that a search of the boundary has chosen, in the store."""
 _STEP = (*PLANE, "step")
+_QUANTILES = (*_STEP, "cooler_share")
+_AT_BULKS = (*_STEP, "bulk_ratio", "cooler_share")
 _FIELD = (*PLANE, "x", "y")
 _RISE = "per unit friction coefficient"
 
@@ -50,13 +52,9 @@ COORDINATES = {
     POINT: Variable((POINT,), "1", "number of the point, in the order of the search", "int64"),
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
-    "step": Variable(
-        ("step",), "1", "step of the point, counted back from its end, which is 0", "int64"
-    ),
+    "step": Variable(("step",), "1", "step of the point, 0 at its end, −1 before", "int64"),
     "cooler_share": Variable(("cooler_share",), "1", "share of the contact area that is cooler"),
-    "bulk_ratio": Variable(
-        ("bulk_ratio",), "K", "bulk temperature of disk minus pin, over friction"
-    ),
+    "bulk_ratio": Variable(("bulk_ratio",), "K", "bulk of the disk minus the pin's, over friction"),
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
 }
@@ -70,9 +68,7 @@ SCENE_ID = "scene_id"
 IDS = {SCENE_ID: Variable(PLANE, "1", "digest of the scene that the point is of", "int32")}
 """Coordinate of points, made from the ids of rows that the root has."""
 COLUMNS = {
-    "own_grid": Variable(
-        _STEP, "1", "true on the grid of the point, false on that of its history", "bool"
-    ),
+    "own_grid": Variable(_STEP, "1", "true on the point's grid, false on its history's", "bool"),
     "contact_fraction": Variable(_STEP, "1", "share of the window in contact"),
     "contact_width": Variable(_STEP, "m", "width of the contact along the sliding direction"),
     "max_pressure": Variable(_STEP, "Pa", "highest contact pressure"),
@@ -85,9 +81,7 @@ COLUMNS = {
     "max_rise": Variable(_STEP, "K", f"highest temperature rise of the contact {_RISE}"),
     "mean_rise": Variable(_STEP, "K", f"mean temperature rise of the contact {_RISE}"),
     "pin_heat_share": Variable(_STEP, "1", "share of the friction heat that enters the pin"),
-    "rise_quantile": Variable(
-        (*_STEP, "cooler_share"), "K", f"quantile of the temperature rise of the contact {_RISE}"
-    ),
+    "rise_quantile": Variable(_QUANTILES, "K", f"quantile of the rise of the contact {_RISE}"),
 }
 FIELDS = {
     "pressure": _field("Pa", "contact pressure at the end of the ramp"),
@@ -95,57 +89,31 @@ FIELDS = {
     "wear_depth": _field("m", "wear depth of the pin at the end of the ramp"),
 }
 BULK_COLUMNS = {
-    "mean_bulk_response": Variable(
-        _STEP, "1", "mean rise of the contact for each kelvin of warmer disk bulk"
-    ),
-    "bulk_rise_quantile": Variable(
-        (*_STEP, "bulk_ratio", "cooler_share"),
-        "K",
-        f"quantile of the contact's rise above the pin's bulk at a bulk ratio, {_RISE}",
-    ),
+    "mean_bulk_response": Variable(_STEP, "1", "mean rise for each kelvin of warmer disk bulk"),
+    "bulk_rise_quantile": Variable(_AT_BULKS, "K", f"quantile of the rise above the pin {_RISE}"),
 }
 """Variables that scenes with unequal bulk temperatures have in addition to `COLUMNS`."""
-BULK_FIELDS = {
-    "bulk_response": _field("1", "rise of the pin for each kelvin of warmer disk bulk"),
-}
+BULK_FIELDS = {"bulk_response": _field("1", "rise of the pin for each kelvin of warmer disk bulk")}
 """Variables that such scenes have in addition to `FIELDS`."""
 OF_POINT = {
     "coupled_rise": Variable(
-        PLANE,
-        "K",
-        "deciding rise by friction by temperature, solved, over the coefficient of friction; "
-        "infinite where the contact ignites",
+        PLANE, "K", "deciding rise over friction, friction by temperature solved; inf: it ignites"
     ),
 }
 """Variables of a point that scenes with friction by temperature have in addition."""
+_STATES = {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"}
+_KINDS = {
+    "flag_masks": [int(kind) for kind in WarningKind],
+    "flag_meanings": " ".join(kind.label.replace(" ", "_") for kind in WarningKind),
+}
 RECORDS = {
-    "status": Variable(
-        PLANE,
-        None,
-        "state of the point",
-        "int8",
-        {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"},
-    ),
+    "status": Variable(PLANE, None, "state of the point", "int8", _STATES),
     "wall_time": Variable(PLANE, "s", "duration of the point's computation"),
     "message": Variable(PLANE, None, "reason of a failure, or warnings", "str"),
-    "warning_flags": Variable(
-        PLANE,
-        None,
-        "kinds of warnings",
-        "int32",
-        {
-            "flag_masks": [int(kind) for kind in WarningKind],
-            "flag_meanings": " ".join(kind.label.replace(" ", "_") for kind in WarningKind),
-        },
-    ),
+    "warning_flags": Variable(PLANE, None, "kinds of warnings", "int32", _KINDS),
     "asked": Variable(PLANE, None, "1 if the last run asked for the point, else 0", "int8"),
     "steps": Variable(PLANE, "1", "number of steps of the point", "int32"),
-    "checksum": Variable(
-        PLANE,
-        None,
-        "BLAKE2b-64 of the scene, place, data and warnings of the point",
-        "str",
-    ),
+    "checksum": Variable(PLANE, None, "BLAKE2b-64 of scene, place, data and warnings", "str"),
 }
 
 INPUTS = "inputs"

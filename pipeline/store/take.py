@@ -7,7 +7,6 @@ from typing import Any
 
 from pipeline.store.checksum import checksum
 from pipeline.store.layout import blocks
-from pipeline.store.place import reaches
 from pipeline.store.schema import AT_END, DONE, OF_POINT, STEPPED
 from pipeline.store.verify import fault_of, read_block, stored_entries
 from pipeline.store.write import Store
@@ -49,10 +48,8 @@ def take_points(store: Store, other: Store) -> int:
 
 def _sound_blocks(store: Store) -> Iterator[list[tuple[Point, dict[str, Any]]]]:
     """Done points of each chunk with their entries, as far as these have their checksum."""
-    with reaches(store.place):
-        keys = store.place.keys()
-    for numbers, block in blocks(store.flags == DONE, store.block):
-        found = stored_entries(store, block, read_block(store, numbers, keys))
+    for _, block in blocks(store.flags == DONE, store.block):
+        found = stored_entries(store, block, read_block(store, block))
         yield [
             (point, entries)
             for index, point, entries in found

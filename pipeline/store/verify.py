@@ -15,7 +15,7 @@ import numpy as np
 
 from pipeline.store.checksum import checksum
 from pipeline.store.files import THREADS
-from pipeline.store.layout import Slices, blocks, slices_of
+from pipeline.store.layout import Slices, blocks
 from pipeline.store.lock import held
 from pipeline.store.place import (
     Bucket,
@@ -131,13 +131,11 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
         ]
         for numbers, block in begun:
             _read_marks(store, damage, numbers, block)
-        keys = store.place.keys()  # a writer may have finished points meanwhile
         count, total = 0, int(np.count_nonzero(store.flags == DONE))
         for numbers, block in begun:
-            values = read_block(store, numbers, keys)
+            values = read_block(store, block)
             for name in (name for name, of_block in values.items() if of_block is None):
-                if (key := store.key(name, numbers)) in keys:
-                    damage.chunks[key] = name, block
+                damage.chunks[store.key(name, numbers)] = name, block
             for index, point, entries in stored_entries(store, block, values):
                 if fault := fault_of(store, point, entries):
                     damage.points[index] = _damaged(store, point, fault)
@@ -152,9 +150,8 @@ def _read_marks(store: Store, damage: _Damage, numbers: _Index, block: Slices) -
     A run writes both before it computes, statuses first.
     """
     for name, marks in (("status", store.flags), ("asked", store.asked)):
-        key = store.key(name, numbers)
-        is_there = store.place.read(key) is not None
-        if (values := _read(store, name, block, is_there)) is not None:
+        is_there = store.place.read(key := store.key(name, numbers)) is not None
+        if is_there and (values := _read(store, name, block)) is not None:
             marks[block] = values
         elif is_there or name == "status" or store.flags[block].any():
             damage.chunks[key] = name, block
@@ -163,11 +160,10 @@ def _read_marks(store: Store, damage: _Damage, numbers: _Index, block: Slices) -
             damage.points[index] = _damaged(store, point, "status cannot be read")
 
 
-def _read(store: Store, name: str, block: Slices, is_there: bool) -> Any:
-    """Values in a chunk; None if it is missing or damaged."""
-    if is_there:
-        with suppress(DamagedError):
-            return store.read(name, block)
+def _read(store: Store, name: str, block: Slices) -> Any:
+    """Values in a chunk, those of no point if it is missing; None if it is damaged."""
+    with suppress(DamagedError):
+        return store.read(name, block)
     return None
 
 
@@ -181,21 +177,12 @@ def _damaged(store: Store, point: Point, fault: str) -> FailedPoint:
     return FailedPoint(*point[:2], fault, point.variant, store.in_words(point))
 
 
-def read_block(store: Store, numbers: _Index, keys: set[str]) -> dict[str, Any]:
-    """Values of variables but fields and marks in the chunks of these numbers, None where lost.
-
-    `keys` are those that there are.
-    """
-
-    def read(name: str) -> Any:
-        key, block = store.key(name, numbers), slices_of(numbers, store.block)
-        with reaches(store.place):  # also of a link, behind which nobody looks
-            is_there = key in keys or store.place.read(key) is not None
-        return _read(store, name, block, is_there)
-
+def read_block(store: Store, block: Slices) -> dict[str, Any]:
+    """Values of variables but fields and marks in a chunk of points, None where damaged."""
     names = [n for n in store.arrays if not (n in _MARKS or n in AT_END or is_coordinate(n))]
     with ThreadPoolExecutor(THREADS) as threads:  # which an object store answers side by side
-        return dict(zip(names, threads.map(read, names), strict=True))
+        read = threads.map(lambda name: _read(store, name, block), names)
+        return dict(zip(names, read, strict=True))
 
 
 def stored_entries(
@@ -226,9 +213,11 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
     """Fault of a point by what a store has of it; empty if it has none."""
     if lost := sorted(name for name, entry in entries.items() if entry is None):
         return f"{', '.join(lost)} cannot be read"
-    expected = checksum(store.simulated.at(point), point, entries)
-    is_right = "steps" not in entries or entries["checksum"] == expected  # or it failed
-    return "" if is_right else "the data are not those that were computed"
+    if "steps" not in entries:  # it failed
+        return "" if entries["message"] else "the reason of its failure is lost"
+    is_right = entries["checksum"] == checksum(store.simulated.at(point), point, entries)
+    is_whole = is_right and np.isfinite(entries["wall_time"])  # which no checksum covers
+    return "" if is_whole else "the data are not those that were computed"
 
 
 def _differing_coordinates(store: Store) -> dict[str, Any]:

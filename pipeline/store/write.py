@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from pipeline.store.arrays import chunk_key, open_arrays
 from pipeline.store.checksum import packed
 from pipeline.store.files import THREADS
-from pipeline.store.layout import blocks, listed_points, made_coordinates, slices_of
+from pipeline.store.layout import blocks, points_at, slices_of
 from pipeline.store.lock import Lock
 from pipeline.store.place import (
     LOCK,
@@ -39,8 +39,8 @@ from pipeline.store.root import Root, read_root
 from pipeline.store.schema import (
     DONE,
     FAILED,
+    MADE,
     PENDING,
-    PLANE,
     POINT,
     STEPPED,
 )
@@ -72,10 +72,11 @@ class Store:
         self.arrays = open_arrays(place, root.arrays, read_only=lock is None)
         self.dims = root.variables["status"].dims
         self.block = tuple(root.block[dim] for dim in self.dims)
-        listed = listed_points(root.sweep, root.axes) if POINT in self.dims else []
-        self._labels = [listed if dim == POINT else self.axes[dim] for dim in self.dims]
-        self._numbers = [{label: n for n, label in enumerate(one)} for one in self._labels]
-        shape = [len(labels) for labels in self._labels]
+        shape = [len(self.axes[dim]) for dim in self.dims]
+        labels = {dim: self.axes[dim] for dim in self.dims}
+        if POINT in self.dims:
+            labels[POINT] = self.points_at([np.arange(*shape)])
+        self._numbers = [{label: n for n, label in enumerate(labels[dim])} for dim in self.dims]
         self.flags, self.asked = (
             np.zeros(shape, np.int8) if is_damaged else self.read(name, ...)
             for name in ("status", "asked")
@@ -100,18 +101,7 @@ class Store:
 
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
         """Points at places that are given by their indices along each dimension."""
-        if POINT in self.dims:
-            return [self._labels[0][number] for number in where[0]]
-        along = [self.dims.index(self.along(name)) for name in PLANE]
-        rows = [number for number, name in enumerate(self.dims) if name not in PLANE]
-        points = []
-        for index in zip(*(numbers.tolist() for numbers in where), strict=True):
-            load, velocity = (
-                self.axes[name][index[k]] for name, k in zip(PLANE, along, strict=True)
-            )
-            variant = tuple((self.dims[k], self._labels[k][index[k]]) for k in rows)
-            points.append(Point(load, velocity, variant))
-        return points
+        return points_at(self.sweep, self.axes, self.root.variables, where)
 
     def in_words(self, point: Point) -> str:
         """A point in words, with values of entries as the scene writes them, such as ``2 mm``."""
@@ -137,11 +127,11 @@ class Store:
     def read_steps(self) -> dict[str, Any]:
         """All variables at steps, with time, load and distance, in one shape each."""
         columns = {name: self.read(name, ...) for name in STEPPED if name in self.arrays}
-        wanted = self.root.variables
+        wanted, made = self.root.variables, self.root.coordinates()
         sizes = dict(zip(wanted["max_rise"].dims, columns["max_rise"].shape, strict=True))
-        for name, values in made_coordinates(self.sweep, self.axes, wanted).items():
-            made: Any = xr.Variable(wanted[name].dims, values)
-            columns[name] = made.set_dims(sizes).values
+        for name in MADE:
+            values: Any = xr.Variable(wanted[name].dims, made[name])
+            columns[name] = values.set_dims(sizes).values
         return columns
 
     def pending(self) -> list[Point]:

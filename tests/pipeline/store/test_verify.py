@@ -65,8 +65,8 @@ def exchanged(file):
 
 
 HARMS = [flipped, cut, missing, exchanged]
-# By its status a point is pending, as it is before it is computed; no checksum has these durations.
-UNNAMED = ["status", "asked", "wall_time"]
+# By its status a point is pending, as it is before it is computed.
+UNNAMED = ["status", "asked"]
 
 
 def resumed(path, sweep, **options):
