@@ -185,7 +185,7 @@ def test_failed_and_damaged_points_are_listed_in_the_units_of_the_scene(tmp_path
     for chunk in (tmp_path / "out.zarr" / "about" / "message").glob("c.*"):
         chunk.unlink()
     said = irg("verify", tmp_path / "out.zarr", code=1)
-    assert "600 N, 4 m/s, pin.radius 4 mm, surface 3: message" in said
+    assert "600 N, 4 m/s, pin.radius 4 mm, surface 3: the reason of" in said
 
 
 def test_figures_and_pages_show_each_value_or_ask_for_one(swept, folder, irg):
