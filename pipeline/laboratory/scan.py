@@ -133,7 +133,7 @@ class SurfaceStatistics:
         """Return the statistics by name, with the table as text."""
         rough = self.roughness
         return asdict(self) | {
-            "roughness": asdict(rough) | {"sal": rough.sal, "str": rough.aspect, "lay": rough.lay},
+            "roughness": asdict(rough) | {"str": rough.aspect},
             "likeness": {
                 name: one._asdict() | {"is_like": one.is_like} for name, one in self.likeness
             },

@@ -102,16 +102,10 @@ def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
 def notes_on_first_values(table: Variants) -> Iterator[str]:
     """Notes that a command prints which computes one value of each entry alone."""
     for column in table.chosen:
-        words = (
-            f"sweep.over is ignored here; {column.name} is the scene's own or the first listed: "
-            f'--set "{column.name}=..." takes another'
-        )
+        key, what = "over", f"{column.name} is the scene's own or the first listed"
         if column.name == VARIANT:
-            words = (
-                "sweep.along is ignored here; the scene's own values are taken, or those of its "
-                "first row: --set takes others"
-            )
-        yield from remarks("note", words)
+            key, what = "along", "values are the scene's own or those of its first row"
+        yield from remarks("note", f"sweep.{key} is ignored here; {what}: --set takes others")
 
 
 def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.sweep.autocorrelation import AutocorrelationLengths, autocorrelation_lengths
+from pipeline.sweep.autocorrelation import autocorrelation_lengths
 from tribo.errors import InputError
 from tribo.types import Array
 
@@ -33,8 +33,12 @@ class ArealRoughness:
     radii : tuple of float
         Radii of its curvature along x and y [m], positive where the surface is a hill; infinite
         where it stands out from the roughness no more than by chance, and was left.
-    lengths : AutocorrelationLengths
-        Where the autocorrelation has fallen to 1/e.
+    sal : float
+        Distance of the fastest fall of the autocorrelation, Sal [m], here to 1/e for 0.2.
+    aspect : float
+        Str, the shortest over the longest such distance; 0 if that is beyond the area.
+    lay : float or None
+        Direction of the lay, from x towards y, from −90 to 90 [°]; None without one.
     """
 
     ra: float
@@ -44,22 +48,9 @@ class ArealRoughness:
     mean: float
     slopes: tuple[float, float]
     radii: tuple[float, float]
-    lengths: AutocorrelationLengths
-
-    @property
-    def sal(self) -> float:
-        """Distance of the fastest fall of the autocorrelation, Sal [m], here to 1/e for 0.2."""
-        return self.lengths.shortest
-
-    @property
-    def aspect(self) -> float:
-        """Str, the shortest over the longest such distance; 0 if that is beyond the area."""
-        return self.lengths.texture_aspect
-
-    @property
-    def lay(self) -> float | None:
-        """Direction of the lay, from x towards y, from −90 to 90 [°]; None without one."""
-        return self.lengths.direction if self.aspect < _HAS_LAY else None
+    sal: float
+    aspect: float
+    lay: float | None
 
 
 def remove_form(
@@ -161,6 +152,8 @@ def areal_roughness(heights: Array, spacing: tuple[float, float]) -> ArealRoughn
     rq = float(np.sqrt(np.mean(values**2)))
     begins = [max(0, (n - _MOST_ALONG) // 2) for n in level.shape]
     part = level[tuple(slice(begin, begin + _MOST_ALONG) for begin in begins)]
+    shortest, longest, direction = autocorrelation_lengths(part, spacing)
+    aspect = shortest / longest if math.isfinite(shortest) else math.nan
     return ArealRoughness(
         ra=float(np.abs(values).mean()),
         rq=rq,
@@ -169,5 +162,7 @@ def areal_roughness(heights: Array, spacing: tuple[float, float]) -> ArealRoughn
         mean=float(np.nanmean(heights)),
         slopes=slopes,
         radii=radii,
-        lengths=autocorrelation_lengths(part, spacing),
+        sal=shortest,
+        aspect=aspect,
+        lay=direction if aspect < _HAS_LAY else None,
     )

@@ -3,51 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.sweep.shown import shown
 from tribo.errors import require_positive
 from tribo.types import Array
 
 _DIRECTIONS = 90  # over half a turn, in which the autocorrelation falls
+_FALLEN = 1 / math.e  # autocorrelation down to which a length reaches
 _FARTHEST = 0.5  # share of a side beyond which lags have too few pairs of heights
 
 
-@shown
-@dataclass(frozen=True, slots=True)
-class AutocorrelationLengths:
-    """Distances at which the autocorrelation of heights falls to a threshold.
-
-    Each is infinite where the autocorrelation stays above it over half the side of the surface.
-
-    Attributes
-    ----------
-    along_x, along_y : float
-        Distances along x and along y [m].
-    shortest, longest : float
-        In the directions of fastest and of slowest fall [m]; the shortest is Sal of ISO 25178-2.
-    direction : float
-        Direction of slowest fall, from x towards y, from −90 to 90 [°].
-    """
-
-    along_x: float
-    along_y: float
-    shortest: float
-    longest: float
-    direction: float
-
-    @property
-    def texture_aspect(self) -> float:
-        """Str of ISO 25178-2, the shortest over the longest; 0 if that is infinite, NaN of both."""
-        return self.shortest / self.longest if math.isfinite(self.shortest) else math.nan
-
-
 def autocorrelation_lengths(
-    heights: Array, spacing: tuple[float, float], threshold: float = 1 / math.e
-) -> AutocorrelationLengths:
-    """Find the distances at which the autocorrelation of heights falls to a threshold.
+    heights: Array, spacing: tuple[float, float]
+) -> tuple[float, float, float]:
+    """Find the shortest and the longest distance at which the autocorrelation falls to 1/e.
 
     Parameters
     ----------
@@ -55,8 +25,12 @@ def autocorrelation_lengths(
         Heights above their form, NaN where there is none [m].
     spacing : tuple of float
         Sides of a pixel along x and y [m].
-    threshold : float
-        Part of its value without a lag, above 0 and below 1. ISO 25178-3 has 0.2 as default.
+
+    Returns
+    -------
+    tuple of float
+        The shortest and the longest distance [m], infinite where it stays above over half the side
+        of the surface; and the direction of the longest, from x towards y, from −90 to 90 [°].
 
     Notes
     -----
@@ -65,8 +39,8 @@ def autocorrelation_lengths(
     Examples
     --------
     >>> x, y = np.meshgrid(np.arange(400.0), np.arange(400.0), indexing="ij")
-    >>> waves = autocorrelation_lengths(np.cos(2 * np.pi * x / 40), (1e-6, 1e-6))
-    >>> f"{1e6 * waves.along_x:.1f} µm along x, {waves.along_y} along y"
+    >>> shortest, longest, _ = autocorrelation_lengths(np.cos(2 * np.pi * x / 40), (1e-6, 1e-6))
+    >>> f"{1e6 * shortest:.1f} µm along x, {longest} along y"
     '7.5 µm along x, inf along y'
     """
     from scipy.ndimage import map_coordinates
@@ -82,19 +56,13 @@ def autocorrelation_lengths(
     for number, (step, end) in enumerate(zip(steps.T, ends.min(axis=0), strict=True)):
         lags = np.arange(0.0, end, min(spacing) / 2)
         values = map_coordinates(correlation, origin[:, None] + np.outer(step, lags), order=1)
-        below = np.flatnonzero(values < threshold)
+        below = np.flatnonzero(values < _FALLEN)
         if len(below):
             k = below[0]
-            part = (values[k - 1] - threshold) / (values[k - 1] - values[k])
+            part = (values[k - 1] - _FALLEN) / (values[k - 1] - values[k])
             lengths[number] = lags[k - 1] + part * (lags[k] - lags[k - 1])
     slowest = np.exp(2j * angles[lengths == lengths.max()]).mean()  # several if it is infinite
-    return AutocorrelationLengths(
-        along_x=float(lengths[_DIRECTIONS // 2 - 1]),
-        along_y=float(lengths[-1]),
-        shortest=float(lengths.min()),
-        longest=float(lengths.max()),
-        direction=float(np.degrees(np.angle(slowest) / 2)),
-    )
+    return float(lengths.min()), float(lengths.max()), float(np.degrees(np.angle(slowest) / 2))
 
 
 def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:

@@ -75,10 +75,8 @@ class Conditions(Judging):
             object.__setattr__(self, "rule", None)
         for name in UNITS:
             value = getattr(self, name)
-            if isinstance(value, Iterable):
-                raise InputError(f"{name} is {value!r}; it must be one number here")
-            if value is not None and not math.isfinite(value):
-                raise InputError(f"{name} is {value!r}; it must be finite")
+            if value is not None and (isinstance(value, Iterable) or not math.isfinite(value)):
+                raise InputError(f"{name} is {value!r}; it must be one finite number here")
         if self.friction < 0:
             raise InputError(f"friction is {self.friction:g}; it must be at least 0")
         warmest = self.bulk_temperature + max(0.0, self.bulk_difference)

@@ -16,7 +16,7 @@ from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stations import Stations, Steps
 from pipeline.sweep.tables import Entries, replace_values
-from pipeline.sweep.variants import SEED, Row, Variant, Variants
+from pipeline.sweep.variants import PLACE_UNITS, SEED, Row, Variant, Variants
 from tribo import InputError, Ramp, Scene, SelfAffineRoughness
 
 
@@ -266,7 +266,7 @@ class Sweep:
 
     def require_search(self) -> None:
         """Raise an `InputError` where no boundary can be looked for along velocities."""
-        if not self.variants.has_plane:
+        if any(map(self.variants.labels, PLACE_UNITS)):
             raise InputError(
                 "each row has its own velocity, as samples have, and answers need all rows; leave "
                 "out --boundary-only"

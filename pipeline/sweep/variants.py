@@ -135,11 +135,6 @@ class Variants:
         is_there = any(one.name == name for one in self.columns)
         return tuple(row.labels[name] for row in self.rows) if is_there else None
 
-    @property
-    def has_plane(self) -> bool:
-        """True if all rows share a plane, so that none has its own place."""
-        return not {one.name for one in self.columns} & PLACE_UNITS.keys()
-
     def values(self, name: Variant) -> Mapping[str, Any]:
         """Entries that a row replaces, or that all rows do which are drawn for given labels."""
         if name in self.by_name:
@@ -194,11 +189,8 @@ class Variants:
         self, name: Variant, loads: tuple[float, ...], velocities: tuple[float, ...]
     ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         """Loads and velocities of a row: its own place, or those of the plane."""
-        own = self.by_name[name].labels
-        return (
-            (own["load"],) if "load" in own else loads,
-            (own["velocity"],) if "velocity" in own else velocities,
-        )
+        own = {axis: (label,) for axis, label in self.by_name[name].labels.items()}
+        return own.get("load", loads), own.get("velocity", velocities)
 
 
 def _in_si(told: Any) -> Any:

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from pipeline.quantities import display
+from pipeline.quantities import display, shown_in
 from pipeline.sweep.about import oils_of
 from pipeline.sweep.shown import shown
 from pipeline.uncertain.answers import draws_of, log_boundary
@@ -164,7 +164,9 @@ class Posterior:
                 f"{unknown.text(of['mean'], 4)} ± {display(of['sd'], spread, 3).rstrip()}"
                 for of in (row["prior"], after)
             ]
-            yield unknown.path, *moments, " to ".join(unknown.text(x, 4) for x in after["interval"])
+            low, high = after["interval"]
+            within = f"{shown_in(low, unknown.shown):.4g} to {unknown.text(high, 4)}"
+            yield unknown.path, *moments, within
 
     @property
     def correlations(self) -> Array:

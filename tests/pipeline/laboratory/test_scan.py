@@ -99,7 +99,7 @@ def test_a_filtered_scan_gets_no_random_roughness_in_its_place(tmp_path, irg):
     document = irg("surface", tmp_path / "scan.npy", *options, "--json")
     assert document["toml"] is None
     # White noise after a Gauss filter of 3 pixels: the autocorrelation is exp(−r²/4σ²).
-    assert document["roughness"]["lengths"]["along_x"] == pytest.approx(2 * 3 * 0.8e-6, rel=0.1)
+    assert document["roughness"]["sal"] == pytest.approx(2 * 3 * 0.8e-6, rel=0.1)
 
 
 def test_heights_too_flat_and_too_rough_are_doubted(scan):

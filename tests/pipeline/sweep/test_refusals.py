@@ -43,7 +43,7 @@ SMOOTH = tiny.sweep(roughness=None)
 REFUSALS = {
     # conditions
     "friction": (conditions(friction=-0.1), "friction is -0.1; it must be at least 0"),
-    "two frictions": (conditions(friction=(0.1, 0.2)), "(0.1, 0.2); it must be one number"),
+    "two frictions": (conditions(friction=(0.1, 0.2)), "(0.1, 0.2); it must be one finite"),
     "bulk nan": (conditions(bulk_temperature=math.nan), "bulk_temperature is nan; it must be"),
     "bulk": (conditions(bulk_temperature=-1.0), "it must be above 0 K"),
     "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 25 °C"),

@@ -24,7 +24,6 @@ HERE = {"a": {}, "b": {}}
 )
 def test_a_row_has_its_own_place_as_far_as_it_is_given(table, plane):
     assert table.plane_of(table.names[-1], LOADS, VELOCITIES) == plane
-    assert table.has_plane is (plane == (LOADS, VELOCITIES))
 
 
 def test_rows_of_two_tables_are_put_together():
