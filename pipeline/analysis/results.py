@@ -295,7 +295,9 @@ def results(ds: xr.Dataset | PathLike | Results) -> Results:
     ds = keep_steps(dataset_of(ds), "status")
     kind, status = sweep_kind(ds), ds["status"]
     front = (*entry_dims(ds), *(name for name in drawn_dims(ds) if name in status.dims))
-    rows = {*front, *(name for name, one in ds.coords.items() if {*one.dims} <= {*front})}
+    # In the order of the dataset, so that the first label of a row stays its first.
+    held = (name for name, one in ds.coords.items() if {*one.dims} <= {*front})
+    rows = dict.fromkeys((*held, *front))
     plane = {name: ds.sizes[name] if name in status.dims else 1 for name in PLANE}
     sizes = {name: status.sizes[name] for name in front} | plane
     wanted = STEPPED if kind is Kind.SAMPLES else {*_RISES, *NEEDED}
@@ -303,9 +305,9 @@ def results(ds: xr.Dataset | PathLike | Results) -> Results:
     columns = {}
     for name in names:
         if name in ds.variables:
-            held = ds.variables[name]
-            inner = {dim: held.sizes[dim] for dim in _INNER if dim in held.dims}
-            one = xr.Variable(held.dims, np.array(held.values))
+            given = ds.variables[name]
+            inner = {dim: given.sizes[dim] for dim in _INNER if dim in given.dims}
+            one = xr.Variable(given.dims, np.array(given.values))
             columns[name] = one.set_dims(sizes | inner).values  # type: ignore[no-untyped-call]
     return Results(
         stored=scene_sweep(ds),
