@@ -101,7 +101,7 @@ def specific_wear_rate(
 
 
 def _crossing(exceeds: Callable[[float], bool]) -> tuple[float, float]:
-    """Wear rates, hardly apart, between which the contact gets wider than asked."""
+    """Two close wear rates, between which the contact reaches the given width."""
     low = high = 1e-15
     while exceeds(low):
         high, low = low, low / 10

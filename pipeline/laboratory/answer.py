@@ -54,7 +54,7 @@ def tests(options: argparse.Namespace) -> Result:
 def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
     """What a log says."""
     found, faults = log.tests, log.sheet.faults
-    if log.row_of is Test and not faults:  # else rows are left out, and places not those of tests
+    if log.row_of is Test and not faults:  # otherwise rows are left out, and places are not tests
         faults += [
             f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}"
             for place, problem in run_faults([Test(**row) for row in log.in_si])

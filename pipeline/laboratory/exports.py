@@ -46,7 +46,7 @@ def exports() -> Mapping[str, Export]:
 
 
 def find_export(tables: Sequence[Lines], named: str | None) -> Export:
-    """The export of a file, or the one that a user named; an empty one if it is none."""
+    """The export of a file, or the user's choice; an empty export if no machine is recognised."""
     if named is not None:
         if named not in exports():
             near = did_you_mean(named, exports())

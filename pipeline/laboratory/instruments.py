@@ -208,7 +208,7 @@ def _why_not(formats: Any, path: Path, error: Exception) -> str:
 
 
 def _unpacked_sur(content: bytes) -> bytes:
-    """A compressed .sur file as one that is not."""
+    """The content of a compressed .sur file, without compression."""
     comment, private = struct.unpack_from("<hh", content, 334)
     begin = _HEADER + comment + private
     (count,) = struct.unpack_from("<I", content, begin)

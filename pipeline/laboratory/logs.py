@@ -30,7 +30,7 @@ MAY_LACK = (
     "number", "load", "velocity",
 )  # fmt: skip
 """Entries of a test whose cells may be empty; a test without load or velocity is left out."""
-_TELLING = "number", "run", "friction"  # entries by which a row is told from a repeat of it
+_TELLING = "number", "run", "friction"  # entries that distinguish a row from a repeated row
 
 
 @functools.cache
@@ -82,7 +82,7 @@ class Log:
 
 
 def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> Log:
-    """Read the tests of a log by the entries of a scene; faults are those of its sheet.
+    """Read the tests of a log by the entries of a scene; faults are added to its sheet.
 
     The key is the list of a scene for which tests are wanted; without one the log decides.
     """
@@ -141,10 +141,10 @@ def _row_of(sheet: Sheet, export: Export) -> type | None:
 
 
 def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
-    """Read what the words of outcomes mean, as those of a user.
+    """Read the words of outcomes; `words` has the user's meanings.
 
-    The word "" is that of empty cells. A row without an outcome is left out. Where all others have
-    one outcome it may well have the other one, which is asked for.
+    The word "" stands for empty cells. A row without an outcome is left out. If all other rows have
+    the same outcome, an empty cell may mean the other outcome, so that a fault asks for it.
     """
     sheet, place, title = log.sheet, log.sheet.places["outcome"], log.sheet.heading("outcome").title
     empty = [row for row in sheet.rows if row.cells[place].lower() in EMPTY]

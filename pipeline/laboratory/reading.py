@@ -25,7 +25,7 @@ OF_TESTS = *dict.fromkeys([*table_of(Test).keys, *table_of(Stages).keys]), "tran
 """Quantities of a log."""
 _NEEDED = "time", "friction", "load", "velocity"
 OF_TRACE = *_NEEDED, "friction_force", "friction_torque", "bulk_temperature", "outcome"
-"""Quantities of a trace, and those of a log by which it is told from one."""
+"""Quantities of a trace, and quantities of a log that distinguish it from a trace."""
 _ENDS = "mild_up_to", "severe_at"
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\d\S*.*)|(\d[\d.]*)\s*\+")
 _NEAR = re.compile(r" \(did you mean [^)]*\)")  # of several words, which may mean the contrary

@@ -37,7 +37,7 @@ _COMPARED = {"Rq": "rq", "Sal": "sal", "Str": "aspect"}
 
 
 class Likeness(NamedTuple):
-    """One quantity of the scan beside those of random surfaces of its fit, in its own window."""
+    """A quantity of the scan, and of random surfaces of its fit in the same window."""
 
     scan: float
     mean: float

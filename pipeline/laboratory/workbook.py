@@ -19,7 +19,7 @@ def unpacked_size(path: Path) -> int:
 
 
 def read_book(path: Path, wanted: str | None = None) -> list[Lines]:
-    """Rows of each sheet of a workbook, or of one; a formula without a value stands as it is."""
+    """Rows of each sheet of a workbook, or of one sheet; a formula without a value stays text."""
     if path.suffix.lower() not in (".xlsx", ".xlsm"):
         what = f'has no sheet "{wanted}"' if wanted else "is no text"
         raise InputError(f"{path} {what}; save the table as .xlsx or CSV")

@@ -103,10 +103,10 @@ def critical_temperatures(
     ----------
     sweep : Sweep, str or path
         Scene, or its path or name, with measured transitions, simulated on each of its
-        realizations if it has any; of several oils those of the first count. A transition without
-        a friction, a bulk temperature or a hold of its own has the sweep's.
+        realizations if it has any. Of several oils the first counts. A transition without a
+        friction, a bulk temperature or a hold has the sweep's.
     out : path, optional
-        Store of the points, which is resumed if it is there, and kept; none is kept if not given.
+        Store of the points, which is kept, and resumed if it exists; temporary if not given.
     workers, client, progress : optional
         See `pipeline.run_sweep`. In a script, call this under ``if __name__ == "__main__":``.
 

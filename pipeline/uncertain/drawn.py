@@ -17,12 +17,12 @@ from tribo import InputError
 
 
 def open_inputs(draw: Any) -> list[str]:
-    """Paths of unknown inputs, and of those with one value that may have another."""
+    """Paths of unknown inputs, and of fixed inputs that may have another value."""
     return [*Draw.of(draw).open_inputs]
 
 
 def fixed_at(draw: Any, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The rule of samples with those of its inputs at one value [SI] that are among some values."""
+    """The rule of samples with each open input that `values` names fixed at its value [SI]."""
     return Draw.of(draw).fixed_at(values).as_dict()
 
 

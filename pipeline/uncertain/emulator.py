@@ -6,9 +6,9 @@ mean (Rasmussen & Williams, Gaussian Processes for Machine Learning, 2006, Eqs. 
     k(u, u') = a² (1 + u·u') + b² (u·u')² + c² exp(−Σ (uᵢ − uᵢ')²/2ℓᵢ²) + s² [same contact] + n²,
 
 a plane and a quadric with a smooth departure, and an effect of each contact and of each row. All
-loads share one kernel. Its constants are those of the greatest likelihood (their Eq. 5.9). What is
-left out of the rows is judged by constants that were found without it: those that saw a place claim
-to know it better than they do, the more so the fewer the contacts.
+loads share one kernel. Its constants have the greatest likelihood (their Eq. 5.9). Rows that are
+left out are judged by constants found without them: constants that saw a row claim to know it
+better than they do, the more so the fewer the contacts.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ from pipeline.uncertain.unknown import OF_90
 from tribo.types import Array, Mask
 
 _MOST_TO_FIT = 256  # rows by which the constants are found, in n³ operations a step
-# Rows up to which each fold has constants of its own; it moves those of more little.
+# Up to this many rows each fold is fitted anew. With more, leaving a fold out hardly changes the
+# constants.
 _MOST_TO_LEAVE = 128
 _FOLDS = 16
 _BEGIN = np.log([0.1, 0.03, 0.05, 0.003, 0.002])  # a, b, c, s, n, of ln(rise)
@@ -88,7 +89,7 @@ class LeftOut(NamedTuple):
     #: Squares of the factors by which 90 % bands hold 90 % of what is left out, and how outputs
     #: miss together, (n_output, n_output).
     covariance: Array
-    ends: float  # a further factor at the ends, where rows are left out all at once
+    ends: float  # another factor at the ends, where rows are left out all at once
     held: float  # share of left-out places in bands whose factors other contacts gave
     contacts: int
 
@@ -104,7 +105,7 @@ class LeftOut(NamedTuple):
 
     @property
     def is_right(self) -> bool:
-        """True if bands of 90 % are known to hold 85 to 95 %, as it is printed."""
+        """True if bands of 90 % are known to hold 85 to 95 %, as rounded in print."""
         return self.is_known and 0.85 <= round(self.held, 2) <= 0.95
 
 

@@ -91,7 +91,7 @@ class Ensemble:
     unknown: tuple[Unknown, ...]  #: Inputs that are not known exactly.
     design: Design  #: Rule by which the samples follow, and the inputs that rises depend on.
     conditions: Conditions  #: Friction, temperatures and failing share, as far as they are known.
-    inputs: Array  #: Inputs of the samples, by those of the design [SI], shape (n_sample, n_input).
+    inputs: Array  #: Inputs of the samples, in the design's order [SI], shape (n_sample, n_input).
     sample_velocities: Array  #: Velocity of each sample [m/s].
     contacts: Groups  #: Number of the contact that each sample shares with others.
     loads: Array  #: Normal loads on the whole pin [N].
@@ -100,7 +100,7 @@ class Ensemble:
     hold: float = 0.0  #: Duration at the full load [s].
     #: Rises at the shorter holds of tests, where the samples have them.
     rises_by_hold: Mapping[float, Array] = field(default_factory=dict)
-    fixed: tuple[Fixed, ...] = ()  #: Inputs with one value in place of their distribution.
+    fixed: tuple[Fixed, ...] = ()  #: Inputs with a value that replaces their distribution.
     missing: int = 0  #: Samples left out, since some of their loads are not done.
     same_rig: bool = True  #: The friction of tests is that of the scene, not another machine's.
     #: Relative error of boundary velocities by the fidelity of the samples; None if not known.
@@ -182,8 +182,8 @@ class Ensemble:
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
         """The ensemble under conditions of a row of a table; see `Conditions.row_conditions`.
 
-        They take the place of the scene's and of those that are drawn. Raise an `InputError` where
-        rises at friction 1 depend on them.
+        They replace the scene's conditions, and drawn conditions. Raise an `InputError` where rises
+        at friction 1 depend on them.
         """
         if not own:
             return self
@@ -256,8 +256,8 @@ class Ensemble:
     ) -> Array:
         """Logarithm of the rise at friction 1 above which wear is severe, shape (n,).
 
-        A friction, a bulk and a critical temperature [K] that are given replace those of the draws.
-        A friction that was measured had the temperature of its contact already.
+        A friction, a bulk and a critical temperature [K] replace the draws' if given. A measured
+        friction had the temperature of its contact already.
         """
         frictions = self.values(FRICTION, draws) if friction is None else friction
         bulks = self.values(BULK, draws) if bulk is None else bulk

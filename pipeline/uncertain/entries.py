@@ -71,12 +71,12 @@ def _fixed_paths(document: Document) -> frozenset[str]:
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
-    """The document as it is, and what makes the table of samples."""
+    """The document, unchanged, and the function that makes the table of samples."""
     return document, _extend
 
 
 def _extend(sweep: Sweep, reading: Reading) -> Sweep:
-    """The sweep with samples of each of its rows; as it is if none are asked for, or faulty."""
+    """The sweep with samples of each row; unchanged without samples, or if they are faulty."""
     scene, faults, fixed = reading.scene, reading.faults, _fixed_paths(reading.document)
     count, unknown = scene.sweep.samples, scene.unknown or {}
     if count is not None and not set(unknown) - set(fixed):
@@ -273,7 +273,7 @@ def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
 
 
 def _tried(one: Unknown) -> Iterator[tuple[float, str, str]]:
-    """Values to try an input at; of one that does not fit, where it is met and what else to do."""
+    """Values to try an input at; with each, where a bad value occurs, and what else to do."""
     if one.kind == "list":
         yield from ((value, "", "") for value in one.parameters)
         return

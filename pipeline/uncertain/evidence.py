@@ -4,8 +4,8 @@ Each draw of the inputs has a velocity V_c of its own at which wear turns severe
 friction and bulk temperature of the test. With d = ln(V/V_c) and its standard deviation σ, a
 transition measured at V has the likelihood φ(d/σ)/σ, a test that turned severe Φ(d/σ), a mild one
 Φ(−d/σ). A run is of one specimen, whose scatter all its tests share: mild at d₁ and severe at d₂ it
-has the likelihood Φ(d₂/σ) − Φ(d₁/σ). σ has the scatter of the velocity, those of load and friction
-by the slope of the rise, and the emulator's error.
+has the likelihood Φ(d₂/σ) − Φ(d₁/σ). σ has the scatter of the velocity, the scatter of load and
+friction by the slope of the rise, and the emulator's error.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ class Distances(NamedTuple):
     #: mild there: positive where wear is severe.
     values: Array
     signs: Array  # 1 where wear turns severe at that critical velocity, −1 where mild
-    variance: Array  # theirs without the scatter of the velocity
-    told: Array  # log likelihood of a measured friction, where it tells of the rig's
+    variance: Array  # of `values`, without the scatter of the velocity
+    by_rig: Array  # log likelihood of a measured friction, where the rig's is inferred
 
 
 def require_possible(ensemble: Ensemble) -> None:
@@ -88,9 +88,9 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths
     rises = excess.values + ensemble.log_limit(inputs)[:, None, None]
     x = np.log(nodes)
     conditions = ensemble.conditions
-    # A friction that was measured stands in place of the scene's friction by velocity.
+    # A measured friction replaces the scene's friction by velocity.
     table = np.log([conditions.friction_at(v) / conditions.friction for v in nodes.tolist()])
-    values, signs, variances, told = [], [], [], []
+    values, signs, variances, likelihoods = [], [], [], []
     for test in tests:
         number, friction = loads.index(test["normal_load"]), test.get("friction")
         critical = oils.get(test.get("oil", ""))
@@ -100,8 +100,8 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths
         by_rig = np.zeros(1)
         by_friction: Any = (test.get("friction_scatter", 0.0) / (friction or 1.0)) ** 2
         if rig is not None:
-            hot = ensemble.values(CRITICAL, inputs) if critical is None else critical
-            factor = np.interp(log_velocity, x, table) + ensemble.log_friction_factor(hot)
+            limit = ensemble.values(CRITICAL, inputs) if critical is None else critical
+            factor = np.interp(log_velocity, x, table) + ensemble.log_friction_factor(limit)
             acted, by_friction, by_rig = learnt(rig, test, factor)
             friction = np.exp(acted)
         place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, count - 2))
@@ -120,8 +120,8 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths
         values.append(distance)
         signs.append(sign)
         variances.append(variance / np.maximum(np.abs(slope), LEAST_SLOPE) ** 2)
-        told.append(np.broadcast_to(by_rig, len(inputs)))
-    return Distances(*map(np.array, (values, signs, variances, told)))
+        likelihoods.append(np.broadcast_to(by_rig, len(inputs)))
+    return Distances(*map(np.array, (values, signs, variances, likelihoods)))
 
 
 def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array, Array]:
@@ -153,7 +153,7 @@ def _around(test: Test, ends: Array) -> tuple[float, ...]:
 
 
 def fix_varying(unknown: Sequence[Unknown], inputs: Array) -> Array:
-    """Draws (n, n_unknown) with medians in place of what varies from part to part."""
+    """Draws (n, n_unknown), with the median of each input that varies from part to part."""
     medians = [one.quantile(np.array([0.5]))[0] for one in unknown]
     return np.where([one.varies for one in unknown], medians, inputs)
 
@@ -171,7 +171,7 @@ class Runs(NamedTuple):
 
 
 def decisive_tests(tests: Sequence[Test], by_load: bool = False) -> list[Test]:
-    """Tests without those of a run that a harder mild one, or an easier severe one, implies.
+    """Tests, without a run's tests that a harder mild test or an easier severe test implies.
 
     By load alone where wear may turn mild at a higher velocity.
     """
@@ -211,9 +211,9 @@ _IMPOSSIBLE = -1e6
 
 
 FACTOR = 3.0
-"""Factor within which two thirds of scatters are of the one that is said: rigs differ as much."""
+"""Two thirds of scatters are within this factor of the stated scatter: rigs differ as much."""
 FACTORS = FACTOR ** np.linspace(-2.0, 2.2, 11)
-"""Factors on the scatter that is said."""
+"""Factors on the stated scatter."""
 _LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(FACTOR)) ** 2  # one for each factor
 _VARIED = 2**10  # draws that tell what varies from part to part
 _FAR = 2.0  # largest standard deviations of a test from the best draw, root mean square
@@ -290,7 +290,7 @@ class Joint:
             # The friction of a specimen is one, however often it was measured.
             measured = [row for row in rows if self.tests[row].get("friction") is not None]
             if measured:
-                likelihoods[run] += distances.told[measured].mean(axis=0)[:, None]
+                likelihoods[run] += distances.by_rig[measured].mean(axis=0)[:, None]
         return Runs(low, high, likelihoods)
 
     @functools.cached_property

@@ -96,7 +96,7 @@ class SampleField:
 
     @property
     def scatter(self) -> Scatter | None:
-        """Scatter of runs that the tests have told; None without tests."""
+        """Scatter of runs, inferred from the tests; None without tests."""
         if self.posterior is None or self.draws.scatters is None or self.draws.by_scatter is None:
             return None
         low, middle, high = (100 * one for one in self.posterior.inferred_scatter)
@@ -107,7 +107,7 @@ class SampleField:
 
     @property
     def given_draws(self) -> Draws | None:
-        """Draws that the tests leave; None for those of the inputs as the scene has them."""
+        """Draws of the posterior; None for the scene's own distributions."""
         return self.posterior.draws if self.posterior else None
 
     @property
@@ -237,7 +237,7 @@ class SampleField:
             held = np.bincount(k, weight * (1 - share), _GRID)
             held += np.bincount(k + 1, weight * share, _GRID)
             (some,) = np.nonzero(held)
-            if not some.size:  # where no draw turns, or none that turns has this scatter
+            if not some.size:  # no draw turns, or no turning draw has this scatter
                 continue
             apart = grid[some] - np.log(velocities)[:, None]
             far = max(-apart.min(), apart.max(), step)
@@ -256,7 +256,7 @@ class SampleField:
     def _lines(self, load: float, beyond: float = 0.0) -> tuple[Array, Array]:
         """Logarithms of velocities, and the excess of the next run by draw (n, m).
 
-        They may go on beyond those of the samples, where at friction 1 the excess is a power.
+        They may go beyond the samples' velocities, where at friction 1 the excess is a power.
         """
         if load not in self._kept:
             self._keep([load])

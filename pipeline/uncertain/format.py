@@ -25,7 +25,7 @@ class Shape(NamedTuple):
 
 @dataclass(frozen=True)
 class Distribution(Kind):
-    """A table of one of several forms, whose last keys are those of all forms; or a list."""
+    """A table of one of several forms, whose last keys belong to all forms; or a list."""
 
     forms: tuple[Table, ...]
     listed: Kind

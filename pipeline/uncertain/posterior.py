@@ -80,7 +80,7 @@ class Posterior:
 
     drawn_by: ClassVar = "pipeline.uncertain.figures:draw_posterior"
     ensemble: Ensemble  #: Samples of the sweep that it rests on.
-    #: Inputs of the sweep; then the critical temperatures of other oils, and those of the rig.
+    #: Inputs of the sweep, then the critical temperatures of other oils, then inputs of the rig.
     unknown: tuple[Unknown, ...]
     #: Values before and after they were weighed.
     prior: Draws
@@ -236,7 +236,7 @@ def faults(
             f"the tests scatter by {100 * inferred[0]:.3g} % at least, and "
             f"{100 * scatter:g} % is stated"
         )
-    for one, column in zip(unknown, draws.inputs.T, strict=False):  # without those of the rig
+    for one, column in zip(unknown, draws.inputs.T, strict=False):  # without the rig's
         if (share := float(draws.mean(_is_outer(one, column)))) > _MUCH:
             words.append(f"{one.path} has {share:.2f} of its probability at the ends of its range")
     return tuple(words)

@@ -1,4 +1,4 @@
-"""Inputs that tests add to those of a sweep: of the rig, and of other oils.
+"""Inputs that tests add to a sweep: of the rig, and of other oils.
 
 The friction µ of a test is that of the rig, µ₀, times a scatter of its own, and is measured with an
 error: ln µ = ln µ₀ ± τ, and the measured one is ln µ ± s. So a measured friction tells of µ₀ with
@@ -43,14 +43,14 @@ def learnt(rig: Array, test: Mapping[str, Any], log_factor: Array) -> tuple[Arra
     by_error = max(test.get("friction_scatter", 0.0) / test["friction"], _ROUNDED) ** 2
     variance = by_test + by_error
     acted = (measured * by_test + of_rig * by_error) / variance
-    told = -0.5 * ((measured - of_rig) ** 2 / variance + np.log(variance))
-    return acted, by_test * by_error / variance, told
+    likelihood = -0.5 * ((measured - of_rig) ** 2 / variance + np.log(variance))
+    return acted, by_test * by_error / variance, likelihood
 
 
 def join_rig(
     ensemble: Ensemble, unknown: tuple[Unknown, ...]
 ) -> tuple[tuple[Unknown, ...], tuple[int, ...]]:
-    """Inputs with those of a rig whose friction tests have measured, and their places if any."""
+    """Inputs, with the rig's if tests have measured its friction, and the places of the rig's."""
     paths = [one.path for one in ensemble.unknown]
     measured = any(test.get("friction") is not None for test in ensemble.tests)
     if FRICTION not in paths or not measured:

@@ -25,9 +25,9 @@ _AT_LEAST = 0.1  # effective share of the draws that a power of the likelihood l
 _ENOUGH = 0.5  # effective share after which the mixture is not fitted again
 _ROUNDS = 12  # fits, at most
 _PARTS, _FITS = 6, 12  # parts of the mixture, and steps of a fit
-_FREEDOM = 8.0  # degrees of freedom of Student's t, whose tails hold those of a posterior
-_WIDER = 1.1  # standard deviations of a part over those of its draws
-_LEAST = 0.005  # covariance of a part over that of all, besides its own
+_FREEDOM = 8.0  # degrees of freedom of Student's t, whose tails cover a posterior's
+_WIDER = 1.1  # standard deviation of a part over that of its draws
+_LEAST = 0.005  # share of the whole covariance that is added to a part's
 
 
 def sample(

@@ -27,7 +27,7 @@ Layer = Literal["contact", "wear rate", "heat", "conditions"]
 """Layer of a point that an input enters."""
 
 WIDENED = 1.4
-"""Normal scores of the samples over those of the inputs' distributions."""
+"""Factor on the normal scores of the inputs' distributions, for the samples' scores."""
 REACH = 3.7
 """Normal score beyond which no sample lies."""
 SPECIFIC_WEAR_RATE = "wear.specific_wear_rate"
@@ -52,7 +52,7 @@ def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool)
 class Design:
     """Rule by which samples follow from a seed."""
 
-    inputs: tuple[Unknown, ...]  # those of rises, with the wear rate if samples differ in it
+    inputs: tuple[Unknown, ...]  # inputs of rises, with the wear rate if samples differ in it
     layers: tuple[Layer, ...]  # one for each input
     velocities: tuple[float, float]  # between which samples lie [m/s]
     seed: int
@@ -115,32 +115,32 @@ class Draw:
 
     unknown: tuple[Unknown, ...]
     design: Design
-    fixed: tuple[Fixed, ...] = ()  # inputs that have one value in place of their distribution
+    fixed: tuple[Fixed, ...] = ()  # inputs that have a value, not a distribution
 
     @classmethod
-    def of(cls, told: Any) -> Draw:
-        """The rule that plain data of `as_dict` stand for."""
-        design = told["design"]
+    def of(cls, data: Any) -> Draw:
+        """Read a rule from the plain data of `as_dict`."""
+        design = data["design"]
         lists = {"layers": tuple(design["layers"]), "velocities": tuple(design["velocities"])}
         inputs = tuple(map(Unknown.of, design["inputs"]))
-        fixed = (Fixed(Unknown.of(one["unknown"]), one["value"]) for one in told["fixed"])
-        unknown = tuple(map(Unknown.of, told["unknown"]))
+        fixed = (Fixed(Unknown.of(one["unknown"]), one["value"]) for one in data["fixed"])
+        unknown = tuple(map(Unknown.of, data["unknown"]))
         return cls(unknown, Design(**design | lists | {"inputs": inputs}), tuple(fixed))
 
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data."""
-        told: dict[str, Any] = json.loads(json.dumps(asdict(self)))
-        return told
+        data: dict[str, Any] = json.loads(json.dumps(asdict(self)))
+        return data
 
     @property
     def open_inputs(self) -> dict[str, Unknown]:
-        """Unknown inputs by path, and those with one value that may have another."""
+        """Unknown inputs by path, and fixed inputs that may have another value."""
         movable = {*PATHS.values(), *(one.path for one in self.design.inputs)}
         stored = (one.unknown for one in self.fixed if one.unknown.path in movable)
         return {one.path: one for one in (*stored, *self.unknown)}
 
     def fixed_at(self, values: Mapping[str, float]) -> Draw:
-        """The same with those of the inputs at one value [SI] that are among some values."""
+        """The rule with each open input that `values` names fixed at its value [SI]."""
         inputs = self.open_inputs
         new = {path: Fixed(inputs[path], value) for path, value in values.items() if path in inputs}
         fixed = {one.unknown.path: one for one in self.fixed} | new

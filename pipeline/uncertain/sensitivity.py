@@ -45,17 +45,17 @@ class Sensitivity:
     spread: tuple[float, ...]
     #: Standard error of the emulated critical velocity against a simulation, relative, by load.
     velocity_error: tuple[float, ...]
-    #: True if they are those of the boundary given measured transitions.
+    #: True if the indices are of the boundary given measured transitions.
     given_measured: bool = False
 
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data."""
-        told: dict[str, Any] = {"inputs": [quantity.path for quantity in self.unknown]}
+        data: dict[str, Any] = {"inputs": [quantity.path for quantity in self.unknown]}
         for one in fields(self)[1:]:
             values = np.asarray(getattr(self, one.name))
             is_pair = one.name.endswith("interval")
-            told[one.name] = (np.moveaxis(values, 0, -1) if is_pair else values).tolist()
-        return told
+            data[one.name] = (np.moveaxis(values, 0, -1) if is_pair else values).tolist()
+        return data
 
 
 @np.errstate(under="ignore")
@@ -67,9 +67,9 @@ def sensitivity(ensemble: Samples, posterior: Draws | None = None) -> Sensitivit
     ensemble : Ensemble, Dataset, str or path
         Samples of a sweep, its dataset or the path of its store.
     posterior : Draws, optional
-        Draws that measurements leave, in place of the scene's distributions. The inputs
-        depend on one another then, and there are no total indices; nor are there any where the
-        scene correlates inputs.
+        Draws of a posterior, which replace the scene's distributions. Then the inputs depend on
+        one another, and there are no total indices. Nor are there any if the scene correlates
+        inputs.
 
     Raises
     ------

@@ -65,10 +65,10 @@ class Unknown:
             raise InputError(fault)
 
     @classmethod
-    def of(cls, told: Any) -> Unknown:
-        """The input that plain data of its fields stand for."""
-        pairs = tuple((path, number) for path, number in told["correlated"])
-        return cls(**told | {"parameters": tuple(told["parameters"]), "correlated": pairs})
+    def of(cls, data: Any) -> Unknown:
+        """Read an input from the plain data of its fields."""
+        pairs = tuple((path, number) for path, number in data["correlated"])
+        return cls(**data | {"parameters": tuple(data["parameters"]), "correlated": pairs})
 
     def quantile(self, share: Array) -> Array:
         """Quantiles of the distribution [SI], at shares above 0 and below 1."""
@@ -101,7 +101,7 @@ class Unknown:
 
     @property
     def spread(self) -> str:
-        """The unit in which differences of its values are shown; those of a temperature, in K."""
+        """The unit in which differences of its values are shown: K for a temperature."""
         return "K" if self.shown in ZERO else self.shown
 
     def text(self, value: float, digits: int = 6) -> str:
@@ -129,7 +129,7 @@ class Unknown:
 
 @dataclass(frozen=True, slots=True)
 class Fixed:
-    """An unknown input that has one value in place of its distribution."""
+    """An unknown input with a value that replaces its distribution."""
 
     unknown: Unknown
     value: float  # [SI]

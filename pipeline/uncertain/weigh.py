@@ -71,9 +71,9 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
     model = Joint.of(ensemble, scatter)
     before = prior(model.unknown, _seed(model), _FIRST)
     assumed = scatter * FACTOR**-OF_90, scatter, scatter * FACTOR**OF_90
-    told = Posterior(ensemble, model.unknown, before, before, (), scatter, assumed)
+    result = Posterior(ensemble, model.unknown, before, before, (), scatter, assumed)
     if not model.tests:
-        return told
+        return result
     draws, judgement = _weighed(model, before)
     inferred = _inferred(model.scatters, softmax(judgement.joint))
     wrong = faults(ensemble.unknown, draws, scatter, inferred)
@@ -81,7 +81,7 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
     wrong = () if any(one.contradicts for one in by_others) else wrong
     by_scatter = softmax(judgement.joint, axis=1)
     return replace(
-        told,
+        result,
         draws=replace(draws, faults=wrong, scatters=model.scatters, by_scatter=by_scatter),
         judged=by_others,
         inferred_scatter=inferred,
@@ -142,9 +142,9 @@ def _inferred(scatters: Array, weights: Array) -> tuple[float, float, float]:
 
 
 def _probability(low: Array, high: Array, weights: Array) -> float:
-    """Probability of a run's outcome, or of one as far off, by weights of draws and scatters.
+    """Probability of a run's outcome, or of another as far off, by weights of draws and scatters.
 
-    Single runs are off by more than a normal scatter has it. So the tails are those of Student's t
+    Single runs are off by more than a normal scatter allows. So the tails are those of Student's t
     of 4 degrees of freedom with the same standard deviation.
     """
     below, above = (float(np.sum(weights * _long_tailed(z))) for z in (high, -low))

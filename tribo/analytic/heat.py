@@ -104,7 +104,7 @@ ROLLING_SLIDING_PEAK = {"uniform": 1.128379, "hertz": 1.111548}
 """Coefficient of `rolling_sliding_rise` by the profile of the pressure.
 
 2/√π; and the highest value of ∫ (4/π) √(1 − ξ²)/√(2π(x − ξ)) dξ over −1 < ξ < x, at x = 0.65 half
-widths. Blok's 1.11 is the latter.
+widths. Blok's 1.11 is this highest value.
 """
 
 

@@ -86,8 +86,8 @@ def _conjugate_gradients(
     nodes, (reduction, enough) = judged.nodes, goals
     residual = judged.gap.take(nodes)
     residual -= residual.mean()
-    # In units of the first residual, and directions in those of the stencil's middle, all
-    # numbers are near 1, which single precision can hold.
+    # Residuals in units of the first residual, and directions in units of the stencil's middle,
+    # are near 1, which single precision can hold.
     scale = largest(residual) or 1.0
     residual /= scale
     goal = max(reduction, enough / scale)

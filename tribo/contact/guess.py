@@ -20,7 +20,7 @@ from tribo.types import Array, Mask
 _COARSEST = 64**2  # elements of a grid on which a coarser one saves nothing
 _COARSE_TOLERANCE, _COARSE_CONVOLUTIONS = 0.3, 100
 _WINDOW = 0.6  # share of the grid below which a window is worth what it costs, two convolutions
-_MARGIN = 2  # elements at least, on each side of those that carry load
+_MARGIN = 2  # elements at least, on each side of the loaded elements
 _MULTIPLE = 8  # elements along a window are a multiple of it, for short transforms
 
 

@@ -10,8 +10,8 @@ at the rows' means. In the metric
 with d the compliance of an element and c that of a row, the operator is about as well conditioned
 as if there were no rows. M is inverted row by row (Sherman & Morrison), and the nearest pressure
 within bounds is found for all rows at once. On the paper's grid and ramp, but with 10 increments
-and at 5 m/s, that takes 19 iterations an increment in place of 180; with wear a million times
-larger, 17 in place of none that would do.
+and at 5 m/s, that takes 19 iterations an increment, not 180. With wear a million times larger it
+takes 17; without rows it does not converge.
 """
 
 from __future__ import annotations

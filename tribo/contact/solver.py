@@ -24,7 +24,7 @@ from tribo.types import Array
 ContactCriterion = Literal["gap", "pressure-change"]
 
 _VERY_SOFT = 1e6  # compliance of rows over an element's: far beyond elements of any shape
-_FULL = 1e-14  # share of the load that the hardness carries, within which all is asked for
+_FULL = 1e-14  # relative distance from the highest load, within which every element yields
 _WINDOW_SHARE = 0.9  # share of the tolerance to which a part of the grid is solved on its own
 _LOOSE = 1e-2  # tolerance from which on single precision does where it is the faster one
 _SMALLEST_SINGLE = 1e-27  # stress or depth whose transform single precision can hold

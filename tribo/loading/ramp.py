@@ -1,6 +1,6 @@
 """The load as a function of time, cut into steps.
 
-One ramp serves many loads: its trunk advances by a fixed increment, whatever loads are asked
+One ramp serves many loads: its trunk advances by a fixed increment, whatever loads are wanted
 for, and each load branches off the last station of the trunk below it with one shorter step. A
 load far below the reference load would then take few steps, and so has a trunk of smaller
 increments: halved until the load takes a quarter of the steps that the reference load takes. Which

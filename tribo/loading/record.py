@@ -1,4 +1,4 @@
-"""A load as it was measured, in place of a ramp (Bosman & de Rooij, Fig. 8)."""
+"""A measured load over time (Bosman & de Rooij, Fig. 8)."""
 
 from __future__ import annotations
 

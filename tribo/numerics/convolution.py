@@ -255,7 +255,7 @@ class _Buffers(threading.local):
         return self._kept[key]
 
     def clear(self) -> None:
-        """Free those of the calling thread."""
+        """Free the buffers of the calling thread."""
         self._kept.clear()
 
 

@@ -1,8 +1,8 @@
 """The one cache of simulations: maps, surfaces, kernels and contacts, kept for the next ones.
 
 This is the one place in which points of a diagram share anything. What is kept does not change
-once it is made, and threads may ask for it at the same time: one that wants what another is
-computing waits for it.
+once it is made, and threads may use it at the same time: a thread waits for a result that
+another thread computes.
 """
 
 from __future__ import annotations

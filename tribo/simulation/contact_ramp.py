@@ -118,14 +118,14 @@ def contacts(
     Parameters
     ----------
     note : Note, optional
-        What is to be kept of each increment below the load; those of which a temperature is asked
-        for have it as `State.course`.
+        Value to keep of each increment below the load. A state whose temperature is requested has
+        these values as `State.course`.
 
     Yields
     ------
     State
-        State after every step; `State.is_asked` where a temperature is asked for, which
-        `heat` gives. Where it depends on the heat of the steps before, they have it.
+        State after every step. `State.is_asked` marks the states whose temperature is requested,
+        which `heat` computes. If it depends on the heat of earlier steps, these have it.
 
     Examples
     --------
@@ -213,7 +213,7 @@ def _shown(
     velocity: float,
     course: tuple[Any, ...] = (),
 ) -> State:
-    """State of which the temperature is asked, on the finest grid."""
+    """State whose temperature is requested, on the finest grid."""
     if not after.pressure.any():
         return after
     finest = refine_step(levels, before, after, station, velocity)
@@ -227,12 +227,12 @@ def _unworn(
     velocity: float,
     station: Station,
 ) -> State:
-    """State at a station where nothing remembers the way there; kept for other velocities."""
+    """State at a station that does not depend on the steps before; kept for other velocities."""
     scene = levels[-1]
 
     def compute() -> State:
         # From the start at each station: not even a first guess may remember the way, or results
-        # would depend on the stations at which a temperature is asked for.
+        # would depend on the stations at which a temperature is requested.
         ends = _last_part(levels, velocity, start(scene), station)
         return _shown(levels, *ends, station, velocity)
 

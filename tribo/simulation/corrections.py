@@ -119,8 +119,8 @@ class Corrections:
     stem : Stem or None
         Stem of the pin, which must not turn.
     pin_bulk, disk_bulk : Bulk or None
-        Heat capacity and loss of both bodies behind all else; one that is None stays as warm as it
-        starts.
+        Heat capacity and loss of both bodies behind all else. A body with None stays as warm as
+        it starts.
     film_resistance : float
         Thickness over conductivity of an oxide or tribofilm on the disk [m² K/W].
     course : tuple of tuple of float
@@ -213,7 +213,7 @@ class Corrections:
         """Additional rise of the contact at friction 1 by all that is in the circuit [K].
 
         The columns are those of `NEEDED`, the steps last, in their order in time. NaN where the
-        temperature was not asked for.
+        temperature was not computed.
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
         heats = np.isfinite(rise) & (rise > 0)
@@ -264,7 +264,7 @@ class Corrections:
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
         """Columns whose rises at friction 1 have the corrections, at all bulk ratios [K].
 
-        Needed are those of `NEEDED`, and the rises by step as far as they are asked for.
+        The columns of `NEEDED` are needed, and each column of rises that is to be corrected.
         """
         added, slid = self.added_rise(columns), columns["sliding_distance"]
         factor = self.friction.at(slid / np.where(slid > 0, columns["time"], 1.0))

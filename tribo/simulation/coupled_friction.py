@@ -38,8 +38,8 @@ Outcome = Literal["solved", "ignites", "not converged"]
 
 _MOST_ROUNDS = 60
 _CLOSE = 2e-4  # change of a temperature in a round, in the highest rise, at which it is solved
-_TOLERANCE = 1e-3  # of the partitions, where that of the fidelity is larger
-_LOOSEST = 0.1  # of one that adds little
+_TOLERANCE = 1e-3  # tolerance of the partitions, where that of the fidelity is larger
+_LOOSEST = 0.1  # tolerance of a partition that adds little
 _GROWN = 1.25  # mean rise over the cold one from which a contact that gains ever more ignites
 _KEPT = 4  # rounds that are combined
 

@@ -42,7 +42,7 @@ _MOST_POSITIONS, _PIXELS = 100, 1e5
 # differs by 0.4 %.
 _FEWEST_POSITIONS = 5
 # From so many positions on steps of wear have more parts. Without, the ball on 140 elements among
-# these differed by 3.0 % in place of 0.5 %.
+# these differed by 3.0 %, not 0.5 %.
 _FEW, _MORE_PARTS = 20, 3
 _SHIFT = 4  # pixels by which positions differ, so that they are the same on larger elements
 
@@ -128,7 +128,7 @@ def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
 
 
 def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]:
-    """Shifts of the disk, besides its own position, over which the temperature at a load is a mean.
+    """Shifts of the disk over which, with its own position, the temperature at a load is a mean.
 
     By pixels and not by elements, for a mean that all fidelities share.
     """

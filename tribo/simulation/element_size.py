@@ -96,7 +96,7 @@ def suited(scene: Scene, normal_load: float) -> Scene:
     size = next((n for n in sizes if n <= widest), 1)
     most = min(math.sqrt(alike / fewest), across) / size
     history = max(1, min(fidelity.history_coarsening, int(most)))
-    # Of few elements each counts: that of a contact solved loosely, and one that a step leaves out.
+    # With few elements each counts, also an element that a loose contact or a long step misses.
     share = min(1.0, expected.touching / size**2 / _MANY)
     changed = replace(
         fidelity,
@@ -109,7 +109,7 @@ def suited(scene: Scene, normal_load: float) -> Scene:
 
 
 def summit_width(scene: Scene) -> float:
-    """Width of what touches of a summit, in pixels: all of one that yields, half of an elastic one.
+    """Width of a summit that touches, in pixels: all of a yielding summit, half of an elastic one.
 
     Along the narrower axis; infinite for smooth bodies.
     """

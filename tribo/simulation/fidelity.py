@@ -59,7 +59,7 @@ class Fidelity:
     heat_model : {"elapsed", "history"}
         ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
         Rooij); ``"history"``: all heat since then acts at its own time, linear between the steps.
-        Every step then needs its temperature. A contact that grows makes the former too warm: in
+        Every step then needs its temperature. With ``"elapsed"`` a growing contact is too warm: in
         the paper's system at 600 N by 0.2, 0.8, 1.5 and 2.4 % of the rise at 1.25, 0.1, 0.01 and
         0.001 m/s.
     heat_kernel : {"pin", "endless", "nearest-image"}

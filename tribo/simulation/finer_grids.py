@@ -65,7 +65,7 @@ def _observed(scene: Scene, after: State) -> State:
 
 
 def _prolonged(field: Array, shape: tuple[int, int]) -> Array:
-    """A field on finer elements, each with the value of the one that it was part of."""
+    """A field on finer elements, each with the value of the larger element around it."""
     for axis, n in enumerate(shape):
         field = np.repeat(field, n // field.shape[axis], axis)
     return field

@@ -67,14 +67,14 @@ def advance(
     station : Station
         Time and load at the end of the step.
     velocity : float
-        Sliding velocity [m/s]: that of the disk along +x, unless the scene has a motion.
+        Sliding velocity [m/s]: the disk's along +x, unless the scene has a motion.
     guess : ndarray, shape (nx, ny), optional
-        Guess of the first contact's pressure [Pa], from which the others go on; extrapolated from
-        the last two states if not given.
+        Guess of the first contact's pressure [Pa]; extrapolated from the last two states if not
+        given.
     observed : bool, optional
         True to solve the contact at the disk's own position, too, where others pass the pin.
     scheme : str, optional
-        Scheme of the wear, in place of that of the fidelity.
+        Scheme of the wear; the fidelity's if not given.
 
     Returns
     -------
@@ -194,7 +194,7 @@ def _element_area(scene: Scene) -> float:
 def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array | None]:
     """Pressure and elastic displacement at the next load, linear through the last two states.
 
-    The pressure as it is where the load has hardly changed before, as in a hold.
+    The pressure is kept where the load has hardly changed before, as in a hold.
     """
     if state.normal_load == 0.0:
         return None, None

@@ -1,9 +1,9 @@
 """Steps cut into parts, where each would leave too deep an imprint of the roughness in the pin.
 
-A pin that wears point by point takes the negative of the patch that it faces, and one that ridges
-of the disk sweep along takes that of the ridges, most of it within a few steps. How deep the
-imprint of a step is depends on the wear rate and the velocity alone, and so all loads have the same
-parts of their common ramp.
+A pin that wears point by point becomes the negative of the patch that it faces. A pin that ridges
+of the disk sweep along becomes the negative of the ridges. Most of this happens within a few steps.
+The depth of a step's imprint depends on the wear rate and the velocity alone. So all loads have the
+same parts of their common ramp.
 """
 
 from __future__ import annotations

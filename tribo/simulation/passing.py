@@ -1,4 +1,4 @@
-"""Contacts and heat with the disk at further positions, where too few elements touch at one."""
+"""Contacts and heat with the disk at other positions, where too few elements touch at one."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from tribo.wear import Stage
 
 
 def position_means(scene: Scene, before: State, state: State, velocity: float) -> State:
-    """The state with what its temperature is a mean over, at a velocity [m/s].
+    """The state with the contacts over which its temperature is a mean, at a velocity [m/s].
 
-    Its own pressure and wear stay those of the disk's own position. The state before has the
+    Pressure and wear of the state stay those of the disk's own position. The state before has the
     history of the heat, if the temperature depends on it.
     """
     stage, contacts = Stage(state.normal_load, 0.0, 0.0), []

@@ -1,9 +1,9 @@
-"""One point of the diagram: its contacts, and the temperatures of those that are asked for.
+"""One point of the diagram: its contacts, and the temperatures of the requested steps.
 
 To be read downwards: `contacts` of `contact_ramp` goes along the stations of a loading; `advance`
 of `loading_step` is one of its steps, with the contacts that `disk_positions` and the stages of
 `tribo.wear` lay out; `finer_grids` repeats the last one on the scene's own grid; `heat` of
-`temperature` gives what is asked for.
+`temperature` computes the temperature.
 """
 
 from __future__ import annotations
@@ -34,18 +34,18 @@ def simulate(
     normal_load : float
         Load on the whole pin at the end [N].
     velocity : float
-        Sliding velocity [m/s]: that of the disk along +x, unless the scene has a motion.
+        Sliding velocity [m/s]: the disk's along +x, unless the scene has a motion.
     trunks : Trunks, optional
-        Ramps of other points, from which to go on, and which this one lengthens; the result is
-        the same as from the start, bit for bit.
+        Ramps of other points, which this point continues and lengthens. The result is the same
+        as from the start, bit for bit.
     asked : container of int, optional
-        Indices of further stations at which the temperature is asked for, see `Station`.
+        Indices of stations whose temperature is computed, too, see `Station`.
 
     Yields
     ------
     State
-        State after every step that no ramp had yet. The one that reaches `normal_load` and the
-        last one have their temperature, besides those that are asked for.
+        State after every step that no ramp had yet. The state that reaches `normal_load`, the
+        last state and the states of `asked` have their temperature.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def simulate(
 
 
 def heated(scene: Scene, contact: State, velocity: float) -> State:
-    """A state of `contacts` at a velocity [m/s], with its temperature if that is asked for.
+    """A state of `contacts` at a velocity [m/s], with its temperature if requested.
 
     The scene may have any thermal constants, and the wear rate with which the contact's wear
     number is that of the velocity.

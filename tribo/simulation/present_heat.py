@@ -27,7 +27,7 @@ from tribo.thermal import rise_exceeded
 from tribo.types import Array
 
 _NODES = 128  # a midpoint rule with them is exact to 1e-4 here
-_HOTTEST = 0.1  # share of the contact, as the criterion has it unless told otherwise
+_HOTTEST = 0.1  # share of the contact that decides by default
 
 
 def excess_of_present_heat(scene: Scene, state: State) -> float:

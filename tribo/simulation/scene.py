@@ -61,7 +61,7 @@ class Scene:
         Motion of both bodies; the pin is at rest if not given.
     unequal_bulks : bool
         True if the bodies may differ in bulk temperature. If so, the response of the contact to a
-        difference is solved for besides the rise.
+        difference is solved, too.
     solved_friction : SolvedFriction, optional
         What friction by temperature is solved for at each point whose verdict hangs on it.
     fidelity : Fidelity
@@ -144,7 +144,7 @@ class Scene:
         return self.motion.velocities(sliding) if self.motion else Velocities(0.0, sliding)
 
     def windows_worn(self, sliding: float) -> float:
-        """Number of windows along x in what wears of the pin: those of its track if it rolls."""
+        """Number of windows along x in the part of the pin that wears: its track if it rolls."""
         if self.velocities_at(sliding).pin == 0:
             return 1.0
         return self.track_length / self.pixels.size[0]
@@ -268,7 +268,7 @@ class Scene:
     def separation(self, heights: Array | None) -> Array:
         """Distance of the unworn, undeformed surfaces [m], shape ``grid.shape``.
 
-        The heights are those of `heights`, which are the same for all fidelities.
+        `heights` returns the heights, which are the same for all fidelities.
         """
         profile = self.pin.profile(self.grid)
         if heights is None:
@@ -279,8 +279,8 @@ class Scene:
     def stations(self, normal_load: float, asked: Container[int] = ()) -> Iterator[Station]:
         """Steps that lead to a load [N] and through its hold, as many as the physics needs.
 
-        All steps if a state depends on those before, else only the last, that at which a hold
-        begins, and those whose indices are asked for.
+        All steps if a state depends on the steps before. Otherwise only the last step, the step
+        at which a hold begins, and the steps with the indices `asked`.
         """
         stations = self.way(normal_load)
         if self.remembers_steps:

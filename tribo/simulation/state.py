@@ -104,7 +104,7 @@ class State:
     is_asked : bool
         True to solve for the temperature of the contact.
     heat : Heat or None
-        Temperature of the contact, where it was asked for.
+        Temperature of the contact, where it was requested.
     history : State or None
         State at the same moment from which the ramp goes on, where that is another one: on the
         coarser grid of the history, or of a last step without a short end; see
@@ -114,7 +114,7 @@ class State:
     response_history : HeatHistory or None
         Heat that has flowed so far because of unequal bulk temperatures, where they are unequal.
     passing : tuple of ndarray, each of shape (nx, ny)
-        Contact pressures with the disk at further positions [Pa], over which the temperature is a
+        Contact pressures with the disk at other positions [Pa], over which the temperature is a
         mean; see `tribo.simulation.disk_positions`.
 
     Examples

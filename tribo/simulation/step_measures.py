@@ -20,7 +20,7 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         ``max_pressure`` and ``mean_pressure`` (over the contact) [Pa], ``saturated_fraction``
         (of the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole
         pin) [m³], ``iterations`` and ``residual`` of the contact; ``max_rise``, ``mean_rise`` [K]
-        and ``pin_heat_share``, NaN where the temperature was not asked for; with unequal bulk
+        and ``pin_heat_share``, NaN where the temperature was not computed; with unequal bulk
         temperatures ``mean_bulk_response`` likewise. What the size of the elements decides is
         that of the state's own, which are larger at the steps on the grid of the history; see
         `Fidelity.history_coarsening`.

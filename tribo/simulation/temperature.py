@@ -30,13 +30,13 @@ from tribo.types import Array, Mask
 def heat(scene: Scene, state: State, velocity: float) -> Heat:
     """Temperature of a state, at friction coefficient 1.
 
-    That is of bodies of equal bulk temperature, besides the response to a difference of 1 K where
-    the scene has unequal ones. The present friction heat is taken to act since time 0 (Bosman & de
-    Rooij), whatever the heat model of the fidelity.
+    The bodies have equal bulk temperatures. If the scene has unequal bulk temperatures, the
+    response to a difference of 1 K is added. The present friction heat is taken to act since
+    time 0 (Bosman & de Rooij), whatever the heat model of the fidelity.
 
-    The temperature knows of the contact its pressure and time, and not how it has worn; so the
-    thermal constants, the velocity [m/s] and the size of the elements may be others than those of
-    the contact. See `contacts`.
+    The temperature depends on the pressure and time of the contact, and not on how it has worn.
+    So it may have other thermal constants, another velocity [m/s] and other elements than the
+    contact. See `contacts`.
 
     Examples
     --------

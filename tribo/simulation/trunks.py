@@ -23,7 +23,7 @@ MOST_BYTES = 2**28
 
 
 class Note(NamedTuple):
-    """What is to be kept of each increment besides its state, and the name by which it is found."""
+    """A value to keep beside the state of each increment, and the name by which it is found."""
 
     name: Hashable
     make: Callable[[State], Any]
@@ -62,7 +62,8 @@ class _Trunk:
 class Trunks:
     """A cache of ramps by scene, velocity and increment, up to a sum of their sizes [B].
 
-    The least recently used go first. Of one that is larger the last state alone is kept.
+    The least recently used ramps go first. Of a ramp larger than the limit only the last state is
+    kept.
 
     Examples
     --------
@@ -103,7 +104,7 @@ class Trunks:
         with self._lock:
             trunk = self._trunks.setdefault(key, _Trunk())
             self._trunks.move_to_end(key)
-        with trunk.lock:  # one that wants what another is computing waits for it
+        with trunk.lock:  # a thread waits here for a ramp that another thread computes
             noted = len(trunk.notes.get(note.name, ())) if note else len(stations)
             trunk.require(len(stations), noted)
             notes: list[Any] = trunk.notes.setdefault(note.name, []) if note else []
@@ -129,7 +130,7 @@ class Trunks:
 
 
 def _arrays(state: State) -> Iterator[Array | Spectrum]:
-    """Arrays that a state has, but for those of the one before."""
+    """Arrays of a state, without the arrays that it shares with the state before."""
     yield from (state.pressure, state.wear_depth)
     if state.displacement is not None:
         yield state.displacement

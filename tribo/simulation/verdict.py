@@ -61,8 +61,8 @@ class Judging(ABC):
     def rise_factor(self) -> float:
         """Factor of the rise at friction 1: the friction, but for its dependence on temperature.
 
-        Without friction unequal bulk temperatures still warm one of the bodies. Then it is so small
-        that their ratio to it is the largest one that is kept.
+        Without friction unequal bulk temperatures still warm one of the bodies. Then the factor is
+        so small that the difference over the factor is the largest ratio that is kept.
         """
         return max(self.friction, abs(self.bulk_difference) / BULK_RATIOS[-1])
 
@@ -145,7 +145,7 @@ class Conditions(Judging):
     corrections : Corrections or None
         Bodies that warm, stem, film, friction by velocity and temperature; None for none of them.
     criterion : Criterion
-        Criterion of severe wear: more than a tenth of the contact unless told otherwise.
+        Criterion of severe wear: more than a tenth of the contact if not given.
 
     Examples
     --------

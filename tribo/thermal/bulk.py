@@ -73,7 +73,7 @@ def bulk_warming(
     conductances : tuple of float
         Conductances of pin and disk.
     bulks : tuple
-        Bulk of pin and disk; one that is None, or has no capacity, stays as warm as it starts.
+        Bulk of pin and disk. A body with None or without capacity stays as warm as it starts.
 
     Examples
     --------

@@ -86,7 +86,7 @@ class Criterion:
         Share of the contact area above the critical temperature beyond which wear is severe, from
         0 (the highest temperature) to below 1; for the kind "share" alone.
     rule : Rule or None
-        A rule of the user's own, in place of one of `CRITERIA`.
+        A rule of the user, which replaces the rule of `CRITERIA`.
 
     Examples
     --------
@@ -154,7 +154,7 @@ class Criterion:
         ----------
         columns : mapping
             The deciding column [K], ``rise_quantile`` (..., n_quantile) or ``mean_rise`` (...);
-            ``quantile`` where the former is not at all of `tribo.QUANTILES`.
+            ``quantile`` if the quantiles are not those of `tribo.QUANTILES`.
         """
         quantiles = columns.get("quantile", np.array(QUANTILES))
         with law_errors(f"criterion {self.name}"):
@@ -165,7 +165,7 @@ class Criterion:
 
 
 def _require_within(name: str, rise: Any, quantiles: Array) -> None:
-    """Raise for a user's own criterion that gives a rise beyond those of the contact."""
+    """Raise if a user's criterion returns a rise outside the contact's rises."""
     expected = np.shape(quantiles)[:-1]
     if np.shape(rise) != expected:
         raise InvariantError(

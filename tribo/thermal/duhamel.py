@@ -5,15 +5,15 @@ Between stations the flux qᵢ into each body changes linearly with time, so tha
     Tᵢ = Bᵢ⁰ qᵢⁿ + Hᵢ,   Hᵢ = Σ_{m<n} Bᵢᵐ qᵢᵐ,                                            (1)
 
 where Bᵢᵐ is the rise now due to a flux that grew from 0 to 1 before tᵐ and fell to 0 after it,
-and Bᵢ⁰ the rise due to one that has grown since the last station. One temperature on the contact
-is then, in place of Eq. (1) of `partition`,
+and Bᵢ⁰ the rise due to a flux that has grown since the last station. One temperature on the
+contact then replaces Eq. (1) of `partition` by
 
     (B₁⁰ + B₂⁰) q₁ⁿ = B₂⁰ qⁿ + H₂ − H₁ + ΔT_b.                                              (2)
 
 Bᵢᵐ depends on the ages of the stations alone. So for steps of equal length it is computed once
 for each number of steps passed, and Hᵢ is summed in Fourier space with one transform back. After
-a few steps only the lowest waves along a periodic axis are left of a flux, and of what moves
-nothing at all; no more is kept of it.
+a few steps only the lowest waves of a flux along a periodic axis are left. A flux that moves
+leaves nothing. So no more of a flux is kept.
 """
 
 from __future__ import annotations
@@ -186,7 +186,7 @@ def _past_rise(
     fluxes: tuple[Spectrum, ...],
     spectrum_of: SpectrumOf,
 ) -> tuple[Array, list[Spectrum]]:
-    """Rise that is left of earlier fluxes, and as much of those as can still act later."""
+    """Rise left by earlier fluxes, and the part of these fluxes that can still act later."""
     mx, my = padded_shape(grid)
     total = np.zeros((mx, my // 2 + 1), dtype=complex)
     kept = []

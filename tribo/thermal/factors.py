@@ -57,8 +57,8 @@ def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
 def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
     """Values of E at the element centres in wrapped order, shape (nodes, length).
 
-    Only the elements within reach of the source are evaluated; those of all periods fall on the
-    same `length` places and add up.
+    Only the elements within reach of the source are evaluated. Elements of all periods fall on
+    the same `length` places and add up.
     """
     first = math.floor((shift[0] - REACH * s[-1]) / axis.step - 0.5)
     last = math.ceil((shift[-1] + REACH * s[-1]) / axis.step + 0.5)

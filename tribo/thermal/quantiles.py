@@ -29,7 +29,7 @@ QUANTILES: tuple[float, ...] = (
 _RATIOS = (200.0, 500.0, 1e3, 2e3, 5e3, 1e4, 3e4, 1e8)
 BULK_RATIOS: tuple[float, ...] = (*(-ratio for ratio in reversed(_RATIOS)), *_RATIOS)
 """Differences of the bulk temperatures, disk's less pin's, over friction, at which quantiles are
-kept besides 0 [K]. At the outermost the frictional rise is next to nothing."""
+kept, together with 0 [K]. At the outermost the frictional rise is next to nothing."""
 
 
 def contact_quantiles(rise: Array, contact: Mask) -> Array:

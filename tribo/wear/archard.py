@@ -3,7 +3,7 @@
 The pressure p follows at once from the worn depth h and the load, and wear relaxes it: a wave of
 h that the half-space flattens with the compliance λ, an eigenvalue of the elastic map D, decays
 as exp(−kS/λ). So the shortest waves make the equation stiff. A scheme that takes the pressure at
-the end of a step solves the contact with D + k·dS in place of D, which only adds a constant to
+the end of a step solves the contact with D + k·dS, not D, which only adds a constant to
 some entries of the spectrum. The worn volume is k∫F dS in every scheme.
 """
 

@@ -1,8 +1,8 @@
-"""Wear laws whose rate depends on the distance slid: their protocol, and one that ships.
+"""Wear laws whose rate depends on the distance slid: their protocol, and the law that ships.
 
 A law is any object with these attributes. A result that is no `tribo.Wear` is an
-`InvariantError`. One that ships is a frozen dataclass here, whose fields have a meaning and a unit,
-and has a name in `LAWS`.
+`InvariantError`. A law that ships is a frozen dataclass here, whose fields have a meaning and a
+unit, and has a name in `LAWS`.
 """
 
 from __future__ import annotations
