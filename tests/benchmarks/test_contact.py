@@ -24,7 +24,7 @@ from tribo.contact import solve_contact
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # others' own
 
-# Residual that each solver is asked for, by the loosest of its own tolerances that leaves it.
+# Residual wanted of each solver, by the loosest of its tolerances that reaches it.
 # Others get some more, since not all of them come down to that on every case.
 ACCURACY, OTHERS_ACCURACY = 1e-9, 2e-9
 ROUNDS = 3

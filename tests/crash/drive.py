@@ -1,4 +1,4 @@
-"""A driver that notes the points that it was told are done, and that can be made to err.
+"""A driver that notes the points reported as done, and that can be made to err.
 
 python -m tests.crash.drive LOG run SCENE -o OUT.zarr       # as the command irg
 python -m tests.crash.drive LOG --job JOB.pickle            # the arguments of `drive`
@@ -59,7 +59,7 @@ def drive(sweep, path, log, records=None, mistake=None, pace=0.0, workers=2, sou
 
 @contextmanager
 def noting(log):
-    """Note the points that callers are told are done."""
+    """Note the points that are reported to callers as done."""
     count = Tally.count
 
     def noted(self, records):

@@ -246,7 +246,7 @@ class Trial:
 
     @property
     def acknowledged(self):
-        """Number of times that drivers were told that each point is done."""
+        """Number of times that each point was reported to drivers as done."""
         lines = self.log.read_text().splitlines(keepends=True) if self.log.exists() else ()
         rows = (json.loads(line) for line in lines if line.endswith("\n"))
         return Counter(Point(*place, tuple(map(tuple, variant))) for *place, variant in rows)

@@ -52,7 +52,7 @@ def sweep_of(points, increments=3):
 
 
 def drive(path, points, increments):
-    """Run or resume the sweep; write what was told and what it cost beside it."""
+    """Run or resume the sweep; write its reports and its cost beside it."""
     reports = []
 
     def note(now):

@@ -15,7 +15,7 @@ _FIRST = tiny.full(
 _LONGER = changed(_FIRST, loads=(150.0, 600.0, 900.0))  # by some steps
 _WIDER = changed(_LONGER, velocities=(*_FIRST.plane.velocities, 1.7, 1.9, 2.1, 2.3, 2.5))
 STAGES = (_FIRST, _LONGER, _WIDER)
-"""The same sweep, asked for more and more."""
+"""The same sweep, with more and more points."""
 FAILING = Point(600.0, 1.5)
 """A point that fails as long as nothing but the first stage is asked for, if it has a record."""
 REASON = "ConvergenceError: the contact did not converge"

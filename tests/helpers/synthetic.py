@@ -183,7 +183,7 @@ def _columns(ramp, velocity):
 
 
 def _columns_of_heat(ramp, velocity, rise, hot):
-    """Heat at the steps at which the temperature was asked for."""
+    """Heat at the steps whose temperature was requested."""
     return {
         "max_rise": np.where(hot, rise(ramp, velocity), np.nan),
         "mean_rise": np.where(hot, rise(ramp, velocity, 0.5), np.nan),

@@ -94,7 +94,7 @@ class Lines:
             with self.noted(key):
                 return usual(fixture, request)
 
-        pytest.FixtureDef.execute = execute  # asked for a value that is there already, too
+        pytest.FixtureDef.execute = execute  # also for a value that exists already
         self.coverage.start()
 
     @contextmanager

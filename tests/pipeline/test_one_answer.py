@@ -1,4 +1,4 @@
-"""One question asked of every command: their answers agree, and none says more than is known."""
+"""One question to every command: their answers agree, and none says more than is known."""
 
 import functools
 import itertools
@@ -250,7 +250,7 @@ def test_margins_documents_and_tables_say_what_the_boundary_says(name, changes):
             assert getattr(margin, f"{along}_outcome").split(" (")[0] == words
         if margin.velocity_outcome in (outcomes("velocity")[CROSSES], outcomes("velocity")[MILD]):
             assert (margin.probability > 0.5) == severe.all() or len(severe) > 1
-    if name == "a grid" or not changes:  # a row is told alike under any conditions
+    if name == "a grid" or not changes:  # a row has the same words under any conditions
         assert_tables_say(ds, margins)
 
 

@@ -94,7 +94,7 @@ CHANGES = {
 
 @pytest.fixture(scope="module")
 def stores(tmp_path_factory):
-    """A function that gives the store of a kind, made when it is first asked for."""
+    """A function that returns the store of a kind, made at its first use."""
     folder = tmp_path_factory.mktemp("printed")
     (folder / "record.csv").write_text("time [s],load [N]\n0,0\n1,300\n2,600\n3,500\n")
 
@@ -125,7 +125,7 @@ def _fewer_draws():
 
 @pytest.fixture(scope="module")
 def answers():
-    """Text and JSON of commands that were asked before, which many tests look at."""
+    """Text and JSON of commands, kept for the tests that follow."""
     return {}
 
 

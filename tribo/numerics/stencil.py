@@ -119,8 +119,8 @@ class Preconditioner:
         S − Σᵢ yᵢ(S1ᵢ)ᵀ k/(1 + k·Σyᵢ),   yᵢ the part of S·1 in row i,                           (1)
 
     followed by what makes its result sum to 0. For a stencil within rows yᵢ is S1ᵢ, and (1) the
-    exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ. If a stencil reaches beyond its row, k must be small; then (1)
-    is nearly symmetric, too.
+    exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ. A stencil that reaches beyond its row needs a small k, for
+    which (1) is nearly symmetric, too.
 
     Examples
     --------

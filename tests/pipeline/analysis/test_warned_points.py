@@ -1,4 +1,4 @@
-"""Points that carry a warning are counted, and those that the boundary rests on are told apart."""
+"""Points that carry a warning are counted, and points on the boundary are listed apart."""
 
 import json
 import shutil

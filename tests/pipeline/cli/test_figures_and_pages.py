@@ -1,4 +1,4 @@
-"""What a figure is asked for by its options, and how pages are printed."""
+"""Options of figures, and how pages are printed."""
 
 import io
 import re

@@ -1,4 +1,4 @@
-"""Progress on stderr, and what cannot succeed: told before the work."""
+"""Progress on stderr, and faults that are found before the work begins."""
 
 import argparse
 import re

@@ -193,7 +193,7 @@ def near(contact):
 
 
 ASKED = {
-    # what a log lacks, what is asked, and what then comes
+    # what a log lacks, the question, and the result after the answer
     "track": ("Load [N],Speed [rpm],Result\n400,500,ok\n", "track_radius=33.42 mm", ONE),
     "stroke": ("Load [N],Frequency [Hz],Result\n400,50,ok\n", "stroke=17.5 mm", ONE),
     "velocity": ("Load [N],Result\n400,ok\n", "velocity=1.75 m/s", ONE),

@@ -36,7 +36,7 @@ def browser():
 
 @pytest.fixture
 def page(browser, tmp_path):
-    """Open the page of a sweep; nothing is reported or asked for while a test uses it."""
+    """Open the page of a sweep; fail if it reports an error or requests a file during a test."""
 
     def opened(ds, **options):
         path = pipeline.explore(ds, tmp_path / "page.html", **options).path

@@ -72,7 +72,7 @@ def test_the_store_is_one_like_any_other(followed):
     ds = pipeline.open_sweep(followed)
     counts = pipeline.summary(followed)
     assert (counts.total, counts.pending, counts.failed) == (counts.done, 0, ())
-    assert counts.done < ds["status"].size  # there is room for more points than were asked for
+    assert counts.done < ds["status"].size  # the store has room for more points
     result = pipeline.boundary(ds)
     assert result.attrs["missing_points"] == 0
     # It answers for other conditions too, where these leave the boundary between its points.

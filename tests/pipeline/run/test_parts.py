@@ -229,7 +229,7 @@ def test_a_file_that_no_scheduler_wrote_is_refused(tmp_path, content):
 
 
 class Asked:
-    """A client whose workers answer what they are told to."""
+    """A client whose workers return given answers."""
 
     def __init__(self, answers):
         self.answers, self.calls = answers, []

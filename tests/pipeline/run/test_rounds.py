@@ -1,4 +1,4 @@
-"""Sweeps that this process computes: how many workers are asked for, and the rounds of a search."""
+"""Sweeps that this process computes: how many workers are started, and the rounds of a search."""
 
 from contextlib import contextmanager
 
@@ -18,7 +18,7 @@ from tests.pipeline.run.test_schedule import LocalClient
 
 @pytest.fixture
 def asked(monkeypatch):
-    """What is asked of a cluster, in place of which this process computes, as if of two cores."""
+    """Calls to a cluster, which this process replaces as if it had two cores."""
     wanted = []
 
     @contextmanager

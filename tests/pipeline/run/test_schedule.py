@@ -175,7 +175,7 @@ def test_the_packages_of_workers_that_differ_are_told_once_and_stored(compute_sw
 
 
 class Forgetful(LocalClient):
-    """A client whose workers have lost their results the first times that they are asked."""
+    """A client whose workers have lost their results at the first requests."""
 
     asked = 0
 
@@ -207,7 +207,7 @@ def test_a_worker_that_a_task_comes_to_before_the_scene_is_sent_it_again(compute
 
 
 class Dying(LocalClient):
-    """A client whose workers die as they are asked, and answer nothing."""
+    """A client whose workers die at each request, without an answer."""
 
     def answer(self, worker, report):
         return OSError("the worker has died")

@@ -1,4 +1,4 @@
-"""Steps of the search for the boundary: what is known, how it bends, and what is asked next.
+"""Steps of the search for the boundary: what is known, how it bends, and which points come next.
 
 From 0.5 to 8 m/s the axis of the search has the nodes 0.5 · 2^(k/2): 0.5, 0.7071, 1, 1.4142 … 8.
 """

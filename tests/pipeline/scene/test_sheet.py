@@ -1,4 +1,4 @@
-"""Tables of duties, rows of pairs and load records: each row and cell is used, told or refused."""
+"""Tables of duties, rows of pairs and load records: each row and cell is used, named or refused."""
 
 import numpy as np
 import pytest

@@ -166,7 +166,7 @@ def test_a_failed_point_whose_message_is_lost_is_tried_again(path):
 
 
 def test_a_store_that_is_half_done_is_as_sound_as_a_whole_one(path):
-    """Also where a run was killed between data and statuses, or asked for points and no more."""
+    """Also after a kill between data and statuses, or just after the points were entered."""
     commit(path, SWEEP, ())
     assert pipeline.verify_store(path).is_clean
     commit(path, SWEEP, [POINT])

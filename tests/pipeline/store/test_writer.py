@@ -38,7 +38,7 @@ def test_records_that_come_in_a_pause_are_written_together(store):
 
 
 def test_slow_commits_follow_each_other_within_ten_seconds(store):
-    """A kill costs no more work than that, and progress is told as often."""
+    """A kill costs no more work than that, and progress is reported as often."""
     with Writer(store) as writer:
         writer.add(["first"])
         writer.flush()

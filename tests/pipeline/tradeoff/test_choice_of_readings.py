@@ -26,7 +26,7 @@ OWN = "the scene's own fidelity"
 
 
 class Rig:
-    """Probes that err as told, by a function of the fidelity and the number of the point.
+    """Probes whose error is a function of the fidelity and the number of the point.
 
     Rises grow with the velocity itself, so that the boundary errs as they do.
     """

@@ -66,7 +66,7 @@ def true_error(name, fidelity):
 
 
 def kept(name, accuracy):
-    """The choice's true error is within the accuracy asked for and the error foretold."""
+    """The choice's true error is within the accuracy and within the stated error."""
     selection = choose_fidelity(ALL[name], accuracy)
     error = true_error(name, selection.fidelity)
     assert error <= selection.error <= accuracy

@@ -75,7 +75,7 @@ def test_it_says_the_points_and_the_cheapest_within_each_error():
 
 
 class Rig:
-    """Probes of which one reads what is told, and all others the truth."""
+    """Probes of which one reads the given value, and all others the truth."""
 
     def __init__(self):
         self.tried, self.places, self.off = [], [], {}

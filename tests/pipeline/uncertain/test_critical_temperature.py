@@ -18,7 +18,7 @@ from tribo import InputError
 
 
 def test_the_critical_temperature_comes_back_from_the_boundary_that_it_made(tmp_path):
-    """On a surface the boundary is found with 145 °C, and then asked for it."""
+    """The boundary of a surface, computed with 145 °C, gives 145 °C back."""
     velocities = tuple(np.arange(0.5, 4.01, 0.5).tolist())
     sweep = tiny.sweep(loads=(250.0, 600.0), velocities=velocities, variants=surfaces((1, 2)))
     commit_all(tmp_path / "a.zarr", sweep)
