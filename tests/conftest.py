@@ -18,7 +18,7 @@ MEMORY = Path("/dev/shm")
 
 
 def pytest_configure(config):
-    # A store syncs 200 files as it is made, which takes no time where nothing reaches a disk.
+    # A store syncs 200 files when it is made, which takes no time where nothing reaches a disk.
     if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > 4e9:
         os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
     config.addinivalue_line("markers", "slow: takes minutes; runs with -m slow only")

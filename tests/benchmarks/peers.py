@@ -1,4 +1,4 @@
-"""Solvers of normal contact behind one face: ours, and those of others where they are installed."""
+"""Solvers of normal contact behind one face: ours, and others' where they are installed."""
 
 import importlib
 import math

@@ -184,7 +184,7 @@ def campaign(run):
         for number in range(run.count):
             whole = whole_store(bool(run.mistake) or number % 2 == 0)
             kind = run.chance.choice(kinds)
-            # Chunks of fields are those of single points.
+            # Each chunk of a field belongs to a single point.
             among = ["fields/pressure"] if run.mistake else sorted(whole.files)
             file = run.chance.choice(whole.files[run.chance.choice(among)])
             path = run.folder / "out.zarr"

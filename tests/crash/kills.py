@@ -67,7 +67,7 @@ def _processes(driver):
 
 
 def _is_worker(process):
-    """True if a process was forked or spawned to compute, and is not the one that forks."""
+    """True if a process was forked or spawned to compute, and is not the fork server."""
     with suppress(psutil.NoSuchProcess):
         words = " ".join(process.cmdline())
         return "spawn_main" in words or ("forkserver" in words and not process.children())

@@ -172,7 +172,7 @@ def is_meant_to_fail(point, message):
 
 
 def faults_of(ds, expected, acknowledged=(), may_fail=is_meant_to_fail):
-    """Faults of a dataset: points lost, points that differ, and values of those not done."""
+    """Faults of a dataset: points lost, points that differ, and values of points not done."""
     arrays = values_of_points(ds)
     left = set(acknowledged)
     for index, point in places(ds):

@@ -45,7 +45,7 @@ class Refusals:
         """What came of an entry; stores are there under their names."""
         if name not in self.outcomes:
             build = self.table[name][0]
-            if sys.gettrace():  # what measures lines would see none of those that are traced below
+            if sys.gettrace():  # a coverage tool would miss the lines that are traced below
                 with contextlib.suppress(TriboError), contextlib.chdir(self._place()):
                     build()
             self.outcomes[name] = self._run(build, self._place())

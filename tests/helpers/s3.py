@@ -9,7 +9,7 @@ import pytest
 from moto.server import ThreadedMotoServer
 
 RUNNING = "IRG_TESTS_GATEWAY"
-"""Set if the environment leads to a server with such a bucket, in place of a stand-in."""
+"""Set if the environment names a real server with such a bucket; else a stand-in is used."""
 
 
 @contextmanager

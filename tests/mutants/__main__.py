@@ -83,7 +83,7 @@ class Lines:
     def __init__(self):
         packages = [str(ROOT / package / "*") for package in PACKAGES]
         self.coverage = Coverage(data_file=None, config_file=False, include=packages)
-        self.coverage.set_option("run:core", "ctrace")  # the one that knows of contexts
+        self.coverage.set_option("run:core", "ctrace")  # the tracer that knows of contexts
         self.now, self.uses = "none", defaultdict(set)
         self.seconds, self.red = {}, set()
         usual = pytest.FixtureDef.execute

@@ -47,7 +47,7 @@ class Change:
 
 
 def changes(tree: ast.AST, first=0, is_in_function=False) -> Iterator[Change]:
-    """All changes of a tree; those of one source are always in this order."""
+    """All changes of a tree; for the same source always in the same order."""
     for field, value in ast.iter_fields(tree):
         if field in _FIELDS or (field == "test" and "TYPE_CHECKING" in ast.unparse(value)):
             continue
@@ -68,7 +68,7 @@ def changes(tree: ast.AST, first=0, is_in_function=False) -> Iterator[Change]:
 
 
 def _faults(node: ast.AST, field: str) -> Iterator[ast.AST]:
-    """What might stand in place of a node."""
+    """Nodes that might replace a node."""
     if field in ("test", "ifs"):
         yield ast.UnaryOp(ast.Not(), node)
     match node:

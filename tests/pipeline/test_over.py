@@ -24,7 +24,7 @@ def load(folder, over=OVER, scene=SCENE, **overrides):
 
 
 def alone(folder, **entries):
-    """The scene with some entries in place of its own, without `over`."""
+    """The scene with some entries replaced, without `over`."""
     (folder / "alone.toml").write_text(SCENE.replace("fields = true", ""))
     names = {name.replace("_", ".", 1): value for name, value in entries.items()}
     return pipeline.load_scene(folder / "alone.toml", overrides=names)

@@ -18,7 +18,7 @@ import pipeline
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 LOAD_SHARES = (0.3, 0.5, 0.75, 1.0)
-"""Loads of a scene in those of its reference load."""
+"""Loads of a scene over its reference load."""
 _VELOCITY_STEP = 2.0
 _PLACES = "sweep", "title", "measured", "fidelity", "oil"
 STEEL = {
@@ -136,7 +136,7 @@ def flattened(table, path=""):
 
 
 def _shipped(name):
-    """Entries of a shipped scene and of those that it extends, without answers and places."""
+    """Entries of a shipped scene and of the scenes that it extends, without answers and places."""
     document = tomllib.loads((WORKFLOWS / f"{name}.toml").read_text(encoding="utf-8"))
     entries = _shipped(document.pop("extends")) if "extends" in document else {}
     without = document.pop("without", [])

@@ -124,7 +124,7 @@ _excess, _of_prior = Ensemble.excess, {}
 
 
 def _kept(ensemble, draws, load, velocity):
-    """`Ensemble.excess`, kept for the draws of the prior, which are those of all truths."""
+    """`Ensemble.excess`, kept for the draws of the prior, which all truths share."""
     if len(draws) < weigh._FIRST:
         return _excess(ensemble, draws, load, velocity)
     key = id(ensemble._rise), draws.tobytes(), tuple(load), tuple(velocity)

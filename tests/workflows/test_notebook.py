@@ -195,7 +195,7 @@ def test_the_notebook_leads_from_transitions_to_a_map():
     expected = [round(one, 2) for one in (prior.probability, prior.lowest, prior.highest)]
     assert [before, *ends] == expected
     assert after < before == again
-    # Inputs and tests are those of the whole scene; other numbers are those of fewer samples.
+    # Inputs and tests belong to the whole scene; other numbers to fewer samples.
     stored = [stored_text(cell) for cell in code_cells("uncertain")]
     assert numbers_apart(texts[1]) == numbers_apart(stored[1])
     for number in (2, 3):

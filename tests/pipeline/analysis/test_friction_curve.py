@@ -70,7 +70,7 @@ def test_boundary_margin_page_and_figure_cross_at_one_velocity():
 
 @pytest.mark.parametrize("corrections", [FALLING, BACK], ids=("falling", "back"))
 def test_beyond_done_points_only_the_heat_goes_on_and_friction_stays_known(corrections):
-    """Margins of a part are those of the whole, whose heat is a power of the velocity."""
+    """A part has the margins of the whole, whose heat is a power of the velocity."""
     whole = synthetic.sweep(
         velocities=[0.5, 1.0, 2.0, 4.5, 6.0], measured=(),
         conditions=replace(synthetic.conditions(), corrections=corrections),

@@ -1,4 +1,4 @@
-"""Stores beside each other: their differences, and those of a folder."""
+"""Differences of two stores, and of all stores of a folder."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Figures, by what is in them, and one that is drawn again as points come."""
+"""Contents of figures, and a figure that is drawn again as points come."""
 
 import re
 from dataclasses import replace

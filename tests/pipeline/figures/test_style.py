@@ -1,4 +1,4 @@
-"""One style sheet for all figures, which those of a user can take, too."""
+"""One style sheet for all figures, which a user's figures can take, too."""
 
 import ast
 import errno

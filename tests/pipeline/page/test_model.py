@@ -57,7 +57,7 @@ return argument.map(({ conditions, places }) => {
 
 
 def random_conditions(ds, count=5):
-    """Conditions of all kinds, the first those of the sweep."""
+    """Conditions of all kinds; the sweep's come first."""
     draw = np.random.default_rng(ds.sizes["velocity"])
     yield {}
     yield {"friction": 0.0}

@@ -86,7 +86,7 @@ class LocalClient:
 
 
 class Ended(Future):
-    """A task that has ended, with what Dask's futures have besides."""
+    """A task that has ended, with the other attributes of Dask's futures."""
 
     key = ""
     status = "pending"

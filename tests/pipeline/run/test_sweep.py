@@ -74,7 +74,7 @@ def test_a_sweep_has_the_points_computed_alone_bit_for_bit(path, alone):
 
 
 def test_a_measured_surface_gives_the_same_on_a_worker_as_here(path):
-    """Its array must come to the worker as it is, down to the alignment in memory."""
+    """Its array must reach the worker unchanged, down to the alignment in memory."""
     heights = SWEEP.scene.roughness.heights(SWEEP.scene.pixels) * 1.01 + 3e-9
     sweep = tiny.sweep(roughness=tribo.MeasuredRoughness(heights), velocities=(1.0,))
     run_sweep(sweep, path, workers=1)
@@ -133,7 +133,7 @@ def test_other_conditions_of_the_scene_are_told(copy):
 
 
 def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path, monkeypatch):
-    monkeypatch.setattr(schedule, "TRIALS", 3)  # each is a worker that dies, and one that starts
+    monkeypatch.setattr(schedule, "TRIALS", 3)  # in each a worker dies, and another starts
     deadly, velocities = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0), tiny.VELOCITIES[:2]
     outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=2)
     assert {failed.load for failed in outcome.failed} == {250.0}

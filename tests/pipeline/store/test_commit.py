@@ -42,7 +42,7 @@ def test_what_is_read_is_what_was_computed_bit_for_bit_and_its_warnings(alone):
 
 @pytest.mark.parametrize("files", [8, 22, 10**6])
 def test_a_commit_killed_before_any_change_of_a_file_leaves_points_whole(path, monkeypatch, files):
-    """Those of the last commit are done or not; those of earlier ones stay."""
+    """Points of the last commit are done or not; points of earlier commits stay."""
     commit(path, SWEEP, [POINT])
     with writing(path, SWEEP) as store, killed_after(monkeypatch, files) as was_killed:
         store.commit([record(OTHER)])

@@ -1,4 +1,4 @@
-"""Conditions of a single test or row in place of those of a sweep."""
+"""Conditions of a single test or row, which replace the sweep's."""
 
 from dataclasses import replace
 

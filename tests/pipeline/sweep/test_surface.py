@@ -64,7 +64,7 @@ def test_a_ball_has_the_film_of_a_point_contact(sweep):
 
 @pytest.mark.parametrize("ratio", [1.0, 2.0, 5.0, 20.0])
 def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
-    """Hamrock and Dowson give k = 1.03 (R_y/R_x)^0.64 in place of the ellipse of Hertz."""
+    """Hamrock and Dowson give k = 1.03 (R_y/R_x)^0.64 which replaces the ellipse of Hertz."""
     free = replace(sweep.scene.pixels, periodic=(False, False))
     ball, crowned = (
         find_lubrication(changed(sweep, pin=pin, pixels=free, wear=None))

@@ -199,7 +199,7 @@ def stage(load, outcome, velocity=2.0, **more):
 
 
 def test_stages_of_a_run_are_of_one_specimen_and_tails_of_it_at_its_ends():
-    # A run within its stages, one beyond its last, one that failed at its first.
+    # A run that turned severe within its stages, a run beyond its last, a run at its first.
     tests = [
         *(stage(load, "mild", run="1") for load in (200.0, 300.0, 350.0)),
         stage(430.0, "severe", run="1"),
@@ -260,7 +260,7 @@ def test_many_tests_are_weighed_in_steps_to_the_same_distribution(monkeypatch):
     truth = np.array([420.0, 1.2e-15, 0.1, 4.5e-6])
     measured = [dict(entry, velocity_scatter=0.004) for entry in transitions(truth, 0.002)]
     sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), tests=measured))
-    # Drawn near the tests, and not those of the prior weighed.
+    # Drawn near the tests, and not weighed draws of the prior.
     assert np.ptp(sharp.draws.inputs[:, 0]) < 0.8 * np.ptp(sharp.prior.inputs[:, 0])
     assert 0.4 < sharp.draws.effective / len(sharp.draws.weights) < 1
     inputs, _, parity = pipeline.plot(sharp).axes
@@ -460,7 +460,7 @@ def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
     for friction in (None, 0.1):
         plain = ensemble((CRITICAL,), tests=[entry | {"friction": friction}])
         conditions = dataclasses.replace(plain.conditions, corrections=falling)
-        # Rises of samples have the correction in; so those of this closed form are given it.
+        # Rises of samples include the correction; so it is added to the closed form, too.
         factor = np.array([conditions.friction_at(v) / 0.1 for v in plain.sample_velocities])
         corrected = dataclasses.replace(
             plain, conditions=conditions, rises=plain.rises * factor[:, None]

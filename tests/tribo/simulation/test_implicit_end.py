@@ -28,7 +28,7 @@ def last(scene, load):
 
 
 def test_the_rise_under_heavy_wear_is_known_in_ten_steps():
-    """Without the short end the latter is 3 % too high."""
+    """Without the short end the quantile is 3 % too high."""
     few, many = (last(worn_scene(increments=n), 600.0).heat for n in (10, 200))
     assert few.mean_rise == pytest.approx(many.mean_rise, rel=0.005)
     assert few.rise_quantile[-3] == pytest.approx(many.rise_quantile[-3], rel=0.01)

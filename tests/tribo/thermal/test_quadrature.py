@@ -85,7 +85,7 @@ def summed(axis, s, shift):
         return np.where(np.abs(order) < axis.n, edges(order * axis.step, s, shift, axis.step), 0.0)
     periods = axis.n * np.arange(-60, 61)[:, None]
     every = edges((order + periods) * axis.step, s, shift, axis.step)
-    if axis.nearest_image:  # those of less than a period, and half of both that are as near
+    if axis.nearest_image:  # distances below a period, and half of two that are equally near
         weight = np.select([np.abs(order + periods) < axis.n, np.abs(order + periods) == axis.n],
                            [1.0, 0.5])  # fmt: skip
         every = weight * every
