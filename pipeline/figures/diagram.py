@@ -17,23 +17,12 @@ from matplotlib.patches import Patch
 
 from pipeline import extras
 from pipeline.analysis.boundary import BAND
-from pipeline.analysis.dataset import (
-    Kind,
-    asked,
-    drawn_row,
-    entry_dims,
-    read_conditions,
-    scene_sweep,
-    select_surface,
-    stored_sweep,
-    sweep_kind,
-)
-from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.dataset import Kind, select_surface, sweep_kind
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.analysis.margin import DECIDED, verdict_plane
-from pipeline.analysis.results import results
-from pipeline.analysis.scenes import scenes, value_text
+from pipeline.analysis.results import Results, results
+from pipeline.analysis.scenes import value_text
 from pipeline.analysis.warned_points import warning_flags
 from pipeline.figures import style
 from pipeline.figures.overlays import (
@@ -51,7 +40,7 @@ from pipeline.sweep.about import judged_by
 from pipeline.sweep.model import named
 from pipeline.sweep.severity import rise_limit
 from tribo import Criterion, InputError
-from tribo.types import Array
+from tribo.types import Array, Mask
 
 _SIZE = 8.0, 5.6  # [in], of a diagram
 _LIGHTEST = 0.85  # of the colours of several scenes
@@ -85,63 +74,65 @@ def diagram(
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
     figure, axes = style.canvas(ax, _SIZE)
-    several = [*scenes(ds)]
-    conditions = read_conditions(several[0])
-    draw = _draw_scenes if entry_dims(ds) else _draw_scene
-    legend, caption = draw(axes, ds)
-    tests, beyond = reachable_tests(ds, numbered(laboratory_tests(ds)))
-    own_bulk = scene_sweep(several[0]).conditions.bulk_temperature
+    held = results(ds)
+    conditions = next(held.scenes).conditions
+    legend, caption = (_draw_scenes if held.entry_dims else _draw_scene)(axes, held)
+    tests, beyond = reachable_tests(held, numbered(laboratory_tests(held)))
+    own_bulk = held.stored.conditions.bulk_temperature
     legend += [*mark_tests(axes, tests, conditions.bulk_temperature, own_bulk), *beyond]
     axes.use_sticky_edges = False  # those of the regions would leave no margin
     axes.margins(0.04)
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
-    style.write_title(axes, ", ".join([style.title_of(ds), *named(drawn_row(ds))]))
+    surface = tuple((k, label) for k, label in held.labels.items() if k == "realization")
+    style.write_title(axes, ", ".join([style.title_of(ds), *named(surface)]))
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
     style.legend_below(figure, ax, handles=legend, caption=caption)
     return figure
 
 
-def _draw_scene(axes: Axes, ds: xr.Dataset) -> tuple[list[Artist], str]:
+def _draw_scene(axes: Axes, held: Results) -> tuple[list[Artist], str]:
     """Draw one scene, the boundary that of the median of its surfaces; its legend and caption."""
-    field = point_field(ds)
+    field = point_field(held)
     caption, legend = judged_by([field.conditions]), list[Artist]()
-    sizes = {name: ds.sizes[name] for name in PLANE}
+    sizes = {"load": len(held.loads), "velocity": len(held.velocities)}
     if min(sizes.values()) > 1:
-        x, y = _between(ds["velocity"].values, 96), _between(ds["load"].values, 48)
+        x, y = _between(held.velocities, 96), _between(held.loads, 48)
         excess = _excess(field, x, y)
-        legend += _shade_verdicts(axes, ds, field, x, y, excess)
+        legend += _shade_verdicts(axes, field, x, y, excess)
         if zero_line(axes, x, y, np.median(excess, axis=0), "boundary", **style.BOUNDARY):
             label = "computed transition" + ", median" * (len(excess) > 1)
             legend.append(Line2D([], [], label=label, **style.BOUNDARY))
         legend += _shade_surfaces(axes, x, y, excess)
-        legend += _friction_lines(axes, ds, field, x, y)
-        legend += film_lines(axes, ds, field.conditions)
-        caption += f"\nthe model's own error: {model_error(ds, field).worded}"
+        legend += _friction_lines(axes, field, x, y)
+        legend += film_lines(axes, held, field.conditions)
+        caption += f"\nthe model's own error: {model_error(held, field).worded}"
     elif max(sizes.values()) > 1:
-        legend += _mark_transition(axes, ds, field, "velocity" if sizes["velocity"] > 1 else "load")
-    return [*legend, *_mark_points(axes, ds)], caption
+        legend += _mark_transition(
+            axes, held, field, "velocity" if sizes["velocity"] > 1 else "load"
+        )
+    return [*legend, *_mark_points(axes, held)], caption
 
 
-def _draw_scenes(axes: Axes, ds: xr.Dataset) -> tuple[list[Artist], str]:
+def _draw_scenes(axes: Axes, held: Results) -> tuple[list[Artist], str]:
     """Draw the boundary of each scene of a sweep over entries, the median of its surfaces."""
-    if min(ds.sizes["load"], ds.sizes["velocity"]) < 2:
+    if min(len(held.loads), len(held.velocities)) < 2:
         raise InputError(
             "the diagram of several scenes takes two loads and two velocities or more; irg "
             "boundary prints their transitions"
         )
-    several, legend = [point_field(scene) for scene in scenes(ds)], list[Artist]()
+    several, legend = [point_field(scene) for scene in held.scenes], list[Artist]()
     shades = colormaps["viridis"](np.linspace(0.0, _LIGHTEST, len(several)))
-    x, y = _between(ds["velocity"].values, 96), _between(ds["load"].values, 48)
+    x, y = _between(held.velocities, 96), _between(held.loads, 48)
     for field, shade in zip(several, shades, strict=True):
         plane = np.median(_excess(field, x, y), axis=0)
-        name = ", ".join(value_text(ds[path], field.shown[path]) for path in entry_dims(ds))
+        name = ", ".join(value_text(held.rows[path], field.shown[path]) for path in held.entry_dims)
         look: dict[str, Any] = style.BOUNDARY | {"color": shade}
         if not zero_line(axes, x, y, plane, f"boundary {name}", **look):
             name, look = f"{name}: no transition computed", {"ls": "none"}
         legend.append(Line2D([], [], label=name, **look))
-    entries = " and ".join(entry_dims(ds)).replace(".", " ").replace("_", " ")
+    entries = " and ".join(held.entry_dims).replace(".", " ").replace("_", " ")
     caption, conditions = f"transition by {entries}", {field.conditions for field in several}
     return legend, caption + (f"; {judged_by(conditions)}" if len(conditions) == 1 else "")
 
@@ -164,11 +155,11 @@ def _excess(field: PointField, x: Array, y: Array) -> Array:
 
 
 def _shade_verdicts(
-    axes: Axes, ds: xr.Dataset, field: PointField, x: Array, y: Array, excess: Array
+    axes: Axes, field: PointField, x: Array, y: Array, excess: Array
 ) -> list[Artist]:
     """Shade where the next run is mild, severe, or neither is decided, as a margin says it."""
     is_told = np.isfinite(excess).all(axis=0)
-    bounds = verdict_plane(field, y, x, model_error(ds, field))
+    bounds = verdict_plane(field, y, x, model_error(field.source, field))
     lowest, highest = (np.where(is_told, bound, np.nan) for bound in bounds)
     legend, (mild, _, severe) = list[Artist](), DECIDED
     between = np.minimum(highest - mild, severe - lowest)
@@ -201,11 +192,9 @@ def _shade_surfaces(axes: Axes, x: Array, y: Array, excess: Array) -> list[Artis
     return [Patch(fc=GREEN, ec=GREEN, lw=style.THIN, label=text, **look)]
 
 
-def _friction_lines(
-    axes: Axes, ds: xr.Dataset, field: PointField, x: Array, y: Array
-) -> list[Artist]:
+def _friction_lines(axes: Axes, field: PointField, x: Array, y: Array) -> list[Artist]:
     """Draw the boundaries at the lowest and the highest friction measured."""
-    band = stored_sweep(ds).about.friction_band
+    band = field.source.sweep.about.friction_band
     if not band or min(band) == max(band):
         return []
     look: dict[str, Any] = {"color": GREY, "lw": style.THIN, "ls": "--"}
@@ -218,43 +207,42 @@ def _friction_lines(
     return [Line2D([], [], label=label, **look)] * any(drawn)
 
 
-def _mark_points(axes: Axes, ds: xr.Dataset) -> list[Artist]:
+def _mark_points(axes: Axes, held: Results) -> list[Artist]:
     """Mark the points; over several surfaces, by those on which the point is done."""
-    conditions = read_conditions(ds)
-    r, limit = decisive_rise(ds, conditions), rise_limit(conditions)
+    r, limit = held.rises(held.conditions), rise_limit(held.conditions)
     hot, cold = (_any_surface(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
-    failed = ~(hot | cold) & _any_surface(ds["status"] != PENDING)
-    pending = ~(hot | cold) & ~failed & _any_surface(asked(ds))
+    failed = ~(hot | cold) & _any_surface(held.columns["status"] != PENDING)
+    pending = ~(hot | cold) & ~failed & _any_surface(held.asked)
     usual = rcParams["lines.markersize"]
-    kinds: list[tuple[str, xr.DataArray, dict[str, Any]]] = [
+    kinds: list[tuple[str, Mask, dict[str, Any]]] = [
         ("mild wear, computed", cold & ~hot, {"marker": "o", "mfc": "white", "mec": BLUE}),
         ("severe wear, computed", hot & ~cold, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
         ("severe on some surfaces", hot & cold, {"marker": "s", "mfc": "white", "mec": VERMILION}),
         ("failed", failed, {"marker": "x", "mec": BLACK}),
         ("pending", pending, {"marker": "o", "mfc": GREY, "mec": "none"}),
-        ("carries a warning", _any_surface(r.copy(data=warning_flags(results(ds)) != 0)),
+        ("carries a warning", _any_surface(warning_flags(held) != 0),
          {"marker": "o", "mfc": "none", "mec": BLACK, "ms": style.BIG * usual}),
     ]  # fmt: skip
     look_of_all = {"ls": "none", "ms": usual * (0.5 if failed.size > _MANY else 0.8)}
     legend = list[Artist]()
     for label, where, look in kinds:
-        rows, columns = np.nonzero(where.values)
+        rows, columns = np.nonzero(where)
         if rows.size:
-            places = ds["velocity"].values[columns], ds["load"].values[rows]
+            places = held.velocities[columns], held.loads[rows]
             legend += axes.plot(
                 *places, label=label, gid=label, mew=style.THIN, **look_of_all | look
             )
     return legend
 
 
-def _any_surface(holds: xr.DataArray) -> xr.DataArray:
+def _any_surface(holds: Mask) -> Mask:
     """Points by load and velocity at which something holds on any surface."""
-    return holds.any([dim for dim in holds.dims if dim not in PLANE]).transpose(*PLANE)
+    return np.asarray(holds.any(axis=tuple(range(holds.ndim - len(PLANE)))))
 
 
-def _mark_transition(axes: Axes, ds: xr.Dataset, field: PointField, axis: str) -> list[Artist]:
+def _mark_transition(axes: Axes, held: Results, field: PointField, axis: str) -> list[Artist]:
     """Mark the transition of a sweep with a single load or velocity, or say why there is none."""
-    last = {name: ds[name].values[-1:] for name in PLANE}
+    last = {"load": held.loads[-1:], "velocity": held.velocities[-1:]}
     found = field.transitions(axis, last["load"], last["velocity"])
     crossings = found.first[np.isfinite(found.first)]
     (outcome,) = found.worded(axis)

@@ -6,17 +6,15 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib import rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from scipy.ndimage import distance_transform_edt
 
-from pipeline.analysis.dataset import stored_sweep
+from pipeline.analysis.results import Results
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, FAINT, THIN, VERMILION
-from pipeline.store.schema import PLANE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.surface import find_lubrication
@@ -43,12 +41,12 @@ def zero_line(
     return True
 
 
-def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
+def film_lines(axes: Axes, held: Results, conditions: Conditions) -> list[Artist]:
     """Draw the beginnings of mixed lubrication and of the full film, if they lie in the figure."""
-    lubrication = find_lubrication(stored_sweep(ds))
+    lubrication = find_lubrication(held.sweep)
     if lubrication is None:
         return []
-    y, x = (np.linspace(*ds[name].values[[0, -1]]) for name in PLANE)
+    y, x = (np.linspace(*axis[[0, -1]]) for axis in (held.loads, held.velocities))
     film = lubrication.film_parameter(y[:, None], x, conditions.mean_bulk_temperature)
     legend: list[Artist] = []
     for level, beyond, dashes in _LEVELS:
@@ -103,10 +101,10 @@ def numbered(tests: Iterable[Measurement]) -> dict[str, Measurement]:
 
 
 def reachable_tests(
-    ds: xr.Dataset, tests: Mapping[str, Measurement]
+    held: Results, tests: Mapping[str, Measurement]
 ) -> tuple[dict[str, Measurement], list[Artist]]:
     """Tests within about half the sweep's range beyond it; a line of the legend on the others."""
-    ends = {name: ds[name].values[[0, -1]] for name in PLANE}
+    ends = {"load": held.loads[[0, -1]], "velocity": held.velocities[[0, -1]]}
 
     def is_near(test: Measurement) -> bool:
         place = {"load": test.normal_load, "velocity": abs(test.velocity)}

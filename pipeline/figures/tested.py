@@ -10,7 +10,7 @@ from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.analysis.dataset import asked, plane_of, stored_sweep
+from pipeline.analysis.dataset import Kind, require_kind, require_one_scene
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import (
     USUAL_SCATTER,
@@ -22,6 +22,7 @@ from pipeline.analysis.laboratory import (
 )
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.results import results
 from pipeline.figures import style
 from pipeline.figures.overlays import TESTS, numbered
 from pipeline.figures.style import BLACK, GREY
@@ -34,28 +35,30 @@ _ROOM = 1.25  # factor of velocity about the tests
 @style.house_style
 def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     """Draw the velocity of each test over the critical one computed at its own conditions."""
-    ds = plane_of(ds)
-    held = numbered(laboratory_tests(ds))
+    read = results(ds)
+    require_kind(read.kind, Kind.PLANE)
+    require_one_scene(read.entry_dims)
+    held = numbered(laboratory_tests(read))
     if not held:
         raise InputError(
             "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene, or a "
             "log of them as irg tests writes it"
         )
-    field, found = point_field(ds), []
+    field, found = point_field(read), []
     for number, test in held.items():
         with suppress(InputError):  # as warm as the critical temperature
-            one = comparison(field.under(own_conditions(ds, test)), test)
+            one = comparison(field.under(own_conditions(read, test)), test)
             if one.is_known and 0 < one.critical < np.inf:
                 found.append((number, test, one))
     if not found:
-        if (asked(ds) & (ds["status"] == PENDING)).any():
+        if (read.asked & (read.columns["status"] == PENDING)).any():
             raise InputError("too little is done to tell of any test; go on with irg run")
         raise InputError("no test of the scene is in the sweep; add loads and velocities to it")
     figure, axes = style.canvas(ax, (8.0, 5.6))
     places = np.array([(one.critical, test.velocity) for _, test, one in found])
     ends = places.min() / _ROOM, places.max() * _ROOM
-    oils = untold_oils(stored_sweep(ds).about)
-    scatter = model_error(ds, field) if len(oils) < 2 else None  # one error is of one oil
+    oils = untold_oils(read.sweep.about)
+    scatter = model_error(read, field) if len(oils) < 2 else None  # one error is of one oil
     _draw_band(axes, np.array(ends), scatter)
     labels = set[str]()
     for number, test, one in found:

@@ -39,6 +39,7 @@ from pipeline.analysis.laboratory import (
 )
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import AGREED, WORTH, ModelError
+from pipeline.analysis.results import results
 from pipeline.analysis.transition import LEAST_SLOPE, outcomes, range_of
 from pipeline.figures.overlays import numbered, reachable_tests
 from pipeline.page.controls import controls
@@ -136,7 +137,7 @@ def _told(test: Measurement) -> dict[str, Any]:
 def _tests(ds: xr.Dataset, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
     """Tests with the nearest node, and the friction and bulk that each is judged at."""
     told, tests = [], laboratory_tests(ds)
-    drawn = reachable_tests(ds, numbered(tests))[0].values()
+    drawn = reachable_tests(results(ds), numbered(tests))[0].values()
     for test in tests:
         own = own_conditions(ds, test)
         there = _conditions(ds, own) | {"strip_friction": test.friction is not None}

@@ -277,11 +277,11 @@ def test_conditions_are_near_where_friction_by_velocity_is_that_of_the_test():
     [(0.5e-6, "boundary lubrication"), (0.01e-6, "full film, outside the model")],
 )
 def test_where_no_film_begins_its_range_and_regime_are_told(height, regime):
-    assert film_lines(Figure().add_subplot(), sweep(), OWN) == []
+    assert film_lines(Figure().add_subplot(), pipeline.results(sweep()), OWN) == []
     axes = Figure().add_subplot()
     roughness = tribo.SelfAffineRoughness(height, 0.8, (4e-6, 9e-6), seed=1)
     oily = sweep(oil=synthetic.OIL, roughness=roughness)
-    (line,) = film_lines(axes, oily, OWN)
+    (line,) = film_lines(axes, pipeline.results(oily), OWN)
     assert not axes.collections
     low, high = (
         find_lubrication(stored_sweep(oily)).film_parameter(load, velocity, 298.15)
