@@ -17,7 +17,7 @@ from xarray.core import indexing
 from zarr.storage import StorePath
 
 from pipeline.store.arrays import are_plain, bounded
-from pipeline.store.layout import Axes, row_axes
+from pipeline.store.layout import Axes, blocks, row_axes
 from pipeline.store.place import (
     KEPT,
     ROOT,
@@ -117,9 +117,10 @@ def _require_chunks(store: Store) -> None:
     done = store.flags == DONE
     with reaches(store.place):
         keys = store.place.keys()
-    of_points = itertools.filterfalse(is_coordinate, store.arrays)
-    if lost := [name for name in of_points if store.lacks(name, done, keys)]:
-        raise StoreError(damaged(store.place, ", ".join(sorted(lost))))
+    for name in itertools.filterfalse(is_coordinate, store.arrays):
+        chunks = blocks(done, store.arrays[name].chunks[: done.ndim])
+        if not all(store.key(name, numbers) in keys for numbers, _ in chunks):
+            raise StoreError(damaged(store.place, name))
 
 
 def _plane(root: Root) -> tuple[Root, Indices | None]:

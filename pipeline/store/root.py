@@ -205,16 +205,16 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
         version, digest = facts["format"], facts["digest"]
         is_as_written = version == FORMAT and digest == _digest(attributes, facts, metadata)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise StoreError(
-            f"{place} is not the store of a sweep, or its {ROOT} is damaged; {_ELSEWHERE}"
-        ) from None
+        version, is_as_written = FORMAT, False
     if version != FORMAT:
         raise StoreError(
             f"{place} is of another version of this program: it has format {version}, and this "
             f"one reads {FORMAT}; {_ANEW}"
         )
     if not is_as_written:
-        raise StoreError(f"{place}: {ROOT} is damaged: it is not what was written; {_ELSEWHERE}")
+        raise StoreError(
+            f"{place} is not the store of a sweep, or its {ROOT} is damaged; {_ELSEWHERE}"
+        )
     try:
         root = Root(
             sweep=text_sweep(attributes["sweep"], _read_inputs(place, facts["inputs"])),

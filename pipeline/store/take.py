@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 from pipeline.store.checksum import checksum
@@ -28,30 +27,22 @@ def take_points(store: Store, other: Store) -> int:
     for point in store.pending():
         wanted.setdefault((store.simulated.at(point), *point[:2]), []).append(point)
     count = 0
-    for block in _sound_blocks(other):
-        records = [
-            PointRecord(
-                point,
-                {name: entries[name] for name in data},
-                entries["message"],
-                entries["warning_flags"],
-                entries["wall_time"],
-                checksum=checksum(store.simulated.at(point), point, entries),
-            )
-            for here, entries in block
-            for point in wanted.get((other.simulated.at(here), *here[:2]), ())
-        ]
+    for _, block in blocks(other.flags == DONE, other.block):
+        records = []
+        for index, here, entries in stored_entries(other, block, read_block(other, block)):
+            if other.flags[index] != DONE or fault_of(other, here, entries):
+                continue
+            records += [
+                PointRecord(
+                    point,
+                    {name: entries[name] for name in data},
+                    entries["message"],
+                    entries["warning_flags"],
+                    entries["wall_time"],
+                    checksum=checksum(store.simulated.at(point), point, entries),
+                )
+                for point in wanted.get((other.simulated.at(here), *here[:2]), ())
+            ]
         store.commit(records)
         count += len(records)
     return count
-
-
-def _sound_blocks(store: Store) -> Iterator[list[tuple[Point, dict[str, Any]]]]:
-    """Done points of each chunk with their entries, as far as these have their checksum."""
-    for _, block in blocks(store.flags == DONE, store.block):
-        found = stored_entries(store, block, read_block(store, block))
-        yield [
-            (point, entries)
-            for index, point, entries in found
-            if store.flags[index] == DONE and not fault_of(store, point, entries)
-        ]

@@ -112,11 +112,6 @@ class Store:
         """Key of a chunk of a variable by its numbers along the dimensions of points."""
         return chunk_key(name, numbers, self.arrays[name].ndim)
 
-    def lacks(self, name: str, mask: Mask, keys: set[str]) -> bool:
-        """True if a variable lacks a chunk of any point of a mask, by the keys that there are."""
-        chunks = blocks(mask, self.arrays[name].chunks[: mask.ndim])
-        return not all(self.key(name, numbers) in keys for numbers, _ in chunks)
-
     # What is read
 
     def read(self, name: str, key: Any) -> Any:

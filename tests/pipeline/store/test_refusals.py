@@ -192,7 +192,7 @@ REFUSALS = {
     "parts": (changed(put(ROOT, b"[" * 10_000_000)), "zarr.json is damaged; restore it from a"),
     "no JSON": (changed(put(ROOT, b"null")), "zarr.json is damaged; restore it from a backup"),
     "other": (changed(lambda path: edit(path / ROOT, lambda root: root["attributes"].update(
-        scene_id="[7]"))), "zarr.json is damaged: it is not what was written"),
+        scene_id="[7]"))), "zarr.json is damaged; restore it from a backup"),
     "old": (changed(forged(lambda texts, _: texts["store"].update(format=3))), "it has format 3"),
     "variable": (changed(forged(lambda texts, _: texts["store"]["axes"].update(mine=[1.0]))),
                  "the variable mine is unknown or missing"),
