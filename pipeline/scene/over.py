@@ -27,7 +27,7 @@ from tribo import InputError
 
 _LIKE = {"oil": "oil.like"}
 """Entry of a table that is given by the name of one of the library."""
-_FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
+_FIXED = ("sweep", "title", "caveat", "extends", "without", "measured", "tested", "unknown")
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
@@ -116,13 +116,13 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
     rows, reader, base = [], sweep.reader, sweep.parts()
     for row in table.rows:
         written = replace_values(sweep.written, row.values)
+        given = {path: one for path, one in row.values.items() if one is not None}
         try:
             parts = reader.read(written)
             _require_alike(parts, base)
         except InputError as error:
-            words = ", ".join(f"{path} = {quoted(value)}" for path, value in row.values.items())
+            words = ", ".join(f"{path} = {quoted(value)}" for path, value in given.items())
             raise InputError(f"{key}: {words}: {error}") from error
-        given = {path: one for path, one in row.values.items() if one is not None}
         full = reader.complete(written, parts, base)
         before = {path: sweep.entries.get(path) for path in full}
         added = {path: one for path, one in changes(before, full) if path not in given}

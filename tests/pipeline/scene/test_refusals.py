@@ -258,6 +258,7 @@ ENTRIES = {
                     '"parsnip" is not '),
     # several values of an entry
     "over fixed": (over("sweep.loads", [1, 2]), "this cannot take several values"),
+    "over words": (over("caveat", ["a", "b"]), "this cannot take several values"),
     "over units": (over("pin.radius", ["1 mm", 2]), "give all with a unit, or none"),
     "over twice": (over("pin.radius", ["1 mm", "1000 um"]), "are the same; give each value once"),
     "over faulty": (over("pin.radius", ["2 mm", "-1 mm"]), '"-1 mm" is out of range'),
