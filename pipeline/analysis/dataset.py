@@ -78,16 +78,26 @@ def whole_sweep(ds: xr.Dataset) -> Sweep:
 
 def stored_sweep(ds: xr.Dataset) -> Sweep:
     """The same, at those labels that the dataset was taken at."""
-    columns = {column.name for column in scene_sweep(ds).variants.columns}
+    table = scene_sweep(ds).variants
+    return sweep_at(judge_of(ds), table, ds, judged_values(ds))
+
+
+def sweep_at(judge: Judge, table: Variants, labels: xr.Dataset, judged: Mapping[str, Any]) -> Sweep:
+    """The sweep at values that it is judged at, and at those labels that have a single value."""
+    columns = {column.name for column in table.columns}
     values = {
-        path: ds[path].item()
+        path: labels[path].item()
         for path in PATHS.values()
-        if path in ds.coords and not ds[path].ndim and path not in columns
+        if path in labels.coords and not labels[path].ndim and path not in columns
     }
-    return judge_of(ds)(json.dumps(judged_values(ds) | values), taken_at(ds))
+    return judge(json.dumps({**judged, **values}), name_at(table, labels))
 
 
-def judge_of(ds: xr.Dataset) -> Callable[[str, Variant], Sweep]:
+Judge = Callable[[str, Variant], Sweep]
+"""What gives a sweep at values as JSON, and at labels."""
+
+
+def judge_of(ds: xr.Dataset) -> Judge:
     """What gives the sweep of a dataset at values as JSON, and at labels."""
     return functools.partial(_taken_at, _text(ds), _Source.of(ds), _judgement(ds)[1])
 

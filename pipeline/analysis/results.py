@@ -7,8 +7,7 @@ is changed to afterwards is not in them.
 from __future__ import annotations
 
 import functools
-import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -17,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import (
+    Judge,
     Kind,
     dataset_of,
     drawn_dims,
@@ -27,6 +27,7 @@ from pipeline.analysis.dataset import (
     name_at,
     require_computed,
     scene_sweep,
+    sweep_at,
     sweep_kind,
 )
 from pipeline.store.place import PathLike
@@ -90,7 +91,7 @@ class Results:
     columns: Mapping[str, Array] = field(repr=False)
     shares: Array = field(repr=False)
     keeper: Any = field(repr=False)  # of the store that they are from, which has its messages
-    judge: Callable[[str, Variant], Sweep] = field(repr=False)
+    judge: Judge = field(repr=False)
 
     @property
     def entry_dims(self) -> tuple[str, ...]:
@@ -131,13 +132,7 @@ class Results:
     @functools.cached_property
     def sweep(self) -> Sweep:
         """The sweep at these labels, judged."""
-        columns = {column.name for column in self.stored.variants.columns}
-        labels = {
-            path: self.rows[path].item()
-            for path in PATHS.values()
-            if path in self.rows.coords and not self.rows[path].ndim and path not in columns
-        }
-        return self.judge(json.dumps({**self.judged, **labels}), self.name)
+        return sweep_at(self.judge, self.stored.variants, self.rows, self.judged)
 
     @functools.cached_property
     def conditions(self) -> Conditions:
