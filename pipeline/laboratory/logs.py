@@ -153,9 +153,9 @@ def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
     said = dict.fromkeys(row.cells[place] for row in sheet.rows)
     found = {cell: words.get(cell) or outcome_of(cell, title) for cell in said}
     log.words = {cell: one for cell, one in found.items() if one and cell not in OUTCOMES}
-    told = {cell: one or cell for cell, one in found.items() if cell.lower() not in EMPTY}
-    if empty and "" not in words and len({*told.values()}) == 1:
-        word, outcome = next(iter(told.items()))
+    meanings = {cell: one or cell for cell, one in found.items() if cell.lower() not in EMPTY}
+    if empty and "" not in words and len({*meanings.values()}) == 1:
+        word, outcome = next(iter(meanings.items()))
         other = "severe" if outcome == "mild" else "mild"
         sheet.faults.append(
             f"{numbered([row.number for row in empty])}: no outcome, where all others are {outcome}"

@@ -132,14 +132,14 @@ def add_hints(sheet: Sheet) -> None:
             head = f"{sheet.heading(match[1]).text} [{unit}]"
             sheet.faults[k] += f'; write the unit in the heading, or --column "{match[1]}={head}"'
         if match := re.search(r', outcome: "((?:\\.|[^"])*)" is unknown', fault):
-            told = _NEAR.sub("", fault) if " " in match[1] else fault
-            sheet.faults[k] = f'{told}; or say what it means by --word "{match[1]}=severe"'
+            message = _NEAR.sub("", fault) if " " in match[1] else fault
+            sheet.faults[k] = f'{message}; or say what it means by --word "{match[1]}=severe"'
 
 
-def _take_rows(sheet: Sheet, asked: Mapping[str, Any], is_kept: bool) -> None:
+def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
     """Keep, or leave out, the rows with a value in a column, by its heading or its quantity."""
     heads = [heading.text for heading in sheet.headings]
-    for head, value in asked.items():
+    for head, value in values.items():
         if head not in heads and head not in sheet.places:
             option, listed = "where" if is_kept else "skip", ", ".join(filter(None, heads))
             sheet.faults.append(f'{option}: there is no column "{head}"; give one of {listed}')

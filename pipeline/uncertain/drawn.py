@@ -48,9 +48,9 @@ def drawn_value(draw: Any, path: str, value: float | str) -> float:
     )
 
 
-def described(told: Any, count: int) -> tuple[list[Line], dict[str, Any]]:
+def described(data: Any, count: int) -> tuple[list[Line], dict[str, Any]]:
     """Inputs that are not known exactly, and their samples: in words, and as plain data."""
-    draw = Draw.of(told)
+    draw = Draw.of(data)
     design = draw.design
     simulated = {one.path for one in design.inputs}
     document = {
