@@ -1,5 +1,17 @@
 """The machine, as far as a process may use it: its affinity and a container's limits count."""
 
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+# Of a container, of one under the first version of control groups, of the whole machine.
+_COUNTS = (
+    "/sys/fs/cgroup/memory.events",
+    "/sys/fs/cgroup/memory/memory.oom_control",
+    "/proc/vmstat",
+)
+
 
 def cores() -> int:
     """Number of cores."""
@@ -13,3 +25,12 @@ def memory() -> int:
     from distributed.system import MEMORY_LIMIT
 
     return int(MEMORY_LIMIT)
+
+
+def oom_kills() -> int:
+    """Number of processes that the kernel has ended so far for want of memory, 0 if not known."""
+    for file in _COUNTS:
+        with suppress(OSError, KeyError, ValueError):
+            lines = Path(file).read_text().splitlines()
+            return int(dict(line.split() for line in lines)["oom_kill"])
+    return 0

@@ -5,22 +5,23 @@ from __future__ import annotations
 import gc
 import json
 import logging
+import math
 import multiprocessing
 import time
 import warnings
-from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
 import dask
 from distributed import Client as Client
 from distributed import LocalCluster, Security, Status
+from distributed.client import ClosedClientError
 from distributed.utils import silence_logging_cmgr
 
+from pipeline.machine import oom_kills
 from pipeline.run import forkserver
 from pipeline.run.forkserver import UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
 from pipeline.run.work import SAFE, ExecutionError
@@ -52,6 +53,10 @@ CONFIGURATION = {
     "distributed.deploy.lost-worker-timeout": "1000 days",
 }
 """Dask's configuration of a cluster that a run starts, for the driver and its workers."""
+POLL = 1.0
+"""Time between two looks at the workers [s]."""
+GONE = (CancelledError, OSError, ClosedClientError, AttributeError, RuntimeError)
+"""What Dask raises without a scheduler, the last three of a client that was closed."""
 LOST = f"the Dask scheduler is lost; {SAFE}"
 
 _UNSTARTED = "the worker processes do not start"
@@ -59,6 +64,11 @@ _STARTS = 3  # to start workers, one of which may be killed meanwhile
 _START = 120.0  # [s] that the workers may take to start
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
 _WORD = 10.0  # [s] without a worker, after which the user is told
+_IDLE = (
+    "each Dask worker computes one point at a time, and its other threads stand idle: start "
+    "workers of one thread, as Client(threads_per_worker=1) and dask worker --nthreads 1 do"
+)
+_ADVICE = "take fewer workers, or fewer window.pixels"
 _OF_DASHBOARD = ["distributed.http.statics"]  # beside its pages, and nothing that gives commands
 
 
@@ -101,29 +111,87 @@ def _started(workers: int, dashboard: bool, attempts: int = _STARTS) -> LocalClu
         ) from None
 
 
-@dataclass(slots=True, eq=False)
 class Connection:
-    """A client of a scheduler, and the user, who is told of its progress."""
+    """A client of a scheduler, its workers, and the user, who is told of what goes on.
 
-    client: Client
-    patience: float = PATIENCE  # for answers, and for a worker if there is none [s]
-    progress: Report = silent
-    cluster: LocalCluster | None = None  # if it was started here
-    absent: float = 0.0  # time in which there was no worker [s]
-    workers: int = 1  # how many there are
+    The patience is how long answers may take, and workers to come if there are none [s].
+    """
+
+    def __init__(
+        self,
+        client: Client,
+        patience: float = PATIENCE,
+        progress: Report = silent,
+        cluster: LocalCluster | None = None,
+    ) -> None:
+        self.client, self.patience = client, patience
+        self.workers: dict[str, int] = {}  # threads of each, when it was looked last
+        self._progress, self._cluster = progress, cluster  # the cluster if it was started here
+        self._told: set[str] = set()
+        self._looked, self._seen = -math.inf, time.monotonic()
+        self._kills = oom_kills()
 
     @property
     def adapts(self) -> bool:
         """True for a cluster that starts as many workers as its tasks need."""
         return getattr(self.client.cluster, "_adaptive", None) is not None
 
-    def clock(self) -> float:
-        """Time that does not go on while there is no worker [s]."""
-        return time.monotonic() - self.absent
-
     def tell(self, words: str) -> None:
-        """Tell the user something in a line."""
-        self.progress(Progress(words))
+        """Tell the user something in a line, once, if there is a word."""
+        if words and words not in self._told:
+            self._told.add(words)
+            self._progress(Progress(words))
+
+    @contextmanager
+    def reached(self) -> Iterator[None]:
+        """Raise an `ExecutionError` from an error of Dask's if the scheduler is lost."""
+        limit = time.monotonic() + self.patience
+        while self.client.status == "connecting" and time.monotonic() < limit:
+            time.sleep(0.1)  # to a scheduler that was started again
+        try:
+            yield
+        except GONE as error:
+            raise ExecutionError(LOST) from error
+
+    def look(self) -> bool:
+        """See which workers there are, once a second at most; return whether it has looked now.
+
+        `ExecutionError` if the scheduler is lost, or if there is no worker for too long.
+        """
+        now = time.monotonic()
+        if now - self._looked < POLL:
+            return False
+        self._looked = now
+        with self.reached():
+            self.workers = self.client.nthreads(callback_timeout=self.patience)
+        if self._cluster:
+            _replace_lost(self._cluster)
+        patience, absent = duration(self.patience), now - self._seen
+        if self.workers:
+            self._seen = now
+            if any(threads > 1 for threads in self.workers.values()):
+                self.tell(_IDLE)
+        elif absent >= self.patience:
+            raise ExecutionError(
+                f"there is no Dask worker, and none has come within {patience}; {SAFE}"
+            )
+        elif absent >= min(_WORD, self.patience / 2):
+            self.tell(f"there is no Dask worker; waiting up to {patience} for one")
+        return True
+
+    def want_of_memory(self, workers: Collection[str]) -> str:
+        """Words on workers that were killed for memory, empty if none is known to be.
+
+        The nanny of a worker reports that it has ended one which held nearly all of its memory. The
+        kernel counts the processes that it has killed, without a word on which.
+        """
+        with self.reached():
+            events = self.client.get_events("worker-restart-memory")
+        if any(event["worker"] in workers for _, event in events):
+            return f"Dask ended it, since it held nearly all of its share of the memory; {_ADVICE}"
+        if self._cluster and oom_kills() > self._kills:
+            return f"the kernel has killed processes here for want of memory; {_ADVICE}"
+        return ""
 
 
 @contextmanager
@@ -188,37 +256,6 @@ def client_of(
     # lock of Dask's that this one holds, and both wait for ever.
     gc.collect()
     raise ExecutionError(reason)
-
-
-def present_threads(connection: Connection) -> Counter[str]:
-    """Threads of each worker that is there now; `ExecutionError` if the scheduler is lost."""
-    try:
-        return Counter(connection.client.nthreads(callback_timeout=connection.patience))
-    # As Dask has it, the last two of a client that was closed.
-    except (CancelledError, OSError, AttributeError, RuntimeError) as error:
-        raise ExecutionError(LOST) from error
-
-
-def threads_of(connection: Connection) -> Counter[str]:
-    """Threads of each worker, once there is one; `ExecutionError` if none comes, or all is lost."""
-    began, patience, is_told = time.monotonic(), connection.patience, False
-    while True:
-        threads = present_threads(connection)
-        if connection.cluster:
-            _replace_lost(connection.cluster)
-        waited = time.monotonic() - began
-        if threads:
-            connection.absent += waited
-            connection.workers = len(threads)
-            return threads
-        if waited >= patience:
-            raise ExecutionError(
-                f"there is no Dask worker, and none has come within {duration(patience)}; {SAFE}"
-            )
-        if waited >= min(_WORD, patience / 2) and not is_told:
-            connection.tell(f"there is no Dask worker; waiting up to {duration(patience)} for one")
-            is_told = True
-        time.sleep(0.1)
 
 
 def _replace_lost(cluster: LocalCluster) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import multiprocessing
 import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,11 +36,6 @@ from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 from tribo import InputError
 from tribo.errors import require_positive
-
-_SHARE = 10  # velocities, of which the coarse pass takes one
-_FEWEST = 3  # velocities of the coarse pass
-# In a large plane, each point of the coarse pass rewrites a chunk of its own: 50 ms of CPU time.
-_MOST = 200
 
 
 @shown
@@ -144,7 +139,7 @@ def run_sweep(
         if other:
             taken = take_points(store, other)
             told(Progress(f"{taken} points are taken from {source}"))
-        tally = Tally(store, shown_progress(progress), began)
+        tally = Tally(store, shown_progress(progress))
         rounds = _rounds(store, sweep, further)
         if first := next(rounds, None):
             # More tasks may come later than those that wait now.
@@ -152,7 +147,7 @@ def run_sweep(
             count = min(workers or cores(), most)
             with connected(client, count, patience, told, dashboard) as link:
                 for asked, store, waiting in itertools.chain([first], rounds):
-                    tally.begin(store, link)
+                    tally.store = store
                     with Writer(store) as writer:
                         compute(link, asked, writer, waiting, tally)
         summary = summarized(store)
@@ -186,8 +181,7 @@ def _rounds(
     """The sweep, its store and the tasks of its pending points; then those of each that follows."""
     while True:
         if waiting := tasks(store.pending(), sweep):
-            in_order = waiting if further else coarse_first(waiting, sweep.plane.velocities)
-            yield sweep, store, in_order
+            yield sweep, store, waiting
         following = further(store) if further else sweep
         if following.chosen == sweep.chosen:
             return
@@ -207,14 +201,3 @@ def _notes(store: Store, before: Sweep) -> Iterator[str]:
             f"{store.place} was {began}, and goes on with {now}: new points may differ from the "
             "others in the last digits"
         )
-
-
-def coarse_first(tasks: Sequence[Task], velocities: Collection[float]) -> tuple[Task, ...]:
-    """Put tasks of a tenth of the velocities first, 200 at most, with both ends.
-
-    So a diagram of a running sweep soon shows the whole boundary. Velocities ascend.
-    """
-    axis = list(velocities)
-    count = min(max(_FEWEST, -(-len(axis) // _SHARE)), _MOST, len(axis))
-    coarse = {axis[round(place)] for place in np.linspace(0, len(axis) - 1, count)}
-    return tuple(sorted(tasks, key=lambda task: task.points[0].velocity not in coarse))

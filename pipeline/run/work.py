@@ -1,33 +1,28 @@
-"""What a worker does: the task of a point, whose records stay there until they are asked for.
-
-The driver takes records, and versions: other code must not enter the same store.
+"""What a worker does: the task of a point, whose records the driver gathers.
 
 ::
 
     TriboError
     └── ExecutionError       the workers do not start, are lost, or run other code
-        └── UnsentError      a worker does not have the scene yet
 """
 
 from __future__ import annotations
 
-import functools
 import hashlib
 import os
 import pickle
 import platform
 import sys
 import threading
-import time
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
 import cloudpickle
 import numpy as np
 import scipy
-from distributed import Worker, get_worker
+from distributed import WorkerPlugin, get_worker
 
 import tribo
 from pipeline.store.checksum import packed
@@ -41,10 +36,7 @@ from tribo.simulation import Trunks
 SAFE = "finished points are safe, run the sweep again to go on"
 INSTALL = f"install the same version in both places and restart the workers; {SAFE}"
 
-Versions = Mapping[str, str]
-
 _FOLDERS = (Path(tribo.__file__).parent, Path(__file__).parents[1])
-_PACKAGES = ("python", "numpy", "scipy")
 
 
 def hash_of_code(folders: Iterable[Path] = _FOLDERS) -> str:
@@ -60,32 +52,13 @@ def hash_of_code(folders: Iterable[Path] = _FOLDERS) -> str:
 
 # Taken as this module is imported, so that a process that runs on after its files have changed
 # names the code that it runs, and not the files.
-_HERE: Versions = {
-    "code": hash_of_code(),
+CODE, FOLDER = hash_of_code(), os.fspath(_FOLDERS[1].parent)
+PACKAGES = {
+    "python": platform.python_version(),
     "numpy": np.__version__,
     "scipy": scipy.__version__,
-    "python": platform.python_version(),
-    "folder": os.fspath(_FOLDERS[1].parent),
 }
-
-
-def versions() -> Versions:
-    """Versions of this process, and the folder that its code was loaded from."""
-    return _HERE
-
-
-def packages_of(theirs: Versions) -> dict[str, str]:
-    """Versions of Python, NumPy and SciPy alone."""
-    return {name: theirs[name] for name in _PACKAGES}
-
-
-def other_packages(theirs: Versions) -> str:
-    """Differences in Python, NumPy and SciPy between a worker and this process, in words."""
-    return ", ".join(
-        f"{name} {version} (here {_HERE[name]})"
-        for name, version in packages_of(theirs).items()
-        if version != _HERE[name]
-    )
+"""Versions that last digits depend on."""
 
 
 class ExecutionError(TriboError):
@@ -103,127 +76,90 @@ class ExecutionError(TriboError):
     """
 
 
-class UnsentError(ExecutionError):
-    """A worker that a task has come to before its scene.
+class Run(WorkerPlugin):  # type: ignore[misc]
+    """What the tasks of a run compute; Dask hands it to each worker, also to those that come later.
 
-    Examples
-    --------
-    >>> from pipeline.sweep.model import Point
-    >>> try:
-    ...     compute_points("a task", "a run", [Point(600.0, 1.5)])
-    ... except UnsentError:
-    ...     print("to be sent again")
-    to be sent again
+    It carries the user's laws by value, since their modules are not on the workers.
     """
 
+    def __init__(self, name: str, sweep: Sweep, with_fields: bool) -> None:
+        self.name, self.with_fields = name, with_fields
+        self.code, self.folder, self.packages = CODE, FOLDER, PACKAGES
+        self._sweep = _pickled(sweep)
 
-def require_same_code(theirs: Versions, worker: str) -> None:
-    """Raise an `ExecutionError` for a worker with other code than this process."""
-    if theirs["code"] != (ours := versions())["code"]:
-        raise ExecutionError(
-            f"the Dask worker {worker} runs code {theirs['code']} of tribo and pipeline from "
-            f"{theirs['folder']}, and this program code {ours['code']} from {ours['folder']}; "
-            f"{INSTALL}"
+    @cached_property
+    def sweep(self) -> Sweep:
+        """The sweep, read once by a process."""
+        sweep: Sweep = pickle.loads(self._sweep)
+        return sweep
+
+    @cached_property
+    def simulated(self) -> Simulated:
+        """Hashes of what is simulated at its points."""
+        return Simulated(self.sweep)
+
+    def require_same_code(self, worker: str) -> None:
+        """Raise an `ExecutionError` on a worker with other code than the driver."""
+        if self.code != CODE:
+            raise ExecutionError(
+                f"the Dask worker {worker} runs code {CODE} of tribo and pipeline from {FOLDER}, "
+                f"and this program code {self.code} from {self.folder}; {INSTALL}"
+            )
+
+    def other_packages(self, worker: str) -> str:
+        """A note for the user on packages of this worker that differ from the driver's."""
+        others = ", ".join(
+            f"{name} {here} (here {self.packages[name]})"
+            for name, here in PACKAGES.items()
+            if here != self.packages[name]
         )
+        return others and f"the Dask worker {worker} has {others}: last digits may differ there"
+
+
+def _pickled(sweep: Sweep) -> bytes:
+    """A sweep, with the user's laws by value."""
+    laws = filter(None, [*given_laws(sweep.scene), sweep.conditions.rule])
+    names = {code_of(law).__module__ for law in laws} & sys.modules.keys()
+    added = names - cloudpickle.list_registry_pickle_by_value()
+    for name in added:
+        cloudpickle.register_pickle_by_value(sys.modules[name])
+    try:
+        content: bytes = cloudpickle.dumps(sweep)
+    finally:
+        for name in added:
+            cloudpickle.unregister_pickle_by_value(sys.modules[name])
+    return content
+
+
+class Computed(NamedTuple):
+    """What a task returns: pickled records, and a note for the user, empty as a rule."""
+
+    records: bytes
+    note: str
 
 
 # Threads of one process gain 6 % at most: tests/benchmarks/threads.py.
 _one_at_a_time = threading.Lock()
-_now: str | None = None  # name of the task that holds it
 _trunks = Trunks()
-_parcels: dict[str, bytes] = {}  # pickled sweeps, and whether fields are stored, by run
-_RUNS = 4  # whose parcels a worker keeps
-_ARRIVAL, _PAUSE = 20.0, 0.05  # [s] that a task may wait for a parcel, and between two looks
 
 
-def parcel_of(sweep: Sweep, with_fields: bool) -> bytes:
-    """What workers need of a run, with the user's laws by value: their modules are not there."""
-    laws = filter(None, [*given_laws(sweep.scene), sweep.conditions.rule])
-    names = {code_of(law).__module__ for law in laws}
-    added = [
-        sys.modules[name]
-        for name in names - cloudpickle.list_registry_pickle_by_value()
-        if name in sys.modules
-    ]
-    for module in added:
-        cloudpickle.register_pickle_by_value(module)
-    try:
-        content: bytes = cloudpickle.dumps((sweep, with_fields))
-    finally:
-        for module in added:
-            cloudpickle.unregister_pickle_by_value(module)
-    return content
-
-
-class WorkerReport(NamedTuple):
-    """What a worker tells: its versions, the task that it computes, and pickled records by task."""
-
-    versions: Versions
-    now: str | None
-    records: dict[str, bytes]
-
-
-def compute_points(name: str, run: str, points: Sequence[Point]) -> list[PointRecord]:
-    """Compute a point, or points at one load that share a contact, from what this process has.
-
-    The name is that of the task. Raise an `UnsentError` if the run's parcel has not come yet.
-    """
-    global _now
-    _wait_for_parcel(run)
-    sweep, with_fields, simulated = _unpacked(run)
+def compute_points(name: str, points: Sequence[Point]) -> Computed:
+    """Compute a point, or points at one load that share a contact, of the run of this name."""
+    worker = get_worker()
+    run: Run = worker.plugins[name]
+    run.require_same_code(worker.address)
     with _one_at_a_time:
-        _now = name
-        try:
-            return _computed(sweep, points, with_fields, simulated)
-        finally:
-            _now = None
+        records = _records(run, points)
+    return Computed(pickle.dumps(records), run.other_packages(worker.address))
 
 
-def _wait_for_parcel(run: str) -> None:
-    """Wait some time on a worker that has a task before the driver knows the worker."""
-    with suppress(ValueError):  # no worker
-        get_worker()
-        limit = time.monotonic() + _ARRIVAL
-        while run not in _parcels and time.monotonic() < limit:
-            time.sleep(_PAUSE)
-
-
-def _computed(
-    sweep: Sweep, points: Sequence[Point], with_fields: bool, simulated: Simulated
-) -> list[PointRecord]:
+def _records(run: Run, points: Sequence[Point]) -> list[PointRecord]:
     """Records of points of one contact."""
     try:
-        results = run_points(sweep, points, _trunks)
+        results = run_points(run.sweep, points, _trunks)
+        return [packed(result.record(run.with_fields), run.simulated) for result in results]
     except Exception as error:
         if len(points) > 1:  # the others may have a solution
-            alone = (_computed(sweep, (point,), with_fields, simulated) for point in points)
-            return [record for records in alone for record in records]
+            return [_records(run, (point,))[0] for point in points]
         message = f"{type(error).__name__}: {error}"
-        return [packed(PointRecord(points[0], None, message), simulated)]
-    return [packed(result.record(with_fields), simulated) for result in results]
-
-
-def records_here(
-    keys: Collection[str], run: str, parcel: bytes | None, dask_worker: Worker
-) -> WorkerReport:
-    """Records of those of these tasks whose results lie on a worker, told from its event loop.
-
-    The parcel is kept for the tasks of the run.
-    """
-    if parcel is not None:
-        _parcels[run] = parcel
-        for old in [*_parcels][:-_RUNS]:
-            del _parcels[old]
-    found = {key: pickle.dumps(dask_worker.data[key]) for key in keys if key in dask_worker.data}
-    return WorkerReport(versions(), _now, found)
-
-
-@functools.lru_cache(maxsize=1)
-def _unpacked(run: str) -> tuple[Sweep, bool, Simulated]:
-    if run not in _parcels:
-        raise UnsentError(f"a worker does not have the scene; {SAFE}")
-    try:
-        sweep, with_fields = pickle.loads(_parcels[run])
-    except Exception as error:  # a law may import what is not here
-        raise ExecutionError(f"a worker cannot read the scene: {error}; {SAFE}") from error
-    return sweep, with_fields, Simulated(sweep)
+        return [packed(PointRecord(points[0], None, message), run.simulated)]

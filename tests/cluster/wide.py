@@ -24,8 +24,9 @@ from unittest import mock
 from distributed import LocalCluster, Worker
 
 import pipeline
-from pipeline.run import schedule, work
+from pipeline.run import work
 from pipeline.run.cluster import client_of
+from pipeline.run.jobs import Jobs
 from pipeline.store.write import Store
 from tests.cluster.cheap import EnoughError
 from tests.crash.many import sweep_of
@@ -59,7 +60,7 @@ async def host(address, number):
 def driven(out, address, options):
     """Drive the workers for a while; what each point and the start cost."""
     marks, tasks, commits = [], [], []
-    start, commit = schedule._Run._start, Store.commit
+    start, commit = Jobs.submit, Store.commit
     began = time.monotonic(), time.process_time()
 
     def counted(self, *arguments):
@@ -81,7 +82,7 @@ def driven(out, address, options):
             raise EnoughError
 
     with (
-        mock.patch.object(schedule._Run, "_start", counted),
+        mock.patch.object(Jobs, "submit", counted),
         mock.patch.object(Store, "commit", timed),
         suppress(EnoughError),
     ):

@@ -62,11 +62,11 @@ def noting(log):
     """Note the points that are reported to callers as done."""
     count = Tally.count
 
-    def noted(self, records):
+    def noted(self, records, workers):
         records = list(records)
         with Path(log).open("a") as stream:
             stream.writelines(f"{json.dumps(r.point)}\n" for r in records if r.data is not None)
-        count(self, records)
+        count(self, records, workers)
 
     with mock.patch.object(Tally, "count", noted):
         yield
@@ -82,7 +82,7 @@ def computing(records, pace):
         for task in waiting:
             writer.add([record_of(records, sweep, point) for point in task.points])
             writer.flush()
-            tally.count(writer.written())
+            tally.count(writer.written(), 1)
             time.sleep(pace)
 
     with (

@@ -4,7 +4,6 @@ import math
 import os
 import signal
 import sys
-from concurrent.futures import CancelledError
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -13,21 +12,16 @@ import pytest
 from distributed import Status
 
 import pipeline
-from pipeline.run import cluster, forkserver, vary, work
+from pipeline.run import cluster, forkserver, vary
 from pipeline.run.boundary_search import BoundarySearch
-from pipeline.run.cluster import Connection, client_of, threads_of
-from pipeline.run.schedule import _short_name, _Silence
-from pipeline.run.tally import Reports
+from pipeline.run.cluster import client_of
 from pipeline.run.vary import Variation, Variations, _absolute
-from pipeline.run.work import ExecutionError, hash_of_code, other_packages, require_same_code
-from pipeline.sweep.identity import Simulated
-from pipeline.sweep.model import Point
-from pipeline.sweep.plan import run_points
+from pipeline.run.work import ExecutionError, hash_of_code
 from pipeline.sweep.stages import Progress
-from tests.helpers import synthetic, tiny
+from tests.helpers import synthetic
 from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
-from tribo import ConvergenceError, Corrections, Friction, InputError
+from tribo import Corrections, Friction, InputError
 
 # Words
 
@@ -51,78 +45,7 @@ def test_progress_says_what_is_done_and_the_time_to_go(progress, words):
     assert str(progress) == words
 
 
-def test_a_task_is_named_by_its_place_and_by_how_many_share_its_contact():
-    points = (Point(600.0, 1.5), Point(600.0, 1.5, (("oil", "a"),)), Point(600.0, 1.5))
-    assert _short_name(points[:1]) == "600N-1.5ms"
-    assert _short_name(points) == "600N-1.5ms-and-2-more"
-
-
-class Clock:
-    """A connection whose clock is set, and what it tells."""
-
-    def __init__(self):
-        self.now, self.said = 100.0, []
-
-    def clock(self):
-        return self.now
-
-    def tell(self, line):
-        self.said.append(line)
-
-
-def test_silence_is_told_after_a_minute_then_after_twice_that_and_ends_a_run_in_the_end():
-    clock = Clock()
-    silence = _Silence(clock)
-    running = [SimpleNamespace(points=(Point(150.0 * k, 0.5),)) for k in (1, 2, 3)]
-
-    def after(seconds, moved=False, computes=True, running=running):
-        clock.now = 100.0 + seconds
-        silence.watch(moved, computes, running)
-        return len(clock.said)
-
-    assert after(59.9) == 0
-    assert after(60.0) == 1
-    assert clock.said[0] == (
-        "no point has been finished for 60 s; waiting for 150 N, 0.5 m/s and 2 more"
-    )
-    assert after(119.0) == 1
-    assert after(120.0, running=running[:1]) == 2
-    assert clock.said[1].endswith("for 120 s; waiting for 150 N, 0.5 m/s")
-    assert after(239.0) == 2
-    assert after(240.0, running=[]) == 3
-    assert clock.said[2].endswith("waiting for a worker")
-    assert after(241.0, moved=True) == 3  # from here on anew
-    assert after(300.0) == 3
-    assert after(301.0) == 4
-    assert after(600.9, computes=False) == 5  # 300 s since a worker computed, at 301 s
-    with pytest.raises(ExecutionError, match="no point has been finished for 361 s, and no worker"):
-        after(601.9, computes=False)
-
-
-def test_a_run_that_moves_is_not_given_up_though_no_worker_says_that_it_computes():
-    clock = Clock()
-    silence = _Silence(clock)
-    for seconds in range(0, 1000, 250):
-        clock.now = 100.0 + seconds
-        silence.watch(True, False, [])
-    assert clock.said == []
-
-
 # Workers
-
-
-def test_other_code_is_refused_and_other_packages_are_named():
-    here = work.versions()
-    require_same_code(here, "tcp://w")
-    other = {**here, "code": "abc", "folder": "/elsewhere"}
-    with pytest.raises(ExecutionError, match="tcp://w runs code abc of tribo and pipeline from /e"):
-        require_same_code(other, "tcp://w")
-    assert other_packages(here) == ""
-    assert other_packages(other) == ""  # whose code is refused
-    unlike = {**here, "numpy": "1.0", "scipy": "2.0"}
-    assert other_packages(unlike) == (
-        f"numpy 1.0 (here {here['numpy']}), scipy 2.0 (here {here['scipy']})"
-    )
 
 
 def test_the_hash_of_code_is_that_of_names_and_contents_of_its_sources(tmp_path):
@@ -139,74 +62,6 @@ def test_the_hash_of_code_is_that_of_names_and_contents_of_its_sources(tmp_path)
     (other / "x.py").rename(other / "y.py")
     (other / "y.py").write_text("1\n")
     assert hash_of_code([other]) != first
-
-
-def test_a_worker_keeps_what_the_last_four_runs_compute(monkeypatch):
-    kept = {}
-    monkeypatch.setattr(work, "_parcels", kept)
-    there = SimpleNamespace(data={"a": [1], "b": [2]})
-    for run in "12345":
-        report = work.records_here(["a", "c"], run, b"parcel", there)
-    assert [*kept] == ["2", "3", "4", "5"]
-    assert [*report.records] == ["a"]
-    assert (report.now, report.versions) == (None, work.versions())
-    work.records_here([], "6", None, there)
-    assert [*kept] == ["2", "3", "4", "5"]
-
-
-class Threads:
-    """A client that has no workers for the first looks."""
-
-    def __init__(self, *threads):
-        self.threads, self.looks = [*threads], 0
-
-    def nthreads(self, callback_timeout):
-        self.looks += 1
-        found = self.threads.pop(0) if len(self.threads) > 1 else self.threads[0]
-        if isinstance(found, Exception):
-            raise found
-        return found
-
-
-@pytest.fixture
-def time_goes_on(monkeypatch):
-    """Time that passes by sleeping alone."""
-    now = [50.0]
-    monkeypatch.setattr(cluster.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(cluster.time, "sleep", lambda seconds: now.__setitem__(0, now[0] + seconds))
-    return now
-
-
-@pytest.mark.usefixtures("time_goes_on")
-def test_workers_are_waited_for_and_the_wait_does_not_count():
-    said = []
-    link = Connection(Threads(*[{}] * 130, {"a": 2, "b": 1}), 30.0, said.append)
-    before = link.clock()
-    threads = threads_of(link)
-    assert (threads.total(), link.workers) == (3, 2)
-    assert link.absent == pytest.approx(13.0)
-    assert link.clock() == pytest.approx(before)
-    assert said == [Progress("there is no Dask worker; waiting up to 30 s for one")]
-    quick = Connection(Threads(*[{}] * 9, {"a": 1}), 30.0, said.append)
-    assert threads_of(quick).total() == 1
-    assert len(said) == 1
-
-
-@pytest.mark.usefixtures("time_goes_on")
-@pytest.mark.parametrize("patience", [2.0, 40.0])
-def test_without_a_worker_patience_ends(patience, time_goes_on):
-    said, client = [], Threads({})
-    began = time_goes_on[0]
-    with pytest.raises(ExecutionError, match=f"none has come within {patience:.0f} s; finished"):
-        threads_of(Connection(client, patience, said.append))
-    assert len(said) == 1
-    assert time_goes_on[0] - began == pytest.approx(patience, abs=0.2)
-
-
-@pytest.mark.parametrize("error", [OSError("gone"), CancelledError()])
-def test_a_scheduler_that_is_gone_is_said_to_be_lost(error):
-    with pytest.raises(ExecutionError, match="the Dask scheduler is lost; finished points"):
-        threads_of(Connection(Threads(error), 30.0))
 
 
 def test_workers_that_nobody_starts_again_are_replaced():
@@ -226,66 +81,6 @@ def test_a_file_that_no_scheduler_wrote_is_refused(tmp_path, content):
     file.write_text(content)
     with pytest.raises(ExecutionError, match="cannot be read as the file of a Dask scheduler"):
         client_of(file=file)
-
-
-class Asked:
-    """A client whose workers return given answers."""
-
-    def __init__(self, answers):
-        self.answers, self.calls = answers, []
-
-    def sync(self, run, function, keys, name, parcel, workers, on_error, callback_timeout):
-        self.calls.append((workers[0], keys, parcel))
-        return {workers[0]: self.answers[workers[0]]}
-
-    run = None
-
-
-def test_workers_are_sent_what_is_computed_until_they_answer(monkeypatch):
-    report = work.WorkerReport(work.versions(), "a task", {})
-    client = Asked({"a": report, "b": OSError("died"), "c": report._replace(now=None)})
-    monkeypatch.setattr(Asked, "run", object())
-    news = SimpleNamespace(set=lambda: None)
-    with Reports(Connection(client), news, "run", b"parcel") as reports:
-
-        def ask():
-            reports.ask(["a", "b", "c"], ["key"])
-            for asked in [*reports._asked.values()]:
-                asked.exception(timeout=10)
-            return {worker: answer.now for worker, answer in reports.answers()}
-
-        assert ask() == {"a": "a task", "c": None}
-        assert [reports.knows(worker) for worker in "abc"] == [True, False, True]
-        assert [reports.computes([worker]) for worker in "abc"] == [True, False, False]
-        assert reports.computes("abc")
-        assert ask() == {"a": "a task", "c": None}
-        sent = {worker: [] for worker in "abc"}
-        for worker, keys, parcel in client.calls:
-            sent[worker].append(parcel)
-            assert keys == ["key"]
-        assert sent == {"a": [b"parcel", None], "b": [b"parcel"] * 2, "c": [b"parcel", None]}
-        client.answers["a"] = TimeoutError()
-        ask()
-        assert not reports.computes("a")  # it knows, and did not answer
-        assert reports.knows("a")
-        reports.send_again()
-        assert not any(map(reports.knows, "abc"))
-
-
-def test_points_that_share_a_contact_fail_each_for_itself(monkeypatch):
-    sweep = tiny.sweep()
-    good, bad = Point(150.0, 0.5), Point(150.0, 1.0)
-
-    def run(sweep, places, trunks=None):
-        if bad in places:
-            raise ConvergenceError("the contact did not converge", solution=None)
-        return run_points(sweep, places, trunks)
-
-    monkeypatch.setattr(work, "run_points", run)
-    done, failed = work._computed(sweep, (good, bad), False, Simulated(sweep))
-    assert (done.point, failed.point) == (good, bad)
-    assert done.data is not None
-    assert (failed.data, failed.message) == (None, "ConvergenceError: the contact did not converge")
 
 
 # The process that workers are forked from

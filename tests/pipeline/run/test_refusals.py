@@ -1,11 +1,8 @@
 """Refusals of runs that need no cluster: what causes each, and what its message says."""
 
 import multiprocessing
-import pickle
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from distributed import Client
@@ -14,7 +11,6 @@ import pipeline
 from pipeline.run import cluster
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.cluster import client_of
-from pipeline.run.work import compute_points, records_here, require_same_code, versions
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.refusals import Refusals
@@ -39,13 +35,6 @@ def in_worker():
         return pipeline.run_sweep(SWEEP, "a.zarr")
 
 
-class Lost:
-    """A law that imports what a worker does not have."""
-
-    def __reduce__(self):
-        return import_module, ("parsnip",)
-
-
 class Closed(Client):
     """A client that was closed."""
 
@@ -56,11 +45,6 @@ class Closed(Client):
 
     def __repr__(self):
         return "closed"
-
-
-def lost_law():
-    records_here((), "their run", pickle.dumps(Lost()), SimpleNamespace(data={}))
-    return compute_points("task", "their run", ())
 
 
 def no_file():
@@ -82,21 +66,17 @@ REFUSALS = {
     "dashboard": (no_dashboard, "the dashboard needs bokeh"),
     "file": (no_file, "scheduler.json cannot be read as the file of a Dask scheduler"),
     "scheduler": (lambda: client_of("nonsense", patience=1.0), "answers at nonsense"),
-    "code": (lambda: require_same_code(versions() | {"code": "0"}, "tcp://a:1"),
-             "worker tcp://a:1 runs code 0 of"),
     "worker": (in_worker, "a worker process cannot run a sweep"),
-    "law": (lost_law, "a worker cannot read the scene: No module named 'parsnip'"),
-    "unsent": (lambda: compute_points("task", "nobody's run", ()), "does not have the scene"),
 }  # fmt: skip
 
 ELSEWHERE = {
     "cluster._started ExecutionError": "test_cluster.py, by processes that do not start",
-    "cluster.present_threads ExecutionError": "test_cluster.py, without a scheduler",
-    "cluster.threads_of ExecutionError": "test_cluster.py, without a worker",
-    "schedule._recover ExecutionError": "test_schedule.py, by workers that are lost",
-    "schedule.watch ExecutionError": "test_schedule.py, by workers that do nothing",
-    "tally._answer ExecutionError": "test_schedule.py, by a worker without this program",
-    "tally.count ExecutionError": "test_tally.py",
+    "cluster.reached ExecutionError": "test_driver.py, by a client or cluster that is closed",
+    "cluster.look ExecutionError": "test_cluster.py, without a worker",
+    "jobs._send_run ExecutionError": "test_driver.py, by a worker without this program",
+    "jobs._loss ExecutionError": "test_cluster.py, by a scheduler that is lost",
+    "tally.count ExecutionError": "test_driver.py, by points that fail alike",
+    "work.require_same_code ExecutionError": "test_cluster.py, by a worker with other code",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 

@@ -4,8 +4,8 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
+from distributed import Client, LocalCluster
 
-from pipeline.run import schedule
 from pipeline.run import sweep as execute
 from pipeline.run.boundary_search import results_of
 from pipeline.run.cluster import PATIENCE, Connection
@@ -13,23 +13,25 @@ from pipeline.run.sweep import run_sweep
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.stores import opened
-from tests.pipeline.run.test_schedule import LocalClient
 
 
 @pytest.fixture
 def asked(monkeypatch):
-    """Calls to a cluster, which this process replaces as if it had two cores."""
+    """What is asked of a cluster, in place of which threads here compute, as if of two cores."""
     wanted = []
+    with (
+        LocalCluster(n_workers=1, processes=False, dashboard_address="127.0.0.1:0") as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
 
-    @contextmanager
-    def connected(client, workers, patience, progress, dashboard):
-        wanted.append((workers, patience, dashboard))
-        yield Connection(LocalClient(), patience, progress)
+        @contextmanager
+        def connected(_, workers, patience, progress, dashboard):
+            wanted.append((workers, patience, dashboard))
+            yield Connection(client, patience, progress)
 
-    monkeypatch.setattr(execute, "connected", connected)
-    monkeypatch.setattr(execute, "cores", lambda: 2)
-    monkeypatch.setattr(schedule, "_POLL", 0.01)
-    return wanted
+        monkeypatch.setattr(execute, "connected", connected)
+        monkeypatch.setattr(execute, "cores", lambda: 2)
+        yield wanted
 
 
 def test_workers_are_one_for_each_core_but_no_more_than_points_and_none_for_no_point(path, asked):

@@ -1,0 +1,179 @@
+"""Tasks that were given to Dask, and what has become of them."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import threading
+import time
+import uuid
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import CancelledError
+from concurrent.futures import Future as Answer
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+from distributed import Future
+from distributed.scheduler import KilledWorker
+
+from pipeline.run.cluster import GONE, LOST, POLL, Connection
+from pipeline.run.work import INSTALL, Computed, ExecutionError, Run, compute_points
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import Task
+
+ANYWHERE = ""
+"""Worker of a task that any one may take."""
+
+_CANNOT = "a Dask worker cannot run this program"
+
+
+@dataclass(slots=True, eq=False)
+class Job:
+    """A task, and the worker that it is given to, perhaps alone."""
+
+    task: Task
+    worker: str = ANYWHERE
+    is_alone: bool = False
+    future: Future = field(init=False, repr=False)
+
+
+class Loss(Enum):
+    """How a task was lost."""
+
+    KILLED = "its worker died"
+    LEFT = "its worker left"
+    FORGOTTEN = "the scheduler was started again"
+
+
+class Jobs:
+    """Tasks that Dask has: `running` without a result yet, `computed` with one on a worker."""
+
+    def __init__(self, link: Connection, sweep: Sweep, with_fields: bool) -> None:
+        self._link, self._client = link, link.client
+        self._run = Run(uuid.uuid4().hex[:8], sweep, with_fields)  # a scheduler may know other runs
+        self._numbers = itertools.count()
+        self._ended, self._news = deque[str](), threading.Event()
+        self._gathering: Answer[dict[str, Any]] | None = None
+        self._next = 0.0  # time of the next gathering
+        self.running: dict[str, Job] = {}
+        self.computed: dict[str, Job] = {}
+
+    def __enter__(self) -> Jobs:
+        self._send_run()
+        return self
+
+    def __exit__(self, error: object, *_: object) -> None:
+        if self._gathering:
+            self._gathering.cancel()
+        if error is None:
+            with self._link.reached():
+                self._client.unregister_worker_plugin(self._run.name)
+
+    def __bool__(self) -> bool:
+        return bool(self.running or self.computed)
+
+    def _send_run(self) -> None:
+        """Let the scheduler keep the run for its workers, also for those that come later."""
+        try:
+            self._client.register_plugin(self._run)
+        except GONE:  # a worker, or the scheduler, as the next look tells
+            pass
+        except Exception as error:
+            raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}") from error
+
+    def submit(self, job: Job) -> None:
+        """Give a task to Dask."""
+        number, first = next(self._numbers), job.task.points[0]
+        key = f"point-{first.load:g}N-{first.velocity:g}ms-{self._run.name}-{number}"
+        self.running[key] = job
+        with self._link.reached():
+            # Without a priority Dask orders tasks of one moment by chance.
+            job.future = self._client.submit(
+                compute_points, self._run.name, job.task.points, key=key, priority=-number,
+                workers=job.worker or None, allow_other_workers=bool(job.worker) > job.is_alone,
+            )  # fmt: skip
+        job.future.add_done_callback(self._note)
+
+    def _note(self, future: Future) -> None:
+        self._ended.append(future.key)
+        self._news.set()
+
+    def wait(self) -> None:
+        """Wait for news, a second at most."""
+        self._news.wait(POLL)
+        self._news.clear()
+
+    def lost(self, has_looked: bool) -> list[tuple[Job, Loss]]:
+        """Tasks that are lost, with or without a result on a worker, and how.
+
+        Whose worker is gone can have changed if the run `has_looked` at the workers since.
+        """
+        lost = []
+        while self._ended:
+            key = self._ended.popleft()
+            if not (job := self.running.pop(key, None)):  # which was given up before
+                continue
+            if job.future.status == "finished":
+                self.computed[key] = job
+            else:
+                lost.append((job, self._loss(job.future)))
+        if any(loss is Loss.FORGOTTEN for _, loss in lost):
+            self._send_run()
+        if has_looked:
+            lost += [(job, Loss.LEFT) for job in self._abandoned()]
+        return lost
+
+    def _loss(self, future: Future) -> Loss:
+        """How a task was lost; raise an `ExecutionError` if the run cannot go on."""
+        error = future.exception() if future.status == "error" else None
+        if isinstance(error, KilledWorker):
+            return Loss.KILLED
+        # The latter on a worker of a scheduler that was started again, which has not got the run.
+        if error is None or isinstance(error, CancelledError | KeyError):
+            with self._link.reached():
+                if self._client.status != "running":
+                    raise ExecutionError(LOST)
+            return Loss.FORGOTTEN
+        if isinstance(error, ExecutionError):
+            raise error
+        raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}")
+
+    def _abandoned(self) -> Iterator[Job]:
+        """Tasks that wait for a worker which is gone: Dask may let them wait without end."""
+        present = {ANYWHERE, *self._link.workers}
+        for jobs in (self.running, self.computed):
+            for key, job in [*jobs.items()]:
+                if job.worker not in present and not job.future.done():
+                    del jobs[key]
+                    with self._link.reached():
+                        self._client.cancel([job.future])
+                    yield job
+
+    def results(self) -> list[Computed]:
+        """Results that have come since the last call; once a second, and at the end, ask for more.
+
+        No call waits for them, since a worker that stands still must not hold up the others.
+        """
+        results = []
+        if self._gathering and self._gathering.done():
+            with self._link.reached():
+                gathered = self._gathering.result()
+            self._gathering, self._next = None, time.monotonic() + POLL
+            for key, result in gathered.items():
+                job = self.computed.pop(key, None)  # None if it was given up meanwhile
+                if job and result:
+                    results.append(result)
+                elif job:  # its result is lost
+                    self.running[key] = job
+                    self._ended.append(key)
+        is_time = time.monotonic() >= self._next or not self.running
+        if self.computed and is_time and not self._gathering:
+            futures = {key: job.future for key, job in self.computed.items()}
+            asked = self._client.gather(futures, errors="skip", asynchronous=True)
+            self._gathering = asyncio.run_coroutine_threadsafe(
+                asked, self._client.loop.asyncio_loop
+            )
+            self._gathering.add_done_callback(lambda _: self._news.set())
+        return results

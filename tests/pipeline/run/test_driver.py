@@ -1,0 +1,196 @@
+"""Drivers of sweeps: clusters that change, workers that die, and what the user is told."""
+
+import sys
+from functools import partial
+
+import dask
+import pytest
+from distributed import Client, LocalCluster
+
+import pipeline
+from pipeline import machine
+from pipeline.run import cluster as of_run
+from pipeline.run import schedule, work
+from pipeline.run.cluster import CONFIGURATION
+from tests.helpers import tiny
+from tests.helpers.entries import changed
+from tests.helpers.heard import Heard
+from tests.pipeline.run.test_cluster import Cluster, when_done
+from tests.pipeline.run.test_sweep import content
+
+OWN_WORKERS = True
+SWEEP = tiny.full()
+MANY = tiny.sweep(velocities=tuple(0.5 + 0.01 * number for number in range(60)))
+
+
+class Hungry(tiny.FaultyRamp):
+    """At one load it takes memory until somebody ends it."""
+
+    def fault(self):
+        held = []
+        while True:
+            held.append(bytearray(2**24))
+
+
+Hungry.__name__ = "Ramp"
+HUNGRY = tiny.sweep(loading=Hungry(150.0, 750.0, faulty_load=250.0), velocities=(0.5,))
+
+
+@pytest.fixture
+def threads():
+    """A cluster of two workers in this process, and its client."""
+    dashboard = {"dashboard_address": "127.0.0.1:0"}
+    with (
+        LocalCluster(n_workers=2, processes=False, threads_per_worker=1, **dashboard) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
+        yield cluster, client
+
+
+@pytest.fixture
+def processes():
+    """A function that starts workers, as a run does but of this memory [B]; their client."""
+    clusters = []
+
+    def start(workers, memory):
+        clusters.append(LocalCluster(n_workers=workers, threads_per_worker=1, memory_limit=memory))
+        clusters.append(Client(clusters[-1], set_as_default=False))
+        return clusters[-1]
+
+    with dask.config.set(CONFIGURATION):
+        yield start
+        for one in reversed(clusters):
+            one.close()
+
+
+def test_tasks_are_there_before_workers_so_that_an_adaptive_cluster_starts_them(
+    threads, path, alone
+):
+    cluster, client = threads
+    cluster.scale(0)
+    cluster.adapt(minimum=0, maximum=2, interval="50ms")
+    outcome = pipeline.run_sweep(SWEEP, path, client=client, patience=60.0)
+    assert (outcome.done, outcome.failed) == (9, ())
+    assert content(path) == content(alone)
+
+
+@pytest.mark.parametrize("part", [0, 1], ids=["cluster", "client"])
+def test_a_cluster_or_a_client_that_is_closed_ends_a_run_with_one_error(threads, path, part):
+    close = when_done(threads[part].close)
+    lost = pytest.raises(pipeline.ExecutionError, match="scheduler is lost; finished points are")
+    with lost:
+        pipeline.run_sweep(MANY, path, client=threads[1], progress=close, patience=5.0)
+    assert 0 < pipeline.summary(path).done < len(MANY.plane.loads) * 60
+
+
+def test_a_run_goes_on_with_a_scheduler_that_was_started_again(tmp_path, path, alone):
+    slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
+    began = Cluster(tmp_path / "before")
+    port = began.address.rpartition(":")[2]
+    others = []
+
+    def restart():
+        if not others:
+            began.close()
+            others.append(Cluster(tmp_path / "after", port=port))
+
+    with Client(began.address, set_as_default=False) as client:
+        outcome = pipeline.run_sweep(
+            slow, path, client=client, progress=when_done(restart), patience=60.0
+        )
+    others[0].close()
+    assert (outcome.done, outcome.computed, outcome.failed) == (9, 9, ())
+    assert content(path) == content(alone)
+
+
+def test_a_run_goes_on_after_its_workers_were_restarted(processes, path, alone):
+    client, restarts = processes(2, "auto"), iter([True])
+
+    def restart():
+        if next(restarts, False):
+            client.restart()
+
+    outcome = pipeline.run_sweep(SWEEP, path, client=client, progress=when_done(restart))
+    assert (outcome.done, outcome.failed) == (9, ())
+    assert content(path) == content(alone)
+
+
+def test_a_worker_that_dask_ends_for_memory_is_told_as_such(processes, path, monkeypatch):
+    monkeypatch.setattr(schedule, "TRIALS", 3)
+    said = Heard()
+    outcome = pipeline.run_sweep(HUNGRY, path, client=processes(1, "500 MB"), progress=said.hear)
+    (failed,) = outcome.failed
+    assert (failed.load, outcome.done) == (250.0, 2)
+    told = "Dask ended it, since it held nearly all of its share of the memory; take fewer workers"
+    assert told in failed.message
+    assert any(told in line for line in said)
+
+
+def test_a_worker_that_died_while_the_kernel_killed_for_memory_is_told_as_such(path, monkeypatch):
+    monkeypatch.setattr(of_run, "oom_kills", partial(next, iter(range(100))))
+    monkeypatch.setattr(schedule, "TRIALS", 3)
+    deadly = changed(HUNGRY, loading=tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0))
+    (failed,) = pipeline.run_sweep(deadly, path, workers=1).failed
+    assert "3 workers died of it" in failed.message
+    assert "the kernel has killed processes here for want of memory; take fewer" in failed.message
+
+
+def test_kills_for_memory_are_counted_by_the_kernel_for_a_container_or_for_the_machine(
+    tmp_path, monkeypatch
+):
+    container, vmstat = tmp_path / "memory.events", tmp_path / "vmstat"
+    monkeypatch.setattr(machine, "_COUNTS", (container, vmstat))
+    assert machine.oom_kills() == 0
+    vmstat.write_text("pgfault 7\noom_kill 3\n")
+    assert machine.oom_kills() == 3
+    container.write_text("oom 4\noom_kill 1\n")
+    assert machine.oom_kills() == 1
+
+
+def test_other_packages_of_workers_are_told_once(processes, path):
+    client, said = processes(1, "auto"), Heard()
+    client.run(lambda: work.PACKAGES.update(numpy="1.0"))
+    outcome = pipeline.run_sweep(SWEEP, path, client=client, progress=said.hear)
+    (line,) = said
+    assert f"has numpy 1.0 (here {work.PACKAGES['numpy']}): last digits may differ" in line
+    assert outcome.done == 9
+
+
+def test_a_worker_without_this_program_is_named(processes, path):
+    client = processes(1, "auto")
+    client.run(lambda: sys.modules.update({"pipeline.run.work": None}))
+    with pytest.raises(
+        pipeline.ExecutionError,
+        match=r"a Dask worker cannot run this program: .*pipeline\.run\.work",
+    ):
+        pipeline.run_sweep(SWEEP, path, client=client)
+
+
+def test_points_that_all_fail_alike_end_a_run(processes, path):
+    client = processes(2, "auto")
+    failing = changed(
+        MANY, loads=(250.0,), loading=tiny.DivergingRamp(150.0, 750.0, faulty_load=250.0)
+    )
+    with pytest.raises(pipeline.ExecutionError, match=r"first 20 points failed alike, .*: Converg"):
+        pipeline.run_sweep(failing, path, client=client)
+
+
+def test_a_long_silence_is_told_with_a_place(processes, path, monkeypatch):
+    client = processes(1, "auto")
+    monkeypatch.setattr(schedule, "_WORD", 0.0)
+    slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0), velocities=(0.5,))
+    said = Heard()
+    pipeline.run_sweep(slow, path, client=client, progress=said.hear)
+    assert said[0].startswith("no point has been finished for ")
+    assert said[0].endswith(" s, waiting for 150 N, 0.5 m/s")
+
+
+def test_the_time_to_go_is_that_of_the_points_so_far(processes, path):
+    client = processes(2, "auto")
+    slow, reports = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0), loads=(150.0,)), []
+    pipeline.run_sweep(slow, path, client=client, progress=reports.append)
+    first, *_, last = reports
+    assert (first.done, first.time_to_go, last.done, last.time_to_go) == (0, None, 3, 0.0)
+    for report in reports[1:]:
+        left = (3 - report.done) / 2  # on two workers, none less than a point's time
+        assert report.time_to_go >= 0.2 * max(left, min(1, 3 - report.done))
