@@ -44,7 +44,7 @@ class Loss(Enum):
 
     KILLED = "its worker died"
     LEFT = "its worker left"
-    FORGOTTEN = "the scheduler was started again"
+    FORGOTTEN = "its result went with a worker, or the scheduler was started again"
 
 
 class Jobs:
@@ -57,6 +57,7 @@ class Jobs:
         self._ended, self._news = deque[str](), threading.Event()
         self._gathering: Answer[dict[str, Any]] | None = None
         self._next = 0.0  # time of the next gathering
+        self._without_result: list[tuple[Job, Loss]] = []
         self.running: dict[str, Job] = {}
         self.computed: dict[str, Job] = {}
 
@@ -72,7 +73,7 @@ class Jobs:
                 self._client.unregister_worker_plugin(self._run.name)
 
     def __bool__(self) -> bool:
-        return bool(self.running or self.computed)
+        return bool(self.running or self.computed or self._without_result)
 
     def _send_run(self) -> None:
         """Let the scheduler keep the run for its workers, also for those that come later."""
@@ -110,7 +111,7 @@ class Jobs:
 
         Whose worker is gone can have changed if the run `has_looked` at the workers since.
         """
-        lost = []
+        lost, self._without_result = self._without_result, []
         while self._ended:
             key = self._ended.popleft()
             if not (job := self.running.pop(key, None)):  # which was given up before
@@ -122,7 +123,7 @@ class Jobs:
         if any(loss is Loss.FORGOTTEN for _, loss in lost):
             self._send_run()
         if has_looked:
-            lost += [(job, Loss.LEFT) for job in self._abandoned()]
+            lost += self._abandoned()
         return lost
 
     def _loss(self, future: Future) -> Loss:
@@ -140,16 +141,16 @@ class Jobs:
             raise error
         raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}")
 
-    def _abandoned(self) -> Iterator[Job]:
+    def _abandoned(self) -> Iterator[tuple[Job, Loss]]:
         """Tasks that wait for a worker which is gone: Dask may let them wait without end."""
         present = {ANYWHERE, *self._link.workers}
-        for jobs in (self.running, self.computed):
+        for jobs, loss in ((self.running, Loss.LEFT), (self.computed, Loss.FORGOTTEN)):
             for key, job in [*jobs.items()]:
                 if job.worker not in present and not job.future.done():
                     del jobs[key]
                     with self._link.reached():
                         self._client.cancel([job.future])
-                    yield job
+                    yield job, loss
 
     def results(self) -> list[Computed]:
         """Results that have come since the last call; once a second, and at the end, ask for more.
@@ -165,9 +166,8 @@ class Jobs:
                 job = self.computed.pop(key, None)  # None if it was given up meanwhile
                 if job and result:
                     results.append(result)
-                elif job:  # its result is lost
-                    self.running[key] = job
-                    self._ended.append(key)
+                elif job:
+                    self._without_result.append((job, Loss.FORGOTTEN))
         is_time = time.monotonic() >= self._next or not self.running
         if self.computed and is_time and not self._gathering:
             futures = {key: job.future for key, job in self.computed.items()}

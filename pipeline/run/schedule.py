@@ -45,7 +45,8 @@ def compute(
             for worker in _free_places(jobs.running.values(), link):
                 if hand:
                     jobs.submit(Job(hand.take(worker or object()), worker))
-            for job in losses.trials(jobs.running.values(), link.workers):
+            on_workers = [*jobs.running.values(), *jobs.computed.values()]  # results die with them
+            for job in losses.trials(on_workers, link.workers):
                 jobs.submit(job)
             jobs.wait()
             lost = jobs.lost(has_looked)
@@ -112,11 +113,11 @@ class Losses:
             del self._suspects[point]
         return [(point, self._workers[point]) for point in failed]
 
-    def trials(self, running: Collection[Job], workers: Iterable[str]) -> Iterator[Job]:
-        """Points to try alone on a worker, once all that runs is alone; least lost first."""
-        if not all(job.is_alone for job in running):
+    def trials(self, present: Collection[Job], workers: Iterable[str]) -> Iterator[Job]:
+        """Points to try alone on a worker, once all jobs there are alone; least lost first."""
+        if not all(job.is_alone for job in present):
             return
-        free = {*workers} - {job.worker for job in running}
+        free = {*workers} - {job.worker for job in present}
         suspects = sorted(self._suspects, key=lambda point: len(self._workers[point]))
         for worker, point in zip(free, suspects, strict=False):
             del self._suspects[point]

@@ -11,7 +11,6 @@ from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -44,7 +43,6 @@ from pipeline.store.schema import (
     POINT,
     STEPPED,
 )
-from pipeline.store.versions import in_words, noted
 from pipeline.sweep.identity import Simulated
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
@@ -147,17 +145,6 @@ class Store:
                 values[index] |= {**record.data, "steps": len(record.data["max_rise"])}
                 statuses[index] = DONE
         self.write(values, statuses)
-
-    def note_worker(self, versions: Mapping[str, str]) -> None:
-        """Note, once, the versions of packages that a worker has."""
-        words = f"some points computed by workers with {in_words(versions)}"
-        history = noted(self.root.history, words)
-        if history == self.root.history:
-            return
-        self.root = replace(self.root, history=history)
-        with self._writes():
-            for key, document in self.root.documents().items():  # the root last
-                self.place.put({key: document})
 
     def forget(self, points: Iterable[Point]) -> None:
         """Make points pending again."""
