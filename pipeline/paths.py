@@ -5,8 +5,6 @@ from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 
-from tribo.errors import InputError
-
 
 def user_path(path: str | PathLike[str]) -> Path:
     """The path, with a home folder in place of ``~`` or ``~name`` at its beginning.
@@ -26,6 +24,8 @@ def require_file(path: Path) -> None:
     """Raise for a file without an end, such as a device or a FIFO that nobody writes to."""
     with suppress(OSError):  # opening it reports the reason better
         if path.exists() and not path.is_file():
+            from tribo.errors import InputError  # with NumPy, which --help does not need
+
             raise InputError(f"{path}: cannot be read: it is not a file")
 
 

@@ -24,7 +24,7 @@ from pipeline.analysis.dataset import (
     sweep_kind,
 )
 from pipeline.analysis.margin_frame import margin, row_labels
-from pipeline.analysis.tables import as_dict, frame_of
+from pipeline.analysis.tables import frame_of
 from pipeline.analysis.transition import CROSSES, MILD, SEVERE, outcomes
 from pipeline.scene.written import differing
 from pipeline.store.place import PathLike
@@ -51,11 +51,6 @@ class Difference:
     #: ``state a``, ``state b``, ``rise a [K]``, ``rise b [K]`` and ``change [%]``.
     points: pd.DataFrame
     alike: int  #: Points that are done in both, with equal rises.
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all values as plain data."""
-        frames = {name: as_dict(getattr(self, name)) for name in ("entries", "boundary", "points")}
-        return frames | {"points_alike": self.alike}
 
 
 @np.errstate(under="ignore")

@@ -9,12 +9,11 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.dataset import entry_dims
-from pipeline.analysis.scenes import attribute_values, heads_of, parts_of
-from pipeline.analysis.tables import frame_of, short
+from pipeline.analysis.scenes import heads_of
+from pipeline.analysis.tables import frame_of
 from pipeline.analysis.transition import CROSSES, in_words, outcomes
 from pipeline.quantities import UNITS, column_heads
 from pipeline.sweep.conditions import FIELDS
-from tribo.material import BOUNDARY, FULL_FILM
 
 BOUNDARIES = (("critical_velocity", "load"), ("critical_load", "velocity"))
 """Variables of a boundary, each with the axis that it is found along."""
@@ -22,8 +21,6 @@ JUDGED = column_heads(
     "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share", "criterion"
 )
 """Heads of the conditions that wear is judged by."""
-ONSET = "the median is not the onset: the hottest patch under the pin scuffs first"
-"""What the median over surfaces leaves out."""
 
 
 def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
@@ -31,48 +28,6 @@ def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
     if "critical_velocity" not in boundaries:
         return (_along(boundaries, "critical_velocity", "load"),)
     return tuple(_along(boundaries, *ends) for ends in BOUNDARIES)
-
-
-def boundary_parts(boundaries: xr.Dataset) -> Iterator[str | pd.DataFrame]:
-    """The frames of a boundary, its error, what its film means, and how many points it lacks."""
-    yield from _next_run_lines(boundaries)
-    alone = ["friction"] if "friction" in boundaries.attrs else []
-    for frame in frames_of(boundaries):
-        yield short(frame, [*alone, *JUDGED.values(), "notes"])
-    told = dict.fromkeys(attribute_values(boundaries, "model_error"))
-    yield f"the model's own error: {' or '.join(told)}"
-    if "film_parameter_at_load" in boundaries:
-        yield (
-            "Λ is the minimum film over Rq, at the bulk temperature and the unworn radius: below "
-            f"{BOUNDARY:g} boundary lubrication, below {FULL_FILM:g} mixed, above it a full film, "
-            "which the model does not have"
-        )
-    if "realization" in boundaries.dims:
-        yield ONSET
-    yield from missing_lines(boundaries.attrs["missing_points"])
-
-
-def _next_run_lines(boundaries: xr.Dataset) -> Iterator[str]:
-    """Velocities below which the next run is mild and above which severe, a line a scene."""
-    for labels, part in parts_of(boundaries):
-        said = []
-        for load in dict.fromkeys(part["load"].values[[0, -1]].tolist()):
-            low, high = (
-                float(part[name].sel(load=load)) for name in ("mild_below", "severe_above")
-            )
-            ends = [
-                f"{kind} {f'{side} {end:.3g} m/s' if 0 < end < np.inf else 'nowhere that is known'}"
-                for kind, side, end in (("mild", "below", low), ("severe", "above", high))
-            ]
-            if low == np.inf or high == 0:
-                ends = ["mild throughout" if low == np.inf else "severe throughout"]
-            said.append(f"{' and '.join(ends)} at {load:g} N")
-        yield f"{f'{labels}: ' if labels else ''}the next run is {'; '.join(said)}"
-
-
-def missing_lines(missing: int) -> list[str]:
-    """The line that says how many points are pending or failed; none if all are done."""
-    return [f"{missing} points are pending or failed and were left out"] * bool(missing)
 
 
 def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
+import json
 import math
 import os
 import re
+import textwrap
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, TypeGuard
 
+import numpy as np
 import pandas as pd
 
 from pipeline.paths import user_path
@@ -17,12 +21,14 @@ from pipeline.store.files import replace_file
 from pipeline.sweep.caveats import parted
 from tribo import InputError
 
-TABLES = (".csv", ".md")
+TABLES = (".csv", ".md", ".json")
 FIGURES = (".pdf", ".png", ".svg")
 """Endings of the files that a table, or a figure, may be written to."""
 _HEAD = re.compile(r"(.+) \[(.+)\]")
 _BEYOND = {math.inf: "above the sweep", -math.inf: "below the sweep"}
 _LONG = 1e4  # from which a number in text has no decimals
+_COLUMNS = 100  # letters of a line of a table
+_HEAD_LETTERS, _FEWEST_LETTERS = 11, 20  # of a line of a head, and of a cell that is broken
 
 
 def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
@@ -55,6 +61,11 @@ def short(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:
     return frame.drop(columns=[*without], errors="ignore").dropna(axis="columns", how="all")
 
 
+def some_rows(frame: pd.DataFrame, most: int) -> pd.DataFrame:
+    """At most so many rows of a frame, evenly taken, the first and the last among them."""
+    return frame.iloc[np.unique(np.linspace(0, len(frame) - 1, most).round().astype(int))]
+
+
 def upright(frame: pd.DataFrame) -> pd.DataFrame:
     """A frame of one row as a row for each of its columns that hold something."""
     held = short(frame)
@@ -63,12 +74,25 @@ def upright(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def lines_of(frame: pd.DataFrame) -> list[str]:
-    """Lines of text with aligned columns, the heads first."""
-    rows = [[*map(str, frame)], *_cells(frame, "-")]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    """Lines of text with aligned columns, the heads first.
+
+    Heads and cells of the last column are broken between words, to keep to 100 letters a line.
+    """
+    heads = [
+        textwrap.wrap(str(head), _HEAD_LETTERS, break_long_words=False, break_on_hyphens=False)
+        for head in frame
+    ]
+    rows = _cells(frame, "-")
+    columns = zip(*rows, strict=True) if rows else [()] * len(heads)
+    widths = [max(map(len, [*head, *column])) for head, column in zip(heads, columns, strict=True)]
+    room = max(_COLUMNS - sum(width + 2 for width in widths[:-1]), _FEWEST_LETTERS)
+    lines = [*itertools.zip_longest(*heads, fillvalue="")]
+    for *cells, last in rows:
+        parts = textwrap.wrap(last, room, break_long_words=False, break_on_hyphens=False) or [""]
+        lines += itertools.zip_longest(*([cell] for cell in cells), parts, fillvalue="")
     return [
-        "   ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
+        "  ".join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in lines
     ]
 
 
@@ -81,12 +105,36 @@ def html_of(frame: pd.DataFrame) -> str:
 
 
 def write_frames(frames: Sequence[pd.DataFrame], out: Path) -> Path:
-    """Write the rows of frames below each other, as CSV or Markdown by the ending of the file."""
-    frame = pd.concat(frames)
-    if out.suffix.lower() == ".csv":
+    """Write the rows of frames as CSV, Markdown or JSON, by the ending of the file."""
+    frame, suffix = pd.concat(frames), out.suffix.lower()
+    if suffix == ".csv":
         text = frame.to_csv(index=False, float_format="%.6g")
-        return write_text(text, out)
-    return write_text("\n".join([*markdown_of(frame), ""]), out)
+    else:
+        text = json_of(records(frames)) if suffix == ".json" else "\n".join(markdown_of(frame))
+        text += "\n"
+    return write_text(text, out)
+
+
+def records(frames: Iterable[pd.DataFrame]) -> list[dict[str, Any]]:
+    """Rows of frames by their heads, as a document has them."""
+    return [
+        {str(head): None if pd.isna(value) else value for head, value in row.items()}
+        for frame in frames
+        for row in frame.to_dict("records")
+    ]
+
+
+def json_of(document: Any) -> str:
+    """A document as JSON, with null in place of NaN and infinity, which it cannot hold."""
+    return json.dumps(_finite(document), indent=2, ensure_ascii=False, allow_nan=False)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def markdown_of(frame: pd.DataFrame) -> Iterator[str]:

@@ -10,8 +10,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -52,10 +51,6 @@ class Warned:
             None if None in beside else sum(filter(None, beside)),
             self.example or other.example,
         )
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the fields by name."""
-        return asdict(self)
 
     def lines(self) -> Iterator[str]:
         """Lines for the user; none where no point carries a warning."""

@@ -16,14 +16,13 @@ _OF_KINDS = (*given.PLACE, "log", "show")
 
 def plot(options: argparse.Namespace) -> Result:
     """Draw a figure of a store."""
-    kind = options.kind
     look = given.values_in(options, *_OF_KINDS)
-    allowed = [name for name in options_of(KINDS[kind]) if name in _OF_KINDS]
+    allowed = [name for name in options_of(KINDS[options.kind]) if name in _OF_KINDS]
     if others := [name for name in look if name not in allowed]:
         flag, flags = given.flags_of(others[:1]), given.flags_of(allowed)
-        raise InputError(f"--kind {kind} takes no {flag}; it takes {flags}")
-    look |= given.values_in(options, "width") | {"plain": options.plain}
+        raise InputError(f"--kind {options.kind} takes no {flag}; it takes {flags}")
+    look |= given.values_in(options, "width", "plain")
     ds = given.dataset_in(options)
-    out = options.output or given.beside(options.store, f"_{kind}.png")
-    written = pipeline.plot(ds, kind, out, **look)
-    return Result({"kind": kind, "file": str(written)}, [str(written)], pipeline.warned(ds))
+    out = options.output or given.beside(options.store, f"_{options.kind}.png")
+    written = str(pipeline.plot(ds, options.kind, out, **look))
+    return Result({"kind": options.kind, "file": written}, [written], pipeline.warned(ds))

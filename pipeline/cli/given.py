@@ -51,28 +51,17 @@ def beside(store: Path | str, ending: str) -> Path:
 
 def settings_in(options: argparse.Namespace) -> dict[str, Any]:
     """Entries of --set; keys without the prefix that those of a fidelity may have."""
-    return _each_once(
-        "--set", ((path.removeprefix("fidelity."), value) for path, value in options.set)
-    )
+    return {path.removeprefix("fidelity."): value for path, value in options.set}
 
 
 def judged_entries(options: argparse.Namespace) -> dict[str, Any]:
     """Values of --at by their paths, those of quantities with their units."""
-    values = _each_once("--at", getattr(options, "at", []))
+    values = dict(getattr(options, "at", []))
     for path, value in values.items():
         if isinstance(value, float | int) and (example := unit_example(path)):
             raise InputError(
                 f'--at: {path} is {value:g}, without a unit; give one such as "{example}"'
             )
-    return values
-
-
-def _each_once(flag: str, pairs: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    values: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in values:
-            raise InputError(f"{flag}: {key} is given more than once; give it once")
-        values[key] = value
     return values
 
 
@@ -91,11 +80,11 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
 def operating_points_in(options: argparse.Namespace) -> OperatingPoints:
     """Operating points of a table, or the one of --load and --velocity."""
     place = values_in(options, "load", "velocity")
-    if options.points is None and options.sheet is not None:
-        raise InputError("--sheet names a sheet of --points; give that too, or leave it out")
-    if options.points is None and len(place) < 2:
-        raise InputError("no operating point is given; give --load and --velocity, or --points")
     if options.points is None:
+        if options.sheet is not None:
+            raise InputError("--sheet names a sheet of --points; give that too, or leave it out")
+        if len(place) < 2:
+            raise InputError("no operating point is given; give --load and --velocity, or --points")
         return OperatingPoints((Place(options.load, options.velocity),), {})
     if place:
         raise InputError(f"--points gives each load and velocity; leave out {flags_of(place)}")
@@ -122,14 +111,13 @@ def scene_in(
             bulks = {"pin": f"{pin!r} K", "disk": f"{disk or pin!r} K"}
             sweep = sweep.changed("temperature.bulk", bulks)
         sweep = replace(sweep, judged=changes_of(**conditions))
-    accuracy = getattr(options, "accuracy", None)
-    named = ["--preset"] if options.preset else []
-    named += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
-    if accuracy is not None and named:
-        raise InputError(
-            f"--accuracy picks the numerical choices itself; leave out {', '.join(named)}"
-        )
-    if accuracy is not None:
+    if (accuracy := getattr(options, "accuracy", None)) is not None:
+        named = ["--preset"] if options.preset else []
+        named += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
+        if named:
+            raise InputError(
+                f"--accuracy picks the numerical choices itself; leave out {', '.join(named)}"
+            )
         sweep = choose_accuracy(sweep, accuracy, points, store, tell)
     elif store is not None and options.measure:
         sweep = measure_error(sweep, store, tell)
@@ -143,11 +131,6 @@ def one_scene_in(options: argparse.Namespace, points: Sequence[Point] | None = N
     sweep = scene_in(options, points)
     tell(*notes_on_first_values(sweep.variants))
     return sweep
-
-
-def selected(sweep: Sweep) -> dict[str, Any]:
-    """Reason for the fidelity that was picked, for a JSON document; nothing if none was."""
-    return {"selection": sweep.about.selection.as_dict()} if sweep.about.selection else {}
 
 
 def dataset_in(

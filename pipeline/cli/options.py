@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.cli import values
-from pipeline.cli.documented import expand_help
 from pipeline.paths import user_path
 
 
@@ -17,7 +16,7 @@ class Option:
     """An option or a positional argument, with the settings of `argparse`."""
 
     def __init__(self, *names: str, help: str, **settings: Any) -> None:
-        self.names, self.settings = names, settings | {"help": expand_help(help)}
+        self.names, self.settings = names, settings | {"help": help}
 
     def but(self, **settings: Any) -> Option:
         """The option with some settings replaced."""
@@ -50,6 +49,17 @@ class Command(NamedTuple):
     takes: tuple[Option | Group, ...]
 
 
+def value(words: str, use: str, read: Callable[[str], Any] | None = None, **more: Any) -> Option:
+    """Option with a value, from its names and the name of the value, and what reads it."""
+    *names, metavar = words.split()
+    return Option(*names, metavar=metavar, type=read, help=use, **more)
+
+
+def several(words: str, use: str, read: Callable[[str], Any]) -> Option:
+    """Option that may be repeated."""
+    return value(words, f"{use}; may be repeated", read, action="append", default=[])
+
+
 def flag(name: str, use: str, *short: str) -> Option:
     """Option without a value."""
     return Option(*short, name, action="store_true", help=use)
@@ -57,8 +67,7 @@ def flag(name: str, use: str, *short: str) -> Option:
 
 def quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = False) -> Option:
     """Option for a quantity with a unit, such as the example that ends its help."""
-    read = values.quantity(like, is_signed)
-    return Option(name, metavar=metavar, type=read, help=f'{use}, like "{like}"')
+    return value(f"{name} {metavar}", f'{use}, like "{like}"', values.quantity(like, is_signed))
 
 
 WRITTEN = "output", "kept", "new_scene"
@@ -67,7 +76,7 @@ WRITTEN = "output", "kept", "new_scene"
 
 def output(name: str, use: str, kind: Callable[[str], Path | str] = user_path) -> Option:
     """Option for the file that a command writes."""
-    return Option("-o", "--output", metavar=name, type=kind, help=use)
+    return value(f"-o --output {name}", use, kind)
 
 
 OF_ALL = (
@@ -75,128 +84,123 @@ OF_ALL = (
     flag("--quiet", "show no progress and no notes, only errors", "-q"),
 )
 LIST = flag("--list", "list them")
-TABLE = output("TABLE.csv", "file of the table, .csv or .md", values.table)
+_TABLES = ".csv, .md or .json"
+TABLE = output("TABLE.csv", f"file of the table, {_TABLES}", values.table)
 FIGURE_OR_TABLE = output(
-    "FILE.png", "file of a figure; or of the table, .csv or .md",
+    "FILE.png", f"file of a figure; or of the table, {_TABLES}",
     partial(values.table, or_figure=True),
 )  # fmt: skip
 
-SCENE = Option("scene", metavar="SCENE.toml", type=user_path, help="{load_scene.path}")
-PRESET = Option("--preset", metavar="NAME", help="{load_scene.preset}")
-SET = Option(
-    "--set", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
-    help="change a numerical choice, such as increments=50, or an entry of the scene, such as "
-    "wear.pattern=local or without=motion; may be repeated for other keys",
+SCENE = value("scene SCENE.toml", "scene file, or name of a shipped scene", user_path)
+PRESET = value(
+    "--preset NAME", "preset of the numerical choices, in place of the scene's table [fidelity]: "
+    "draft, standard, fine or reference",
+)  # fmt: skip
+SET = several(
+    "--set KEY=VALUE",
+    "change a numerical choice, such as increments=50, or an entry of the scene, such as "
+    "wear.pattern=local or without=motion", values.setting,
 )  # fmt: skip
 OF_SCENE = (SCENE, PRESET, SET)
-ACCURACY = Option(
-    "--accuracy", metavar="BOUND", type=values.share,
-    help="{choose_fidelity.accuracy}",
+ACCURACY = value(
+    "--accuracy BOUND", "pick the cheapest fidelity whose boundary errs by this at most, such as "
+    "2%%", values.share,
 )  # fmt: skip
 MEASURE = flag(
     "--measure",
     "measure the error of the scene's own numerical choices, before a run or on its finished store",
 )
-BOUNDARY_ONLY = Option(
-    "--boundary-only", metavar="TOLERANCE", nargs="?", const=0.01, type=values.share,
-    help="{run_sweep.boundary_only}; default: 1%%",
+BOUNDARY_ONLY = value(
+    "--boundary-only TOLERANCE", "compute the boundary alone, to this relative error of the "
+    "critical velocity, at velocities that the run chooses; default: 1%%",
+    values.share, nargs="?", const=0.01,
 )  # fmt: skip
 
-STORE = Option("store", metavar="OUT.zarr", type=values.store, help="store that irg run has made")
-OTHER_STORE = Option(
-    "other", metavar="OTHER.zarr", type=values.store, help="store to compare with the first"
-)
+STORE = value("store OUT.zarr", "store that irg run has made", values.store)
+OTHER_STORE = value("other OTHER.zarr", "store to compare with the first", values.store)
 STORE_OR_FOLDER = STORE.but(
-    metavar="OUT.zarr", nargs="?", default=Path("results"),
+    nargs="?", default=Path("results"),
     help="store that irg run has made, or a folder of stores; default: results",
 )  # fmt: skip
 
-
-SHEET = Option("--sheet", metavar="NAME", help="sheet of a workbook; default: its first one")
-TOPIC = Option("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")
+SHEET = value("--sheet NAME", "sheet of a workbook; default: its first one")
+TOPIC = value("topic TOPIC", "name of a page or of a command", nargs="?")
 OF_NEW = (
-    Group(
-        "",
-        (
-            Option("file", metavar="FILE.toml", type=user_path, nargs="?", help="file to write"),
-            LIST.but(help="list the shipped scenes"),
-        ),
-    ),
-    flag("--full", "{new_scene.full}"),
-    Option("--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"),
+    Group("", (
+        value("file FILE.toml", "file to write", user_path, nargs="?"),
+        LIST.but(help="list the shipped scenes"),
+    )),
+    flag("--full", "add every other entry as a comment, with its meaning"),
+    value("--from NAME", "shipped scene to begin with; see --list", dest="like"),
 )  # fmt: skip
 
-WORKERS = Option("--workers", metavar="N", type=values.count, help="{run_sweep.workers}")
+WORKERS = value("--workers N", "number of processes; default: one for each core", values.count)
 KEPT = (
-    Option(
-        "--store", metavar="OUT.zarr", dest="kept", type=values.new_store,
-        help="store for the points, resumed if it exists; by default no point is kept",
+    value(
+        "--store OUT.zarr",
+        "store for the points, resumed if it exists; by default no point is kept",
+        values.new_store, dest="kept",
     ),
     WORKERS,
 )  # fmt: skip
 OF_RUN = (
     output("OUT.zarr", "path of the store; default: results/<scene>.zarr", values.new_store),
-    Group(
-        "",
-        (
-            WORKERS,
-            Option("--scheduler", metavar="ADDRESS", help="address of a running Dask scheduler"),
-            Option(
-                "--scheduler-file", metavar="FILE", type=user_path,
-                help="file that a running Dask scheduler has written, instead of its address",
-            ),
-        ),
+    Group("", (
+        WORKERS,
+        value("--scheduler ADDRESS", "address of a running Dask scheduler"),
+        value("--scheduler-file FILE", "file that a running Dask scheduler has written", user_path),
+    )),
+    value(
+        "--from OLD.zarr", "another store, whose points of the same scene are taken over",
+        values.store, dest="source",
     ),
-    Option(
-        "--from", metavar="OLD.zarr", dest="source", type=values.store, help="{run_sweep.source}"
-    ),
-    flag("--dashboard", "{run_sweep.dashboard}"),
-    flag("--retry-failed", "{run_sweep.retry_failed}"),
+    flag("--dashboard", "print the link of Dask's dashboard, which all on this machine can read"),
+    flag("--retry-failed", "compute the points again that failed in an earlier run"),
     BOUNDARY_ONLY,
     Group("", (ACCURACY, MEASURE)),
 )  # fmt: skip
 
 PLACE = (
-    quantity("--load", "F", "750 N", "{run_point.load}"),
-    quantity("--velocity", "V", "1.25 m/s", "{run_point.velocity}", is_signed=True),
+    quantity("--load", "F", "750 N", "normal load on the whole pin"),
+    quantity("--velocity", "V", "1.25 m/s", "sliding velocity", is_signed=True),
 )
 NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
 POINTS = (
-    Option(
-        "--points", metavar="DUTY.csv", type=user_path,
-        help='operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
-        ".csv, .txt or .xlsx; further columns are passed on",
+    value(
+        "--points DUTY.csv",
+        'operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
+        ".csv, .txt or .xlsx; further columns are passed on", user_path,
     ),
     SHEET,
 )  # fmt: skip
-REALIZATION = Option(
-    "--realization", metavar="SEED", type=partial(values.count, least=0),
-    help="{run_point.realization}",
+REALIZATION = value(
+    "--realization SEED", "seed of the random surface in place of the sweep's own",
+    partial(values.count, least=0),
 )  # fmt: skip
-AT = Option(
-    "--at", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
-    help='judge at a value: of an entry in sweep.over, like "pin.radius=2 mm", of an unknown input '
-    'of samples, or of a condition, like "temperature.critical=150 degC"; may be repeated',
+AT = several(
+    "--at KEY=VALUE",
+    'judge at a value: of an entry in sweep.over, like "pin.radius=2 mm", of an unknown input '
+    'of samples, or of a condition, like "temperature.critical=150 degC"', values.setting,
 )  # fmt: skip
 
-FRICTION = Option("--friction", metavar="MU", type=values.friction, help="{at.friction}")
-FRICTIONS = FRICTION.but(action="append", help="{at.friction}; may be repeated")
-BULK = Option(
-    "--bulk-temperature", metavar="T", type=values.bulk,
-    help='{at.bulk_temperature}, like "25 degC"; "pin=60 degC, disk=25 degC" if they differ',
+FRICTION = value("--friction MU", "coefficient of friction, at least 0", values.friction)
+FRICTIONS = FRICTION.but(action="append", help="coefficient of friction; may be repeated")
+BULK = value(
+    "--bulk-temperature T", 'temperature of the bodies far from the contact, like "25 degC"; '
+    '"pin=60 degC, disk=25 degC" if they differ', values.bulk,
 )  # fmt: skip
-CRITERION = Option(
-    "--criterion", metavar="NAME", type=values.criterion,
-    help="{at.criterion}",
+CRITERION = value(
+    "--criterion NAME", 'temperature that decides: "share", which that share exceeds, "highest" '
+    'or "mean"', values.criterion,
 )  # fmt: skip
 _THRESHOLD = (
     quantity(
-        "--critical-temperature", "T", "145 degC",
-        "{at.critical_temperature}", is_signed=True,
+        "--critical-temperature", "T", "145 degC", "temperature above which the lubricant fails",
+        is_signed=True,
     ),
-    Option(
-        "--share", type=values.failing_share,
-        help="{at.share}",
+    value(
+        "--share SHARE", "share of the contact above the critical temperature beyond which wear is "
+        "severe, such as 10%%; 0 for the highest temperature", values.failing_share,
     ),
     CRITERION,
 )  # fmt: skip
@@ -204,20 +208,28 @@ _ONE_EACH = tuple(option.but(action=_Once) for option in (FRICTION, BULK, *_THRE
 CONDITIONS = Group("conditions, instead of the scene's", _ONE_EACH)
 CONDITIONS_AT_FRICTIONS = CONDITIONS._replace(options=(FRICTIONS, *_ONE_EACH[1:]))
 
-OVER = Option(
-    "--over", metavar="KEY=VALUE,VALUE", type=values.settings, action="append", default=[],
-    help="{vary.over}, such as 0.08,0.12, or -20%%,+20%% of the value in the scene; may be "
-    "repeated",
+OVER = several(
+    "--over KEY=VALUE,VALUE",
+    "values of an entry, one entry at a time, such as 0.08,0.12, or -20%%,+20%% of the value in "
+    "the scene", values.settings,
 )  # fmt: skip
-SCATTER = Option(
-    "--scatter", metavar="SHARE", type=values.share,
-    help="{at.scatter}; default: 5%%",
+SCATTER = value(
+    "--scatter SHARE", "relative standard deviation of measured velocities, where the scene gives "
+    "none; default: 5%%", values.share,
 )  # fmt: skip
-GIVEN_MEASURED = flag("--given-measured", "{at.given_measured}")
-OIL = Option("--oil", metavar="NAME", help="{at.oil}")
+GIVEN_MEASURED = flag("--given-measured", "weigh the inputs of samples by the scene's tests")
+OIL = value("--oil NAME", "oil whose tests count, by its name in them")
 WEIGHED = (GIVEN_MEASURED, SCATTER, OIL)
 JUDGED = (AT, CONDITIONS)
 
+OF_BOUNDARY = (
+    Option(
+        "--by", default="load", choices=("load", "velocity", "test"),
+        help="rows of the table: critical velocities by load, critical loads by velocity, or the "
+        "tests beside what is computed for them; default: load",
+    ),
+    flag("--all", "print all rows"),
+)  # fmt: skip
 OF_PLOT = (
     Option(
         "--kind", default="diagram",
@@ -225,8 +237,8 @@ OF_PLOT = (
         help="default: diagram; temperature is drawn over the velocity",
     ),
     output("FILE.png", "file of the figure; default: beside the store"),
-    quantity("--width", "W", "8.5 cm", "{plot.width}"),
-    flag("--plain", "{plot.plain}"),
+    quantity("--width", "W", "8.5 cm", "width of the figure, whose words shrink less than it does"),
+    flag("--plain", "draw no title and no caption"),
     flag("--log", "logarithmic axes of the diagram"),
-    Option("--show", metavar="NAME", help="variable that a ramp shows, such as wear_volume"),
+    value("--show NAME", "variable that a ramp shows, such as wear_volume"),
 )  # fmt: skip

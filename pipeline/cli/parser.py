@@ -9,16 +9,13 @@ import re
 import sys
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from difflib import get_close_matches
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, NoReturn
 
 from pipeline import extras
 from pipeline.cli import options as o
-from pipeline.cli.completion import OFFERED
 from pipeline.cli.options import Command
 
 FIRST = ("new", "check", "run", "status", "boundary", "margin", "plot", "help")
@@ -52,7 +49,9 @@ COMMANDS = (
         "boundary", "verdicts:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
-        (o.STORE, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS),
+        (
+            o.STORE, *o.OF_BOUNDARY, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS,
+        ),
     ),
     Command(
         "margin", "verdicts:margin",
@@ -103,66 +102,87 @@ def commands() -> tuple[Command, ...]:
     return (*COMMANDS, *(one for module in extras.modules("commands") for one in module.COMMANDS))
 
 
-class _Help(argparse.HelpFormatter):
-    """Help in which an example stays on one line, so that it can be copied."""
-
-    def _fill_text(self, text: str, width: int, indent: str) -> str:
-        return "\n".join(
-            line if line.startswith("  ") else textwrap.fill(line, width)
-            for line in text.split("\n")
-        )
-
-
 class _Parser(argparse.ArgumentParser):
-    """Parser with such help, in which words such as -5% are values, as from Python 3.14 on."""
+    """Parser in which words such as -5% are values, as from Python 3.14 on."""
 
     def __init__(self, **settings: Any) -> None:
-        super().__init__(formatter_class=_Help, **settings)
+        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **settings)
         # A private name of argparse; not needed once 3.14 is the oldest Python.
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
         """Print one line: what is wrong, what was perhaps meant, and where options are listed."""
-        if wrong := re.fullmatch(r"argument (.*): invalid choice: '(.*?)' \(choose.*\)", message):
-            words = re.findall(r"[\w-]+", message.partition("(choose from")[2])
-            if near := get_close_matches(wrong[2], words, 1):
-                message = f"{wrong[1].lower()} is {wrong[2]!r}; did you mean {near[0]!r}?"
-                self.exit(2, f"{self.prog}: {message} See {self.prog} --help\n")
+        if wrong := re.fullmatch(r"argument (.*): invalid choice: '(.*?)' \((choose.*)\)", message):
+            near = get_close_matches(wrong[2], re.findall(r"[\w-]+", wrong[3]), 1)
+            meant = f"; did you mean {near[0]!r}?" if near else f" ({wrong[3]})"
+            message = f"{wrong[1].lower()} is {wrong[2]!r}{meant}"
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
-def whole_parser() -> argparse.ArgumentParser:
-    """Parser of all commands."""
+class _Version(argparse.Action):
+    """Print the version, which is looked up only now."""
+
+    def __call__(self, parser: Any, *_: Any) -> None:
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            told = version("irg-transition")
+        except PackageNotFoundError:
+            told = "of unknown version, since it is not installed"
+        print(f"irg {told}")
+        parser.exit()
+
+
+_BEGIN = """Begin with:
+  irg new scene.toml
+  irg check scene.toml
+  irg run scene.toml
+  irg plot results/scene.zarr
+  irg help first-hour
+What a command takes:
+  irg COMMAND --help"""
+
+
+def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
+    """Parser of all commands, with the options of one, or of all if no name is given."""
     parser = _Parser(
         prog="irg",
         description="Predict where a lubricated sliding contact goes from mild to severe wear.\n\n"
         + "\n".join(_listed()),
-        epilog="Begin with:\n  irg new scene.toml\n  irg check scene.toml\n  irg run scene.toml\n"
-        "  irg plot results/scene.zarr\n  irg help first-hour\n"
-        "What a command takes:\n  irg COMMAND --help\n"
-        "Completion in bash and zsh, with argcomplete installed:\n"
-        '  eval "$(register-python-argcomplete irg)"',
+        epilog=_BEGIN,
     )
-    parser.add_argument(
-        "--version",
-        action="version",
-        version=f"irg {_version()}",
-        help="print the version and exit",
-    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     parser.set_defaults(parser=parser)
     parsers = parser.add_subparsers(metavar="COMMAND", help="one of these; see irg COMMAND --help")
     for command in commands():
-        _add(parsers, command)
+        added = parsers.add_parser(
+            command.name,
+            description=textwrap.fill(f"{command.purpose[0].upper()}{command.purpose[1:]}."),
+            epilog=f"example:\n  irg {command.name} {command.example}",
+        )
+        added.set_defaults(command=command.function, parser=added)
+        if name in (None, command.name):
+            _add_options(added, (*o.OF_ALL, *command.takes))
     return parser
+
+
+def _add_options(parser: Any, takes: Sequence[o.Option | o.Group]) -> None:
+    """Add options and groups of options."""
+    for taken in takes:
+        if isinstance(taken, o.Option):
+            parser.add_argument(*taken.names, **taken.settings)
+        elif taken.title:
+            _add_options(parser.add_argument_group(taken.title), taken.options)
+        else:
+            _add_options(parser.add_mutually_exclusive_group(), taken.options)
 
 
 def _listed() -> Iterator[str]:
     """Commands with their purposes: those that everybody needs, the others, and those of extras."""
     named = {command.name: command for command in COMMANDS}
-    others = [command for command in COMMANDS if command.name not in FIRST]
     groups = {
         "what everybody needs": [named[name] for name in FIRST],
-        "further": others,
+        "further": [command for command in COMMANDS if command.name not in FIRST],
         "extras": commands()[len(COMMANDS) :],
     }
     for group, members in groups.items():
@@ -175,13 +195,9 @@ def _listed() -> Iterator[str]:
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Read the options of one command; `function_of` gives its function."""
-    parser = whole_parser()
-    if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
-        with suppress(ImportError):  # that extra may not be installed
-            import argcomplete
-
-            argcomplete.autocomplete(parser)
-    options, unknown = parser.parse_known_args(arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    parser = whole_parser(next((word for word in given if not word.startswith("-")), ""))
+    options, unknown = parser.parse_known_args(given)
     if unknown:  # an error of the command, whose usage shows its options
         flags = re.findall(r"--[a-z-]+", options.parser.format_usage())
         near = get_close_matches(unknown[0].partition("=")[0], flags, 1)
@@ -190,33 +206,12 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     if options.parser is parser:
         parser.print_help(sys.stderr)
         parser.exit(2, "irg: give a command\n")
-    for out in (value for name, value in vars(options).items() if name in o.WRITTEN and value):
-        if os.path.realpath(out) in _files_read(options):
+    held = {name: value for name, value in vars(options).items() if isinstance(value, str | Path)}
+    read = {os.path.realpath(value) for name, value in held.items() if name not in o.WRITTEN}
+    for out in (value for name, value in held.items() if name in o.WRITTEN):
+        if Path(out).is_file() and os.path.realpath(out) in read:
             options.parser.error(f"{out} is read by this command; name another file to write")
     return options
-
-
-def _files_read(options: argparse.Namespace) -> set[str]:
-    """Real paths of the files that a command is given to read, and of all that its scene names."""
-    taken = [value for name, value in vars(options).items() if name not in o.WRITTEN]
-    paths = [Path(x) for x in taken if isinstance(x, str | Path) and Path(x).is_file()]
-    found = set[str]()
-    while paths:
-        file, text = os.path.realpath(path := paths.pop()), ""
-        if path.suffix == ".toml" and file not in found:
-            with suppress(OSError):  # which the command tells
-                text = path.read_text("utf-8", errors="replace")
-        named = (path.parent / name for name in re.findall(r"""["']([^"'\n]+)["']""", text))
-        paths += [one for one in named if os.path.isfile(one)]  # noqa: PTH113 — long names, too
-        found.add(file)
-    return found
-
-
-def _version() -> str:
-    try:
-        return version("irg-transition")
-    except PackageNotFoundError:
-        return "of unknown version, since it is not installed"
 
 
 def function_of(options: argparse.Namespace) -> Callable[[argparse.Namespace], Any]:
@@ -225,30 +220,3 @@ def function_of(options: argparse.Namespace) -> Callable[[argparse.Namespace], A
     name = options.command if is_whole else f"pipeline.cli.{options.command}"
     function: Callable[[argparse.Namespace], Any] = pkgutil.resolve_name(name)
     return function
-
-
-def _add(parsers: Any, command: Command) -> None:
-    """Add the parser of a command."""
-    added = parsers.add_parser(
-        command.name,
-        description=f"{command.purpose[0].upper()}{command.purpose[1:]}.",
-        epilog=f"example:\n  irg {command.name} {command.example}",
-    )
-    added.set_defaults(command=command.function, parser=added)
-    for taken in (*o.OF_ALL, *command.takes):
-        if isinstance(taken, o.Option):
-            _add_option(added, taken)
-            continue
-        group = (
-            added.add_argument_group(taken.title)
-            if taken.title
-            else added.add_mutually_exclusive_group()
-        )
-        for option in taken.options:
-            _add_option(group, option)
-
-
-def _add_option(parser: Any, option: o.Option) -> None:
-    """Add an option, with what a shell offers for it."""
-    action = parser.add_argument(*option.names, **option.settings)
-    action.completer = OFFERED.get(action.dest)

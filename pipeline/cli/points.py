@@ -18,7 +18,7 @@ from pipeline.analysis.margin import (
 )
 from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
 from pipeline.analysis.tables import frame_of, upright
-from pipeline.cli.given import one_scene_in, selected
+from pipeline.cli.given import one_scene_in
 from pipeline.cli.output import Result, working
 from pipeline.quantities import column_heads
 from pipeline.scene.facts import require_bearable_load
@@ -86,7 +86,6 @@ def point(options: argparse.Namespace) -> Result:
         "not_counted": note_on_turns(sweep),
         "wall_time": result.wall_time,
         "decided_by": decided_by,
-        **selected(sweep),
     }
     notes = caveats(sweep, conditions)
     values = document | {"load": options.load, "distance": distance, "caveats": joined(notes)}

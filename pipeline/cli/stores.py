@@ -3,94 +3,108 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from datetime import datetime
 from pathlib import Path
-from stat import S_ISDIR
-from typing import Any
+
+import pandas as pd
 
 import pipeline
 from pipeline.analysis.at import open_inputs
-from pipeline.analysis.tables import as_dict, frame_of, short
+from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import dataset_in
-from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, working
+from pipeline.cli.output import DONE, SOME_FAILED, Result, working
 from pipeline.store.place import ROOT, StoreError, place_of, remedy
-from pipeline.store.progress import summary
+from pipeline.store.progress import FailedPoint, Summary, summary
 from pipeline.store.root import read_sweep
-from pipeline.sweep.accuracy import error_in_words, velocity_error
+from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.conditions import PATHS
 
 _MOST_POINTS = 10  # that are printed; files have all
+_HEADS = "name", "state", "points", "done", "failed", "pending", "preset", "title"
 
 
 def status(options: argparse.Namespace) -> Result:
     """Count the points of a store, or list the stores below a folder."""
-    if _is_folder_of_stores(options.store):
-        folder = Path(options.store)
-        rows = [_row(store, folder) for store in _stores_below(folder)]
-        frame = frame_of(_HEADS, ([row.get(head) for head in _HEADS] for row in rows))
-        held = short(frame) if len(frame) else f"{options.store} holds none"
-        return Result(as_dict(frame), [held])
-    state = pipeline.summary(options.store)
-    sweep = read_sweep(options.store)
-    document = {
-        "title": state.title,
-        "points": state.total,
-        "done": state.done,
-        "failed": failed_points(state.failed),
-        "pending": state.pending,
-        "done_earlier": state.earlier,
-        "running": state.running is not None,
-        "velocity_error": velocity_error(sweep),
-        "selection": sweep.about.selection and sweep.about.selection.as_dict(),
-    }
-    text = [
-        state.title,
-        f"{state.total} points: {state.done} done, {len(state.failed)} failed, "
-        f"{state.pending} pending",
-    ]
+    path = options.store
+    if isinstance(path, Path) and path.is_dir() and not _is_store(path) and path.suffix != ".zarr":
+        rows = [_row(store, str(store.relative_to(path))) for store in _stores_below(path)]
+        frame = frame_of(_HEADS, rows)
+        brief = frame.drop(columns=["points", "done", "failed", "pending"])
+        return Result(text=[short(brief) if rows else f"{path} holds none"], frames=[frame])
+    state, sweep = pipeline.summary(path), read_sweep(path)
+    lines = [state.title, f"{state.total} points: {_counts(state)}"]
     if state.earlier:
-        text.append(f"{state.earlier} more are done from an earlier run, which asked for them")
+        lines.append(f"{state.earlier} more are done from an earlier run, which asked for them")
     if state.running:
-        text.append(f"running: {state.running}")
-    text += [error_in_words(sweep), *(f"failed: {point}" for point in state.failed)]
+        lines.append(f"running: {state.running}")
+    lines += [error_in_words(sweep), *(f"failed: {point}" for point in state.failed)]
+    warned = NO_WARNING
     try:
-        warned = pipeline.warned(options.store)
+        warned = pipeline.warned(path)
     except StoreError as error:  # the points are counted all the same
-        warned = NO_WARNING
-        text.append(f"warnings are not counted: {error}")
-    return Result(document, text, warned, code=SOME_FAILED if state.failed else DONE)
+        lines.append(f"warnings are not counted: {error}")
+    frame = frame_of(_HEADS, [_row(path, state.name)])
+    return Result(text=lines, warned=warned, frames=[frame], code=code_of(state.failed))
 
 
-def _is_folder_of_stores(path: Path | str) -> bool:
-    """True for a folder that neither is a store nor is named like one."""
-    return (
-        isinstance(path, Path)
-        and path.is_dir()
-        and path.suffix != ".zarr"
-        and not (path / ROOT).exists()
-    )
+def _counts(state: Summary) -> str:
+    return f"{state.done} done, {len(state.failed)} failed, {state.pending} pending"
+
+
+def code_of(failed: Iterable[FailedPoint]) -> int:
+    """Exit code where some points failed, or none."""
+    return SOME_FAILED if failed else DONE
+
+
+def _is_store(path: Path) -> bool:
+    return (path / ROOT).exists()
+
+
+def _stores_below(folder: Path) -> Iterator[Path]:
+    """Stores below a folder, unopened, as far as it can be read."""
+    for path in sorted(folder.iterdir()):
+        with suppress(OSError):
+            if _is_store(path):
+                yield path
+            elif path.is_dir() and not (path.is_symlink() or path.name.startswith(".")):
+                yield from _stores_below(path)
+
+
+def _row(path: Path | str, name: str) -> list[object]:
+    """State of a store by column."""
+    try:
+        state, preset = summary(path), read_sweep(path).about.preset
+    except StoreError as error:
+        reason = str(error).split(";")[0].replace(str(Path(path).absolute()), "").strip(": ")
+        return [name, f"unreadable: {reason}", *[None] * (len(_HEADS) - 2)]
+    words = "running now, " * bool(state.running)
+    words += "done" if state.done == state.total else _counts(state)
+    counts = state.total, state.done, len(state.failed), state.pending
+    return [name, words, *counts, preset, state.title]
+
+
+def failed_frame(points: Iterable[FailedPoint]) -> pd.DataFrame:
+    """Frame of points that failed or are damaged."""
+    rows = [(one.load, one.velocity, one.place, one.message) for one in points]
+    return frame_of(("load [N]", "velocity [m/s]", "place", "message"), rows)
 
 
 def verify(options: argparse.Namespace) -> Result:
     """Read everything and name what is damaged."""
     with working("reading points") as progress:
         check = pipeline.verify_store(options.store, progress)
-    document = {
-        "done": check.done,
-        "damaged": failed_points(check.damaged),
-        "shared": check.shared,
-    }
+    damaged = *check.damaged, *check.shared
     text = [
         f"{check.done} points are done and intact, {len(check.damaged)} are damaged",
-        *(f"damaged: {damage}" for damage in (*check.damaged, *check.shared)),
+        *(f"damaged: {damage}" for damage in damaged),
     ]
+    frame = failed_frame(check.damaged)
     if check.is_clean:
-        return Result(document, text, pipeline.warned(options.store))
+        return Result(text=text, warned=pipeline.warned(options.store), frames=[frame])
     text.append(remedy(place_of(options.store)))
-    return Result(document, text, code=SOME_FAILED)
+    return Result(text=text, frames=[frame], code=SOME_FAILED)
 
 
 def diff(options: argparse.Namespace) -> Result:
@@ -126,46 +140,4 @@ def diff(options: argparse.Namespace) -> Result:
     if len(points):
         text.append("rise: the highest of the contact at the end of the point, at friction 1")
     warned = sum((pipeline.warned(ds) for ds in stores), NO_WARNING)
-    return Result(between.as_dict(), text, warned, [entries, crossings, points])
-
-
-_HEADS = "name", "state", "preset", "changed", "size [MB]", "title"
-
-
-def _stores_below(folder: Path) -> Iterator[Path]:
-    """Stores below a folder, unopened, as far as it can be read."""
-    for path in sorted(folder.iterdir()):
-        if path.name.startswith("."):
-            continue
-        with suppress(OSError):
-            if (path / ROOT).exists():
-                yield path
-            elif path.is_dir() and not path.is_symlink():
-                yield from _stores_below(path)
-
-
-def _row(path: Path, folder: Path) -> dict[str, Any]:
-    """Values of a store by column."""
-    stats = []
-    for file in path.rglob("*"):
-        with suppress(FileNotFoundError):  # a store may be in the midst of being written
-            if not S_ISDIR((stat := file.lstat()).st_mode):  # not what a link leads to
-                stats.append(stat)
-    changed = datetime.fromtimestamp(max((stat.st_mtime for stat in stats), default=0.0))
-    about = {"name": str(path.relative_to(folder)), "changed": f"{changed:%Y-%m-%d %H:%M}"}
-    return _store_status(path) | about | {"size [MB]": sum(stat.st_size for stat in stats)}
-
-
-def _store_status(path: Path) -> dict[str, Any]:
-    """State of a store."""
-    try:
-        state, preset = summary(path), read_sweep(path).about.preset
-    except StoreError as error:
-        reason = str(error).split(";")[0].replace(str(path.absolute()), "").strip(": ")
-        return {"state": f"unreadable: {reason}"}
-    words = "done" if not state.pending else f"{state.done} of {state.total} done"
-    if state.failed:
-        words += f", {len(state.failed)} failed"
-    if state.running:
-        words += ", running now"
-    return {"state": words, "preset": preset, "title": state.title}
+    return Result(text=text, warned=warned, frames=[entries, crossings, points])

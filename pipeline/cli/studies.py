@@ -27,38 +27,27 @@ def vary(options: argparse.Namespace) -> Result:
         over.setdefault(key, []).extend(values)
     if not over:
         raise InputError("nothing to vary; give --over KEY=VALUE,VALUE for an entry")
+    settings = given.settings_in(options)
     with run_line() as progress:
         result = pipeline.vary(
-            options.scene,
-            over,
-            options.preset,
-            given.settings_in(options),
-            out=options.kept,
-            workers=options.workers,
-            progress=progress,
-        )
+            options.scene, over, options.preset, settings, out=options.kept,
+            workers=options.workers, progress=progress,
+        )  # fmt: skip
     frame = _critical_velocities(result)
     counts = f"{result.points} points, computed on the contacts of {result.contacts}"
     return Result(
-        result.as_dict(),
-        [short(frame), "", counts],
-        warned=result.warned,
-        frames=[frame],
+        text=[short(frame), "", counts], warned=result.warned, frames=[frame],
         draw=partial(pipeline.plot, result),
-    )
+    )  # fmt: skip
 
 
 def _critical_velocities(result: Variations) -> pd.DataFrame:
     """Frame with a row for each value and load."""
     rows: list[tuple[Any, ...]] = []
-    for variation in (result.base, *itertools.chain(*result.keyed_changes().values())):
-        name, changes = "unchanged", [math.nan] * len(result.loads)
-        if variation.key:
-            name, changes = variation.key, result.changes(variation).tolist()
-        values = zip(
-            result.loads, variation.critical_velocities, changes, variation.outcomes, strict=True
-        )
-        rows += [(name, variation.value, *row) for row in values]
+    for one in (result.base, *itertools.chain(*result.keyed_changes().values())):
+        changes = result.changes(one).tolist() if one.key else [math.nan] * len(result.loads)
+        values = zip(result.loads, one.critical_velocities, changes, one.outcomes, strict=True)
+        rows += [(one.key or "unchanged", one.value, *row) for row in values]
     heads = "entry", "value", "load [N]", "critical velocity [m/s]", "change [%]", "outcome"
     return frame_of(heads, rows)
 
@@ -67,4 +56,4 @@ def trade(options: argparse.Namespace) -> Result:
     """Measure speed against accuracy on a scene."""
     measured = pipeline.trade(given.scene_in(options), progress=tell)
     draw = partial(pipeline.plot, measured)
-    return Result(measured.as_dict(), [str(measured)], frames=[measured.table], draw=draw)
+    return Result(text=[str(measured)], frames=[measured.table], draw=draw)

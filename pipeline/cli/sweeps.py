@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import math
 import shlex
 from collections.abc import Iterator
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from pipeline import extras
 from pipeline.analysis.dataset import Kind, scene_sweep, sweep_kind
 from pipeline.analysis.tables import frame_of
 from pipeline.cli import output
-from pipeline.cli.given import scene_in, selected
+from pipeline.cli.given import scene_in
 from pipeline.cli.output import Result, counted, tell
 from pipeline.machine import memory as machine_memory
 from pipeline.quantities import display, display_sides, shown_in
@@ -28,13 +28,12 @@ from pipeline.sweep.about import library_tables
 from pipeline.sweep.accuracy import MEASURES, error_in_words, has_unknown_error
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import note_on_turns
-from pipeline.sweep.remarks import Remark, remarks
+from pipeline.sweep.remarks import remarks
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import VARIANT
-from pipeline.tradeoff.forecast import Estimate, savings, worker_bytes
-from pipeline.tradeoff.trade import measuring_time
-from tribo import lubrication_regime
+from pipeline.tradeoff.forecast import Estimate, worker_bytes
+from tribo import InputError, lubrication_regime
 
 
 def run(options: argparse.Namespace) -> Result:
@@ -62,15 +61,6 @@ def run(options: argparse.Namespace) -> Result:
     if sweep_kind(judged) is Kind.SAMPLES:
         extras.module("fields").keep_fits(judged)
     stored = scene_sweep(judged)
-    document = {
-        "store": str(out),
-        "points": outcome.total,
-        "computed": outcome.computed,
-        "done": outcome.done,
-        "failed": output.failed_points(outcome.failed),
-        "wall_time": outcome.wall_time,
-        **selected(stored),
-    }
     text = [
         f"{out}: {outcome.done} of {outcome.total} points done, {outcome.computed} of them now, "
         f"in {outcome.wall_time:.1f} s",
@@ -84,6 +74,11 @@ def run(options: argparse.Namespace) -> Result:
         answer = "margin" if sweep_kind(judged) is Kind.PLACES else "boundary"
         store = shlex.quote(str(out))
         text.append(f"next: irg {answer} {store}, irg plot {store}")
+    document = {
+        "store": str(out), "points": outcome.total, "done": outcome.done,
+        "computed": outcome.computed, "failed": len(outcome.failed),
+        "wall time [s]": outcome.wall_time,
+    }  # fmt: skip
     code = output.SOME_FAILED if outcome.failed else output.DONE
     return Result(document, text, pipeline.warned(judged), code=code)
 
@@ -93,57 +88,34 @@ def check(options: argparse.Namespace) -> Result:
     sweep = scene_in(options)
     require_bearable_load(sweep, max(sweep.plane.loads), "sweep.loads")
     require_free_names(sweep)
-    facts, memory = facts_of(sweep), worker_bytes(sweep)
-    warned = doubts(sweep, facts)
-    machine = machine_memory()
-    is_too_large = memory > machine
-    if is_too_large:
-        words = (
-            f"this machine has {display(machine, 'GB', '.0f')} of memory, less than a worker "
-            "needs: the time is not estimated; give fewer window.pixels, or a coarser fidelity"
-        )
-        warned += (Remark("window.pixels", "warning", words),)
-    on_unknown, unknown = list[_Row](), dict[str, Any]()
+    facts, memory, machine = facts_of(sweep), worker_bytes(sweep), machine_memory()
+    on_unknown = list[_Row]()
     for extra in extras.modules("drawn") if sweep.variants.draw else ():
-        count = len(sweep.variants.axes[VARIANT])
-        on_unknown, unknown = extra.described(sweep.variants.draw, count)
-    saved, said = [*savings(sweep)], [*sweep.about.notes, *warned]
+        on_unknown += extra.described(sweep.variants.draw, len(sweep.variants.axes[VARIANT]))
+    said = *sweep.about.notes, *doubts(sweep, facts)
     nx, ny = sweep.scene.grid.shape
-    document: dict[str, Any] = {
-        "title": sweep.about.title,
-        "meaning": facts.as_dict(),
-        "library": [entry._asdict() for entry in sweep.about.sources],
-        "worker_bytes": memory,
-        **unknown,
-        "remarks": [one._asdict() for one in (*saved, *said)],
-    }
-    meaning = frame_of(
-        _HEADS,
-        [
-            *_meaning(sweep, facts),
-            *_library(sweep),
-            *((one.grade, one.worded) for one in saved),
-            *on_unknown,
-            *((one.grade, one.worded) for one in said),
-            ("grid", f"{nx} × {ny} elements"),
-            ("memory", f"about {display(memory, 'MB', '.0f')} a worker"),
-        ],
-    )
-    text = [sweep.about.title, "", meaning]
-    if is_too_large:
-        return Result(document, text, frames=[meaning])
+    rows = [
+        *_meaning(sweep, facts),
+        *_library(sweep),
+        *on_unknown,
+        *((one.grade, one.worded) for one in said),
+        ("grid", f"{nx} × {ny} elements; about {display(memory, 'MB', '.0f')} of memory a worker"),
+    ]
+    meaning = frame_of(_HEADS, rows)
     if not options.json:
-        output.show_text(text)
+        output.show_text([sweep.about.title, "", meaning])
+    if memory > machine:
+        raise InputError(
+            f"this machine has {display(machine, 'GB', '.0f')} of memory, less than a worker "
+            "needs; give fewer window.pixels, or a coarser fidelity"
+        )
     searched = options.boundary_only is not None
     cost = pipeline.estimate(sweep, workers=options.workers, boundary_only=searched)
-    document |= cost.as_dict() | selected(sweep) | {"worker_bytes": memory}
     costs = [*_cost(sweep, cost, searched)]
     if has_unknown_error(sweep):
-        document["measuring_seconds"] = seconds = measuring_time(sweep)
-        words = f"not known; {MEASURES} measures it, in roughly {duration(seconds)}"
-        costs.append(("error", words))
-    costs = frame_of(_HEADS, costs)
-    return Result(document, ["", costs], frames=[meaning, costs])
+        costs.append(("error", f"not known; {MEASURES} measures it"))
+    frame = frame_of(_HEADS, costs)
+    return Result(text=["", frame], frames=[meaning, frame])
 
 
 _HEADS = "subject", "meaning"
@@ -160,10 +132,10 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
         "contact",
         f"Hertz: {_text(facts.hertz_pressure, 'GPa')}, half-width "
         f"{_text(facts.hertz_half_width, 'µm')}; {worn} and {rough}: "
-        f"{_text(facts.contact_width, 'µm')} wide at the end",
+        f"{_text(facts.contact_width, 'µm')} wide",
     )
     carried = "elastic at any load"
-    if facts.greatest_load < float("inf"):
+    if facts.greatest_load < math.inf:
         greatest = display(facts.greatest_load, "kN", 3)
         carried = f"carries at most {greatest} on the pin, with all of it at the hardness"
     yield "window", f"{display_sides(facts.window)}, {carried}"
@@ -176,15 +148,11 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
         )
     yield "motion", motion
     yield from _film(sweep)
-    u = "V" if facts.disk_velocity is None else "of the disk u"
     depth = f"{_text(facts.wear_depth, 'µm')} deep at the end" if facts.wear_depth else "none"
     yield "wear", depth
-    yield (
-        "heat",
-        f"Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of Hertz"
-        if sweep.scene.friction_heat
-        else "none, since there is no friction",
-    )
+    u = "V" if facts.disk_velocity is None else "of the disk u"
+    peclet = f"Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of Hertz"
+    yield "heat", peclet if sweep.scene.friction_heat else "none, since there is no friction"
     if sweep.conditions.corrections:
         yield "corrections", sweep.conditions.corrections.worded
 
@@ -194,32 +162,29 @@ def _film(sweep: Sweep) -> Iterator[_Row]:
     if sweep.about.oil is None:
         return
     bulk = sweep.conditions.mean_bulk_temperature
-    yield "oil", f"{display(sweep.about.oil.viscosity(bulk), 'mPa s', 3)} at the bulk temperature"
+    viscosity = f"{display(sweep.about.oil.viscosity(bulk), 'mPa s', 3)} at the bulk temperature"
     lubrication = find_lubrication(sweep)
     if lubrication is None:
         has_pressure_coefficient = sweep.about.oil.pressure_coefficients is not None
         missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
-        yield "film", f"not known without {missing}"
+        yield "oil", f"{viscosity}; its film is not known without {missing}"
         return
     plane = sweep.plane
     loads, velocities = (np.array(axis)[[0, -1]] for axis in (plane.loads, plane.velocities))
     span = Span.of(lubrication.film_parameter(loads[:, None], velocities, bulk))
     regimes = dict.fromkeys(lubrication_regime(value) for value in span)
-    yield "film", f"Λ {_text(span)}: {' to '.join(regimes)}"
+    yield "oil", f"{viscosity}; Λ {_text(span)}: {' to '.join(regimes)}"
     if span.high >= _FILM_CARRIES:
         yield (
             "",
-            "not counted: the load that it carries, at Λ of 0.35 to 0.9 about a fifth. On the "
-            "paper's system that moves the boundary by −7 to −19 %, or, if its shear heats evenly, "
-            "by up to +17 %",
+            "what the film carries is not counted: −19 to +17 % in velocity (irg help physics)",
         )
 
 
 def _library(sweep: Sweep) -> Iterator[_Row]:
     """Values from the library, a line for each table and source."""
     for values, source in library_tables(sweep.about.sources):
-        yield "library", values
-        yield "", f"from {source}"
+        yield "library", f"{values}, from {source}"
 
 
 def _text(span: Span, unit: str = "") -> str:
@@ -240,16 +205,13 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:
         counts, names[VARIANT] = [], "rows, each at its own load and velocity"
     for name, values in sweep.variants.axes.items():
         counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
-    asked = ", ".join(counts)
+    asked, points = ", ".join(counts), f"{cost.points}"
     if searched:
-        sought = f"between {sweep.plane.velocities[0]:g} and {sweep.plane.velocities[-1]:g} m/s"
-        yield "points", f"about {cost.points}: the boundary is sought {sought}, {asked}"
-    else:
-        yield "points", f"{cost.points}: {asked}"
-    yield "steps", f"{cost.steps} contacts and {cost.temperatures} temperatures to solve"
-    if not searched:
-        yield "tasks", f"{cost.tasks}, which do not wait for each other: more workers would be idle"
-    workers = counted(cost.workers, "worker", "workers")
-    yield "time", f"roughly {duration(cost.seconds)} on {workers}, if the machine is idle"
-    size = cost.disk_bytes
-    yield "disk", f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
+        low, high = sweep.plane.velocities[0], sweep.plane.velocities[-1]
+        points = f"about {points}, as the boundary is sought between {low:g} and {high:g} m/s"
+    yield "points", f"{points}: {asked}"
+    steps = f"{cost.steps} contacts and {cost.temperatures} temperatures to solve"
+    yield "steps", steps if searched else f"{steps}, in {cost.tasks} tasks"
+    workers, size = counted(cost.workers, "worker", "workers"), cost.disk_bytes
+    disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
+    yield "time", f"roughly {duration(cost.seconds)} on {workers}, if idle; {disk} of disk"

@@ -11,9 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import pipeline
 from pipeline.paths import user_path
-from pipeline.scene.units import difference_in_si
 
 _EACH_BULK = re.compile(r"\s*pin\s*=(?P<pin>[^=]+),\s*disk\s*=(?P<disk>[^=]+)")
 _OF_OTHER_FILES = (
@@ -21,14 +19,17 @@ _OF_OTHER_FILES = (
     *(".png", ".svg", ".pdf", ".gif", ".jpg", ".html", ".py", ".ipynb"),
 )
 
+# What imports NumPy is imported where it is needed: --help does not need it.
+
 
 def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
     """Reader of quantities with units, above 0 unless signed; those in K are differences."""
-    in_si = difference_in_si if like.endswith(" K") else pipeline.to_si
 
     def read(text: str) -> float:
+        from pipeline.scene.units import difference_in_si, to_si
+
         try:
-            value = in_si(text, like)
+            value: float = (difference_in_si if like.endswith(" K") else to_si)(text, like)
         except ValueError as error:
             raise Refused(f'{error}; give one like "{like}"') from error
         if not (is_signed or 0 < value < math.inf):
@@ -63,8 +64,7 @@ def store(text: str) -> Path | str:
 
 def new_store(text: str) -> Path | str:
     """Read the folder of a new store; the ending of another kind of file shows a slip."""
-    ending = Path(text).suffix.lower()
-    if ending in _OF_OTHER_FILES and not Path(text).is_dir():
+    if Path(text).suffix.lower() in _OF_OTHER_FILES and not Path(text).is_dir():
         raise Refused(
             f'"{text}" ends like a file of another kind; give the folder of a store, like '
             f'"{Path(text).stem}.zarr"'
@@ -74,7 +74,6 @@ def new_store(text: str) -> Path | str:
 
 def table(text: str, or_figure: bool = False) -> Path:
     """Read the path of a table, or of a figure, examined before the work that it is to hold."""
-    # It imports NumPy, which --help needs not.
     from pipeline.analysis.tables import FIGURES, TABLES, writable_path
 
     try:
@@ -93,10 +92,9 @@ def count(text: str, least: int = 1) -> int:
 
 def friction(text: str) -> float:
     """Read a friction coefficient."""
-    try:
+    with suppress(ValueError):
         return float(text)
-    except ValueError:
-        raise Refused(f'"{text}": give a number such as 0.12') from None
+    raise Refused(f'"{text}": give a number such as 0.12')
 
 
 def share(text: str) -> float:
@@ -109,7 +107,7 @@ def share(text: str) -> float:
 
 def failing_share(text: str) -> float:
     """Read the share of the contact beyond which wear is severe, which may be 0."""
-    from pipeline.scene.units import share_of  # imports NumPy, which --help needs not
+    from pipeline.scene.units import share_of
 
     try:
         return share_of(text)
@@ -119,7 +117,7 @@ def failing_share(text: str) -> float:
 
 def criterion(text: str) -> str:
     """Read the name of a criterion."""
-    from tribo import CRITERIA  # with its solvers, which help does not need
+    from tribo import CRITERIA
 
     if text not in CRITERIA:
         raise Refused(f'"{text}": give one of {", ".join(CRITERIA)}')

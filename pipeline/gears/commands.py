@@ -22,7 +22,8 @@ _CRITICAL = (
         "simulates that test to find the critical temperature",
     ),
     o.quantity(
-        "--critical-temperature", "T", "250 degC", "{at.critical_temperature}", is_signed=True
+        "--critical-temperature", "T", "250 degC", "temperature above which the lubricant fails",
+        is_signed=True,
     ),
 )  # fmt: skip
 _DUTIES = (

@@ -14,13 +14,13 @@ _SCAN = (
     ),
     Option(
         "--height-unit", metavar="UNIT",
-        help="{surface_statistics.height_unit}",
+        help='unit of the heights, such as "um", where the file gives none or a wrong one',
     ),
     Option(
         "--pixel-size", metavar="DX[,DY]", type=values.sides,
-        help='{surface_statistics.pixel_size}, like "0.8 um" or "0.8 um,0.9 um"',
+        help='sides of a pixel, where the file gives none, like "0.8 um" or "0.8 um,0.9 um"',
     ),
-    o.flag("--transpose", "{surface_statistics.transpose}"),
+    o.flag("--transpose", "exchange x and y of the file"),
 )  # fmt: skip
 _TESTS = (
     Option(

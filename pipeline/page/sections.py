@@ -13,12 +13,12 @@ import xarray as xr
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import Kind, read_conditions, stored_sweep, sweep_kind
 from pipeline.analysis.field import fields
-from pipeline.analysis.frames import boundary_parts
 from pipeline.analysis.laboratory import compared, test_parts
 from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
 from pipeline.analysis.scenes import caveats_of, scenes
 from pipeline.analysis.tables import frame_of, html_of, notes_of, short
 from pipeline.analysis.warned_points import warned
+from pipeline.analysis.words import boundary_lines, next_run_lines
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.reference import all_keys
 from pipeline.scene.written import scene_entries
@@ -77,7 +77,7 @@ def _answer(ds: xr.Dataset) -> Iterator[str]:
     if sweep_kind(ds) is Kind.PLACES:
         yield counts_in_words(margin(ds))
     else:
-        yield from (part for part in boundary_parts(boundary(ds)) if isinstance(part, str))
+        yield from (*next_run_lines(found := boundary(ds)), *boundary_lines(found))
     for field in fields(ds):
         yield from filter(None, (field.misfit, *field.basis[1]))
     yield from warned(ds).lines()

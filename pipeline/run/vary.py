@@ -79,27 +79,6 @@ class Variations:
         moved = np.abs([self.changes(variation) for variation in variations])
         return float(np.nanmax(moved)) if np.isfinite(moved).any() else 0.0
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return all values as plain data."""
-        return {
-            "loads": list(self.loads),
-            "critical_velocity": list(self.base.critical_velocities),
-            "critical_velocity_outcome": list(self.base.outcomes),
-            "variations": [
-                {
-                    "key": variation.key,
-                    "value": variation.value,
-                    "critical_velocity": list(variation.critical_velocities),
-                    "critical_velocity_outcome": list(variation.outcomes),
-                    "change": self.changes(variation).tolist(),
-                }
-                for variation in self.others
-            ],
-            "points": self.points,
-            "contacts": self.contacts,
-            "warnings": self.warned.as_dict(),
-        }
-
 
 @np.errstate(under="ignore")
 def vary(

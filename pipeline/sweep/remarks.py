@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
-Grade = Literal["saved", "note", "warning"]
+Grade = Literal["note", "warning"]
 
 
 class Remark(NamedTuple):

@@ -96,11 +96,6 @@ class Selection:
     points: tuple[tuple[float, float], ...] = field(default=(), compare=False)
     seconds: float = field(default=0.0, compare=False)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return all fields as plain data."""
-        places = [{"load": load, "velocity": velocity} for load, velocity in self.points]
-        return asdict(self) | {"points": places}
-
     def __str__(self) -> str:
         name, more = self.name, ""
         if self.accuracy is not None:

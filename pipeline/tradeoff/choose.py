@@ -83,7 +83,7 @@ def choose_fidelity(
         Points to be accurate at; if not given, the boundary, which is looked at for four loads
         from the lowest to the highest.
     progress : callable, optional
-        Called with a `Progress`, whose words say what is measured next and how long it takes.
+        Called with a `Progress`, whose words say what is measured next.
 
     Raises
     ------

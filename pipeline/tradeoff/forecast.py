@@ -1,12 +1,11 @@
-"""Rough forecast of the cost of a sweep: time, memory and disk, and what work it is spared."""
+"""Rough forecast of the cost of a sweep: time, memory and disk."""
 
 from __future__ import annotations
 
 import itertools
 import math
 import time
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,9 +15,8 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import require_count
 from pipeline.sweep.hand_out import makespan
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import Task, record_at, step_count, tasks
+from pipeline.sweep.plan import Task, record_at, tasks
 from pipeline.sweep.plan import points as points_of
-from pipeline.sweep.remarks import Remark
 from pipeline.sweep.shown import shown
 from pipeline.sweep.station_choice import choose_stations
 from tribo import Scene, State
@@ -52,10 +50,6 @@ class Estimate:
     seconds: float  #: Wall time on an idle machine, roughly, by steps timed here and now [s].
     worker_bytes: float  #: Memory of each worker [B].
     disk_bytes: float  #: Room that the store takes on a disk [B].
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the fields by name."""
-        return asdict(self)
 
 
 @np.errstate(under="ignore")
@@ -229,39 +223,3 @@ def _point_bytes(sweep: Sweep, state: State) -> float:
     field = 4.0 * _PACKED * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
     stored = 8.0 * numbers * max(len(stations.kept(sweep.scene, n)) for n in sweep.plane.loads)
     return stored + fields * field
-
-
-def savings(sweep: Sweep) -> Iterator[Remark]:
-    """Remarks on the work that this scene does not need, each with the reason."""
-    return (Remark("", "saved", words) for words in _saved_work(sweep))
-
-
-def _saved_work(sweep: Sweep) -> Iterator[str]:
-    scene, plane = as_computed(sweep), sweep.plane
-    nx, ny = scene.grid.shape
-    steps = max(step_count(scene, load) for load in plane.loads)
-    if scene.is_plane:
-        rows = scene.rows_per_element
-        yield f"the axis y, since both bodies are smooth ({nx} × 1 elements, not {nx} × {rows})"
-    increments = len([*scene.way(max(plane.loads))])
-    if steps < increments:
-        yield f"{increments - steps} of {increments} steps, since nothing wears between them"
-    if scene.wear is None:
-        yield "wear, since the scene has no table [wear]"
-    if not math.isfinite(scene.hardness):
-        yield "the upper bound on the pressure, since no body has a hardness"
-    if not scene.friction_heat:
-        yield "heat, since the friction coefficient is 0"
-    elif still := sum(velocity == 0 for velocity in plane.velocities):
-        points = still * len(plane.loads) * len(sweep.variants.names)
-        yield f"heat at {points} points, since nothing moves there"
-    stations = choose_stations(sweep)
-    is_end = stations.steps == "end" and not stations.judges_hold
-    if is_end and steps > 1 and scene.friction_heat and not scene.remembers_heat:
-        yield f"temperatures before the last step (up to {steps - 1} a point)"
-    if scene.coarsening > 1:
-        factor = scene.coarsening
-        yield f"wear before the last step on a coarser grid ({nx // factor} × {ny // factor})"
-    if not sweep.record.fields:
-        megabytes = 24e-6 * nx * ny * len(plane.loads) * sweep.ramps
-        yield f"fields, since the scene does not ask for them (up to {megabytes:.0f} MB)"

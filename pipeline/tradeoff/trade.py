@@ -10,13 +10,13 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
 
-from pipeline.analysis.tables import as_dict, frame_of, lines_of
+from pipeline.analysis.tables import frame_of, lines_of
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import in_si
 from pipeline.scene.written import with_fidelity
@@ -25,8 +25,8 @@ from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Choice
 from pipeline.sweep.severity import rise_limit
 from pipeline.sweep.shown import shown
-from pipeline.sweep.stages import Progress, Report, duration, silent, staged
-from pipeline.tradeoff.forecast import as_computed, time_steps
+from pipeline.sweep.stages import Progress, Report, silent, staged
+from pipeline.tradeoff.forecast import as_computed
 from pipeline.tradeoff.probe import (
     Probe,
     Target,
@@ -43,7 +43,6 @@ OWN = "the scene's own fidelity"
 _LOADS, _PLACES = 4, 6  # to measure at, and with several variants
 _BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # errors, for each of which the cheapest is named
 _HEADS = "name", "velocity error [%]", "error at any load [%]", "seconds [s]", "share of fine"
-_RISES = 7  # rises at each place that finding the boundary takes, about
 _MARGIN, _DEVIATIONS = 1.3, 2.5
 """Error at loads that were not measured, where each touches other summits: the larger of two.
 
@@ -93,16 +92,8 @@ class Trade:
     @property
     def table(self) -> pd.DataFrame:
         """Error and time of the choices, one in a row."""
-        names = as_dict(pd.DataFrame(columns=[*_HEADS]))
+        names = [head.partition(" [")[0].replace(" ", "_") for head in _HEADS]
         return frame_of(_HEADS, ([getattr(one, name) for name in names] for one in self.choices))
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all of it as plain data."""
-        return asdict(self) | {
-            "points": [{"load": point.load, "velocity": point.velocity} for point in self.points],
-            "front": [choice.name for choice in self.front],
-            "cheapest_within": {f"{bound:g}": self.cheapest(bound).name for bound in _BOUNDS},
-        }
 
     def __str__(self) -> str:
         places = ", ".join(f"{point.load:g} N {point.velocity:.3g} m/s" for point in self.points)
@@ -139,7 +130,7 @@ def trade(
         Loads at which to look at the boundary [N], or text with a unit; four of the sweep's if
         not given, six places if it has several variants.
     progress : callable, optional
-        Called with a `Progress`, whose words say how long it takes, then each choice.
+        Called with a `Progress`, whose words name each choice.
 
     Raises
     ------
@@ -175,8 +166,7 @@ def measure(
     places = [Target(point.load, point.variant) for point in points] or places
     places = [*dict.fromkeys(places or _usual_places(sweep))]
     candidates = _candidates(sweep, presets)
-    seconds = duration(_forecast(sweep, candidates, places))
-    progress(Progress(f"{len(candidates)} choices at {len(places)} places, in roughly {seconds}"))
+    progress(Progress(f"{len(candidates)} choices at {len(places)} places"))
     near, exponents = near_the_boundary(sweep, places)
     if points:
         near, slopes = tuple(points), dict(zip(places, exponents, strict=True))
@@ -209,19 +199,6 @@ def measure(
         choices=tuple(choices),
         not_converged=tuple(failed),
     )
-
-
-def measuring_time(sweep: Sweep) -> float:
-    """Time to measure the error of a sweep's own fidelity, roughly, by steps timed now [s]."""
-    return _forecast(sweep, _candidates(sweep, ()), _usual_places(sweep))
-
-
-def _forecast(sweep: Sweep, candidates: dict[str, Fidelity], places: Sequence[Target]) -> float:
-    """Time to find the boundary and to measure choices on it, roughly [s]."""
-    contact_time, _, _ = time_steps(sweep.variant(places[0].variant))
-    work = sum(_work(sweep, fidelity, places) for fidelity in candidates.values())
-    work += _RISES * _work(sweep, dividing_pixels(sweep, PRESETS["standard"]), places)
-    return contact_time * as_computed(sweep).fidelity.pixels_per_element ** 2 * work
 
 
 def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:

@@ -48,18 +48,11 @@ def drawn_value(draw: Any, path: str, value: float | str) -> float:
     )
 
 
-def described(data: Any, count: int) -> tuple[list[Line], dict[str, Any]]:
-    """Inputs that are not known exactly, and their samples: in words, and as plain data."""
+def described(data: Any, count: int) -> list[Line]:
+    """Inputs that are not known exactly, and their samples, in words."""
     draw = Draw.of(data)
     design = draw.design
     simulated = {one.path for one in design.inputs}
-    document = {
-        "unknown": [one.as_dict() | {"simulated": one.path in simulated} for one in draw.unknown],
-        "fixed": {one.unknown.path: one.value for one in draw.fixed},
-        "samples": count,
-        "samples_per_contact": design.per_contact,
-        "sample_seed": design.seed,
-    }
     afterwards = "; applied afterwards, at no cost"
     rows = [
         ("unknown", f"{one}{'' if one.path in simulated else afterwards}") for one in draw.unknown
@@ -71,4 +64,4 @@ def described(data: Any, count: int) -> tuple[list[Line], dict[str, Any]]:
     rows.append(("samples", f"{count} of {sequence}; more {more}"))
     if design.per_contact > 1:
         rows.append(("", f"{design.per_contact} share each contact; heat is computed for each"))
-    return rows, document
+    return rows

@@ -29,7 +29,8 @@ def doors(irg, store, tmp_path):
     for command in (("margin", store, *place), ("boundary", store)):
         out = tmp_path / f"{command[0]}.csv"
         text = irg(*command, "-o", out)
-        yield irg(*command, "--json")["caveats"], text
+        for record in irg(*command, "--json"):
+            yield record["notes"].split(" | "), text
         for cell in pd.read_csv(out)["notes"]:
             yield cell.split(" | "), text
     html = irg("explore", store, "-o", tmp_path / "page.html") and (tmp_path / "page.html")

@@ -18,11 +18,21 @@ import xarray as xr
 from scipy import stats
 
 import pipeline
-from pipeline.analysis.dataset import messages
+from pipeline.analysis.dataset import judged_dims, messages
 from pipeline.analysis.field import point_field
+from pipeline.analysis.frames import frames_of
+from pipeline.analysis.laboratory import compared
+from pipeline.analysis.margin_frame import judged
 from pipeline.analysis.rise_error import error_of_point
+from pipeline.analysis.scenes import attribute_values
+from pipeline.analysis.tables import as_dict, records
 from pipeline.analysis.transition import outcomes
+from pipeline.cli.given import dataset_in
+from pipeline.cli.parser import parse
+from pipeline.scene.along import OperatingPoints, Place
+from pipeline.scene.facts import facts_of
 from pipeline.sweep.plan import points
+from pipeline.tradeoff.forecast import worker_bytes
 from tests.helpers import stores as helpers
 from tests.helpers.samples import fewer_draws
 from tests.helpers.scenes import MEASURED
@@ -129,15 +139,55 @@ def answers():
     return {}
 
 
+CONDITIONS = ("friction", "bulk_temperature", "disk_temperature", "critical_temperature",
+              "failing_share", "criterion")  # fmt: skip
+
+
+def boundary_in_python(ds):
+    """A boundary and the tests beside it, as Python has them, outcomes in words."""
+    crossings = pipeline.boundary(ds)
+    found = {str(name): as_plain(one.values.tolist()) for name, one in crossings.variables.items()}
+    for name, along in (("outcome_at_load", "velocity"), ("outcome_at_velocity", "load")):
+        if name in crossings:
+            words = np.vectorize(outcomes(along).__getitem__, otypes=[object])
+            found[name] = words(crossings[name].values).tolist()
+    is_plane = "turns_at_load" in crossings
+    tests = compared(ds.isel(dict.fromkeys(judged_dims(ds), 0))) if is_plane else None
+    found |= crossings.attrs | {"tests": None if tests is None else as_dict(tests)}
+    told = {name: found[name] for name in CONDITIONS if name in found}
+    return found | {"conditions": told}
+
+
+def margin_in_python(ds, options):
+    """Margins of a place or of a table, as Python has them."""
+    if options.load is None:
+        points = options.points and OperatingPoints.read(options.points)
+        frame = pipeline.margin(ds, points)
+        return {"margins": as_dict(frame), "verdicts": Counter(frame["verdict"])}
+    place = OperatingPoints((Place(options.load, options.velocity),), {})
+    found = [*judged(ds, place)]
+    scenes = [as_plain(one.known().as_dict()) for one in found]
+    return {"scenes": scenes} if len(scenes) > 1 else scenes[0] | found[0].field.basis[0]
+
+
 @pytest.fixture
-def ask(stores, answers, irg_both):
-    """Run a command on a store: its document, and a function that asks for values in its text."""
+def ask(stores, answers, irg):
+    """Run a command on a store: what Python answers, and a function for values that it prints."""
 
     def run(command, kind, *options, code=0):
         asked = (command, kind, *map(str, options))
         if asked not in answers:
             words = command, stores(kind), *options
-            said, document = irg_both(*words, code=code)
+            whole = [["--all"], ["--all", "--by=velocity"]] if command == "boundary" else [[]]
+            said = "".join(irg(*words, *more, code=code) for more in whole)
+            said = unbroken(said)
+            parsed = parse([*map(str, words)])
+            document = irg(*words, "--json", code=code)
+            if command == "boundary":
+                document = boundary_in_python(dataset_in(parsed))
+            elif command == "margin":
+                said += str([f"{x:.4g}" for row in document for x in row.values() if is_number(x)])
+                document = margin_in_python(dataset_in(parsed), parsed)
             answers[asked] = said, json.dumps(document)
         said, document = answers[asked][0], json.loads(answers[asked][1])
         tokens = set(re.findall(r"(?<![\w.])-?\d+\.?\d*(?:e[-+]\d+)?", said))
@@ -193,6 +243,19 @@ def parts(rise):
     return [rise.sel(dict(zip(front, one, strict=True))) for one in values]
 
 
+def is_number(value):
+    return isinstance(value, int | float)
+
+
+def as_plain(values):
+    """Values as JSON has them: what is not finite is null."""
+    if isinstance(values, dict):
+        return {name: as_plain(value) for name, value in values.items()}
+    if isinstance(values, list | tuple):
+        return [as_plain(value) for value in values]
+    return None if isinstance(values, float) and not np.isfinite(values) else values
+
+
 def as_floats(values):
     return np.array(values, dtype=float)  # None is NaN
 
@@ -202,33 +265,28 @@ def test_status_and_verify_count_the_points_of_the_dataset(ask, stores, kind):
     ds = opened(stores(kind))
     counts = {flag: int((ds["status"] == flag).sum()) for flag in (0, 1, 2)}
     code = 1 if counts[2] else 0
-    document, said, _ = ask("status", kind, code=code)
-    assert document["title"] == "A small sweep"
-    assert (document["points"], document["done"]) == (ds["status"].size, counts[1])
-    assert (document["pending"], len(document["failed"])) == (counts[0], counts[2])
+    (record,), said, _ = ask("status", kind, code=code)
+    assert record["title"] == "A small sweep"
+    assert (record["points"], record["done"]) == (ds["status"].size, counts[1])
+    assert (record["pending"], record["failed"]) == (counts[0], counts[2])
     line = "{} points: {} done, {} failed, {} pending"
     assert line.format(ds["status"].size, counts[1], counts[2], counts[0]) in said
-    for point in document["failed"]:
-        there = pipeline.open_sweep(stores(kind)).sel(
-            load=point["load"], velocity=point["velocity"]
-        )
-        assert (int(there["status"]), messages(there).item()) == (2, point["message"])
-        assert f"failed: {point['load']:g} N, {point['velocity']:g} m/s: {point['message']}" in said
-    assert document["velocity_error"] == ERROR
+    failed = np.argwhere((ds["status"] == 2).values)
+    for index in failed:
+        message = messages(pipeline.open_sweep(stores(kind))).values[tuple(index)]
+        assert f": {message}\n" in said
+    assert said.count("failed: ") == len(failed)
     assert f"may err by up to {100 * ERROR:g} %" in said
     flags = ds["warning_flags"].where(ds["status"] == 1, 0).values.astype(int)
-    warned = document["warnings"]
-    assert warned["points"] == np.count_nonzero(flags)
-    by_bit = [np.count_nonzero(flags & bit) for bit in 1 << np.arange(31)]
-    assert sorted(warned["kinds"].values()) == sorted(filter(None, by_bit))
-    if warned["points"]:
-        carry = "1 point carries" if warned["points"] == 1 else f"{warned['points']} points carry"
-        kinds = ", ".join(f"{kind} at {count}" for kind, count in warned["kinds"].items())
-        assert f"{carry} a warning ({kinds})" in said
+    if count := np.count_nonzero(flags):
+        by_bit = [np.count_nonzero(flags & bit) for bit in 1 << np.arange(31)]
+        (kinds,) = re.findall(r"a warning \((.*?)\)", " ".join(said.split()))
+        found = sorted(int(number) for number in re.findall(r" at (\d+)", kinds))
+        assert found == sorted(filter(None, by_bit))
+        assert f"{count} point{' carries' if count == 1 else 's carry'}" in said
     checked, said, _ = ask("verify", kind)
-    assert (checked["done"], checked["damaged"]) == (counts[1], [])
+    assert checked == []
     assert f"{counts[1]} points are done and intact, 0 are damaged" in said
-    assert checked["warnings"] == warned
 
 
 def test_warned_points_beside_the_boundary_have_a_neighbour_of_the_other_kind(ask, stores):
@@ -242,8 +300,8 @@ def test_warned_points_beside_the_boundary_have_a_neighbour_of_the_other_kind(as
         for before in (0, 1):
             pad[axis] = (before, 1 - before)
             beside |= np.pad(differ, pad)
-    document, said, _ = ask("status", "few")
-    assert document["warnings"]["at_boundary"] == (flags & beside).sum() > 0
+    _, said, _ = ask("status", "few")
+    assert (flags & beside).sum() > 0
     assert f"{(flags & beside).sum()} beside the boundary" in said
 
 
@@ -275,7 +333,7 @@ def test_the_boundary_is_where_the_rises_reach_the_limit(ask, stores, kind, judg
         "friction": friction, "bulk_temperature": bulk, "critical_temperature": critical,
         "failing_share": 0.1, "criterion": criterion,
     }  # fmt: skip
-    assert document["conditions"] == pytest.approx(expected)
+    assert {name: document[name] for name in expected} == pytest.approx(expected)
     assert f"above {critical - 273.15:g} °C" in said
     assert f"friction {friction:g}, bulk {bulk - 273.15:g} °C" in said
     assert document["load"] == ds["load"].values.tolist()
@@ -309,6 +367,11 @@ def test_the_boundary_is_where_the_rises_reach_the_limit(ask, stores, kind, judg
     is_missing = int((ds["status"] != 1).sum())
     assert document["missing_points"] == is_missing
     assert bool(is_missing) == (f"{is_missing} points are pending or failed" in said)
+
+
+def unbroken(said):
+    """Text whose sentences are in one line each."""
+    return said.replace("\n    ", " ")
 
 
 def severe_by(ratio, scales, degrees):
@@ -369,13 +432,12 @@ def test_the_band_of_a_boundary_is_that_of_both_errors(ask, stores):
             (error,) = point_field(opened(stores("plane"))).errors(load, end)
             off = (1 + error.total) ** (1 / exponent)
             assert end == pytest.approx(critical * (off * far) ** sign, rel=NEAR)
-    low, high = (document[name][-1] for name in ("mild_below", "severe_above"))
-    assert f"mild below {low:.3g} m/s and severe above {high:.3g} m/s at 600 N" in said
 
 
 def test_tests_of_the_scene_stand_beside_the_boundary(ask, stores):
     plane = decisive(opened(stores("plane")))
-    document, said, shown = ask("boundary", "plane")
+    document, said, _ = ask("boundary", "plane")
+    *_, shown = ask("boundary", "plane", "--by", "test")
     tests = document["tests"]
     assert tests["test"] == ["transition", "mild", "mild"]
     assert (tests["load"], tests["velocity"]) == ([400.0, 400.0, 600.0], [2.0, 1.0, 3.0])
@@ -419,7 +481,8 @@ def test_the_margin_at_a_point_is_its_temperature_below_the_critical_one(
     assert document["distance"] == pytest.approx(critical - temperature)
     assert document["temperature_error"] == pytest.approx(error, rel=1e-6)
     assert document["error"]["preset"] == document["temperature_error"]
-    assert f"± {error:.2g} K: preset {error:.2g} K; the decisive temperature is computed" in said
+    assert f"± {error:.2g} K: preset {error:.2g} K\n" in said
+    assert " °C, computed there\n" in said
     limit = 10 * (critical - 298.15)
     for name, line in (("velocity", plane.sel(load=400)), ("load", plane.sel(velocity=2))):
         place = crossing(line[name].values, line.values, limit)
@@ -434,7 +497,7 @@ def test_the_margin_at_a_point_is_its_temperature_below_the_critical_one(
     if kind == "exact":  # the numerical error alone decides
         rises = (temperature - 298.15) * np.array([1 / off, 1.0, off])
         assert chances == np.where(rises > critical - 298.15, 0.9999, 0.0001).tolist()
-        assert "the model's own  none, as the scene says" in said
+        assert "the model's own     none, as the scene says" in said
         assert document["verdict"] == verdict
     else:
         boundary, *_ = ask("boundary", kind, *options)
@@ -454,7 +517,7 @@ def test_the_margin_at_a_point_is_its_temperature_below_the_critical_one(
     assert f"{abs(critical - temperature):.3g} K {side} the critical temperature" in said
     is_open = document["verdict"] == "not decided"
     assert is_open == (document["decided_by"] is not None)
-    assert is_open == ("would decide it: " in said)
+    assert is_open == ("would decide it " in said)
     is_close = verdict_of(chances[1], chances[1]) != "not decided"  # the numerical error decides
     assert not is_open or document["decided_by"] == (
         "a finer preset" if is_close else "a test there"
@@ -475,7 +538,7 @@ def test_the_margin_between_points_is_interpolated(ask, stores, kind):
     assert said.startswith(document["verdict"].capitalize())
     if document["temperature_error"] is None:
         assert (chances[0], chances[-1]) == (1e-4, 1 - 1e-4)
-        assert "numerical error  not known, since that of " in said
+        assert "numerical error     not known, since that of " in said
     if kind == "hold":  # without tests
         ratio = 1 / document["velocity_factor"]
         assert chances[1] == pytest.approx(severe_by(ratio, (0.1, 0.1), 4), abs=1e-6)
@@ -520,11 +583,11 @@ def test_of_surfaces_the_next_run_has_each_with_the_same_probability(ask, stores
     low, high = document["intervals"]["decisive_temperature"]
     assert (low, high) == pytest.approx((298.15 + 0.1 * slow.min(), 298.15 + 0.1 * slow.max()))
     spread = f"{low - 273.15:.4g} to {high - 273.15:.4g} °C with 90 %"
-    assert f"surfaces         {spread}" in said
+    assert f"surfaces            {spread}" in said
     assert any("taken as exact" in one for one in document["caveats"])  # surfaces tell nothing
     crossing_on = int(((critical > 2.0) & (critical < 4.0)).sum())
     words = document["velocity_outcome"]
-    assert words in said
+    assert words == "crosses" or words in said
     assert words == {
         0: "severe throughout" if verdict == "severe" else "mild throughout", 3: "crosses",
     }.get(crossing_on, f"crosses on {crossing_on} of 3")  # fmt: skip
@@ -658,42 +721,41 @@ def test_a_friction_given_heats_a_scene_without_friction(stores, irg):
         assert found == pytest.approx(298.15 + friction * rise, rel=1e-9)
 
 
-def test_a_difference_is_that_of_the_two_datasets(stores, irg_both):
+def test_a_difference_is_that_of_the_two_datasets(stores, irg):
     a, b = (opened(stores(kind)) for kind in ("plane", "hold"))
-    said, document = irg_both("diff", stores("plane"), stores("hold"))
-    boundary, found = document["boundary"], document["points"]
-    assert boundary["load"] == [400.0, 600.0]
+    said = irg("diff", stores("plane"), stores("hold"))
+    between = pipeline.diff(stores("plane"), stores("hold"))
+    assert between.boundary["load [N]"].tolist() == [400.0, 600.0]
     for name, ds in (("a", a), ("b", b)):
-        for load, velocity in zip(boundary["load"], boundary[name], strict=True):
+        pairs = between.boundary[["load [N]", f"{name} [m/s]"]].to_numpy(float)
+        for load, velocity in pairs:
             line = decisive(ds).sel(load=load).values
-            assert velocity == pytest.approx(
-                crossing(ds["velocity"].values, line, 1200.0), rel=NEAR
-            )
+            expected = crossing(ds["velocity"].values, line, 1200.0)
+            assert velocity == pytest.approx(expected, rel=NEAR)
             assert f"{velocity:.4g}" in said
-    change = np.array(boundary["b"]) / np.array(boundary["a"]) - 1
-    assert boundary["change"] == pytest.approx(change.tolist())
     first, second = (ds["max_rise"].sel(step=0) for ds in (a, b))
     both = first.sel(load=b["load"], velocity=b["velocity"])
     alike = int((both == second).sum())
-    assert document["points_alike"] == alike
-    assert len(found["load"]) == a["status"].size - alike
-    alone = found["state_b"].count("absent")
+    assert between.alike == alike
+    found = between.points
+    assert len(found) == a["status"].size - alike
+    alone = (found["state b"] == "absent").sum()
     assert alone == a["status"].size - b["status"].size
     unlike = b["status"].size - alike
     moved = 100 * np.abs(second / both - 1).max().item()
     assert f"points: {alike} alike, {unlike} unlike (by up to {moved:.2g} % of the rise)" in said
     assert f"{alone} done in one alone" in said
-    rows = zip(
-        *(found[name] for name in ("load", "velocity", "rise_a", "rise_b", "change")), strict=True
-    )
-    for load, velocity, rise_a, rise_b, moved in rows:
-        assert rise_a == first.sel(load=load, velocity=velocity).item()
-        if rise_b is not None:
-            assert rise_b == second.sel(load=load, velocity=velocity).item()
-            assert moved == pytest.approx(rise_b / rise_a - 1)
-            assert f"{100 * moved:.4g}" in said
-    hold = document["entries"]["entry"].index("loading.hold")
-    assert (document["entries"]["a"][hold], document["entries"]["b"][hold]) == ("0 s", "2 s")
+    for row in found.to_dict("records"):
+        place = {"load": row["load [N]"], "velocity": row["velocity [m/s]"]}
+        assert row["rise a [K]"] == first.sel(place).item()
+        if row["state b"] != "absent":
+            assert row["rise b [K]"] == second.sel(place).item()
+            change = 100 * (row["rise b [K]"] / row["rise a [K]"] - 1)
+            assert row["change [%]"] == pytest.approx(change)
+            assert f"{row['change [%]']:.4g}" in said
+    assert ["loading.hold", "0 s", "2 s"] in between.entries.to_numpy().tolist()
+    document = irg("diff", stores("plane"), stores("hold"), "--json")
+    assert len(document) == len(between.entries) + len(between.boundary) + len(found)
 
 
 def test_a_page_holds_the_numbers_of_the_dataset(ask, stores, irg, tmp_path):
@@ -727,7 +789,7 @@ def without_plane(heights, spacing):
 
 def test_a_check_prints_the_closed_forms_of_the_scene(stores, irg):
     scene, ds = stores("plane").with_suffix(".toml"), opened(stores("plane"))
-    document, said = irg("check", scene, "--json"), irg("check", scene)
+    said, cost = " ".join(irg("check", scene).split()), pipeline.estimate(scene)
     loads, velocities = np.array([200.0, 600.0]), np.array([1.0, 4.0])
     modulus = 210e9 / (2 * (1 - 0.3**2))
     half_width = np.sqrt(4 * loads / 3.4e-3 * 2e-3 / (np.pi * modulus))
@@ -738,7 +800,7 @@ def test_a_check_prints_the_closed_forms_of_the_scene(stores, irg):
     worn = 1.2e-15 * loads * time / 2 * velocities / 3.4e-3
     depth = (12 * 2e-3 * worn) ** (2 / 3) / (8 * 2e-3)
     peclet = half_width * velocities * 7800 * 470 / (2 * 45)
-    found = document["meaning"]
+    found = facts_of(pipeline.load_scene(scene)).as_dict()
     for name, ends, tolerance in (
         ("hertz_pressure", pressure, 1e-9),
         ("hertz_half_width", half_width, 1e-9),
@@ -768,18 +830,17 @@ def test_a_check_prints_the_closed_forms_of_the_scene(stores, irg):
         f"{1e6 * deep['low']:.3g} to {1e6 * deep['high']:.3g} µm deep",
         "Péclet number {:.3g} to {:.3g}".format(*peclet),
         "9: 3 loads, 3 velocities",
-        f"{document['steps']} contacts and {document['temperatures']} temperatures to solve",
-        "9, which do not wait for each other",
-        f"about {document['worker_bytes'] / 1e6:.0f} MB a worker",
+        f"{cost.steps} contacts and {cost.temperatures} temperatures to solve, in 9 tasks",
+        f"about {worker_bytes(pipeline.load_scene(scene)) / 1e6:.0f} MB of memory a worker",
     ):
         assert words in said, words
-    assert document["points"] == ds["status"].size == 9
+    assert cost.points == ds["status"].size == 9
     ends = np.isfinite(ds["max_rise"].sel(step=0)).sum()
     # Heat of the course is solved once for all loads at a velocity.
     course = np.isfinite(ds["max_rise"].isel(load=-1).sel(step=slice(None, -1))).sum()
     assert ends == 9
-    assert document["temperatures"] == ends + course
-    assert document["tasks"] == 9
+    assert cost.temperatures == ends + course
+    assert cost.tasks == 9
 
 
 def test_a_scan_prints_the_statistics_of_its_heights(irg_both, tmp_path):
@@ -927,7 +988,7 @@ def test_a_probability_of_samples_is_that_of_a_run_about_each_draw(ask, law):
         assert "1 samples are left out: not done at every load" in said
         assert said.split("\n")[0] == document["sentence"]
         assert said.startswith(f"{verdict.capitalize()}: severe wear is ")
-        assert f"the model's own  {document['model_error']}" in said
+        assert f"the model's own     {document['model_error']}" in said
         assert "± 10 % in velocity, a prior" in said
         hot = 298.15 + frictions * np.exp(log_rise(load, velocity))
         for name, values, tolerance in (
@@ -944,7 +1005,7 @@ def test_a_probability_of_samples_is_that_of_a_run_about_each_draw(ask, law):
         shown(document["intervals"]["distance"], document["probability"])
         shown(as_floats([document["critical_velocity"], document["velocity_factor"]]))
         ends = [f"{end - 273.15:.4g}" for end in document["intervals"]["decisive_temperature"]]
-        assert f"inputs           {' to '.join(ends)} °C with 90 %" in said
+        assert f"inputs              {' to '.join(ends)} °C with 90 %" in said
         assert document["load_range"] == [400.0, 600.0]
 
 
@@ -969,19 +1030,9 @@ def test_the_boundary_of_samples_has_the_velocities_of_probabilities_of_a_run(as
         assert low == pytest.approx(expected[0] / 1.08, rel=0.06)
         assert high == pytest.approx(expected[-1] * 1.08, rel=0.08)
         shown(low, high)
-        assert f"mild below {low:.3g} m/s and severe above {high:.3g} m/s at {load:g} N" in said
 
 
 # One answer as text, as JSON and in Python
-
-
-def as_plain(values):
-    """Values as JSON has them: what is not finite is null."""
-    if isinstance(values, dict):
-        return {name: as_plain(value) for name, value in values.items()}
-    if isinstance(values, list | tuple):
-        return [as_plain(value) for value in values]
-    return None if isinstance(values, float) and not np.isfinite(values) else values
 
 
 ASKED = [
@@ -1004,15 +1055,16 @@ def test_a_margin_is_the_same_as_text_as_json_and_in_python(ask, stores, kind, o
     assert {name: document[name] for name in plain} == plain
     assert next(iter(document)) == "verdict"
     assert said.split("\n")[0] == margin.sentence
-    assert f"numerical error  {margin.error.worded}" in said
-    assert f"the model's own  {margin.model_error}" in said
+    assert f"numerical error     {margin.error.worded}" in said
+    assert f"the model's own     {margin.model_error}" in said
     (row,) = pipeline.margin(ds, {"load": ["500 N"], "velocity": ["2.5 m/s"]}).to_dict("records")
     for head, value in row.items():
         if isinstance(value, float):
             shown(value)
         elif value:
             lines = value.split(" | ") if head == "notes" else [str(value)]
-            assert all(line in said for line in lines), head
+            is_told = value == "crosses" or head == "verdict"
+            assert is_told or all(line in said for line in lines), head
     assert row["probability"] == document["probability"]
     assert row["verdict"] == margin.verdict
 
@@ -1025,25 +1077,19 @@ def test_a_margin_is_the_same_as_text_as_json_and_in_python(ask, stores, kind, o
         ("plane", ("--friction", 0.09, "--friction", 0.103), {"friction": (0.09, 0.103)}),
     ],
 )
-def test_a_boundary_is_the_same_as_text_as_json_and_in_python(ask, stores, kind, options, judged):
+def test_a_boundary_is_the_same_as_text_as_json_and_in_python(
+    ask, irg, stores, kind, options, judged
+):
     crossings = pipeline.boundary(pipeline.at(stores(kind), **judged))
-    document, said, shown = ask("boundary", kind, *options)
-    for name, values in crossings.variables.items():
-        if not str(name).startswith("outcome"):
-            assert document[name] == as_plain(values.values.tolist()), name
-            continue
-        meanings = outcomes("velocity" if name == "outcome_at_load" else "load")
-        worded = [meanings[code] for code in values.values.ravel().tolist()]
-        assert np.ravel(document[name]).tolist() == worded
-    assert document["model_error"] == crossings.attrs["model_error"]
-    assert f"the model's own error: {document['model_error']}" in said
+    _, said, shown = ask("boundary", kind, *options)
+    (table, *_) = frames_of(crossings)
+    assert irg("boundary", stores(kind), *options, "--json") == as_plain(records([table]))
+    errors = attribute_values(crossings, "model_error")
+    assert f"the model's own error: {errors[0]}" in said
     printed = ["mild_below", "severe_above", "critical_velocity_quantile"]
     if "realization" not in crossings.dims:
         printed += ["critical_velocity", "critical_load"]
     shown(*(crossings[name].values for name in printed if name in crossings))
-    several = [name for name in crossings.dims if "." in str(name)]
-    for name in several:
-        assert document[name] == crossings[name].values.tolist()
 
 
 @pytest.mark.parametrize("kind", ["plane", "samples"])
@@ -1074,7 +1120,7 @@ def test_inputs_after_tests_are_draws_weighed_by_their_likelihood(ask, law, stor
         assert f"{unit[0] * held['sd']:.3g}" in said
     for held, unit in zip(after, ((1e9, 0.0), (1.0, 0.0), (1.0, 273.15)), strict=True):
         ends = (f"{unit[0] * end - unit[1]:.4g}" for end in held["interval"])
-        assert " to ".join(ends) in said
+        assert " to ".join(ends) in " ".join(said.split())
     # A transition at 400 N and 2 m/s, below what is computed; mild wear at 1 m/s tells nothing.
     # Two thirds of scatters are within a factor of 3 of the 5 % that are usual.
     scatters = 0.05 * 3.0 ** stats.norm.ppf((np.arange(40) + 0.5) / 40)

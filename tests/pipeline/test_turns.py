@@ -32,11 +32,11 @@ def test_commands_say_what_a_scene_of_cold_discs_leaves_out(tmp_path, irg):
     point = irg("point", scene, "--load=3 kN", "--velocity=6.6 m/s", "--json")
     assert point["not_counted"].startswith(BOTH)
     commit_all(store, pipeline.load_scene(scene))
-    said = irg("boundary", store, "--json")
-    assert "would move the critical velocities by -25 to -25 %" in said["not_counted"]
+    said = " ".join(irg("boundary", store).split())
+    assert "would move the critical velocities by -25 to -25 %" in said
     cold = pipeline.boundary(pipeline.open_sweep(store))["critical_velocity"].item()
     warm = {"pin.track_length": "314.159 mm", "disk.track_length": "314.159 mm"}
     commit_all(store, pipeline.load_scene(scene, overrides=warm))
-    assert irg("boundary", store, "--json")["not_counted"] is None
+    assert "would move" not in irg("boundary", store)
     moved = pipeline.boundary(pipeline.open_sweep(store))["critical_velocity"].item() / cold - 1
     assert np.round(100 * moved) == -25

@@ -31,7 +31,7 @@ def test_first_try_crosses_the_boundary_and_no_point_warns(tmp_path):
     outcome = pipeline.run_sweep(sweep, tmp_path / "first.zarr", workers=2)
     assert (outcome.done, outcome.failed) == (outcome.total, ())
     ds = pipeline.open_sweep(tmp_path / "first.zarr")
-    assert pipeline.warned(ds).as_dict()["points"] == 0
+    assert pipeline.warned(ds).points == 0
     velocities = pipeline.boundary(ds)["critical_velocity"]
     assert velocities.notnull().all()
     assert (velocities.diff("load") < 0).all()

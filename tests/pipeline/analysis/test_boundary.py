@@ -9,8 +9,8 @@ from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.frames import boundary_parts, frames_of
-from pipeline.cli.verdicts import document_of
+from pipeline.analysis.frames import frames_of
+from pipeline.analysis.words import boundary_lines, next_run_lines
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
@@ -107,8 +107,7 @@ def test_missing_points_elsewhere_do_not_matter_and_their_numbers_do_not_count(s
     for name in ("critical_velocity", "critical_load"):
         np.testing.assert_allclose(crossings[name], whole[name], rtol=1e-13)
     assert crossings.attrs["missing_points"] == 3
-    lines = [part for part in boundary_parts(crossings) if isinstance(part, str)]
-    assert "3 points are pending or failed and were left out" in lines
+    assert "3 points are pending or failed and were left out" in boundary_lines(crossings)
 
 
 def test_a_crossing_between_points_that_are_not_done_errs_by_its_gap():
@@ -207,7 +206,7 @@ def test_the_exponent_is_that_of_the_rise_about_the_crossing():
 
     sweep = synthetic.sweep(rise=rise, loads=loads)
     crossings = boundary(sweep)
-    assert document_of(crossings)["rise_exponent_at_load"] == pytest.approx(exponents)
+    assert crossings["rise_exponent_at_load"].values == pytest.approx(exponents)
 
 
 def falling(load, velocity, quantile=1.0):
@@ -223,9 +222,6 @@ def test_wear_that_is_mild_again_turns_at_each_place_and_the_first_is_critical()
     assert turns == pytest.approx([1.1, 2.4], rel=2e-3)
     assert crossings["critical_velocity"] == crossings["turns_at_load"][0]
     assert not crossings["begins_severe_at_load"]
-    words = "severe at some velocity and mild at a higher one"
-    document = document_of(boundary(synthetic.sweep(rise=falling)))
-    assert set(document["outcome_at_load"]) == {words}
     begun = boundary(synthetic.sweep(rise=falling, velocities=[1.5, 2.0, 3.0, 4.0]))
     assert begun["begins_severe_at_load"].all()
     assert (begun["turns_at_load"].count("turn") == 1).all()
@@ -253,12 +249,11 @@ def test_the_band_of_errors_is_where_margins_begin_to_decide():
 
 @pytest.mark.parametrize(("friction", "side"), [(0.0, "mild"), (1e6, "severe")])
 def test_a_run_that_is_mild_or_severe_at_all_velocities_is_said_to_be_so(friction, side):
-    said, *_ = boundary_parts(boundary(pipeline.at(synthetic.sweep(), friction=friction)))
+    (said,) = next_run_lines(boundary(pipeline.at(synthetic.sweep(), friction=friction)))
     assert said == f"the next run is {side} throughout at 200 N; {side} throughout at 750 N"
 
 
 def test_a_boundary_over_surfaces_says_that_the_median_is_not_the_onset(sweep):
     said = "the median is not the onset: the hottest patch under the pin scuffs first"
     several = xr.concat([sweep, sweep], "realization", combine_attrs="override")
-    parts = ([*boundary_parts(boundary(ds))] for ds in (sweep, several))
-    assert [sum(part == said for part in each if isinstance(part, str)) for each in parts] == [0, 1]
+    assert [boundary_lines(boundary(ds)).count(said) for ds in (sweep, several)] == [0, 1]

@@ -30,15 +30,15 @@ def drawn(monkeypatch):
 @pytest.mark.parametrize(
     ("words", "kind", "out", "look"),
     [
-        ([], "diagram", "a/out_diagram.png", {"plain": False}),
+        ([], "diagram", "a/out_diagram.png", {}),
         (["--log", "--width", "8.5 cm", "--plain", "-o", "x.pdf"], "diagram", "x.pdf",
          {"log": True, "width": 0.085, "plain": True}),
         (["--kind", "ramp", "--load", "400 N", "--velocity", "2 m/s", "--show", "wear_volume"],
          "ramp", "a/out_ramp.png",
-         {"load": 400.0, "velocity": 2.0, "show": "wear_volume", "plain": False}),
+         {"load": 400.0, "velocity": 2.0, "show": "wear_volume"}),
         (["--kind", "fields", "--realization", "0", "--load", "1 kN", "--velocity", "1 m/s"],
          "fields", "a/out_fields.png",
-         {"load": 1e3, "velocity": 1.0, "realization": 0, "plain": False}),
+         {"load": 1e3, "velocity": 1.0, "realization": 0}),
     ],
 )  # fmt: skip
 def test_a_figure_is_drawn_as_its_options_say(irg, drawn, words, kind, out, look):

@@ -3,7 +3,6 @@
 import argparse
 import re
 import sys
-import threading
 import time
 
 import pytest
@@ -35,32 +34,6 @@ def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
     assert states[0] == "irg: 0 of 8 points done, 0 failed, 0 s so far, 32 s to go"
     assert states[-1] == "irg: 8 of 8 points done, 0 failed, 32 s so far"
     assert 3 <= len(states) <= 6
-
-
-def test_a_command_that_takes_long_says_how_far_it_is(capsys, monkeypatch):
-    monkeypatch.setattr(output, "_SOON", 0.0)
-    monkeypatch.setattr(output, "_BETWEEN_LINES", 0.01)
-    monkeypatch.setattr(output, "_BETWEEN_LOOKS", 0.01)
-    said = ""
-    with output.working("reading points") as count:
-        count(Progress(done=3, total=9))
-        while "reading points: 3 of 9 done" not in said:  # else the test's own limit ends it
-            time.sleep(0.01)
-            said += capsys.readouterr().err
-    assert "progress" not in [thread.name for thread in threading.enumerate()]
-
-
-def test_on_a_terminal_a_task_says_so_again_while_no_more_is_done(capsys, monkeypatch):
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    monkeypatch.setattr(output, "_SOON", 0.0)
-    monkeypatch.setattr(output, "_BETWEEN_LOOKS", 0.11)  # tqdm draws every 0.1 s at most
-    said = ""
-    with output.working("reading points") as count:
-        count(Progress(done=3, total=9))
-        while said.count("\rreading points: 3 of 9 done") < 3:
-            time.sleep(0.01)
-            said += capsys.readouterr().err
-    assert "|" not in said  # as beside the bar of a run
 
 
 def test_steps_of_a_point_and_points_of_a_store_are_counted(small):
@@ -146,19 +119,22 @@ def test_a_task_that_is_done_soon_says_nothing(capsys, monkeypatch):
     assert capsys.readouterr().err == ""
 
 
-def test_plain_lines_come_ten_seconds_apart_and_no_state_twice(capsys, monkeypatch):
+def test_a_task_that_takes_long_is_said_and_how_much_of_it_is_done(capsys, monkeypatch):
+    monkeypatch.setattr(output, "_SOON", 0.0)
+    with output.working("reading points") as count:
+        said = ""
+        while "reading points …" not in said:  # else the test's own limit ends it
+            said += capsys.readouterr().err
+        count(Progress(done=3, total=9))
+    assert re.search(r"irg: 3 of 9 done, 0 s so far", capsys.readouterr().err)
+
+
+def test_plain_lines_come_ten_seconds_apart_and_the_last_state_is_said_once(capsys, monkeypatch):
     times = iter([0.0, 0.0, 9.9, 10.0, 10.0, 25.0, 25.0])
     monkeypatch.setattr(output.time, "monotonic", times.__next__)
-    with output._log(tells_last=False) as show:
-        for done in (0, 1, 2, 2, 3):
+    with output.run_line() as show:
+        for done in (0, 1, 2, 3):
             show(Progress(done=done, total=9))
     assert capsys.readouterr().err.split("\n") == [
         "irg: 0 of 9 done", "irg: 2 of 9 done", "irg: 3 of 9 done", ""
     ]  # fmt: skip
-    for tells_last in (False, True):
-        with output._log(tells_last) as show:
-            monkeypatch.setattr(output.time, "monotonic", lambda: 30.0)
-            for done in (4, 5):
-                show(Progress(done=done, total=9))
-        ends = "irg: 5 of 9 done\n" * tells_last
-        assert capsys.readouterr().err == f"irg: 4 of 9 done\n{ends}"

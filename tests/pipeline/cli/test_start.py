@@ -12,7 +12,6 @@ import pytest
 
 import pipeline
 from pipeline.cli import main
-from pipeline.cli.completion import OFFERED
 from pipeline.cli.parser import commands, function_of, parse
 from tests.helpers.scenes import SCENE
 
@@ -67,39 +66,6 @@ def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, irg):
     assert callable(function_of(options))
     assert parse([*words, "--json"]).json
     assert not options.json
-
-
-def test_a_shell_is_told_what_may_follow(tmp_path):
-    line, offered = "irg plot a.zarr --kind f", "fields "
-    environment = os.environ | {
-        "_ARGCOMPLETE": "1",
-        "_ARGCOMPLETE_STDOUT_FILENAME": str(tmp_path / "offered"),
-        "COMP_LINE": line,
-        "COMP_POINT": str(len(line)),
-    }
-    program = "import sys; sys.argv[0] = 'irg'; from pipeline.cli import main; main()"
-    subprocess.run([sys.executable, "-c", program], env=environment, check=True)
-    assert (tmp_path / "offered").read_text() == offered
-
-
-@pytest.mark.parametrize(
-    ("destination", "prefix", "offered"),
-    [
-        ("scene", "fi", ["fig4", "fig5", "fig8", "first_try", "first.toml"]),
-        ("preset", "st", ["standard"]),
-        ("topic", "first", ["first-hour"]),
-        ("set", "wear.pat", ["wear.pattern="]),
-        ("at", "friction.co", ["friction.coefficient="]),
-    ],
-)
-def test_names_are_offered_that_begin_as_they_are_typed(
-    destination, prefix, offered, tmp_path, monkeypatch
-):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "first.toml").touch()
-    held = OFFERED[destination](prefix=prefix)  # of which argcomplete takes those that fit
-    assert [name for name in held if name.startswith(prefix)] == offered
-    assert "output" not in OFFERED
 
 
 @pytest.mark.parametrize("error", [MemoryError(), OSError(errno.ENOMEM, "fork")])

@@ -15,9 +15,9 @@ from PIL import Image
 import pipeline
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.field import fields
-from pipeline.analysis.frames import boundary_parts
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.model_error import ModelError
+from pipeline.analysis.words import boundary_lines, next_run_lines
 from pipeline.page.content import (
     along,
     content,
@@ -137,7 +137,8 @@ def test_a_page_has_the_answer_the_inputs_and_the_origin_in_words(tmp_path):
     ds["status"][0, 0] = 0
     text = text_of(ds, tmp_path)
     sweep = stored_sweep(ds)
-    boundary = [part for part in boundary_parts(pipeline.boundary(ds)) if isinstance(part, str)]
+    found = pipeline.boundary(ds)
+    boundary = [*next_run_lines(found), *boundary_lines(found)]
     for words in (
         *(line[1:] for line in boundary), "1 points are pending or failed",
         "pin.radius 2 mm Radius in the plane of sliding", "Young's modulus",

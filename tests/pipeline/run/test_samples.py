@@ -144,9 +144,10 @@ def test_the_commands_say_risk_causes_and_inputs(sampled, tmp_path, irg, irg_bot
         return irg(*arguments, "--json")
 
     place = ("--load", "500 N", "--velocity", "1.3 m/s")
-    words, there = irg_both("margin", store, *place)
-    assert 0.0 < there["lowest"] < there["probability"] < there["highest"] < 1.0
-    assert there["sentence"] in words
+    words, (there,) = irg_both("margin", store, *place)
+    margin = pipeline.margin(store, "500 N", "1.3 m/s")
+    assert margin.lowest < margin.probability == there["probability"] < margin.highest
+    assert margin.sentence in words.replace("\n    ", " ")
     assert "16 samples may not suffice" in words
     irg("plot", store, "-o", tmp_path / "r.png")
     assert said("sensitivity", store, "-o", tmp_path / "s.png")["inputs"][0].startswith("wear.")
@@ -154,26 +155,25 @@ def test_the_commands_say_risk_causes_and_inputs(sampled, tmp_path, irg, irg_bot
     assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s],gear\n500,1.3,1\n900,2,2\n")
-    table = said("margin", store, "--points", duty)["margins"]
-    assert table["probability"] == [there["probability"], None]
-    ends = [table[name][0] for name in ("distance_low", "distance", "distance_high")]
-    low, high = there["intervals"]["distance"]
-    assert ends == [low, there["distance"], high]
-    assert table["verdict"][1] == "not known"
-    assert "the samples have" in table["notes"][1]
-    hot = said("margin", store, *place, "--friction", "0.2")
+    first, beyond = said("margin", store, "--points", duty)
+    assert (first["probability"], beyond["probability"]) == (there["probability"], None)
+    ends = [first[f"distance{name} [K]"] for name in (" low", "", " high")]
+    low, high = margin.intervals["distance"]
+    assert ends == [low, margin.distance, high]
+    assert beyond["verdict"] == "not known"
+    assert "the samples have" in beyond["notes"]
+    (hot,) = said("margin", store, *place, "--friction", "0.2")
     assert hot["probability"] > there["probability"]
     unweighed, crossings = irg_both("boundary", store)
-    assert crossings["quantile"] == [0.05, 0.5, 0.95]
-    lines = crossings["critical_velocity_quantile"]
-    assert lines[0][0] < lines[1][0]
-    rate = next(one["path"] for one in there["unknown"] if one["path"].startswith("wear."))
+    lines = [crossings[0][f"velocity of {share} % [m/s]"] for share in (5, 50, 95)]
+    assert lines == sorted(lines)
+    rate = "wear.specific_wear_rate"
     assert rate not in [
         one["path"] for one in said("infer", store, "--at", f"{rate}=1.3e-15 m^2/N")["inputs"]
     ]
     assert "--given-measured" in unweighed
-    after = said("boundary", store, "--given-measured")["critical_velocity_quantile"]
-    assert after != lines
+    (after, *_) = said("boundary", store, "--given-measured")
+    assert after["velocity of 50 % [m/s]"] != lines[1]
     load(sampled)
 
 
@@ -223,10 +223,12 @@ def test_samples_whose_inputs_are_all_fixed_answer_by_the_emulator_at_them(sampl
     ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
     inputs = np.array([[values[one.path] for one in ensemble.unknown]])
     place = ("--load", "600 N", "--velocity", "1.5 m/s")
-    found = irg("margin", store, *at, *place, "--json")
+    (found,) = irg("margin", store, *at, *place, "--json")
     excess = ensemble.excess(inputs, 600.0, 1.5).values.item()
     limit = 145.0 - 25.0
-    assert found["decisive_temperature"] - 298.15 == pytest.approx(limit * np.exp(excess), rel=0.01)
+    assert found["decisive temperature [°C]"] - 25.0 == pytest.approx(
+        limit * np.exp(excess), rel=0.01
+    )
     for command in ("sensitivity", "infer"):
         assert "no input of the samples is unknown" in irg(command, store, *at, code=2)
 
@@ -243,12 +245,12 @@ def test_at_takes_a_value_of_an_entry_with_several_and_fixes_an_input(
     one = pipeline.Ensemble.of(pipeline.at(tmp_path / "out.zarr", **{"pin.radius": 2e-3}))
     assert np.array_equal(one.rises, alone.rises[:8])
     store = tmp_path / "out.zarr"
-    likely, rare = (irg("margin", store, *place, *at)["probability"] for at in (slim, wide))
+    likely, rare = (irg("margin", store, *place, *at)[0]["probability"] for at in (slim, wide))
     assert rare < 0.5 < likely
-    fixed = irg("margin", store, *place, *slim, "--at", "friction.coefficient=0.13")
-    assert fixed["fixed"] == {"friction.coefficient": 0.13}
-    assert irg("boundary", store, *slim, "--json")["samples"] == 8
-    both = irg("margin", store, *place)["scenes"]
+    (fixed,) = irg("margin", store, *place, *slim, "--at", "friction.coefficient=0.13")
+    assert fixed["probability"] > likely
+    assert "8 samples" in irg("boundary", store, *slim)
+    both = irg("margin", store, *place)
     assert [one["probability"] for one in both] == [likely, rare]
     irg("explore", store, "-o", tmp_path / "page.html")  # which lets choose among them
     assert "pin.radius 4 mm" in (tmp_path / "page.html").read_text()

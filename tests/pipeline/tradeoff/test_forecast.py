@@ -1,6 +1,5 @@
 """Forecasts of `irg check`, against what then happens."""
 
-import math
 import time
 from dataclasses import replace
 
@@ -8,15 +7,12 @@ import pytest
 
 from pipeline import load_scene
 from pipeline.sweep import plan
-from pipeline.sweep.plan import points, run_point, run_points, step_count, tasks
-from pipeline.sweep.variants import surfaces
-from pipeline.tradeoff import forecast, trade
-from pipeline.tradeoff.forecast import estimate, savings, worker_bytes
-from pipeline.tradeoff.probe import dividing_pixels, some_places
+from pipeline.sweep.plan import points, run_point, run_points, tasks
+from pipeline.tradeoff import forecast
+from pipeline.tradeoff.forecast import estimate, worker_bytes
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.entries import changed
-from tests.helpers.scenes import STEEL
 from tribo import (
     PRESETS,
     QUANTILES,
@@ -128,25 +124,6 @@ def test_samples_take_no_partition_more_since_their_friction_is_not_solved(monke
     assert estimate(table, 1).seconds == estimate("uncertain", 1).seconds
 
 
-def test_measuring_an_error_takes_the_steps_of_both_choices_and_finds_the_boundary(monkeypatch):
-    """Steps of 30 N and less: by the reference and the scene's own, and 7 rises by standard."""
-    sweep = changed(SWEEP, fidelity=Fidelity(pixels_per_element=2, increments=30))
-    places = some_places(sweep, 4)
-    monkeypatch.setattr(trade, "time_steps", lambda *_: (1.5, 9.0, None))
-    monkeypatch.setattr(trade, "as_computed", lambda one: one.scene)
-
-    def steps(fidelity):
-        scene = changed(sweep, fidelity=fidelity).scene
-        counts = [step_count(scene, place.load) for place in places]
-        coarse = scene.coarsening**2
-        return sum((count - 1) / coarse + 1 for count in counts) / fidelity.pixels_per_element**2
-
-    standard = dividing_pixels(sweep, PRESETS["standard"])
-    own, exact = sweep.scene.fidelity, dividing_pixels(sweep, PRESETS["reference"])
-    work = steps(own) + steps(exact) + 7 * steps(standard)
-    assert trade.measuring_time(sweep) == pytest.approx(4 * 1.5 * work)
-
-
 def test_the_time_is_that_of_a_whole_run_within_its_factor():
     sweep = changed(SWEEP, fidelity=PRESETS["standard"])
     for point in points(sweep)[:1]:
@@ -225,46 +202,3 @@ def test_a_store_takes_the_room_that_was_foretold_within_a_factor_of_two(alone):
 VELOCITIES = tuple(0.5 * k for k in range(1, 41))
 RUN, FIELDS = "temperatures before the last step (up to {} a point)", "fields, since the scene does"
 FIELDS += " not ask for them (up to {} MB)"
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({}, [RUN.format(99)]),
-        (
-            {"roughness": None, "wear": None},
-            [
-                "the axis y, since both bodies are smooth (128 × 1 elements, not 128 × 48)",
-                "99 of 100 steps, since nothing wears between them",
-                "wear, since the scene has no table [wear]",
-            ],
-        ),
-        (
-            {"velocities": (-1.0, 0.0, 1.0), "variants": surfaces((3, 4))},
-            ["heat at 6 points, since nothing moves there", RUN.format(99)],
-        ),
-        (
-            {"fidelity": PRESETS["standard"]},
-            [RUN.format(5), "wear before the last step on a coarser grid (128 × 48)"],
-        ),
-        # 24 bytes for each of 128 · 48 elements at three loads and two velocities.
-        ({"fields": False, "steps": "all"}, [FIELDS.format(1)]),
-        ({"fields": False, "velocities": VELOCITIES}, [RUN.format(99), FIELDS.format(18)]),
-        ({"fidelity": Fidelity(heat_model="history")}, []),
-        ({"fidelity": Fidelity(increments=1)}, []),
-        (
-            {"friction_heat": False},
-            ["heat, since the friction coefficient is 0"],
-        ),
-        (
-            {"pin": replace(SWEEP.scene.pin, material=replace(STEEL, hardness=math.inf)),
-             "disk": replace(STEEL, hardness=math.inf)},
-            ["the upper bound on the pressure, since no body has a hardness", RUN.format(99)],
-        ),
-    ],
-)  # fmt: skip
-def test_work_that_is_saved_is_named_with_its_reason(changes, said):
-    kept = changed(SWEEP, fields=True, steps="end", pixels=Grid((256, 96), (2e-6, 2e-6)))
-    remarks = list(savings(changed(kept, **changes)))
-    assert [remark.words for remark in remarks] == said
-    assert all(remark.grade == "saved" for remark in remarks)

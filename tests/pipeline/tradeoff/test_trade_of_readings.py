@@ -68,10 +68,7 @@ def test_it_says_the_points_and_the_cheapest_within_each_error():
         "--accuracy 0.5%: fine",
         "no result: standard: why",
     ]
-    document = table.as_dict()
-    assert [*document["cheapest_within"]] == ["0.05", "0.03", "0.02", "0.01", "0.005"]
-    assert document["points"][1] == {"load": 180.0, "velocity": 2.0}
-    assert document["front"] == ["draft", "fine", "reference"]
+    assert [one.name for one in table.front] == ["draft", "fine", "reference"]
 
 
 class Rig:
@@ -98,7 +95,6 @@ def rig(monkeypatch):
     rig = Rig()
     for name in ("near_the_boundary", "probe"):
         monkeypatch.setattr(tradeoff, name, getattr(rig, name))
-    monkeypatch.setattr(tradeoff, "time_steps", lambda *_: (0.01, 0.02, None))
     return rig
 
 
@@ -133,7 +129,7 @@ def test_four_loads_and_all_usual_presets_are_taken_where_nothing_is_told(rig):
     loads = tuple(float(load) for load in range(60, 190, 20))  # seven
     trade(changed(SCENE, loads=loads, preset="fine"), progress=said.append)
     assert [place.load for place in rig.places] == [60.0, 100.0, 140.0, 180.0]
-    assert said[0].words.startswith("4 choices at 4 places, in roughly ")
+    assert said[0].words.startswith("4 choices at 4 places")
     assert [(one.words, one.done, one.total) for one in said[1:]] == [
         ("1 of 4: reference", 0, 4),
         ("2 of 4: draft", 1, 4),

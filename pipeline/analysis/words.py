@@ -1,0 +1,92 @@
+"""Sentences on answers, each from its record: terminal, page and caption take them from here."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+import xarray as xr
+
+from pipeline.analysis.margin import Margin
+from pipeline.analysis.scenes import attribute_values, parts_of
+from pipeline.analysis.transition import outcomes
+from pipeline.quantities import UNITS, display, shown_in
+from pipeline.sweep.remarks import remarks
+
+ONSET = "the median is not the onset: the hottest patch under the pin scuffs first"
+"""What the median over surfaces leaves out."""
+
+
+def model_error_line(errors: Iterable[str]) -> str:
+    """The model's own error of some scenes, the first in words."""
+    first, *others = dict.fromkeys(errors)
+    return f"the model's own error: {first}" + f", and {len(others)} others" * bool(others)
+
+
+def missing_lines(missing: int) -> list[str]:
+    """The line that says how many points are pending or failed; none if all are done."""
+    return [f"{missing} points are pending or failed and were left out"] * bool(missing)
+
+
+def boundary_lines(boundaries: xr.Dataset) -> list[str]:
+    """What a boundary rests on, a line each."""
+    return [
+        model_error_line(attribute_values(boundaries, "model_error")),
+        *([ONSET] if "realization" in boundaries.dims else []),
+        *missing_lines(boundaries.attrs["missing_points"]),
+    ]
+
+
+def next_run_lines(boundaries: xr.Dataset) -> Iterator[str]:
+    """Velocities below which the next run is mild and above which severe, a line a scene."""
+    for labels, part in parts_of(boundaries):
+        said = []
+        for load in dict.fromkeys(part["load"].values[[0, -1]].tolist()):
+            low, high = (
+                float(part[name].sel(load=load)) for name in ("mild_below", "severe_above")
+            )
+            ends = [
+                f"{kind} {f'{side} {end:.3g} m/s' if 0 < end < np.inf else 'nowhere that is known'}"
+                for kind, side, end in (("mild", "below", low), ("severe", "above", high))
+            ]
+            if low == np.inf or high == 0:
+                ends = ["mild throughout" if low == np.inf else "severe throughout"]
+            said.append(f"{' and '.join(ends)} at {load:g} N")
+        yield f"{f'{labels}: ' if labels else ''}the next run is {'; '.join(said)}"
+
+
+def margin_lines(here: Margin) -> Iterator[str]:
+    """The verdict on an operating point for those who decide, and what it rests on."""
+    yield here.sentence
+    several = "inputs" if here.counts_inputs else "surfaces"
+    origin = "interpolated between computed points"
+    if here.is_computed:
+        origin = "computed there"
+    elif here.is_continued:
+        origin = "extrapolated beyond the computed points, as a power of the velocity"
+    elif here.members > 1:
+        origin = f"that of {here.members} {'samples' if here.counts_inputs else 'surfaces'}"
+    yield f"  temperature         {display(here.decisive_temperature, '°C', 4)}, {origin}"
+    yield f"  numerical error     {here.error.worded}"
+    if interval := here.intervals.get("decisive_temperature"):
+        low, high = (shown_in(value, "°C") for value in interval)
+        yield f"  {several:18}  {low:.4g} to {high:.4g} °C with 90 %"
+    yield f"  the model's own     {here.model_error}"
+    for axis in ("velocity", "load"):
+        value, outcome = getattr(here, f"critical_{axis}"), getattr(here, f"{axis}_outcome")
+        said = f"{value:.4g} {UNITS[axis]}, {getattr(here, f'{axis}_factor'):.3g} times the {axis}"
+        if outcome not in outcomes(axis).values() or math.isnan(value):
+            said = outcome if math.isnan(value) else f"{said}; {outcome}"
+        yield f"  critical {axis:9}  {said}"
+    if here.decided_by:
+        yield f"  would decide it     {here.decided_by}"
+    yield from remarks("warning", here.misfit)
+
+
+def deciding_lines(margins: Iterable[Margin]) -> list[str]:
+    """What kinds of things would decide the verdicts that are not decided, with their counts."""
+    kinds = Counter(filter(None, (one.decided_by for one in margins)))
+    counts = ", ".join(f"{kind} ({count})" for kind, count in kinds.most_common())
+    return [f"would decide them: {counts}"] if counts else []
