@@ -41,10 +41,7 @@ def error_in_words(sweep: Sweep) -> str:
     error = velocity_error(sweep)
     if error is None:
         return f"how far boundary velocities err is not known; {MEASURES} measures it"
-    return (
-        f"boundary velocities may err by up to {100 * error:g} %, which preset {_preset(sweep)} "
-        "keeps to on most scenes"
-    )
+    return f"preset {_preset(sweep)}: boundary velocities may be off by up to {100 * error:g} %"
 
 
 def _preset(sweep: Sweep) -> str | None:

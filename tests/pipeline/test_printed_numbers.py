@@ -276,7 +276,7 @@ def test_status_and_verify_count_the_points_of_the_dataset(ask, stores, kind):
         message = messages(pipeline.open_sweep(stores(kind))).values[tuple(index)]
         assert f": {message}\n" in said
     assert said.count("failed: ") == len(failed)
-    assert f"may err by up to {100 * ERROR:g} %" in said
+    assert f"may be off by up to {100 * ERROR:g} %" in said
     flags = ds["warning_flags"].where(ds["status"] == 1, 0).values.astype(int)
     if count := np.count_nonzero(flags):
         by_bit = [np.count_nonzero(flags & bit) for bit in 1 << np.arange(31)]
@@ -772,7 +772,7 @@ def test_a_page_holds_the_numbers_of_the_dataset(ask, stores, irg, tmp_path):
     boundary, *_ = ask("boundary", "plane")
     for temperature in boundary["tests"]["decisive_temperature"]:
         assert f"<td>{temperature - 273.15:.4g}</td>" in text
-    assert "may err by up to 5 %" in text
+    assert "may be off by up to 5 %" in text
 
 
 # Scenes, scans and logs, by their inputs

@@ -100,9 +100,7 @@ def test_a_store_errs_as_its_preset_whatever_its_heat_model_or_as_was_measured()
     assert velocity_error(unnamed) is None
     assert velocity_error(changed(unnamed, fidelity=history)) == 0.05
     assert velocity_error(changed(draft, selection=picked)) == 0.03
-    assert error_in_words(draft) == (
-        "boundary velocities may err by up to 5 %, which preset draft keeps to on most scenes"
-    )
+    assert error_in_words(draft) == ("preset draft: boundary velocities may be off by up to 5 %")
 
 
 def test_an_answer_counts_the_rows_of_its_frames():
