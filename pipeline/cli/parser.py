@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import pkgutil
 import re
 import sys
@@ -207,9 +206,9 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         parser.print_help(sys.stderr)
         parser.exit(2, "irg: give a command\n")
     held = {name: value for name, value in vars(options).items() if isinstance(value, str | Path)}
-    read = {os.path.realpath(value) for name, value in held.items() if name not in o.WRITTEN}
-    for out in (value for name, value in held.items() if name in o.WRITTEN):
-        if Path(out).is_file() and os.path.realpath(out) in read:
+    read = [Path(value) for name, value in held.items() if name not in o.WRITTEN]
+    for out in (Path(value) for name, value in held.items() if name in o.WRITTEN):
+        if out.is_file() and any(one.exists() and out.samefile(one) for one in read):
             options.parser.error(f"{out} is read by this command; name another file to write")
     return options
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import partial
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import tribo
 from pipeline.quantities import display
 from pipeline.scene.faults import Faults, did_you_mean, quoted
-from pipeline.scene.format import Bulks
+from pipeline.scene.format import Bulks, Ramp
 from pipeline.scene.library import library
 from pipeline.scene.parts import DISC, track_of
 from pipeline.scene.runs import run_faults
@@ -225,6 +226,15 @@ def _unfit_curve(rows: Any, coefficient: Any, name: str, unit: str) -> Misfits:
     if rows and coefficient == 0:
         words = f"0 cannot be scaled by friction.by_{name}; give a typical one, such as 0.1"
         yield "friction.coefficient", words
+
+
+@_check("loading", "sweep.loads", "fidelity")
+def _many_steps(loading: Any, loads: Any, fidelity: Any) -> Misfits:
+    """Loads that take more steps than anybody waits for."""
+    if isinstance(loading, Ramp):
+        steps = fidelity.increments, fidelity.hold_increments
+        ramp = tribo.Ramp(**vars(loading))
+        yield from _refused(lambda: deque(ramp.stations(max(loads), *steps), maxlen=0))
 
 
 @_check("measured", name="measured")

@@ -220,7 +220,7 @@ def test_the_commands_of_the_notebook_lead_to_a_probability(capsys):
     assert "severe wear is" in printed[0]
     assert "velocities that are all read too high would look like a better oil" in "".join(printed)
     assert re.search(r"effective sample size \d+ of \d+", "".join(printed))
-    (factor,) = re.findall(r"velocity factor *(\d\.\d+)", printed[0])
+    (factor,) = re.findall(r"(\d\.\d+) times the velocity", printed[0])
     assert 0.5 < float(factor) < 3
     asked = re.findall(r"^irg .*-o (results/\S+\.png)$", page, flags=re.MULTILINE)
     assert len(asked) == 4

@@ -116,6 +116,6 @@ def test_what_acts_later_and_is_not_taken_is_refused_with_what_to_run(irg, tmp_p
     few = [f"--set={path}={json.dumps(value)}" for path, value in FEW.items()]
     again = ("run", "first_try", *few, "--set=disk.track_length=100 mm", "-o", store, "--workers=1")
     assert irg(*again, "--json")["computed"] == 0
-    assert "earlier turns of the disk, 0.1 m" in irg("boundary", store)
+    assert "the disk, 0.1 m" in irg("boundary", store)
     said = irg("boundary", store, "--at", "model.scatter=0.2", code=2)
     assert "acts after the simulation, but --at does not take it" in said
