@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from pathlib import Path
 
-# Of a container, of one under the first version of control groups, of the whole machine.
+# In a container, in one of control groups of the first version, on the whole machine.
 _COUNTS = (
     "/sys/fs/cgroup/memory.events",
     "/sys/fs/cgroup/memory/memory.oom_control",

@@ -153,6 +153,10 @@ class Connection:
         except GONE as error:
             raise ExecutionError(LOST) from error
 
+    def begin(self) -> None:
+        """Begin to wait for workers: what went by before is no absence."""
+        self._seen = time.monotonic()
+
     def look(self) -> bool:
         """See which workers there are, once a second at most; return whether it has looked now.
 

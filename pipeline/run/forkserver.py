@@ -33,8 +33,6 @@ UNGUARDED = 'in a script, call run_sweep under if __name__ == "__main__":, since
 
 def start() -> None:
     """Start the process, unless it runs."""
-    if not hasattr(signal, "pthread_sigmask"):  # not a POSIX system, as the store will say
-        return
     main = vars(sys.modules["__main__"])
     if not Path(main.get("__file__", "")).is_file():
         main.pop("__file__", None)  # "<stdin>" of python -, which workers would try to import

@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from concurrent.futures import Future as Answer
+from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
@@ -55,7 +56,7 @@ class Jobs:
         self._run = Run(uuid.uuid4().hex[:8], sweep, with_fields)  # a scheduler may know other runs
         self._numbers = itertools.count()
         self._ended, self._news = deque[str](), threading.Event()
-        self._gathering: Answer[dict[str, Any]] | None = None
+        self._gathering: dict[str, Answer[dict[str, Any]]] = {}  # by worker
         self._next = 0.0  # time of the next gathering
         self._without_result: list[tuple[Job, Loss]] = []
         self.running: dict[str, Job] = {}
@@ -66,10 +67,11 @@ class Jobs:
         return self
 
     def __exit__(self, error: object, *_: object) -> None:
-        if self._gathering:
-            self._gathering.cancel()
+        for gathering in self._gathering.values():
+            gathering.cancel()
         if error is None:
-            with self._link.reached():
+            # All is computed: a worker that comes or goes now, or has not got the run, is no loss.
+            with suppress(*GONE, KeyError, ValueError):
                 self._client.unregister_worker_plugin(self._run.name)
 
     def __bool__(self) -> bool:
@@ -93,7 +95,8 @@ class Jobs:
             # Without a priority Dask orders tasks of one moment by chance.
             job.future = self._client.submit(
                 compute_points, self._run.name, job.task.points, key=key, priority=-number,
-                workers=job.worker or None, allow_other_workers=bool(job.worker) > job.is_alone,
+                workers=job.worker or None,
+                allow_other_workers=bool(job.worker) and not job.is_alone,
             )  # fmt: skip
         job.future.add_done_callback(self._note)
 
@@ -109,7 +112,7 @@ class Jobs:
     def lost(self, has_looked: bool) -> list[tuple[Job, Loss]]:
         """Tasks that are lost, with or without a result on a worker, and how.
 
-        Whose worker is gone can have changed if the run `has_looked` at the workers since.
+        Tasks of workers that are gone are sought only if the run `has_looked` at the workers.
         """
         lost, self._without_result = self._without_result, []
         while self._ended:
@@ -119,17 +122,18 @@ class Jobs:
             if job.future.status == "finished":
                 self.computed[key] = job
             else:
-                lost.append((job, self._loss(job.future)))
+                lost.append((job, self._loss(job)))
         if any(loss is Loss.FORGOTTEN for _, loss in lost):
             self._send_run()
         if has_looked:
             lost += self._abandoned()
         return lost
 
-    def _loss(self, future: Future) -> Loss:
+    def _loss(self, job: Job) -> Loss:
         """How a task was lost; raise an `ExecutionError` if the run cannot go on."""
-        error = future.exception() if future.status == "error" else None
+        error = job.future.exception() if job.future.status == "error" else None
         if isinstance(error, KilledWorker):
+            job.worker = error.last_worker.address  # which may have taken it from another one
             return Loss.KILLED
         # The latter on a worker of a scheduler that was started again, which has not got the run.
         if error is None or isinstance(error, CancelledError | KeyError):
@@ -155,25 +159,32 @@ class Jobs:
     def results(self) -> list[Computed]:
         """Results that have come since the last call; once a second, and at the end, ask for more.
 
-        No call waits for them, since a worker that stands still must not hold up the others.
+        Those of each worker are asked for alone: one that stands still must not hold up others.
         """
         results = []
-        if self._gathering and self._gathering.done():
+        for worker, gathering in [*self._gathering.items()]:
+            if not gathering.done():
+                continue
+            del self._gathering[worker]
             with self._link.reached():
-                gathered = self._gathering.result()
-            self._gathering, self._next = None, time.monotonic() + POLL
+                gathered = gathering.result()
             for key, result in gathered.items():
                 job = self.computed.pop(key, None)  # None if it was given up meanwhile
                 if job and result:
                     results.append(result)
                 elif job:
                     self._without_result.append((job, Loss.FORGOTTEN))
-        is_time = time.monotonic() >= self._next or not self.running
-        if self.computed and is_time and not self._gathering:
-            futures = {key: job.future for key, job in self.computed.items()}
-            asked = self._client.gather(futures, errors="skip", asynchronous=True)
-            self._gathering = asyncio.run_coroutine_threadsafe(
-                asked, self._client.loop.asyncio_loop
-            )
-            self._gathering.add_done_callback(lambda _: self._news.set())
+        if time.monotonic() >= self._next or not self.running:
+            self._next = time.monotonic() + POLL
+            for worker in {job.worker for job in self.computed.values()} - self._gathering.keys():
+                self._gather(worker)
         return results
+
+    def _gather(self, worker: str) -> None:
+        """Ask for the results that are on a worker."""
+        futures = {key: job.future for key, job in self.computed.items() if job.worker == worker}
+        with self._link.reached():
+            asked = self._client.gather(futures, errors="skip", asynchronous=True)
+            loop = self._client.loop.asyncio_loop
+            self._gathering[worker] = asyncio.run_coroutine_threadsafe(asked, loop)
+        self._gathering[worker].add_done_callback(lambda _: self._news.set())

@@ -22,7 +22,7 @@ from pipeline.sweep.plan import PointRecord, Task
 from pipeline.sweep.stages import duration
 
 TRIALS = 5
-"""Times that a point may be lost before it is called failed, the last of them alone."""
+"""Times that a point may be lost before it is called failed, all but the first two alone."""
 
 _TO_COME = 16  # tasks that wait for workers to come
 _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
@@ -37,6 +37,7 @@ def compute(
     `StoreError` if points cannot be written, `ExecutionError` if the scheduler is lost or no worker
     can compute.
     """
+    link.begin()
     hand, losses, silence = HandOut(waiting), Losses(), _Silence(link)
     asked = replace(sweep, chosen=None, stations=writer.store.sweep.stations)
     with Jobs(link, asked, "pressure" in writer.store.arrays) as jobs:

@@ -196,7 +196,7 @@ def _notes(store: Store, before: Sweep) -> Iterator[str]:
             f"by them: {'; '.join(changed)}"
         )
     now = in_words(package_versions())
-    if now not in (began := store.root.history[0]):
+    if not (began := store.root.history[0]).endswith(now):
         yield (
             f"{store.place} was {began}, and goes on with {now}: new points may differ from the "
             "others in the last digits"

@@ -40,7 +40,8 @@ class Tally:
                 continue
             way = _NUMBER.sub("", record.message)
             self._failures[way] += 1
-            if not self.computed and self._failures[way] >= _ALIKE:
+            is_first = not np.any(self.store.flags == DONE)
+            if is_first and self._failures[way] >= _ALIKE:
                 raise ExecutionError(
                     f"the first {_ALIKE} points failed alike, and none is done: {record.message}; "
                     "put that right, and run the sweep again with --retry-failed"

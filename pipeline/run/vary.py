@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
@@ -167,8 +168,9 @@ def vary(
 def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequence[Sweep]) -> Sweep:
     """The sweep with a variant for each scene, by the entries in which that differs."""
     words = (f"{key} = {value}" if key else "the unchanged scene" for key, value in variations)
-    for scene in scenes:
-        sweep.reader.contents.arrays.update(scene.reader.contents.arrays)
+    held: Any = sweep.reader
+    arrays = [one.reader.contents.arrays for one in (sweep, *scenes)]
+    contents = replace(held.contents, arrays=dict(ChainMap(*arrays)))
     rows: dict[Label, Any] = {
         label: {
             path: value
@@ -177,7 +179,8 @@ def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequen
         }
         for label, scene in zip(words, scenes, strict=True)
     }
-    return replace(sweep, variants=labelled_rows(_ROW, rows))
+    reader = replace(held, contents=contents)
+    return replace(sweep, reader=reader, variants=labelled_rows(_ROW, rows))
 
 
 def _absolute(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:

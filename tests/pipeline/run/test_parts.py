@@ -1,4 +1,4 @@
-"""Parts of a run that need no worker: words, silence, nodes of a search, changes of a boundary."""
+"""Parts of a run that need no worker: words, nodes of a search, changes of a boundary."""
 
 import math
 import os
