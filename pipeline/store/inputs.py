@@ -22,7 +22,7 @@ def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
 
 
 def split_arrays(values: Array, attributes: Mapping[str, Any]) -> dict[str, Array]:
-    """Mapping[str, Array] by their digests, from the values and attributes of the variable."""
+    """Arrays by their digests, from the values and attributes of the variable."""
     digests = str(attributes["digests"]).split()
     ends = np.cumsum([int(size) for size in str(attributes["sizes"]).split()])
     return dict(zip(digests, np.split(np.asarray(values, float), ends[:-1]), strict=True))

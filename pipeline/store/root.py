@@ -252,6 +252,8 @@ def _require_sound(root: Root) -> None:
         shape = np.array(values, str if kind == "str" else kind).shape
         if shape != (len(root.axes[dim]),):
             raise ValueError(f"the axis {name} has the shape {shape}")
+    if not all(isinstance(line, str) for line in root.history):
+        raise ValueError("its history is no list of lines")
     points = math.prod(root.arrays["status"]["shape"])
     if points > MOST_POINTS or not are_plain(root.arrays):
         raise ValueError(f"it has {points:.4g} points, and a store at most {MOST_POINTS:.0e}")

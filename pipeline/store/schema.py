@@ -1,4 +1,4 @@
-"""Schema of the dataset of a sweep: its variables, their dimensions, chunks and documents."""
+"""Schema of the dataset of a sweep: its variables, with their dimensions and attributes."""
 
 from __future__ import annotations
 
@@ -161,11 +161,11 @@ def _variable_of(column: Column, label: Label) -> Variable:
 def require_free_names(sweep: Sweep) -> None:
     """Raise an `InputError` at a label of rows with a name that the dataset uses otherwise."""
     columns = sweep.variants.columns
-    own = {*PLANE, "sample"} if sweep.variants.draw else {*PLANE}
+    used = {INPUTS, *VARIABLES} - ({*PLANE, "sample"} if sweep.variants.draw else {*PLANE})
     labels = [one.name for one in columns if one.along and not one.is_drawn]
     for name in labels:
         is_twice = [one.name for one in columns].count(name) > 1
-        if name in VARIABLES.keys() - own or is_twice:
+        if name in used or is_twice:
             raise InputError(
                 f"a column of the rows is called {name}, as is one of the dataset; give it another "
                 f'name, such as "{name} of the row"'

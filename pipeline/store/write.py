@@ -58,7 +58,7 @@ class Store:
     """A store, open to be read, or to be written by the process that holds its lock.
 
     `dims` tell points apart, and `block` is how many share a chunk along each. `flags` are
-    statuses, not read if damaged; `asked` is 1 for each point that the last run asked for.
+    statuses; `asked` is 1 for each point that the last run asked for. Neither is read if damaged.
     """
 
     def __init__(

@@ -13,10 +13,9 @@ import xarray as xr
 
 from pipeline.store import files, root
 from pipeline.store.create import writing
-from pipeline.store.place import ROOT, place_of
-from pipeline.store.root import read_root
+from pipeline.store.place import ROOT
 from pipeline.store.schema import DONE, MADE
-from pipeline.store.write import Store
+from pipeline.store.write import opened
 from pipeline.sweep.plan import PointRecord, points, run_point
 from tests.helpers import tiny
 
@@ -65,12 +64,6 @@ def fail(path, sweep, point, message):
     """Let a point fail."""
     with writing(path, sweep) as store:
         store.commit([PointRecord(point, None, message)])
-
-
-def opened(path):
-    """Open a store to read it."""
-    place = place_of(path)
-    return Store(place, read_root(place))
 
 
 def done_points(path):

@@ -9,7 +9,7 @@ import pytest
 
 import tribo
 from pipeline.analysis.dataset import open_sweep
-from pipeline.store import lock, place
+from pipeline.store import files, lock, place
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK, ROOT, place_of, require_writable
 from pipeline.store.progress import summary
@@ -226,7 +226,7 @@ ELSEWHERE = {
     "bounded._decode_sync DamagedError": "test_closed.py, by chunks of other sizes",
     "bounded.stated_size DamagedError": "test_closed.py, by chunks of no stated size",
     "files._open OSError": "any error of the system, with its path",
-    "files._folder_of OSError": "test_parts.py: names are checked before, where a scene is read",
+    "files._folder_of OSError": "test_no_name_leads_out_of_a_store, below",
     "root.require_same_scene StoreMismatchError": "test_create.py, in several lines",
     "write._require_lock StoreError": "test_lock.py",
 }
@@ -246,3 +246,8 @@ def test_what_is_refused_is_named(refusals, name):
 
 def test_the_table_has_every_refusal(refusals):
     refusals.check_all(ELSEWHERE)
+
+
+def test_no_name_leads_out_of_a_store(tmp_path):
+    with pytest.raises(OSError, match="names no file within a store"):
+        files.is_there(tmp_path, "../a")
