@@ -96,7 +96,7 @@ def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> 
 def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     """The tests of a sheet."""
     sheet, export, asked = read
-    row_of = Transition if key == "measured" else _row_of(sheet, export)
+    row_of = Transition if key == "measured" else _row_of(sheet)
     if row_of is None or (key == "tested" and row_of is Transition):
         require(sheet, ["load", "velocity"])
         if not sheet.faults:
@@ -131,7 +131,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     return log
 
 
-def _row_of(sheet: Sheet, export: Export) -> type | None:
+def _row_of(sheet: Sheet) -> type | None:
     """What the rows of a sheet are; None where nothing says it."""
     if "outcome" in sheet.places:
         return Test

@@ -173,7 +173,7 @@ def _pairs(document: Document, faults: Faults) -> list[dict[str, Any]]:
     asked, before = entry_at(document.entries(), "sweep.along"), len(faults)
     if isinstance(asked, str) and asked:
         rows = _file_rows(document.file_of("sweep.along").parent / user_path(asked), faults)
-    elif isinstance(asked, list) and all(isinstance(row, dict) for row in asked):
+    elif isinstance(asked, list) and asked and all(isinstance(row, dict) for row in asked):
         rows = [dict(flat(row)) for row in asked]
     else:
         return []  # which the format tells

@@ -65,7 +65,12 @@ class Document(NamedTuple):
     def replaced(self, path: str, value: Any) -> Document:
         """The document with an entry replaced everywhere, or removed if the value is None."""
         layers = (
-            (file, replace_value(entries, path, value) if entry_at(entries, path) else entries)
+            (
+                file,
+                replace_value(entries, path, value)
+                if entry_at(entries, path) is not None
+                else entries,
+            )
             for file, entries in self.layers
         )
         return Document(tuple(FileEntries(*layer) for layer in layers))

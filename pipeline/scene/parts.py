@@ -85,13 +85,15 @@ class Contents:
 
 def loading_of(
     asked: Ramp | LoadRecord | None, contents: Contents, faults: Faults, stops: tuple[float, ...]
-) -> tuple[Loading | None, str | None]:
+) -> tuple[Loading, str | None] | None:
     """The ramp or the recorded load, and the digest of a record; a note tells of a fitted line.
+
+    None where they are faulty.
 
     Steps of a hold end at the stops that are shorter [s].
     """
     if asked is None or faults.touch("loading"):
-        return None, None
+        return None
     with faults.at("loading" if isinstance(asked, Ramp) else "loading.file"):
         if isinstance(asked, Ramp):
             stops = tuple(s for s in stops if s < asked.hold)
@@ -109,7 +111,7 @@ def loading_of(
         line = f"{rate:.4g} N/s from {round(onset, 3) + 0:g} s on"
         faults.note("loading.file", f"fitted by {line}")
         return record.ramp(), content
-    return None, None
+    return None
 
 
 def _read_record(path: Path, reference_load: float | None, faults: Faults) -> tribo.MeasuredLoad:

@@ -86,7 +86,7 @@ class SceneReader:
         loading, record = self._once(
             ("loading", scene.loading, stops),
             lambda: loading_of(scene.loading, self.contents, faults, stops),
-        )
+        ) or (None, None)
         made = {"fidelity": fidelity, "surface": roughness}
         check_tables(vars(scene) | made, changed, faults)
         oil = self._once(("oil", scene.oil), lambda: oil_of(scene.oil, faults))
@@ -137,8 +137,7 @@ class SceneReader:
         kept = [k for k in kind.keys if not like or getattr(parts.declared, k) != before[k]]
         full = {key: entries_of(kind.keys[key].kind, declared[key]) for key in kept}
         tables = {key: one for key, one in full.items() if one is not None}
-        for key in ("over", "along"):  # which rows stand for
-            tables.get("sweep", {}).pop(key, None)
+        tables.get("sweep", {}).pop("along", None)  # which rows stand for
         return add_laws(completed(tables, entries), parts, like)
 
     def _declared(self, entries: dict[str, Any], faults: Faults) -> tuple[Any, Collection[str]]:

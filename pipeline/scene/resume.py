@@ -95,7 +95,7 @@ def acting(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> Iterator[str
     if present == digest(part(new)):
         return
     for path, before, after in differing(old, new):
-        whole = re.split(r"\.\d", path)[0]  # without the number in a list
+        whole = re.split(r"\.\d+(?=\.|$)", path)[0]  # without the number in a list
         try:
             is_same = digest(part(old.changed(whole, entry_at(new.entries, whole)))) == present
         except TriboError:  # which needs others beside it

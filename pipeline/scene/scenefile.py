@@ -113,7 +113,8 @@ def load_scene(
 
 def _require_few_points(sweep: Sweep) -> None:
     """Raise an `InputError` for more points than a store may have, before any is made."""
-    if (count := sweep.ramps * len(sweep.plane.loads)) > MOST_POINTS:
+    loads = len(sweep.plane.loads) if sweep.variants.labels("load") is None else 1
+    if (count := sweep.ramps * loads) > MOST_POINTS:
         raise tribo.InputError(
             f"sweep: {count:.4g} points are too many; give {MOST_POINTS:.0e} at most, by fewer "
             "loads, velocities or variants"

@@ -15,7 +15,7 @@ from pipeline.sweep.remarks import Remark
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stations import Stations, Steps
-from pipeline.sweep.tables import Entries, replace_values
+from pipeline.sweep.tables import Entries, replace_value, replace_values
 from pipeline.sweep.variants import PLACE_UNITS, SEED, Row, Variant, Variants
 from tribo import InputError, Ramp, Scene, SelfAffineRoughness
 
@@ -214,6 +214,8 @@ class Sweep:
         written = dict(self.written)
         if path == "fidelity.preset":  # all other choices stand for this one
             written.pop("fidelity", None)
+        elif path.startswith("fidelity.") and self.reader.is_stored:
+            written = replace_value(written, "fidelity.preset", None)  # whose choices these were
         changed = replace(self, written=replace_values(written, {path: value}))
         changed.parts()
         return changed

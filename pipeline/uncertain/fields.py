@@ -33,7 +33,6 @@ from pipeline.uncertain.ensemble import keep_fits as keep_fits
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION, Draws
 from pipeline.uncertain.posterior import Posterior
 from pipeline.uncertain.samples import JUDGED
-from pipeline.uncertain.weigh import basis_of as basis_of
 from pipeline.uncertain.weigh import posterior_at
 from tribo import InputError
 from tribo.types import Array

@@ -16,7 +16,6 @@ from scipy.special import logsumexp, softmax
 
 from pipeline.analysis.dataset import GIVEN_MEASURED
 from pipeline.analysis.results import Results
-from pipeline.sweep.remarks import remarks
 from pipeline.uncertain.ensemble import Ensemble, Samples
 from pipeline.uncertain.evidence import FACTOR, Joint, JudgedTests
 from pipeline.uncertain.inputs import Draws, prior
@@ -175,15 +174,3 @@ def posterior_at(held: Results, ensemble: Ensemble) -> Posterior | None:
             "and velocity, or a [[tested]] with an outcome, too"
         )
     return posterior(ensemble, scatter or SCATTER)
-
-
-def basis_of(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
-    """Unknown inputs as answers take them, what fixes others, and whether the model fits."""
-    if weighed:
-        yield from remarks("warning", weighed.draws.misfit)
-        for path, before, after, within in weighed.in_words():
-            interval = f", 90 % within {within}" if within else ""
-            yield f"{path}: {after}{interval} (before the tests {before})"
-    else:
-        yield from map(str, ensemble.unknown)
-    yield from map(str, ensemble.fixed)

@@ -195,12 +195,27 @@ def test_sweeps_are_equal_if_their_entries_mean_the_same():
     assert one != one.changed("pin.radius", "1 mm")
 
 
+def test_a_stored_sweep_made_coarser_keeps_no_promise_of_its_preset():
+    stored = text_sweep(sweep_text(pipeline.load_scene("first_try")), {})
+    assert stored.about.preset == "draft"
+    for path, value in (("pixels_per_element", 16), ("increments", 2), ("fewest_elements", 1)):
+        assert stored.changed(f"fidelity.{path}", value).about.preset is None
+    assert stored.changed("fidelity.preset", "fine").about.preset == "fine"
+
+
+def test_a_faulty_load_record_is_told_each_time():
+    sweep = pipeline.load_scene("first_try")
+    for _ in range(2):
+        with pytest.raises(tribo.InputError, match=r"loading.file: .*cannot be read"):
+            sweep.changed("loading", {"file": "no.csv", "reference_load": "100 N"})
+
+
 def test_a_store_is_read_from_no_file(tmp_path):
     told = json.loads(sweep_text(tiny.full(roughness=SCANNED)))
     rough = told["entries"]["disk"]["roughness"]
     for file in ("/dev/zero", "surface.npy"):
-        sweep = text_sweep(json.dumps(told | {"entries": told["entries"]}), {})
         rough["file"] = file
+        sweep = text_sweep(json.dumps(told), {})
         with pytest.raises(tribo.InputError, match="is not beside the sweep"):
             sweep.scene.roughness.heights(sweep.scene.pixels)
     assert sweep.conditions == tiny.full().conditions
