@@ -6,16 +6,20 @@ import numpy as np
 import pytest
 
 import pipeline
+import tribo
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import model_error
-from pipeline.analysis.margin import DECIDED, verdict_plane
+from pipeline.analysis.margin import DECIDED, told, verdict_plane
 from pipeline.cli import main
 from tests.helpers import synthetic
 from tests.helpers.samples import dataset, ensemble
 
 SAME = {"rel": 1e-9, "abs": 1e-12}
 """Doors ask one field, so that they differ by rounding alone."""
-CHANCE = 0.02  # by which chances of samples may differ, as their draws are interpolated
+OF_SAMPLES = {"abs": 1e-6}
+"""Chances of samples move by 2e-7 with the other places that are asked with one."""
+PLANES = "plane", "judged otherwise", "a band", "half done", "a slice"
+"""Stores whose diagram has regions."""
 
 
 def half_done():
@@ -33,8 +37,15 @@ def band():
     return ds.assign(status=ds["status"].where(done, 0).astype(np.int8))
 
 
-def by_velocity():
+def judged_otherwise():
     return pipeline.at(synthetic.sweep(), friction=0.12, bulk_temperature="40 degC")
+
+
+def one_column():
+    """Points of one velocity alone, so that places beside it are not known."""
+    ds = synthetic.sweep()
+    done = ds["velocity"] == ds["velocity"][3]
+    return ds.assign(status=ds["status"].where(done, 0).astype(np.int8))
 
 
 def samples():
@@ -44,9 +55,10 @@ def samples():
 
 STORES = {
     "plane": synthetic.sweep,
-    "judged otherwise": by_velocity,
+    "judged otherwise": judged_otherwise,
     "a band": band,
     "half done": half_done,
+    "one column": one_column,
     "one load": lambda: synthetic.sweep().isel(load=[5]),
     "one velocity": lambda: synthetic.sweep().isel(velocity=[7]),
     "a slice": lambda: synthetic.sweep().isel(load=slice(2, 9, 2), velocity=slice(1, 12, 3)),
@@ -89,19 +101,61 @@ def test_every_door_gives_a_place_the_same_verdict(name, tmp_path, capsys):
     assert (
         main(["margin", str(tmp_path / "copy.nc"), f"--points={tmp_path}/duty.csv", "--json"]) == 0
     )
-    told = json.loads(capsys.readouterr().out)
+    printed = json.loads(capsys.readouterr().out)
     for number, (load, velocity) in enumerate(asked):
         row = frame.iloc[number]
         if row["verdict"] == "not known":
-            assert told[number]["verdict"] == "not known"
+            assert printed[number]["verdict"] == "not known"
+            with pytest.raises(tribo.InputError):
+                asked_of_a_place(held, load, velocity)
             continue
         verdict, temperature, chance = asked_of_a_place(held, load, velocity)
-        error = {"abs": CHANCE} if name == "samples" else SAME
-        assert (verdict, told[number]["verdict"]) == (row["verdict"],) * 2, (load, velocity)
+        assert (verdict, printed[number]["verdict"]) == (row["verdict"],) * 2, (load, velocity)
         assert temperature == pytest.approx(row["decisive temperature [°C]"], **SAME)
-        assert told[number]["decisive temperature [°C]"] == pytest.approx(temperature, **SAME)
-        assert np.clip(chance, 1e-4, 1 - 1e-4) == pytest.approx(row["probability"], **error)
+        assert printed[number]["decisive temperature [°C]"] == pytest.approx(temperature, **SAME)
+        error = OF_SAMPLES if name == "samples" else SAME
+        assert told(chance) == pytest.approx(row["probability"], **error)
+        assert printed[number]["probability"] == pytest.approx(row["probability"], **SAME)
         ends = verdict_plane(field, [load], [velocity], model_error(held, field))
         low, high = (float(one[0, 0]) for one in ends)
         drawn = "mild" if high <= DECIDED[0] else "severe" if low >= DECIDED[-1] else "not decided"
         assert drawn == verdict, (load, velocity)
+
+
+@pytest.mark.parametrize("name", PLANES)
+def test_the_figure_shades_a_place_as_its_margin_judges_it(name):
+    held = pipeline.results(STORES[name]())
+    axes = pipeline.plot(STORES[name](), "diagram").axes[0]
+    regions = {one.get_gid(): one.get_paths() for one in axes.collections}
+    seen = set()
+    for load, velocity in places(STORES[name](), 60):
+        here = pipeline.margin(held, float(load), float(velocity))
+        # Between the lines of the grid that is drawn a region ends to within its cells.
+        is_clear = min(abs(x - end) for x in (here.lowest, here.highest) for end in DECIDED) > 0.04
+        shaded = {
+            gid.removesuffix(" region")
+            for gid in ("mild region", "severe region", "not decided")
+            if any(path.contains_point((velocity, load)) for path in regions.get(gid, ()))
+        }
+        inside = held.velocities[0] < velocity < held.velocities[-1]
+        if is_clear and inside and held.loads[0] < load < held.loads[-1]:
+            assert shaded == {here.verdict.lower()}, (load, velocity, here.lowest, here.highest)
+            seen.add(here.verdict)
+    assert {"mild", "severe"} <= seen
+
+
+@pytest.mark.parametrize("name", PLANES)
+def test_the_ends_of_the_boundary_s_band_are_those_of_margins(name):
+    held = pipeline.results(STORES[name]())
+    found = pipeline.boundary(held)
+    asked = 0
+    for load in held.loads.tolist():
+        for bound, side, verdict in (
+            ("mild_below", 0.999, "mild"),
+            ("severe_above", 1.001, "severe"),
+        ):
+            velocity = float(found[bound].sel(load=load))
+            if held.velocities[0] <= side * velocity <= held.velocities[-1]:
+                assert pipeline.margin(held, load, side * velocity).verdict == verdict
+                asked += 1
+    assert asked >= len(held.loads)
