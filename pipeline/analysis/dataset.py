@@ -22,7 +22,7 @@ from pipeline.scene.units import to_si
 from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
-from pipeline.store.schema import AT_END, COORDINATES, DONE, INPUTS, MADE, PLANE, STEPPED, VARIABLES
+from pipeline.store.schema import AT_END, COORDINATES, INPUTS, MADE, PLANE, STEPPED, VARIABLES
 from pipeline.sweep.conditions import PATHS, UNITS, Conditions, changes_of
 from pipeline.sweep.identity import scene_ids
 from pipeline.sweep.laws import Law, name_of
@@ -376,12 +376,6 @@ def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
     ]
 
 
-def judged_dims(ds: xr.Dataset) -> list[str]:
-    """Dimensions of conditions that a dataset is judged at several values of."""
-    columns = {column.name for column in scene_sweep(ds).variants.columns}
-    return [name for name in entry_dims(ds) if name in PATHS.values() and name not in columns]
-
-
 def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     """Dataset of a sweep with loads and velocities; one of rows with own places is refused."""
     ds = dataset_of(source)
@@ -500,11 +494,6 @@ def drawn_row(ds: xr.Dataset) -> Variant:
 def asked(ds: xr.Dataset) -> xr.DataArray:
     """Points that the last run asked for: all of its scene, or those it chose."""
     return ds["asked"] != 0 if "asked" in ds else xr.ones_like(ds["status"], bool)
-
-
-def count_missing(ds: xr.Dataset) -> int:
-    """Count the points asked for that are pending or failed."""
-    return int((asked(ds) & (ds["status"] != DONE)).sum())
 
 
 def sweep_at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:

@@ -45,12 +45,6 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     )
 
 
-def strip_friction(rise: xr.DataArray, conditions: Conditions) -> xr.DataArray:
-    """A decisive rise [K] without the friction factor of its velocity, if there is one."""
-    velocities = rise["velocity"]
-    return rise / velocities.copy(data=conditions.friction_factor(velocities.values))
-
-
 @np.errstate(under="ignore")
 def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     """Temperatures of the contact, at each step of each point.

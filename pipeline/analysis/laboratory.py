@@ -253,6 +253,8 @@ def agreement(frame: pd.DataFrame) -> str:
         NOT_DECIDED: ("is not decided", "are not decided"),
         NOT_KNOWN: ("is not known", "are not known"),
     }
+    if counts["no"] == len(frame) > 1:
+        return f"None of the {len(frame)} tests agrees."
     said = (f"{counts[key]} {pair[counts[key] > 1]}" for key, pair in words.items() if counts[key])
     return f"Of {len(frame)} {'test' if len(frame) == 1 else 'tests'}, {', '.join(said)}."
 

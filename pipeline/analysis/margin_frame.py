@@ -166,8 +166,8 @@ def _judged_places(
         except InputError as error:
             under, margins = field, [str(error)] * len(here)
         for number, place, margin in zip(numbers, here, margins, strict=True):
-            told = (None, margin) if isinstance(margin, str) else (margin, "")
-            found[number] = Judged(under, place, own, *told)
+            answer = (None, margin) if isinstance(margin, str) else (margin, "")
+            found[number] = Judged(under, place, own, *answer)
     return [found[number] for number in range(len(places))]
 
 

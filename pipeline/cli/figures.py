@@ -19,7 +19,7 @@ def plot(options: argparse.Namespace) -> Result:
     look = given.values_in(options, *_OF_KINDS)
     allowed = [name for name in options_of(KINDS[options.kind]) if name in _OF_KINDS]
     if others := [name for name in look if name not in allowed]:
-        flag, flags = given.flags_of(others[:1]), given.flags_of(allowed)
+        flag, flags = given.flags_of(others[:1]), given.flags_of(allowed) or "none of these"
         raise InputError(f"--kind {options.kind} takes no {flag}; it takes {flags}")
     look |= given.values_in(options, "width", "plain")
     ds = given.dataset_in(options)

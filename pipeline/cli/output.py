@@ -15,7 +15,6 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.sweep.stages import Progress, Report
@@ -42,7 +41,6 @@ class Result:
     warned: Warned | None = None  # what its points warn of
     frames: Sequence[pd.DataFrame] = ()
     draw: Callable[[], Any] | None = None
-    out: Path | None = None  # file of the figure where the user names none
     code: int = DONE
 
 
@@ -52,7 +50,7 @@ def show(options: argparse.Namespace, result: Result) -> None:
     Beside the document, sentences are notes.
     """
     text = [*result.text, *wrapped(result.warned.lines() if result.warned else ())]
-    out = getattr(options, "output", None) or result.out
+    out = getattr(options, "output", None)
     if out and (result.frames or result.draw):
         from pipeline.analysis.tables import TABLES, write_frames  # pandas takes its time
 

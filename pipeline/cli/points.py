@@ -1,4 +1,4 @@
-"""The commands that simulate one point, and that infer unknown inputs from measurements."""
+"""The command that simulates one point."""
 
 from __future__ import annotations
 

@@ -121,6 +121,7 @@ def diff(options: argparse.Namespace) -> Result:
     between = pipeline.diff(*stores)
     entries, crossings, points = between.entries, between.boundary, between.points
     changes = points["change [%]"].dropna().abs()
+    both = int((points[["state a", "state b"]] == "done").all(axis=1).sum())
     unlike = f" (by up to {changes.max():.2g} % of the rise)" if len(changes) else ""
     text = [
         *(f"A {options.store}", f"B {options.other}", ""),
@@ -130,8 +131,8 @@ def diff(options: argparse.Namespace) -> Result:
         if len(crossings)
         else "no boundaries to compare: no common load, or no critical temperature",
         "",
-        f"points: {between.alike} alike, {len(changes)} unlike{unlike}, "
-        f"{len(points) - len(changes)} done in one alone",
+        f"points: {between.alike} alike, {both} unlike{unlike}, {len(points) - both} done in one "
+        "alone",
     ]
     if len(points):
         text.append(short(points.head(_MOST_POINTS)))

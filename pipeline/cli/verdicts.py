@@ -12,8 +12,6 @@ from pipeline.analysis import words
 from pipeline.analysis.boundary import turns_left_out
 from pipeline.analysis.dataset import (
     Kind,
-    count_missing,
-    judged_dims,
     read_conditions,
     stored_sweep,
     sweep_kind,
@@ -62,7 +60,8 @@ def margin(options: argparse.Namespace) -> Result:
         rests += [words.model_error_line(one.model_error for one in known)] if known else []
         rests += [*remarks("warning", *dict.fromkeys(one.misfit for one in known))]
         lines += wrapped([*rests, *words.deciding_lines(known)])
-    lines += [*(found[0].field.basis[1] if found else ()), *words.missing_lines(count_missing(ds))]
+    rests_on = dict.fromkeys(line for one in found for line in one.field.basis[1])
+    lines += [*rests_on, *words.missing_lines(pipeline.results(ds).missing)]
     return Result(text=[*lines, *caveats], warned=pipeline.warned(ds), frames=[table])
 
 
@@ -70,8 +69,7 @@ def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities or loads with the band of their errors, or the tests."""
     ds = dataset_in(options)
     is_plane = sweep_kind(ds) is not Kind.SAMPLES
-    # Of several values of a condition none is that of a test which gives none.
-    tests = compared(ds.isel(dict.fromkeys(judged_dims(ds), 0))) if is_plane else None
+    tests = compared(ds)
     if options.by == "test":
         if tests is None:
             raise InputError("the scene has no tests; give [[measured]] or [[tested]] in the scene")
@@ -80,7 +78,6 @@ def boundary(options: argparse.Namespace) -> Result:
     with working("finding the boundary"):
         crossings = pipeline.boundary(ds)
     table = frames_of(crossings)[0 if options.by == "load" else -1]
-    several = [*scenes(ds)]
     alone = ["friction"] if "friction" in crossings.attrs else []
     wide = ["surfaces", "film parameter Λ"] if "surfaces" in table else []
     shown = short(table, [*alone, *JUDGED.values(), *wide, "notes"])
@@ -89,8 +86,9 @@ def boundary(options: argparse.Namespace) -> Result:
     rests = [f"{left_out} more rows: --all, or -o TABLE.csv"] * bool(left_out)
     rests += words.boundary_lines(crossings)
     rests += [f"{agreement(tests)} They are printed by --by test."] if tests is not None else []
-    rests += [] if is_plane else [line for field in fields(ds) for line in field.basis[1]]
+    if not is_plane:
+        rests += dict.fromkeys(line for field in fields(ds) for line in field.basis[1])
     rests += remarks("warning", turns_left_out(ds, crossings) if is_plane else None)
-    judged = judged_by(map(read_conditions, several), stored_sweep(ds).variants.unknown)
-    text = [*wrapped([judged]), "", few, "", *wrapped([*rests, *caveats_of(ds)])]
+    rule = judged_by(map(read_conditions, scenes(ds)), stored_sweep(ds).variants.unknown)
+    text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(ds)])]
     return Result(text=text, warned=pipeline.warned(ds), frames=[table])

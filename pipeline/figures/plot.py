@@ -66,7 +66,6 @@ def plot(
         - ramp, fields: ``velocity`` [m/s], or text with a unit; of a ramp several. If not given,
           the one nearest to the transition at that load.
         - ramp: ``show``, name of a variable at each step, in place of contact and wear.
-        - fields: ``stacked``, True for panels below each other.
         - diagram, temperature, tests: ``ax``, axes of matplotlib to draw on; not of samples.
         - of a sensitivity: ``title``, that of the scene.
 

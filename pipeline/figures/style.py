@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import io
+import itertools
 import math
 import textwrap
 from collections.abc import Callable, Iterator
@@ -147,6 +148,8 @@ def legend_below(
     told = "\n".join(lines[:most]) + " …" * (len(lines) > most)
     told = "" if _PLAIN.get() else told
     place: dict[str, Any] = {"loc": "outside lower center"}
+    named = [one.get_legend_handles_labels()[0] for one in ([ax] if ax else figure.axes)]
+    options = {"handles": [*itertools.chain(*named)]} | options  # of none, too, without a warning
     if ax is not None:
         place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16)}
     legend = fitting_legend(ax or figure, ncols, title=told, **place, **options)

@@ -242,7 +242,7 @@ def test_the_band_of_errors_is_where_margins_begin_to_decide():
                 for velocity in (0.99 * low, 1.01 * low, 0.99 * high, 1.01 * high)
             ]
             assert said == ["mild", "not decided", "not decided", "severe"]
-    assert "a prior; no test here" in crossings.attrs["model_error"]
+    assert "assumed; no test confirms or contradicts it" in crossings.attrs["model_error"]
     exact = boundary(synthetic.sweep(model_scatter=0.0, measured=(), preset="reference"))
     assert (exact["severe_above"] / exact["mild_below"] < 1.2).all()
 

@@ -88,14 +88,14 @@ def test_a_probability_is_that_of_a_run_beyond_the_transition(ratio):
 
 def test_without_tests_and_with_them_the_answer_says_what_its_own_error_rests_on():
     untested = pipeline.margin(swept_with(), 600.0, 1.0)
-    assert untested.model_error == "± 10 % in velocity, a prior; no test here"
+    assert untested.model_error == "± 10 % in velocity, assumed; no test confirms or contradicts it"
     one = swept_with((600.0, 1.3 * CRITICAL, None))
     scale = math.sqrt((4 * 0.01 + math.log(1.3) ** 2) / 5)
     said = pipeline.margin(one, 600.0, 1.0).model_error
     assert said == f"± {100 * scale:.2g} % in velocity, from 1 test and a prior of 10 %"
     right = swept_with((600.0, 0.8 * CRITICAL, "mild"))
     said = pipeline.margin(right, 600.0, 1.0).model_error
-    assert said == "± 10 % in velocity, a prior; no test contradicts it"
+    assert said == "± 10 % in velocity, assumed; no test contradicts it"
     wrong = swept_with((600.0, 0.6 * CRITICAL, "severe"))
     scale = math.sqrt((4 * 0.01 + math.log(0.6) ** 2) / 5)
     said = pipeline.margin(wrong, 600.0, 1.0).model_error
@@ -245,7 +245,7 @@ def test_the_tests_of_the_chosen_oil_alone_count_in_any_order_and_answers_name_i
     assert "of oil A" in pipeline.boundary(alone).attrs["model_error"]
     of_scene = synthetic.sweep(measured=tuple(tests))  # the tests without a name
     said = pipeline.margin(of_scene, 600.0, 1.0).model_error
-    assert said == "± 10 % in velocity, a prior; no test contradicts it"
+    assert said == "± 10 % in velocity, assumed; no test contradicts it"
     assert "of oil A" in pipeline.margin(pipeline.at(of_scene, oil="A"), 600.0, 1.0).model_error
 
 
