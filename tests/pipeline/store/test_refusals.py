@@ -198,6 +198,8 @@ REFUSALS = {
                  "the variable mine is unknown or missing"),
     "shape": (changed(forged(lambda texts, _: texts["store"]["axes"].update(load=[[1.0]]))),
               "the axis load has the shape"),
+    "history": (changed(forged(lambda texts, _: texts["store"].update(history=[1]))),
+                "its history is no list of lines"),
     "points": (changed(forged(lambda texts, _: texts["store"]["axes"].update(
         load=[*range(4000)], velocity=[*range(4000)]))), "it has 1.6e+07 points"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "the arrays of its scene are damaged"),

@@ -154,7 +154,6 @@ def test_a_forged_root_of_very_many_points_is_refused_at_once(forged, alone):
         (("store", "axes", "load"), 1.0, "damaged, or a stranger's"),
         (("store", "axes", "load", 0), "heavy", "damaged, or a stranger's: could not convert"),
         (("store", "points_per_chunk", "load"), 10**9, "damaged, or a stranger's"),
-        (("store", "history"), [1], "its history is no list of lines"),
     ],
 )
 def test_a_forged_value_of_another_kind_is_named(forged, alone, path, new, named):
