@@ -166,7 +166,8 @@ class Jobs:
             if not gathering.done():
                 continue
             del self._gathering[worker]
-            with self._link.reached():
+            gathered: dict[str, Any] = {}
+            with suppress(*GONE):  # a scheduler that may be started again, as the next look tells
                 gathered = gathering.result()
             for key, result in gathered.items():
                 job = self.computed.pop(key, None)  # None if it was given up meanwhile
