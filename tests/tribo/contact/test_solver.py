@@ -41,20 +41,6 @@ def bounded_least_squares(matrix, z, total, hardness):
     return pressure(approach), approach
 
 
-def assert_certified(contact, solid, z, load, hardness, tolerance):
-    """Evaluate every condition on the returned pressure alone."""
-    p = contact.pressure
-    gap = solid(p) + z - contact.approach
-    unit = solid.self_influence * p.max()
-    assert p.min() >= 0
-    assert p.max() <= hardness
-    assert p.sum() * solid.grid.element_area == pytest.approx(load, rel=1e-12)
-    slack = (tolerance + 1e-12) * unit
-    assert np.abs(gap[(p > 0) & (p < hardness)]).max(initial=0) <= slack
-    assert gap[p == 0].min(initial=0) >= -slack
-    assert gap[p == hardness].max(initial=0) <= slack
-
-
 @pytest.mark.parametrize("periodic", [(False, False), (False, True), (True, False)])
 @pytest.mark.parametrize("hardness", [math.inf, 2.2, 1.3])
 def test_equals_an_independent_bounded_least_squares_solution(periodic, hardness):
@@ -152,15 +138,6 @@ def test_the_start_changes_the_way_but_not_the_answer():
         assert other.pressure == pytest.approx(cold.pressure, abs=1e-8 * cold.pressure.max())
 
 
-def test_a_cold_start_takes_few_iterations():
-    """A rough contact, of which a fifth touches and a part yields."""
-    grid = Grid((256, 256), (1e-6, 1e-6), (True, True))
-    z = -self_affine(grid, 0.3e-6, 0.8, 20e-6, 0)
-    contact = solve_contact(ElasticHalfSpace(grid, E_STAR), z, 60.0, 6.6e9, tolerance=1e-10)
-    assert contact.residual <= 1e-10
-    assert contact.iterations <= 78
-
-
 def test_no_load_and_the_most_that_hardness_carries():
     grid = Grid((6, 5), (1e-6, 1e-6))
     solid = ElasticHalfSpace(grid, E_STAR)
@@ -181,33 +158,6 @@ def rough_line(n, tolerance, criterion="gap", guess=None, load=80.0):
     return solve_contact(solid, z, load, 6.6e9, tolerance, guess, criterion=criterion)
 
 
-@pytest.mark.parametrize(
-    ("tolerance", "scale", "single"), [(0.03, 1.0, True), (0.009, 1.0, False), (0.03, 1e40, False)]
-)
-def test_loose_contacts_are_solved_in_single_precision_where_it_holds_them(
-    tolerance, scale, single
-):
-    grid, hardness, load = Grid((72, 72), (5e-6, 6e-6)), 6.6e9 * scale, 80.0 * scale
-    solid = ElasticHalfSpace(grid, E_STAR)
-    z = grid.coordinates(0)[:, None] ** 2 / 4e-3 - self_affine(grid, 0.27e-6, 0.8, 20e-6, 0)
-    z *= scale
-    contact = solve_contact(solid, z, load, hardness, tolerance)
-    assert_certified(contact, solid, z, load, hardness, tolerance)
-    exact = solid(contact.pressure) + z - contact.approach
-    rounding = np.abs(contact.gap - exact).max() / (solid.self_influence * contact.pressure.max())
-    assert (rounding > 1e-9) == single
-
-
-def test_a_small_change_of_pressure_is_no_convergence():
-    near, exact = rough_line(240, 1e-8, load=76.0).pressure, rough_line(240, 1e-8).pressure
-    by_change, by_gap = (rough_line(240, 0.03, c, near) for c in ("pressure-change", "gap"))
-    # Near a solution already, the iteration's first change is small; the error is not.
-    assert by_change.residual > 3 * 0.03
-    errors = [np.abs(contact.pressure - exact).max() / 6.6e9 for contact in (by_change, by_gap)]
-    assert errors[0] > 2 * 0.03 > 4 * errors[1]
-    assert by_change.iterations < by_gap.iterations
-
-
 def test_the_change_of_pressure_is_not_taken_for_small_when_iterations_run_out():
     grid = Grid((24, 20), (1e-6, 1e-6))
     z = -self_affine(grid, 0.3e-6, 0.8, 3e-6, 1)
@@ -217,25 +167,3 @@ def test_the_change_of_pressure_is_not_taken_for_small_when_iterations_run_out()
         )
     with pytest.raises(InputError, match="allowed are gap, pressure-change"):
         rough_line(48, 1e-3, "epsilon")
-
-
-def test_at_a_loose_tolerance_a_guess_of_known_displacement_takes_fewer_convolutions():
-    """Of a ramp on a rough disk, each pressure guessed by a line through the two before."""
-    grid = Grid((96, 64), (4e-6, 4e-6), (False, True))
-    solid = ElasticHalfSpace(grid, E_STAR)
-    rough = self_affine(grid, 0.27e-6, 0.8, (16e-6, 16e-6), seed=1)
-    heights = grid.coordinates(0)[:, None] ** 2 / (2 * 2e-3) - rough
-    taken = []
-    for knows in (True, False):
-        solved, count = [], 0
-        for load in range(50, 90, 4):
-            guess = {}
-            if len(solved) > 1:
-                (p0, u0), (p1, u1) = solved[-2:]
-                guess = {"initial_pressure": 2 * p1 - p0}
-                guess |= {"initial_displacement": 2 * u1 - u0} if knows else {}
-            contact = solve_contact(solid, heights, load, tolerance=1e-2, **guess)
-            solved.append((contact.pressure, solid(contact.pressure)))
-            count += contact.iterations
-        taken.append(count)
-    assert taken[0] < taken[1]

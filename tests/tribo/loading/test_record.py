@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import last, small_scene
-from tribo import InputError, MeasuredLoad, Ramp, simulate
+from tribo import MeasuredLoad, Ramp, simulate
 from tribo.simulation import Trunks
 
 TIMES = np.linspace(0.0, 8.0, 81)
@@ -99,22 +99,6 @@ def test_points_of_a_record_share_no_trunk():
     assert np.array_equal(after.heat.rise, last(scene, 600.0, 1.25).heat.rise)
 
 
-@pytest.mark.parametrize(
-    ("times", "loads", "said"),
-    [
-        ([0.0], [1.0], "at least two rows"),
-        ([0.0, 1.0], [1.0, 2.0, 3.0], "equal length"),
-        ([0.0, 1.0, np.nan], [0.0, 1.0, 2.0], "row 2 .*finite"),
-        ([0.0, 1.0, 1.0], [0.0, 1.0, 2.0], "row 2 .*increase"),
-        ([0.0, 1.0], [5.0, 5.0], "begins at 5 N"),
-        ([0.0, 1.0], [-5.0, 0.0], "positive"),
-    ],
-)
-def test_what_is_no_record_is_refused(times, loads, said):
-    with pytest.raises(InputError, match=said):
-        MeasuredLoad(np.array(times), np.array(loads))
-
-
 def test_the_course_of_a_long_log_keeps_its_impulse_and_its_jumps():
     """An hour of readings at 10 Hz with noise, idle for 59 min and loaded in the last second."""
     times = np.arange(0.0, 3600.05, 0.1)
@@ -137,10 +121,3 @@ def test_a_record_that_begins_under_load_is_fitted_from_there():
     record = MeasuredLoad([1.0, 2.0, 3.0], [50.0, 75.0, 100.0])
     assert record.time_at(0.1) == 1.0
     assert record.linear_fit() == pytest.approx((25.0, -1.0))
-
-
-@pytest.mark.parametrize("load", [100.1, 333.3, 611.7])
-def test_the_last_station_has_the_very_load_of_the_point(load):
-    for noise in (0.0, 2.0):
-        *_, station = smooth_record(noise).stations(load, 7)
-        assert station.normal_load == load

@@ -75,13 +75,6 @@ def test_a_disc_as_wide_as_the_contact_loses_no_heat_to_its_sides(load, kelvin):
     assert added(wide, columns) < added(of_some, columns) < added(of_both, columns)
 
 
-def test_a_disc_keeps_its_heat_in_one_way():
-    disc = tribo.Track.under(PIN, STEEL, tribo.Disc(diameter=0.1, width=WIDTH))
-    with pytest.raises(tribo.InputError, match="keeps the same heat; give one of them"):
-        tribo.Corrections(track=disc, disk_bulk=tribo.Bulk(288.0))
-    assert tribo.Corrections(track=disc, pin_bulk=tribo.Bulk(288.0)).keeps_heat
-
-
 def test_a_body_that_earlier_turns_have_warmed_takes_less_of_the_heat():
     """A disc a fifth as far around: with the share of each turn of its own 39.9 K, not 50 K."""
     track = replace(TRACK, length=0.063)
@@ -99,14 +92,6 @@ def test_very_many_turns_of_a_wide_tread_warm_as_a_plane_that_is_heated_evenly()
     effusivity = np.sqrt(45.0 * CAPACITY)
     plane = 2 / 3 * 2 * flux * np.sqrt(600.0 / np.pi) / effusivity
     assert disk == pytest.approx((1 - SHARE) * plane, rel=0.02)
-
-
-def test_a_body_at_rest_has_no_earlier_turns():
-    still = tribo.Motion(slide_roll_ratio=2.0)
-    columns = record([5.0], [750.0], 1.25)
-    of_both = tribo.Corrections(track=TRACK, pin_track=TRACK, motion=still)
-    alone = tribo.Corrections(track=TRACK)
-    assert added(of_both, columns) == added(alone, columns) > 0
 
 
 def test_a_bulk_warms_by_the_energy_that_it_took():
@@ -146,16 +131,6 @@ def test_a_moment_knows_the_load_that_its_scene_had_before():
     assert warm - plain == pytest.approx(share**2 * 0.065 * 605.0 / 100.0, rel=1e-3)
 
 
-def test_the_columns_of_a_hold_without_wear_know_the_load_before_it():
-    scene = critical_temperature_rig()
-    states = list(tribo.simulate(scene, normal_load=10.0, velocity=0.065))
-    bulk = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=100.0))
-    records = [{**tribo.measures(scene, state), **state.heat.columns} for state in states]
-    columns = {name: np.array([one[name] for one in records]) for name in records[0]}
-    expected = moment_of(scene, states[-1], bulk)["mean_rise"]
-    assert bulk.applied(columns)["mean_rise"][-1] == pytest.approx(expected, rel=1e-9)
-
-
 def test_what_the_bodies_keep_has_the_friction_of_the_velocity_too():
     columns = record([10.0], [3000.0], 2.0) | {"mean_rise": np.array([RISE])}
     film = tribo.Corrections(film_resistance=1e-7)
@@ -179,13 +154,3 @@ def test_a_moment_before_the_end_has_the_record_up_to_there():
     )
     expected = np.array([350.0, 2150.0]) * 1.25 / 650.0
     assert bulk.added_rise(columns) == pytest.approx(expected, rel=1e-6)
-
-
-def test_friction_by_velocity_has_no_kink_where_it_ends():
-    falling = tribo.Friction(by_velocity=((1.0, 1.2), (2.0, 1.0), (4.0, 0.9)))
-    velocities = np.array([0.1, 0.7, 1.0, 1.001, 3.996, 4.0, 6.0, 100.0])
-    expected = [1.2, 1.2, 1.2, 1.2, 0.9, 0.9, 0.9, 0.9]
-    assert falling.at(velocities) == pytest.approx(expected, abs=1e-5)
-    between = falling.at(np.geomspace(1.0, 4.0, 50))
-    assert (np.diff(between) < 0).all()
-    assert falling.at(np.array([2.0])) == pytest.approx(1.0)

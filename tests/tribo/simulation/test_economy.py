@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.scenes import STEEL, last, small_scene
+from tests.helpers.scenes import STEEL, small_scene
 from tribo import (
     QUANTILES,
     Cylinder,
@@ -98,13 +98,6 @@ def test_a_hold_in_which_nothing_wears_has_no_contact_of_its_own(wear, velocity,
     assert (ends[1].heat.max_rise > ends[0].heat.max_rise) == (velocity > 0)
 
 
-def test_without_wear_the_steps_are_those_that_are_asked_for():
-    scene = small_scene(wear=False)
-    alone = list(simulate(scene, 600.0, 1.25, asked=(3, 6)))
-    assert [state.normal_load for state in alone] == [225.0, 450.0, 600.0]
-    assert all(state.heat is not None for state in alone)
-
-
 # Both bodies smooth.
 
 
@@ -136,13 +129,3 @@ def test_a_smooth_scene_is_a_plane_one(pattern):
 
 
 # No friction, no hardness.
-
-
-def test_no_friction_needs_no_heat():
-    scene = replace(small_scene(heat_model="history"), friction_heat=False)
-    *_, state = simulate(scene, 300.0, 1.25)
-    assert state.heat.iterations == 0
-    assert not state.heat.rise.any()
-    assert state.heat_history is None
-    warm = last(small_scene(heat_model="history"), 300.0, 1.25)
-    assert np.array_equal(state.pressure, warm.pressure)

@@ -13,7 +13,6 @@ import pytest
 
 from tests.helpers.random_scenes import assert_sound
 from tests.helpers.scenes import STEEL, small_scene
-from tests.tribo.thermal.influence import thermal_influence
 from tribo import (
     Ball,
     ConvergenceError,
@@ -25,16 +24,11 @@ from tribo import (
     Ramp,
     WarningKind,
     Wear,
-    measures,
     simulate,
     warnings,
 )
-from tribo.analytic import uniform_flux_rise
-from tribo.contact import ElasticHalfSpace, solve_contact
+from tribo.contact import ElasticHalfSpace
 from tribo.errors import RangeError
-from tribo.loading import MeasuredLoad
-from tribo.simulation import heat
-from tribo.surface import self_affine
 
 SOLVED = "solved"
 
@@ -294,162 +288,10 @@ def test_no_motion_means_no_heat_and_no_wear():
     assert math.isnan(state.heat.pin_heat_share)
 
 
-@pytest.mark.parametrize(
-    ("what", "touching", "yielding"),
-    [
-        ("ball, one node in contact", 1, 0),
-        ("ball, all nodes in contact", 25 * 25, 0),
-        ("one spike, 1e-9 of nominal", 1, 0),
-        ("H·A: p = H", 48 * 16, 48 * 16),
-        ("1 − 1e-9 H·A", 48 * 16, 48 * 16 - 1),
-    ],
-)
-def test_extremes_are_as_extreme_as_their_names_say(what, touching, yielding):
-    scene, state = next(case for case in EXTREMES if case.what == what).run()
-    assert np.count_nonzero(state.pressure) == touching
-    assert np.count_nonzero(state.pressure == scene.hardness) == yielding
-
-
 # The solver alone, on every kind of window.
 
 
-def shapes(grid):
-    x, y = np.indices(grid.shape)
-    spike = np.full(grid.shape, 1e-6)
-    spike[grid.shape[0] // 3, 0] = 0.0
-    step = 1e-6 * (x < grid.shape[0] / 2)
-    return {
-        "flat": 0.0 * x,
-        "spike": spike,
-        "pit": -spike,
-        "step": step,
-        "sawtooth": 1e-6 * ((x + y) % 2),
-        "slope": 1e-6 * x,
-        "offset": 1.0 + 1e-7 * np.random.default_rng(0).uniform(size=grid.shape),
-    }
-
-
-def violation(contact, solid, z, hardness):
-    """Of the conditions on the gap, in units of the residual, from the pressure alone."""
-    p = contact.pressure
-    gap = solid(p) + (z - z[p > 0].mean())
-    free = (p > 0) & (p < hardness)
-    if free.any():
-        gap -= gap[free].mean()
-    else:
-        top, bottom = gap[p > 0].max(), gap[p == 0].min(initial=math.inf)
-        gap -= top if bottom == math.inf else (top + bottom) / 2
-    worst = max(
-        np.abs(gap[free]).max(initial=0.0),
-        -gap[p == 0].min(initial=0.0),
-        gap[p == hardness].max(initial=0.0),
-    )
-    return worst / (solid.self_influence * p.max())
-
-
-@pytest.mark.parametrize("periodic", list(itertools.product((False, True), repeat=2)))
-@pytest.mark.parametrize(
-    ("shape", "spacing"),
-    [((1, 12), (1e-6, 1e-3)), ((13, 1), (1e-6, 1e-3)), ((17, 12), (1e-6, 1e-6))],
-)
-def test_every_shape_on_every_window_at_every_load(periodic, shape, spacing):
-    grid = Grid(shape, spacing, periodic)
-    solid = ElasticHalfSpace(grid, 115e9)
-    for z in shapes(grid).values():
-        for share, hardness in (
-            (1e-9, 1e9), (0.05, math.inf), (0.5, 1e9), (1 - 1e-9, 1e9), (1.0, 1e9), (1.0, math.inf)
-        ):  # fmt: skip
-            load = share * 1e9 * grid.area
-            contact = solve_contact(solid, z, load, hardness, tolerance=1e-7)
-            assert contact.residual <= 1e-7
-            assert contact.load_error <= 1e-12
-            assert contact.pressure.sum() * grid.element_area == pytest.approx(load, rel=1e-12)
-            assert 0 <= contact.pressure.min() <= contact.pressure.max() <= hardness
-            assert violation(contact, solid, z, hardness) <= 1.001e-7 + 1e-12
-
-
-@pytest.mark.parametrize("periodic", [(False, True), (False, False)])
-@pytest.mark.parametrize("saturation", [0.05, 0.7, 0.999, 1 - 1e-13])
-def test_mostly_saturated_contacts_certify_themselves(saturation, periodic):
-    grid = Grid((64, 60), (1e-6, 1.1e-6), periodic)
-    solid = ElasticHalfSpace(grid, 115e9)
-    z = -self_affine(grid, ra=0.3e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=3)
-    contact = solve_contact(solid, z, saturation * 6.6e9 * grid.area, 6.6e9, tolerance=1e-9)
-    assert contact.iterations < 200
-    assert violation(contact, solid, z, 6.6e9) <= 1.001e-9
-    assert contact.saturated_fraction == np.mean(contact.pressure[contact.pressure > 0] == 6.6e9)
-    assert contact.penetration <= 1.001e-9 * solid.self_influence * 6.6e9
-
-
-@pytest.mark.parametrize("tolerance", [1e-12, 1e-14, 1e-300])
-@pytest.mark.parametrize("saturation", [0.02, 0.9])
-def test_tolerances_near_rounding_are_kept_or_refused_soon(tolerance, saturation):
-    grid = Grid((100, 96), (1e-6, 1e-6))
-    solid = ElasticHalfSpace(grid, 115e9)
-    z = -self_affine(grid, ra=0.3e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=3)
-    load = saturation * 6.6e9 * grid.area
-    try:
-        contact = solve_contact(solid, z, load, 6.6e9, tolerance=tolerance)
-    except ConvergenceError as error:
-        contact, said = error.solution, str(error)
-        assert "ask for at least" in said
-        assert tolerance < 1e-12
-        assert contact.residual < 1e-12
-    assert contact.iterations < 350
-    # The residual is that of the pressure that is given out, to the last digit but rounding.
-    rounding = 20 * np.finfo(float).eps * np.abs(solid(contact.pressure)).max()
-    unit = solid.self_influence * contact.pressure.max()
-    assert violation(contact, solid, z, 6.6e9) <= contact.residual + rounding / unit
-
-
-def test_no_number_of_iterations_is_exceeded():
-    grid = Grid((40, 40), (1e-6, 1e-6))
-    solid = ElasticHalfSpace(grid, 115e9)
-    z = -self_affine(grid, ra=0.3e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=3)
-    for most in (1, 3, 20):
-        with pytest.raises(ConvergenceError, match=f"allow more than {most} iterations") as caught:
-            solve_contact(solid, z, 2.0, 6.6e9, tolerance=1e-12, max_iterations=most)
-        # The last step may have to begin again from its own end.
-        assert most <= caught.value.solution.iterations <= most + 2
-        assert caught.value.solution.load_error < 1e-10
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"normal_load": 1.1e9 * 30e-12}, "hardness"),
-        ({"separation": np.full((6, 5), math.nan)}, "finite"),
-        ({"tolerance": 0.0}, "tolerance is 0.0"),
-        ({"hardness": 0.0}, "hardness is 0.0"),
-        ({"normal_load": math.inf, "hardness": math.inf}, "must be finite"),
-        ({"normal_load": 1e300, "hardness": math.inf}, "double precision cannot hold"),
-        ({"separation": np.full((6, 5), "a")}, "must hold real numbers"),
-        ({"separation": [[0.0, 1.0], [2.0]]}, "not an array"),
-        ({"initial_pressure": np.full((6, 5), math.nan)}, r"first at \(0, 0\)"),
-    ],
-)
-def test_impossible_arguments_of_the_solver_are_named(change, said):
-    solid = ElasticHalfSpace(Grid((6, 5), (1e-6, 1e-6)), 115e9)
-    arguments = {"separation": np.zeros((6, 5)), "normal_load": 1e-3, "hardness": 1e9} | change
-    with pytest.raises(InputError, match=said):
-        solve_contact(solid, **arguments)
-
-
 # Kernels.
-
-
-@pytest.mark.parametrize("peclet", [1e3, 1e6, 1e30])
-@pytest.mark.parametrize("spacing", [(1e-5, 1e-5), (1e-8, 1e-5)])
-def test_sources_that_pass_at_once_heat_in_one_dimension(peclet, spacing):
-    velocity = peclet * 2 * STEEL.thermal_diffusivity / spacing[0]
-    grid = Grid((24, 8), spacing)
-    kernel = thermal_influence(grid, STEEL, velocity, 1e3)
-    passages = (np.arange(24) + 0.5) * spacing[0] / velocity
-    exact = np.diff(uniform_flux_rise(1.0, 1.0, STEEL.thermal_effusivity) * np.sqrt(passages))
-    # Heat does not spread across if it has less time than it needs for 1 % of an element; and
-    # what the edges blur is 1/(4 Pe) of the first element's, as found.
-    if math.sqrt(STEEL.thermal_diffusivity * passages[-1]) < 0.01 * spacing[1]:
-        assert kernel[1:24, 0] == pytest.approx(exact, abs=kernel[0, 0] * (1 / peclet + 1e-6))
 
 
 # Stability of the wear schemes in time.
@@ -501,34 +343,7 @@ def test_wear_stays_smooth_or_is_warned_of_at_any_step_length(scheme, pattern):
         assert results[10.0][0] > 2  # it does fail where it is warned of
 
 
-def test_temperature_of_a_state_at_any_peclet_number_grows_with_the_velocity():
-    *_, state = simulate(small_scene(wear=False), 600.0, 1.0)
-    scene = small_scene(wear=False)
-    rises = [heat(scene, state, velocity).mean_rise for velocity in np.geomspace(1e-6, 1e5, 12)]
-    assert (np.diff(rises) > 0).all()
-    assert measures(scene, state)["mean_rise"] == pytest.approx(heat(scene, state, 1.0).mean_rise)
-
-
 # Bad input: each says where it is.
-
-
-@pytest.mark.parametrize(
-    ("build", "said"),
-    [
-        (lambda: Grid((math.nan, 4), (1.0, 1.0)), "nx is nan"),
-        (lambda: Grid((4, 4, 4), (1.0, 1.0)), "shape is .* two values"),
-        (lambda: Fidelity(increments=math.inf), "increments is inf"),
-        (lambda: Fidelity(heat_tolerance=1.0), "heat_tolerance is 1.0"),
-        (lambda: list(Ramp(1.0, 1.0).stations(1.0, math.nan)), "increments is nan"),
-        (lambda: MeasuredRoughness(np.zeros((0, 4))), r"shape \(0, 4\)"),
-        (lambda: MeasuredRoughness(np.array([["a"]])), "must hold real numbers"),
-        (lambda: MeasuredRoughness([[1.0], [math.inf]]), r"1 of 2 places, the first at \(1, 0\)"),
-        (lambda: MeasuredLoad([0.0, 1.0], [0.0, math.nan]), "row 1"),
-    ],
-)
-def test_what_is_no_number_shape_or_size_is_named(build, said):
-    with pytest.raises(InputError, match=said):
-        build()
 
 
 if __name__ == "__main__":

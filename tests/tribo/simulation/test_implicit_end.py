@@ -70,16 +70,3 @@ def test_the_worn_volume_stays_that_of_the_load_on_its_way(pattern):
     *_, station = scene.stations(750.0)
     worn = state.wear_depth.mean() * scene.nominal_area
     assert worn == pytest.approx(1e-14 * VELOCITY * station.impulse, rel=1e-10)
-
-
-@pytest.mark.parametrize(
-    "scene",
-    [
-        worn_scene(wear_scheme="implicit"),
-        worn_scene(specific_wear_rate=0.0, increments=100),
-        small_scene(wear_scheme="sdirk2", increments=30),
-    ],
-    ids=["implicit", "no wear", "rough"],
-)
-def test_it_is_not_taken_where_it_is_not_needed(scene):
-    assert last(scene, 750.0).history is None

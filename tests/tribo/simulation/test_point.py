@@ -6,11 +6,8 @@ import pytest
 from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import (
     QUANTILES,
-    Ball,
     Cylinder,
-    Fidelity,
     Grid,
-    InputError,
     Material,
     MeasuredRoughness,
     Ramp,
@@ -45,20 +42,6 @@ def test_direction_of_sliding_is_a_mirror():
     # To the solvers' tolerance of 1e-6, since the numbers are summed in another order.
     assert back.pressure[::-1] == pytest.approx(forth.pressure, abs=1e-4 * forth.pressure.max())
     assert back.heat.rise[::-1] == pytest.approx(forth.heat.rise, rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"fidelity": Fidelity(pixels_per_element=5)}, "divide"),
-        ({"pixels": Grid((48, 16), (8e-6, 8e-6), (True, True))}, "periodic along x"),
-        ({"pin": Ball(1e-3, STEEL), "wear": Wear(1e-15, "local")}, "under a ball"),
-        ({"roughness": MeasuredRoughness(np.zeros((3, 3)))}, "pixels"),
-    ],
-)
-def test_parts_that_do_not_fit_make_no_scene(change, said):
-    with pytest.raises(InputError, match=said):
-        replace(small_scene(), **change)
 
 
 def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
@@ -111,11 +94,3 @@ def test_in_a_hold_the_worn_contact_cools_and_wears_on_at_full_load():
     states = simulate(unworn, 600.0, 1.25, asked=range(100))
     rises = [state.heat.mean_rise for state in states]
     assert (np.diff(rises) >= 0).all()
-
-
-def test_options_that_do_not_fit_are_refused():
-    with pytest.raises(InputError, match="nearest-image"):
-        small_scene("local", periodic=(False, False), kernel="nearest-image")
-    for field in ("kernel", "wear_scheme", "heat_model", "contact_criterion"):
-        with pytest.raises(InputError, match=f"{field} is 'none'; allowed are"):
-            Fidelity(**{field: "none"})

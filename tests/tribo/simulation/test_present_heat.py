@@ -7,8 +7,7 @@ import pytest
 
 from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL, last, small_scene
-from tribo import Ball, Grid, MeasuredLoad, Motion, Ramp, Wear
-from tribo.simulation import start
+from tribo import Ball, Grid, MeasuredLoad, Ramp, Wear
 from tribo.simulation.present_heat import excess_of_present_heat
 from tribo.thermal import rise_exceeded
 
@@ -78,19 +77,3 @@ def test_a_load_that_jumps_late_errs_by_far_more_than_one_that_grows(velocity, l
     assert true > least
     foretold = excess_of_present_heat(late, last(late, 600.0, velocity))
     assert 0.5 * true < foretold < 1.1 * true
-
-
-def test_a_pin_that_moves_leaves_its_past_behind():
-    at_rest = excess_of_present_heat(WORN, last(WORN, 600.0, 0.5))
-    rolling = replace(WORN, motion=Motion(slide_roll_ratio=0.5))
-    assert excess_of_present_heat(rolling, last(rolling, 600.0, 0.5)) < 0.01 * at_rest
-
-
-def test_without_heat_there_is_none():
-    state = last(WORN, 100.0, 0.1)
-    assert excess_of_present_heat(WORN, state) > 0
-    assert excess_of_present_heat(WORN, replace(state, heat=None)) == 0.0
-    cold = replace(WORN, friction_heat=False)
-    assert excess_of_present_heat(cold, last(cold, 100.0, 0.1)) == 0.0
-    assert excess_of_present_heat(WORN, last(WORN, 100.0, 0.0)) == 0.0
-    assert excess_of_present_heat(WORN, start(WORN)) == 0.0

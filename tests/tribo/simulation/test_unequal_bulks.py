@@ -23,12 +23,9 @@ from tribo import (
 from tribo.thermal import (
     BULK_RATIOS,
     ConductingHalfSpace,
-    Conductor,
-    HeatHistory,
     add_bulk_ratio,
     contact_quantiles,
     partition_heat,
-    partition_with_history,
 )
 
 NINE_TENTHS = QUANTILES.index(0.9)
@@ -124,29 +121,6 @@ def test_quantiles_are_exact_at_the_kept_ratios_and_near_between(rough):
     assert np.abs(errors[:, NINE_TENTHS]).max() < 3e-3
     assert np.abs(errors).max() < 2e-2
     assert (errors[:, -1] > -1e-12).all()  # the highest is convex: never too cold
-
-
-def test_what_was_remembered_of_both_is_affine():
-    """One history of heat and difference together, against the sum of one of each."""
-    scene = replace(
-        small_scene(increments=4, heat_model="history", heat_tolerance=1e-10), unequal_bulks=True
-    )
-    together = HeatHistory()
-    for state in simulate(scene, 750.0, 0.3):
-        split, together = partition_with_history(
-            scene.grid,
-            Conductor(STEEL, 0.0, scene.heated_length),
-            Conductor(STEEL, 0.3, scene.heated_length),
-            together,
-            state.time,
-            0.1 * 0.3 * state.pressure,
-            state.pressure > 0,
-            tolerance=1e-10,
-            bulk_difference=40.0,
-        )
-    affine = 0.1 * state.heat.rise + 40.0 * state.heat.bulk_response
-    inside = state.pressure > 0
-    assert affine[inside] == pytest.approx(split.rise[inside], rel=1e-7)
 
 
 @pytest.mark.parametrize("heat_model", ["elapsed", "history"])

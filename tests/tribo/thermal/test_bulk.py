@@ -1,6 +1,5 @@
 """The bulk behind the contact, held against solutions by hand."""
 
-import math
 from decimal import Decimal, localcontext
 
 import numpy as np
@@ -58,12 +57,6 @@ def test_a_steady_state_is_the_balance_of_heat_in_both_bodies():
     contact = 94.0 / sum(to_ground)
     assert pin == pytest.approx(contact * to_ground[0] / g1)
     assert disk == pytest.approx(contact * to_ground[1] / g2)
-
-
-@pytest.mark.parametrize("sizes", [(0.0, 0.0), (-1.0, 1.0), (1.0, math.nan), (math.inf, 0.0)])
-def test_a_bulk_has_a_capacity_or_a_loss(sizes):
-    with pytest.raises(tribo.InputError, match="0"):
-        tribo.Bulk(*sizes)
 
 
 def test_a_bulk_resists_by_its_loss_alone_once_it_is_steady():

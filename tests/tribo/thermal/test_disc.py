@@ -5,9 +5,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.special import zeta
 
-import tribo
 from tribo.thermal import Disc
-from tribo.thermal.disc import _EARLY
 from tribo.thermal.track import track_warming
 
 DIFFUSIVITY, CAPACITY = 1.2275e-5, 3.666e6
@@ -111,28 +109,3 @@ def test_a_disc_says_its_sizes_and_the_losses_that_it_has():
     }  # fmt: skip
     assert str(Disc(**PLAIN)) == "100 × 10 mm"
     assert Disc(**PLAIN).as_dict() == PLAIN
-
-
-@pytest.mark.parametrize(
-    ("entries", "said"),
-    [
-        ({"bore": 0.1}, "bore is 0.1 m; it must be smaller"),
-        ({"shaft_loss": -1.0}, "shaft_loss is -1.0"),
-        ({"rim_loss": np.inf}, "rim_loss is inf"),
-        ({"width": 0.0}, "width is 0.0"),
-    ],
-)
-def test_discs_that_are_no_discs_are_refused(entries, said):
-    with pytest.raises(tribo.InputError, match=said):
-        Disc(**(PLAIN | entries))
-
-
-@pytest.mark.parametrize("inner", [0.0, 0.3, 0.6, 0.9, 0.97])
-@pytest.mark.parametrize("rim_loss", [0.0, 2000.0])
-def test_the_series_begins_where_the_warming_at_short_times_ends(inner, rim_loss):
-    disc = Disc(diameter=0.1, width=0.01, rim_loss=rim_loss, bore=0.1 * inner)
-    fourier = _EARLY * (1 - inner) ** 2
-    ages = fourier * 0.05**2 / DIFFUSIVITY * np.array([1 - 1e-9, 1 + 1e-9])
-    short, series = disc.rim_left(ages, DIFFUSIVITY, CAPACITY)
-    # At short times the next term of the curvature, Fo/4 of the first, is left out.
-    assert series == pytest.approx(short * (1 + fourier / 4), rel=0.02 * fourier)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import STEEL, last, small_scene
-from tribo import Fidelity, Grid, InputError, MeasuredLoad, Ramp, simulate
+from tribo import Grid, MeasuredLoad, Ramp, simulate
 from tribo.analytic import ramped_flux_rise, uniform_flux_rise
 from tribo.numerics import Convolution
 from tribo.thermal import (
@@ -22,8 +22,6 @@ from tribo.thermal.conduction import flux_history_spectrum
 EFFUSIVITY = STEEL.thermal_effusivity
 ELEMENT = (1.632e-6, 1.9e-6)
 PLANE = Grid((3, 4), ELEMENT, (True, True))
-AXES = [(False, False), (False, True), (True, False), (True, True)]
-TEN_NODES = 7e-7  # documented error of the quadrature, relative to the self term
 
 
 def run(grid, fluxes, times, pin_velocity=0.0, disk_velocity=1.25):
@@ -57,38 +55,6 @@ def test_any_broken_line_of_flux_is_the_sum_of_its_ramps():
     )
     scale = uniform_flux_rise(1e6, times[-1], EFFUSIVITY)
     np.testing.assert_allclose(split.rise, exact, rtol=0, atol=1e-8 * scale)  # ages to 9 digits
-
-
-@pytest.mark.parametrize("periodic", AXES)
-@pytest.mark.parametrize("velocity", [0.0, 1.25, -40.0])
-def test_hats_that_add_up_to_a_constant_flux_have_its_rise(periodic, velocity):
-    grid = Grid((12, 9), ELEMENT, periodic)
-    ages = (0.0, 1e-7, 3e-5, 0.02, 0.04, 3.0)
-    whole = flux_history_spectrum(grid, STEEL, velocity, (0.0, 3.0), (1.0, 1.0))
-    total = np.zeros_like(whole, dtype=complex)
-    for place in range(len(ages)):
-        among = slice(max(0, place - 1), place + 2)
-        strengths = [float(index == place) for index in range(len(ages))]
-        hat = flux_history_spectrum(grid, STEEL, velocity, ages[among], strengths[among])
-        total[:, : hat.shape[1]] += hat
-    self_term = np.fft.irfft2(whole, s=(whole.shape[0], 2 * whole.shape[1] - 2 + 9 % 2))[0, 0]
-    # Both quadratures have their error, which a spectrum sums over all elements at most.
-    tolerance = 2 * TEN_NODES * abs(self_term) * total.size
-    np.testing.assert_allclose(total, whole, rtol=0, atol=tolerance)
-    assert np.abs(total - whole).max() <= 1e-5 * np.abs(whole).max()
-    elapsed = ConductingHalfSpace(grid, STEEL, velocity, 3.0).spectrum
-    assert np.array_equal(whole, elapsed)
-
-
-@pytest.mark.parametrize("begin", [0.0, 1e-13, 8e-13])
-def test_heat_that_has_not_crossed_half_an_element_is_one_dimensional(begin):
-    end = 1e-12
-    grid = Grid((12, 9), ELEMENT)
-    spectrum = flux_history_spectrum(grid, STEEL, 1.25, (begin, end), (0.0, 1.0))
-    # ∫ (τ − τ₁)/(τ₂ − τ₁) dτ/(e√(πτ)), on the element alone: equal for all waves
-    integral = 2 / 3 * (end**1.5 - begin**1.5) - 2 * begin * (end**0.5 - begin**0.5)
-    exact = integral / (end - begin) / (math.sqrt(math.pi) * EFFUSIVITY)
-    np.testing.assert_allclose(spectrum, exact, rtol=1e-9)  # rounding where begin is near end
 
 
 def test_temperature_with_history_depends_little_on_the_steps():
@@ -146,13 +112,6 @@ def test_a_constant_flux_in_many_steps_is_one_that_acted_all_the_time_whatever_t
         # Of either flux the split differs a little between the steps, being older or younger.
         assert split.rise.max() == pytest.approx(elapsed.rise.max(), rel=2e-3)
         assert split.pin_share == pytest.approx(elapsed.pin_share, rel=5e-3)
-
-
-def test_what_cannot_be_continued_is_refused():
-    with pytest.raises(InputError, match="history_coarsening"):
-        Fidelity(heat_model="history", history_coarsening=2)
-    with pytest.raises(InputError, match="heat_model is 'duhamel'; allowed are elapsed, history"):
-        Fidelity(heat_model="duhamel")
 
 
 def test_no_contact_has_no_temperature_but_goes_on():

@@ -47,17 +47,6 @@ def test_at_rest_the_shares_are_as_the_conductivities(method):
     assert split.pin_share == pytest.approx(0.2, rel=1e-7)
 
 
-@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 0.99e-4, 1e-9])  # in single, then in double
-@pytest.mark.parametrize("unit", [1.0, 1e80])
-def test_a_tolerance_is_kept_at_either_precision(tolerance, unit):
-    grid = grid_of(n=72)
-    flux = rough_contact(grid)
-    exact = partition_heat(*bodies(grid), flux, flux > 0, tolerance=1e-12)
-    split = partition_heat(*bodies(grid), unit * flux, flux > 0, tolerance=tolerance)
-    assert split.residual <= tolerance
-    assert split.rise / unit == pytest.approx(exact.rise, abs=10 * tolerance * exact.rise.max())
-
-
 def eliminated(both, contact, target):
     """Flux by elimination, as in the paper; the kernel's wrapped order takes i − j."""
     kernel = np.fft.irfft2(both.spectrum, s=padded_shape(both.grid))
@@ -182,20 +171,6 @@ def test_extremes_converge(periodic, spacing):
                 split = partition_heat(pin, disk, np.where(on, flux, 0.0), on)
                 assert split.residual <= 1e-8
                 assert 0 < split.pin_share < 1
-
-
-def test_nothing_to_divide_needs_no_solution():
-    grid = grid_of(n=8)
-    pin, disk = bodies(grid)
-    empty, some = np.zeros(grid.shape, dtype=bool), np.ones(grid.shape, dtype=bool)
-    nowhere = partition_heat(pin, disk, np.zeros(grid.shape), empty, bulk_difference=10.0)
-    cold = partition_heat(pin, disk, np.zeros(grid.shape), some)
-    start = partition_heat(*bodies(grid, time=0.0), np.ones(grid.shape), some)
-    for split in (nowhere, cold, start):
-        assert not split.rise.any()
-        assert not split.pin_flux.any()
-        assert split.iterations == 0
-        assert math.isnan(split.pin_share)
 
 
 def test_a_failure_carries_the_partial_solution_and_advice():

@@ -5,7 +5,6 @@ import pytest
 import scipy
 
 from tribo.thermal import track_warming
-from tribo.thermal.track import strip_left
 
 DIFFUSIVITY, CAPACITY = 1.2275e-5, 3.666e6
 STEADY = np.array([1e-9, 1e9]), np.array([100.0, 100.0])
@@ -26,23 +25,6 @@ def strip(age, width, load):
 def test_one_pass_leaves_what_kelvin_s_sources_leave(width):
     warming = track_warming(0.3, 0.2, STEADY, width, DIFFUSIVITY, CAPACITY)
     assert warming == pytest.approx(strip(0.2, width, 100.0), rel=1e-9)
-
-
-@pytest.mark.parametrize("age", [1e-3, 0.05, 0.1, 1.0])  # a sum of images, then of waves
-@pytest.mark.parametrize("body_width", [3.4e-3, 5e-3])
-def test_a_body_between_insulated_sides_is_a_row_of_strips(age, body_width):
-    """Strips side by side at a distance of the body's width, summed one by one."""
-    width = 3.4e-3
-    edges = width / 2 + body_width * np.arange(-2000, 2001)
-    alike = scipy.special.erf(edges / (2 * math.sqrt(DIFFUSIVITY * age))).sum()
-    left = strip_left(width, body_width, np.array([math.sqrt(DIFFUSIVITY * age)]))
-    assert left == pytest.approx(alike, rel=1e-9)
-
-
-@pytest.mark.parametrize(("width", "body_width"), [(2e-3, 4e-3), (1e-3, 1e-2), (3e-3, 3.1e-3)])
-def test_images_and_modes_of_a_strip_agree_where_one_takes_over(width, body_width):
-    near, far = strip_left(width, body_width, body_width / 4 * np.array([1 - 1e-9, 1 + 1e-9]))
-    assert far == pytest.approx(near, rel=1e-8)
 
 
 def test_many_passes_of_a_load_that_comes_and_goes_are_summed_as_few():

@@ -43,35 +43,6 @@ def test_a_law_of_a_constant_rate_is_archard_s():
     assert constant.heat.max_rise == pytest.approx(archard.heat.max_rise, rel=1e-9)
 
 
-class Number(tribo.RunningIn):
-    def over(self, begin, end):
-        return 1e-15
-
-
-class Negative(tribo.RunningIn):
-    def over(self, begin, end):
-        return tribo.Wear((1.0 - begin) * 1e-15, self.pattern)
-
-
-class Spoilt(tribo.RunningIn):
-    def over(self, begin, end):
-        return tribo.Wear(math.nan, self.pattern)
-
-
-@pytest.mark.parametrize(
-    ("law", "said"),
-    [
-        (Number, "wear law: its wear over 0 to .* must be a tribo.Wear"),
-        (Negative, "specific_wear_rate is -.* must be finite and ≥ 0"),
-        (Spoilt, "specific_wear_rate is nan"),
-    ],
-)
-def test_a_law_that_gives_no_wear_is_refused(law, said):
-    scene = replace(small_scene(increments=6), wear=law(6e-15, 1e-15, 1.5))
-    with pytest.raises(tribo.TriboError, match=said):
-        worn_volume(scene)
-
-
 @dataclass(frozen=True)
 class Dimples:
     depth: float = 1e-6
@@ -92,13 +63,3 @@ def test_a_surface_of_one_s_own_is_that_of_its_heights():
         rises.append(state.heat.mean_rise)
     assert rises[0] == pytest.approx(rises[2], rel=1e-6)
     assert rises[1] != pytest.approx(rises[0], rel=1e-3)
-
-
-def test_a_height_that_is_no_number_is_named():
-    with pytest.raises(tribo.InvariantError, match=r"height is nan at pixel \(0, 0\)"):
-        replace(small_scene(), roughness=Dimples(spoilt=True))
-
-
-def test_a_pin_that_does_not_slide_wears_by_no_law():
-    scene = replace(small_scene(increments=6), wear=LAW)
-    assert worn_volume(scene, velocity=0.0) == 0

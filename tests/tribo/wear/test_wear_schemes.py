@@ -21,10 +21,9 @@ from tribo import (
     simulate,
     warnings,
 )
-from tribo.contact import ElasticHalfSpace
 from tribo.loading import Station
 from tribo.simulation import advance, start
-from tribo.wear import WEAR_SCHEMES, RollingWear
+from tribo.wear import WEAR_SCHEMES
 
 LOAD, VELOCITY = 750.0, 1.25  # the paper's severest point
 
@@ -142,22 +141,6 @@ def test_worn_depth_converges_at_the_order_of_the_scheme(scheme, lowest, highest
         assert lowest < -np.polyfit(np.log(counts), np.log(errors), 1)[0] < highest
 
 
-def test_the_steps_are_enough_at_every_load_whatever_the_reference_load():
-    """Heavy wear, which forty steps know to 0.5 % and three to 7 %."""
-    rises = []
-    for reference_load in (40.0, 1e5):
-        scene = replace(
-            plane(increments=100, contact_tolerance=1e-6),
-            pixels=Grid((240, 1), (1.632e-6, 456e-6)),
-            wear=Wear(1e-14, "swept"),
-            loading=Ramp(150.0, reference_load),
-        )
-        *_, state = simulate(scene, 10.0, 12.0)
-        rises.append(state.heat.mean_rise)
-        assert warnings(scene, state) == []
-    assert np.ptp(rises) < 0.01 * min(rises)
-
-
 @functools.cache
 def explicit(increments):
     scene = plane(wear_scheme="explicit", increments=increments, contact_tolerance=1e-6)
@@ -188,26 +171,3 @@ def test_explicit_wear_with_the_number_of_increments_that_is_advised_is_the_impl
     assert roughness_of_pressure(state) < 0.02
     assert state.pressure.max() == pytest.approx(smooth().pressure.max(), rel=0.01)
     assert state.wear_depth.max() == pytest.approx(smooth().wear_depth.max(), rel=1e-3)
-
-
-def test_a_hold_that_steps_too_far_is_named():
-    scene, state = explicit(180)
-    held = replace(scene, loading=replace(scene.loading, hold=0.5, stops=(0.25,)))
-    assert warnings(held, replace(state, time=5.0)) == []  # the hold has not begun
-    holding = replace(state, on_trunk=False, time=5.5, sliding_distance=VELOCITY * 5.5)
-    (warning,) = warnings(held, holding)
-    assert "take at least" in warning.text
-    assert "increments, or another wear scheme" in warning.text
-
-
-def test_stiffness_is_that_of_the_shapes_that_wear():
-    solid = ElasticHalfSpace(Grid((240, 240), (1.632e-6, 1.9e-6)), 115.385e9)
-    local, swept = (
-        Wear(1.2e-15, pattern).stiffness(solid, 0.0625) for pattern in ("local", "swept")
-    )
-    # The smallest eigenvalues of this grid are 8.80e-18 and 1.05e-17 m/Pa, to three digits.
-    assert local == pytest.approx(1.2e-15 * 0.0625 / 8.80e-18, rel=1e-3)
-    assert swept == pytest.approx(1.2e-15 * 0.0625 / 1.05e-17, rel=2e-3)
-    rolling = RollingWear(1.2e-15, "local", 0.5).stiffness(solid, 0.0625)
-    assert rolling > 0  # of its stripes along the track
-    assert RollingWear(1.2e-15, "swept", 0.5).stiffness(solid, 0.0625) == 0
