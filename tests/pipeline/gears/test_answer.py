@@ -14,7 +14,6 @@ import pipeline
 import pipeline.gears as gears
 from pipeline.analysis.tables import frame_of
 from pipeline.sweep.caveats import joined
-from tribo import InputError
 
 ROOT = Path(__file__).parents[3]
 DUTY = "torque [Nm],speed [rpm],hours,bulk temperature [degC],name\n"
@@ -58,20 +57,6 @@ def test_places_are_told_in_si(irg):
     assert "boundary lubrication" in document["caveats"][0]
     assert len({*document["caveats"]}) == len(document["caveats"]) > 2
     assert max(map(len, document["caveats"])) <= 100
-
-
-def test_without_a_number_of_steps_there_are_25_places_and_those_with_letters(irg):
-    """A and E are among the even ones, B, C and D are not."""
-    assert len(gears.mesh(gears.read_pair("fzg_a")).places) == 25 + 3
-    assert len(irg("gears", "fzg_a", "--json")["place"]) == 25 + 3
-
-
-def test_caveats_are_the_last_lines(irg):
-    title, *lines = irg("gears", "fzg_a").splitlines()
-    assert title == "FZG test gears A, A/8.3/90"
-    assert lines[-4] == ""
-    assert lines[-3].startswith("not validated: no scuffing test of gears")
-    assert lines[-1].startswith("pressure, flash and film are of smooth flanks")
 
 
 def test_a_load_stage_is_a_duty(irg):
@@ -224,17 +209,6 @@ def test_a_row_of_a_spectrum_has_hours_and_its_own_factor_or_temperature():
         assert duty == gears.Duty(100.0, pytest.approx(speed), pytest.approx(363.15), 1.2)
 
 
-def test_an_empty_factor_or_temperature_of_a_row_is_a_fault():
-    columns = {
-        "torque": ["100 N m"] * 3, "speed": ["1500 rpm"] * 3,
-        "load factor": [1.5, None, 0.5], "bulk temperature": [None, "90 degC", ""],
-    }  # fmt: skip
-    with pytest.raises(InputError) as caught:
-        gears.spectrum.read_spectrum(columns, gears.read_pair("fzg_a"))
-    assert "rows 1 and 3, bulk_temperature: is empty; fill it, or leave out" in str(caught.value)
-    assert "row 2, load_factor: is empty" in str(caught.value)
-
-
 @pytest.mark.usefixtures("warm")
 def test_the_doubt_of_a_critical_temperature_counts_in_each_verdict():
     pair = gears.read_pair("fzg_a")
@@ -359,23 +333,6 @@ def test_a_short_file_has_what_it_leaves_out(irg, tmp_path):
     said = irg("gears", tmp_path / "own.toml")
     assert re.search("friction +0.05\n", said)
     assert "Λ" not in said
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--scene", "mesh.csv"], "suffix must be .toml"),
-    ],
-)
-def test_options_that_do_not_fit_are_refused_before_anything_runs(irg, options, said):
-    assert said in irg("gears", "fzg_a", *options, code=2)
-
-
-def test_faults_of_a_spectrum_are_all_named(irg, tmp_path):
-    (tmp_path / "duty.csv").write_text("torque [N m],speed\n1,2\nx,3 rpm\n")
-    told = irg("gears", "fzg_a", "--points", tmp_path / "duty.csv", *CRITICAL, code=2)
-    assert "row 2, speed" in told
-    assert "row 3, torque" in told
 
 
 def test_the_page_leads_from_a_drawing_to_a_verdict(irg, tmp_path, monkeypatch):

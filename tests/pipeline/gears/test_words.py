@@ -2,17 +2,12 @@
 
 import math
 import tomllib
-from dataclasses import replace
 
-import numpy as np
 import pytest
 
 import pipeline.gears as gears
 from pipeline.gears import rules
 from pipeline.gears.contact import buttressing, load_share
-from pipeline.gears.fzg import rig_pair, stage_duty
-from pipeline.gears.judge import decisive_places
-from pipeline.gears.reading import tip_diameter
 from tribo import InputError
 
 HELICAL = {
@@ -74,15 +69,6 @@ def test_facts_of_other_pairs_have_their_overlap_their_friction_and_their_film(i
     assert max(polished["Λ"]) > 3
 
 
-def test_only_what_slides_and_is_named_or_hotter_than_its_neighbours_may_decide(mesh):
-    """Between D and E the test gears have a place that is hotter than those beside it."""
-    kept = decisive_places(mesh)
-    assert [place.letter for place in kept.places] == ["A", "B", "D", "", "E"]
-    warmer = replace(mesh.places[3], temperature=mesh.places[3].temperature + 30)
-    warm = replace(mesh, places=(*mesh.places[:3], warmer, *mesh.places[4:]))
-    assert [place.letter for place in decisive_places(warm).places] == ["A", "", "B", "D", "", "E"]
-
-
 # The share of the load, and the rule
 
 
@@ -142,29 +128,6 @@ def test_two_or_three_pairs_in_mesh_share_equally():
     assert letters == ["A", "C", "E"]
 
 
-@pytest.mark.parametrize(
-    ("ratio", "factor"),
-    [(1.5, 1.0), (2.0, 1.0), (2.5, 1 + 0.2 * math.sqrt(1.25)), (3.5, 1.3), (4.0, 1.3)],
-)
-def test_overlapping_teeth_raise_the_friction_by_their_contact_ratio(ratio, factor):
-    assert rules._helical_load(ratio) == pytest.approx(factor)
-
-
-@pytest.mark.parametrize(
-    ("eps1", "eps2", "mean"),
-    [
-        # Eqs. (39) to (44) at round numbers.
-        (0.8, 0.6, (0.70 * 1.0 - 0.22 * 1.4 + 0.52 - 0.60 * 0.48) / (2 * 1.4 * 0.8)),
-        (1.1, 0.5, (0.18 * 1.21 + 0.175 + 0.82 * 1.1 - 0.26 - 0.165) / (2 * 1.6 * 1.1)),
-        (0.5, 1.1, (0.18 * 1.21 + 0.175 + 0.82 * 1.1 - 0.26 - 0.165) / (2 * 1.6 * 0.5)),
-        (1.2, 1.0, (0.44 * 1.44 + 0.59 + 0.06 - 0.18) / (2 * 2.2 * 1.2)),
-        (1.0, 1.2, (0.44 * 1.44 + 0.59 + 0.06 - 0.18) / (2 * 2.2 * 1.0)),
-    ],
-)
-def test_the_mean_flash_is_that_of_the_standard_s_formulas(eps1, eps2, mean):
-    assert rules._path_mean(eps1, eps2) == pytest.approx(mean)
-
-
 def test_friction_of_the_rule_ends_at_its_fastest_and_lightest(fzg):
     """Clause 5.1: from 50 m/s and below 150 N/mm it stays; it goes with XL and with Ra^0.25."""
     radius = 36e-3
@@ -212,82 +175,10 @@ def test_rules_of_the_test_go_with_torque_lubricant_and_viscosity():
             rules.stage_torque(stage)
 
 
-def test_tips_keep_the_clearance_of_the_rack():
-    """Without shifts da = m (z + 2); a shift of the other gear takes as much of the tip as it is
-    beyond the centre distance."""
-    assert tip_diameter(2e-3, 0.0, (20, 40), (0.0, 0.0), 60e-3, 0) == pytest.approx(44e-3)
-    assert tip_diameter(2e-3, 0.0, (20, 40), (0.0, 0.0), 60e-3, 1) == pytest.approx(84e-3)
-    shifted = tip_diameter(2e-3, 0.0, (20, 40), (0.3, 0.1), 60.7e-3, 0)
-    assert shifted == pytest.approx(40e-3 + 2 * (2e-3 + 0.7e-3 - 0.1 * 2e-3))
-    leaning = tip_diameter(2e-3, math.radians(60), (20, 40), (0.0, 0.0), 120e-3, 0)
-    assert leaning == pytest.approx(80e-3 + 4e-3)
-
-
 # Stages
 
 
-def test_the_oil_of_another_pair_is_tested_on_the_test_gears_with_its_surface(fzg):
-    assert rig_pair(fzg) is fzg
-    own = gears.read_pair("fzg_a", HELICAL | {
-        "oil": "ISO VG 32", "friction.lubricant_factor": 0.8, "friction.coefficient": 0.03,
-        "surface.hurst_exponent": 0.7,
-        "surface.correlation_length": ["5 um", "6 um"],
-        "surface.specific_wear_rate": "2e-6 mm^3/(N m)"})  # fmt: skip
-    rig = rig_pair(own)
-    assert rig.gears == fzg.gears
-    assert (rig.oil, rig.file.pinion) == (own.oil, fzg.file.pinion)
-    assert (rig.file.friction, rig.file.surface) == (own.file.friction, own.file.surface)
-    assert rig.written["oil"] == own.written["oil"]
-    duty = stage_duty(own, 5)
-    assert duty.bulk == pytest.approx(353.15 + 0.23 * 94.1 * 0.8)
-    assert duty.turns == pytest.approx(2170.0)
-
-
 # The figure and the scene
-
-
-def test_the_figure_has_each_quantity_over_the_place(fzg, mesh):
-    figure = gears.draw_mesh(gears.mesh(fzg.with_critical(523.15, None)))
-    velocities, pressures, temperatures, film = figure.axes
-    at = [1e3 * place.position for place in mesh.places]
-    drawn = {line.get_label(): line for axes in figure.axes for line in axes.lines}
-    for label, values in (
-        ("pinion's flank", [place.rolling_1 for place in mesh.places]),
-        ("wheel's flank", [place.rolling_2 for place in mesh.places]),
-        ("sliding", [place.sliding for place in mesh.places]),
-        ("bulk and flash,\nsmooth flanks", [place.temperature - 273.15 for place in mesh.places]),
-    ):
-        np.testing.assert_allclose(drawn[label].get_xdata(), at)
-        np.testing.assert_allclose(drawn[label].get_ydata(), values)
-    assert drawn["bulk"].get_ydata()[0] == pytest.approx(165.7)
-    assert drawn["critical"].get_ydata()[0] == pytest.approx(250.0)
-    np.testing.assert_allclose(
-        pressures.lines[0].get_ydata(), [1e-9 * place.pressure for place in mesh.places]
-    )
-    np.testing.assert_allclose(
-        film.lines[0].get_ydata(), [place.film_parameter for place in mesh.places]
-    )
-    assert (pressures.get_ylim()[0], film.get_ylim()[0]) == (0.0, 0.0)
-    highest = max(place.film_parameter for place in mesh.places)
-    assert 1.5 * highest < film.get_ylim()[1] < 1.8 * highest
-    assert [axes.get_ylabel() for axes in figure.axes] == [
-        "velocity [m/s]", "highest pressure [GPa]", "temperature [°C]", "film parameter Λ, dotted"
-    ]  # fmt: skip
-    assert figure.get_suptitle() == "FZG test gears A, A/8.3/90"
-    nothing_slides = [line for line in velocities.lines if set(line.get_ydata()) == {0.0}]
-    assert len(nothing_slides) == 1
-    letters = {text.get_text(): text.get_position()[0] for text in velocities.texts
-               if len(text.get_text()) == 1}  # fmt: skip
-    assert letters == pytest.approx(
-        {place.letter: 1e3 * place.position for place in mesh.places if place.letter}
-    )
-    for axes in (velocities, pressures, temperatures):
-        upright = {line.get_xdata()[0] for line in axes.lines if len({*line.get_xdata()}) == 1}
-        assert upright == {*letters.values()}
-    bare = gears.draw_mesh(gears.mesh(gears.read_pair("fzg_a", {"without": ["oil"],
-                                      "friction.coefficient": 0.05})))  # fmt: skip
-    assert len(bare.axes) == 3
-    assert "critical" not in {line.get_label() for line in bare.axes[2].lines}
 
 
 def test_the_scene_of_a_mesh_has_its_places_and_its_window(fzg, mesh):
