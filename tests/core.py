@@ -23,8 +23,6 @@ ROOT = Path(__file__).parents[1]
 CORE = ("analysis", "cli", "figures", "run", "scene", "store", "sweep", "tradeoff")
 NEEDS = {
     "uncertain": """
-        cli/test_commands.*(arguments[67]|help_lists)
-        cli/test_progress.*study
         figures.plot.plot$ figures/test_(fit|marks|plot|refusals) run/test_samples
         scene/test_(reference|scenefile).*uncertain scene/test_reference.*writes_and_lists
         scene/test_refusals.*(distribution|row.samples) scene/test_wear_laws.*(unknown|of_another)

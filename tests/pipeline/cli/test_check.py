@@ -45,17 +45,6 @@ def test_a_check_has_at_most_20_lines_of_100_letters_and_the_same_rows_as_a_docu
     assert {"contact", "window", "surface", "motion", "wear", "heat", "points", "time"} < {*rows}
 
 
-def test_a_check_takes_what_a_run_takes(check, tmp_path):
-    said = check("--preset", "draft", "--boundary-only", "-o", (out := tmp_path / "check.csv"))
-    assert "the boundary is sought between" in said
-    subjects = {line.partition(",")[0] for line in out.read_text(encoding="utf-8").splitlines()}
-    assert {"subject", "contact", "points"} <= subjects
-    small = ["--set", "window.pixels=[144, 40]", "--set", "window.pixel_size=['2 um', '2 um']"]
-    small += ["--set", 'sweep.loads=["200 N"]']
-    small += ["--set", 'sweep.velocities=["1 m/s", "4 m/s"]']
-    assert "accuracy 5 %: picked" in check(*small, "--accuracy", "5%")
-
-
 @pytest.mark.parametrize(
     ("loads", "velocities", "is_small"),
     [
@@ -84,13 +73,6 @@ def test_what_cannot_be_run_fails_here_and_in_a_run(check, irg, setting, said, t
     assert not [*tmp_path.iterdir()]
 
 
-def test_a_scene_larger_than_the_machine_is_not_tried(check):
-    size = ["--preset", "fine", "--set", "window.pixels=[80000, 80000]"]
-    said = check(*size, "--set", "pin.length=80 mm", code=2)
-    assert "MB of memory a worker" in said
-    assert "less than a worker needs" in said
-
-
 def test_what_comes_from_the_library_is_printed_with_its_source(tmp_path, check):
     scene = tmp_path / "scene.toml"
     scene.write_text(
@@ -110,10 +92,3 @@ def test_what_comes_from_the_library_is_printed_with_its_source(tmp_path, check)
         ": boundary lubrication",
     ):
         assert words in said
-
-
-def test_the_load_that_a_film_carries_is_sized_where_there_is_one(irg):
-    said = " ".join(irg("check", "irg_transition").split())
-    assert "what the film carries is not counted: −19 to +17 % in velocity" in said
-    slow = ("--set", 'sweep.velocities=["0.5 m/s"]')
-    assert "what the film carries" not in irg("check", "irg_transition", *slow)

@@ -12,8 +12,7 @@ import pipeline
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.rise_error import error_of_point
 from pipeline.cli import main
-from pipeline.cli.parser import FIRST, commands
-from tests.helpers.scenes import MEASURED, SCENE
+from tests.helpers.scenes import SCENE
 from tribo import WarningKind
 
 # With a preset, whose error is promised.
@@ -171,24 +170,6 @@ def test_an_accuracy_is_stored_with_what_it_picked(scene, tmp_path, irg):
     assert "leave out --set increments" in refused
 
 
-def test_without_friction_there_is_no_heat_and_no_claim_about_it(tmp_path, irg):
-    scene, out = tmp_path / "slippery.toml", tmp_path / "slippery.zarr"
-    text = SCENE.replace("coefficient = 0.1", "coefficient = 0.0") + MEASURED
-    scene.write_text(text.replace('["1 m/s", "2 m/s", "4 m/s"]', '["1 m/s", "4 m/s"]'))
-    told = [record["meaning"] for record in irg("check", scene, "--json")]
-    assert any(" and 0 temperatures to solve" in words for words in told)
-    assert "none, since there is no friction" in told
-    irg("run", scene, "-o", out, "--workers", 1)
-    assert "mild throughout" in irg("boundary", out)
-    assert "without any heat" in irg("boundary", out, "--friction", "0.1", code=2)
-    for options in (["--accuracy", "2%"], ["--boundary-only"]):
-        assert "friction" in irg("run", scene, *options, "-o", tmp_path / "out.zarr", code=2)
-    scene.write_text(SCENE.replace('radius = "2 mm"', 'radius = "3 mm"'))
-    said = irg("run", scene, "-o", out, "--workers", 1, code=3)
-    assert "friction.coefficient: 0 in the store, 0.1 in the scene" in said
-    assert "pin.radius" in said
-
-
 def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
     point = ("point", scene, "--load", "400 N", "--velocity", "2 m/s", "--json")
     options = ("--friction", 0.13, "--bulk-temperature", "50 degC", "--share", 0.05)
@@ -210,26 +191,6 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["run", "small.toml", "--preset", "superb"], ["superb", "draft"]),
-        (["boundary", "small.toml"], ["small.toml is a file, not a store"]),
-        (["check", "small.zarr"], ["cannot be read: a store; give a scene file"]),
-        (["boundary", "small.zarr", "--share", "-5%"], ["share is -0.05; it must be at least 0"]),
-        (["verify", "missing.zarr"], ["missing.zarr"]),
-        (["diff", "missing.zarr", "small.zarr"], ["missing.zarr"]),
-        (["infer", "small.toml", "--duration", "8 s"], ["--duration belongs to --contact-width"]),
-        (["infer", "small.zarr", "--set", "increments=5"], ["as they were computed", "--set"]),
-    ],
-)  # fmt: skip
-def test_what_cannot_be_is_refused_with_its_name(swept, irg, monkeypatch, arguments, words):
-    monkeypatch.chdir(swept)
-    said = irg(*arguments, code=2)
-    assert all(word in said for word in words)
-    assert "Traceback" not in said
-
-
-@pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (["run"], "SCENE.toml"),
@@ -247,16 +208,6 @@ def test_wrong_use_exits_with_2_and_says_why_in_one_line(arguments, said, irg):
     words = irg(*arguments, code=2)
     assert said in words
     assert words.count("\n") == 1
-
-
-def test_the_help_lists_first_what_everybody_needs_and_then_each_other_command_once(irg):
-    lines = irg("--help").splitlines()
-    heads = [lines.index(f"{group}:") for group in ("what everybody needs", "further", "extras")]
-    assert heads == sorted(heads)
-    last = lines.index("", heads[0])
-    listed = [line.split()[0] for line in lines[heads[0] : last] if re.match("  [a-z]", line)]
-    assert listed[: len(FIRST)] == [*FIRST]
-    assert sorted(listed) == sorted(command.name for command in commands())
 
 
 @pytest.mark.parametrize(

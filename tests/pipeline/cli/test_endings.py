@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 import pipeline
-from pipeline import cli
-from pipeline.cli import carried_out, main, output
+from pipeline.cli import carried_out, output
 from pipeline.cli.output import Result
 from tribo import InputError
 
@@ -66,14 +65,6 @@ def test_what_no_user_can_put_right_is_shown_with_its_place_in_the_code():
         carry_out(RuntimeError("a fault"))
 
 
-@pytest.mark.filterwarnings("always")
-def test_a_quiet_command_tells_its_errors_alone_and_the_next_one_is_not_quiet(capsys):
-    assert carry_out("few nodes", quiet=True) == 0
-    assert carry_out(InputError("no such scene"), quiet=True) == 2
-    assert capsys.readouterr().err == "irg: no such scene\n"
-    assert not output.QUIET.is_set()
-
-
 def test_results_that_cannot_be_printed_end_a_command_and_python_does_not_try_again(
     tmp_path, monkeypatch, capsys
 ):
@@ -106,37 +97,3 @@ def test_a_reader_that_wants_no_more_is_no_error(monkeypatch):
     monkeypatch.setattr(sys, "stderr", closed)
     assert carry_out(BrokenPipeError()) == 0
     assert closed.closed
-
-
-@pytest.mark.parametrize(
-    ("arguments", "is_forked"),
-    [
-        (["run", "first_try"], True),
-        (["run", "first_try", "--scheduler", "tcp://a:1"], False),
-        (["run", "first_try", "--scheduler-file", "a.json"], False),
-        (["check", "first_try"], False),
-    ],
-)
-def test_only_a_run_on_this_machine_prepares_its_workers(monkeypatch, arguments, is_forked):
-    started = []
-    monkeypatch.setattr(cli.forkserver, "start", lambda: started.append("workers"))
-    monkeypatch.setattr(cli, "function_of", lambda _: lambda options: Result({}, []))
-    assert main(arguments) == 0
-    assert started == ["workers"] * is_forked
-
-
-def test_an_interrupt_before_a_command_begins_ends_it_without_a_word(monkeypatch, capsys):
-    def stopped(_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(cli, "parse", stopped)
-    assert main(["status"]) == 130
-    assert capsys.readouterr().err == ""
-
-
-def test_a_letter_that_a_terminal_has_not_is_shown_by_its_number(monkeypatch):
-    raw = io.BytesIO()
-    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(raw, encoding="ascii"))
-    monkeypatch.setattr(cli, "function_of", lambda _: lambda options: Result({}, ["5 µm"]))
-    assert main(["status"]) == 0
-    assert raw.getvalue() == b"5 \\xb5m\n"

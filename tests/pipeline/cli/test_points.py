@@ -6,15 +6,12 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 
 import pipeline
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.frames import frames_of
 from pipeline.cli import main
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
-from tribo import InputError
 
 DUTY = "gear;load [kN];velocity [m/min];remark\n1;0.3;90;cold start\n2;0.5;120;\n3;9;120;\n"
 
@@ -24,15 +21,6 @@ def store(monkeypatch):
     ds = synthetic.sweep()
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
     return ds
-
-
-def test_a_further_column_of_a_name_of_the_results_is_kept(store):
-    points = {"load": [400.0], "velocity": [1.6], "notes": ["gear 3"], "verdict": ["it held"]}
-    (row,) = pipeline.margin(store, points).to_dict("records")
-    assert (row["notes (given)"], row["verdict (given)"]) == ("gear 3", "it held")
-    assert row["verdict"] == "mild"
-    with pytest.raises(InputError, match="or columns by heading"):
-        pipeline.margin(store, [(400.0, 1.6)])
 
 
 def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(store, tmp_path):
@@ -73,16 +61,6 @@ def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, ir
     assert said.startswith("2 rows: 1 used, 1 left out: row 3 has no velocity\n1 operating point")
 
 
-def test_a_heading_that_cannot_be_read_is_named(store, tmp_path, irg):
-    duty = tmp_path / "duty.csv"
-    for heads, said in (
-        ("torque [N m]", 'no column load [N] in "torque [N m]", "velocity [m/s]"'),
-        ("load", 'write the unit in the heading, as in "load [N],velocity [m/s]"'),
-    ):
-        duty.write_text(f"{heads},velocity [m/s]\n400,2\n")
-        assert said in irg("margin", "out.zarr", "--points", duty, code=2)
-
-
 HEADS = ["friction.coefficient", "load [N]", "critical velocity [m/s]", "outcome"]
 
 
@@ -105,21 +83,6 @@ def test_a_boundary_is_written_as_numbers_with_its_conditions(store, tmp_path, i
     assert len(rows) == 2 * crossings.sizes["load"]
     assert {row["bulk temperature [°C]"] for row in rows} == {"60"}
     assert all(row["outcome"] == "crosses" for row in at_load)
-
-
-def test_a_band_is_written_with_how_many_surfaces_cross():
-    hot = synthetic.sweep(rise=lambda *place: 1.2 * synthetic.rise(*place))
-    both = xr.concat(
-        [synthetic.sweep(), hot], xr.Variable("realization", [0, 1]), combine_attrs="override"
-    )
-    row = frames_of(boundary(both))[0].iloc[0]
-    middle = row["critical velocity, median [m/s]"]
-    assert row["10 % [m/s]"] < middle < row["90 % [m/s]"]
-    assert (row["cross"], row["surfaces"]) == (2, 2)
-
-
-def test_a_table_that_cannot_be_written_is_refused(store, tmp_path, irg):
-    assert "cannot write" in irg("boundary", "out.zarr", "-o", tmp_path / "table.xlsx", code=2)
 
 
 FORMS = {
@@ -171,13 +134,6 @@ def test_conditions_that_are_given_hold_where_no_column_has_them(store):
         given = {"friction": friction, "critical_temperature": "120 degC"}
         margin = pipeline.margin(pipeline.at(store, **given), 400.0, 1.2)
         assert table["distance [K]"][row] == margin.distance
-
-
-@pytest.mark.parametrize("missing", [None, np.nan, ""])
-def test_a_condition_that_a_row_lacks_is_refused(store, missing):
-    points = {"load": ["400 N"] * 2, "velocity": [1.2, 1.2], "friction": [0.12, missing]}
-    with pytest.raises(InputError, match="row 2, friction: is empty; fill it, or leave out the"):
-        pipeline.margin(store, points)
 
 
 def test_what_is_not_used_is_named_and_what_cannot_act_refused(store, tmp_path, irg):
@@ -248,9 +204,3 @@ def test_each_friction_has_its_verdict_in_at_most_fourteen_lines(store, irg):
     assert max(map(len, alone)) <= 100
     both = irg("margin", "out.zarr", *place, "--friction", "0.05", "--friction", "0.2")
     assert {"friction.coefficient 0.05:", "friction.coefficient 0.2:"} <= {*both.splitlines()}
-
-
-def test_a_load_that_the_window_cannot_carry_is_refused_before_a_point_is_simulated(irg):
-    place = ("--load", "75 kN", "--velocity", "1 m/s", "--preset", "draft")
-    said = irg("point", "first_try", *place, code=2)
-    assert "--load: 75000 N is more than the window carries" in said

@@ -1,6 +1,5 @@
 """Progress on stderr, and faults that are found before the work begins."""
 
-import argparse
 import re
 import sys
 import time
@@ -9,7 +8,6 @@ import pytest
 
 import pipeline
 from pipeline.cli import main, output
-from pipeline.cli.output import Result, show
 from pipeline.sweep.stages import Progress
 from tests.helpers.scenes import MEASURED, SCENE
 
@@ -54,12 +52,6 @@ def test_steps_of_a_point_and_points_of_a_store_are_counted(small):
     assert counted[-1] == (verification.done, verification.done)
 
 
-def test_a_study_says_how_many_points_are_done(small, capsys):
-    (small / "two.toml").write_text(SCENE + MEASURED + MEASURED.replace("400 N", "200 N"))
-    assert main(["infer", str(small / "two.toml"), "--set", "increments=2"]) == 0
-    assert re.search(r"(\d+) of \1 points done", capsys.readouterr().err)
-
-
 def fail(*_, **__):
     raise AssertionError("work was begun that cannot succeed")
 
@@ -79,14 +71,6 @@ def test_a_store_that_does_not_keep_an_accuracy_is_refused_before_the_probe(
     monkeypatch.setattr("pipeline.tradeoff.choose.choose_fidelity", fail)
     said = irg(*arguments, "--accuracy", "0.01%", "-o", small / "a.zarr", code=3)
     assert "computed with the scene's own fidelity, not one picked for its accuracy" in said
-
-
-def test_a_long_table_is_shown_whole_and_a_long_line_cut(capsys):
-    table = "\n".join(["a row of the table"] * 1000)
-    show(argparse.Namespace(json=False), Result({}, [table, "x" * 10_000]))
-    *rows, line = capsys.readouterr().out.splitlines()
-    assert "\n".join(rows) == table
-    assert len(line) < 3000
 
 
 def test_a_run_on_a_terminal_has_a_bar_that_stays_and_a_stage_without_a_total_none(
@@ -110,31 +94,3 @@ def test_a_run_on_a_terminal_has_a_bar_that_stays_and_a_stage_without_a_total_no
     finally:
         output.QUIET.clear()
     assert capsys.readouterr().err == ""
-
-
-def test_a_task_that_is_done_soon_says_nothing(capsys, monkeypatch):
-    monkeypatch.setattr(output, "_SOON", 300.0)  # as long as a test may take
-    with output.working("reading points") as count:
-        count(Progress(done=3, total=9))
-    assert capsys.readouterr().err == ""
-
-
-def test_a_task_that_takes_long_is_said_and_how_much_of_it_is_done(capsys, monkeypatch):
-    monkeypatch.setattr(output, "_SOON", 0.0)
-    with output.working("reading points") as count:
-        said = ""
-        while "reading points …" not in said:  # else the test's own limit ends it
-            said += capsys.readouterr().err
-        count(Progress(done=3, total=9))
-    assert re.search(r"irg: 3 of 9 done, 0 s so far", capsys.readouterr().err)
-
-
-def test_plain_lines_come_ten_seconds_apart_and_the_last_state_is_said_once(capsys, monkeypatch):
-    times = iter([0.0, 0.0, 9.9, 10.0, 10.0, 25.0, 25.0])
-    monkeypatch.setattr(output.time, "monotonic", times.__next__)
-    with output.run_line() as show:
-        for done in (0, 1, 2, 3):
-            show(Progress(done=done, total=9))
-    assert capsys.readouterr().err.split("\n") == [
-        "irg: 0 of 9 done", "irg: 2 of 9 done", "irg: 3 of 9 done", ""
-    ]  # fmt: skip

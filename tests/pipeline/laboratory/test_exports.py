@@ -5,7 +5,6 @@ import re
 import pytest
 
 from pipeline.laboratory.exports import exports
-from pipeline.scene.shipped import shipped_scenes
 from tests.pipeline.laboratory import samples
 
 TRACES = {
@@ -160,15 +159,6 @@ def test_a_form_is_named_where_a_file_has_too_few_signs(tmp_path, irg):
 def test_each_export_has_a_sample():
     forms = {form for form, *_ in TRACES.values()}
     assert {*exports()} == forms | {"srv", "fzg", "twin_disc"}  # whose tests stand above
-
-
-@pytest.mark.parametrize("name", exports())
-def test_an_export_is_recognised_by_two_signs_and_has_a_scene(name):
-    export = exports()[name]
-    assert len(export.signs) >= 2
-    assert not any(re.fullmatch(sign, "") for sign in (*export.signs, *export.columns.values())
-                   if sign)  # fmt: skip
-    assert export.scene in {"", *shipped_scenes()}
 
 
 def test_no_sample_is_taken_for_another_machine(tmp_path, irg):

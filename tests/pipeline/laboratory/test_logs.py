@@ -70,20 +70,6 @@ def test_rows_of_a_log_stand_beside_tables(lab):
     assert "tested[1].file: columns not used: date" in notes
 
 
-@pytest.mark.parametrize(
-    ("row", "words"),
-    [
-        ("0.4,-2,mild", ["row 2, velocity", "out of range"]),
-        ("0.4,2,mlid", ["row 2, outcome", 'did you mean "mild"?', '--word "mlid=severe"']),
-        ('"1,400",2,severe', ["row 2, load", '"1,400, 1400 or 1.400 by the decimal mark']),
-    ],
-)
-def test_a_fault_is_named_by_row_and_column(lab, row, words):
-    with pytest.raises(pipeline.SceneFileError) as caught:
-        lab(f"load [kN],velocity [m/s],outcome\n{row}\n")
-    assert all(word in str(caught.value) for word in words)
-
-
 def test_rows_that_lack_what_a_test_needs_are_left_out_and_counted(lab, tests):
     log = "load [N],velocity [m/s],outcome\n400,2,mild\n,2,mild\n0,2,mild\n500,2,\n# pause\n"
     document = tests(log + "700,2,severe\nMean,,\n")
@@ -245,15 +231,6 @@ def test_what_may_be_thousands_is_refused_unless_the_decimal_mark_is_given(lab):
         assert scene.about.tested[1].normal_load == load
 
 
-def test_faults_of_one_kind_stand_in_one_line(lab):
-    rows = "".join(f"400,{velocity},kaputt\n" for velocity in range(1, 9))
-    with pytest.raises(pipeline.SceneFileError) as caught:
-        lab(f"load [N],velocity [m/s],outcome\n{rows}")
-    fault, how = caught.value.faults
-    assert "rows 2, 3, 4, 5, 6, 7 and 2 more, outcome" in fault
-    assert "irg tests" in how
-
-
 def test_an_outcome_that_is_negated_means_the_contrary(tests):
     head = "load [N],velocity [m/s],friction,friction_scatter,outcome\n"
     document = tests(f"{head}400,1,0.1,0.01,not severe\n500,1,0.1,0.01,nicht bestanden\n")
@@ -307,21 +284,6 @@ def test_empty_outcomes_beside_one_kind_of_outcome_are_asked(tests, heading, cel
     assert contacts(alone) == [one for one in right if one[2] == known]
 
 
-def test_what_a_word_and_empty_cells_mean_is_asked_at_once(tests):
-    log = "load [N],velocity [m/s],outcome\n300,1,x\n400,1,\n500,1,x\n"
-    empty, word = tests(log, code=2)["faults"]
-    assert '--word "=mild"' in empty
-    assert '--word "x=severe"' in word
-    document = tests(log, "--word", "=mild", "--word", "x=severe")
-    assert contacts(document) == [(300, 1, "severe"), (400, 1, "mild"), (500, 1, "severe")]
-
-
-def test_a_column_that_is_named_and_not_there_is_a_fault_of_any_table(tests):
-    log = "load [N],velocity [m/s],outcome\n300,1,mild\n400,1,severe\n"
-    (fault,) = tests(log, "--column", "time=Nope", code=2)["faults"]
-    assert fault.startswith('columns.time: no column "Nope"; give one of "load [N]"')
-
-
 OILS = (
     "run,Öl,load [N],velocity [m/s],outcome\n1,FVA 3,400,1,mild\n2,PAO 8,400,1,mild\n"
     "3,PAO 8,800,1,severe\n3,PAO 8,800,1,severe\n"
@@ -340,13 +302,6 @@ def test_rows_of_several_oils_are_told_apart_and_counted_once(tests, irg, tmp_pa
     faults = tests(OILS, "--where", "Öl=X", "--skip", "Oel=A", code=2)["faults"]
     assert 'no row has "X" as Öl; give one of FVA 3, PAO 8' in faults
     assert any('skip: there is no column "Oel"; give one of run, Öl, load' in x for x in faults)
-
-
-def test_equal_rows_are_repeats_where_none_tells_a_test(tests):
-    head = "load [N],velocity [m/s],outcome,rig\n"
-    assert len(tests(head + "400,2,mild,A\n" * 3)["tests"]) == 3
-    dated = "load [N],velocity [m/s],outcome,date\n" + "400,2,mild,1 May\n" * 2
-    assert len(tests(dated + "400,2,mild,2 May\n")["tests"]) == 2
 
 
 def test_rows_of_one_run_are_kept_apart_between_logs(tmp_path):
@@ -382,15 +337,6 @@ def test_a_specimen_has_one_transition(tests):
     assert 'Specimen "b" has 2 transitions, and a specimen has one' in fault
 
 
-def test_runs_by_steps_have_both_ends(tests):
-    log = "Sample,Pass load [N],Fail load [N],Speed [m/s]\na,400,500,2\nb,600,,1.5\nc,>700,-,1\n"
-    log += "d,,none,1\n"
-    document = tests(log)
-    ends = [(one.get("mild_up_to"), one.get("severe_at")) for one in document["tests"]]
-    assert ends == [(400, 500), (600, None), (700, None)]
-    assert document["left_out"] == {"5": "has neither end"}
-
-
 def test_a_sheet_of_a_workbook_is_read_as_the_same_csv(tmp_path, irg):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
@@ -422,18 +368,6 @@ def test_the_lines_that_are_printed_make_the_scene_read_the_log(tmp_path, irg):
     assert [(test.velocity, test.outcome) for test in tested] == [(1.75, "mild"), (2.75, "severe")]
 
 
-def test_a_column_that_the_user_chose_is_in_the_printed_lines(tests, tmp_path):
-    log = "a;b;c;d\n400;500;20;ok\n"
-    names = ["load=a [N]", "rotation=b [rpm]", "track_radius=c [mm]", "outcome=d"]
-    options = [word for name in names for word in ("--column", name)]
-    document = tests(log, *options)
-    assert contacts(document) == [(400, 1.0472, "mild")]
-    scene = f'extends = "first_try"\nwithout = ["measured"]\n{document["toml"]}'
-    (tmp_path / "lab.toml").write_text(scene, encoding="utf-8")
-    (test,) = pipeline.load_scene(tmp_path / "lab.toml").about.tested
-    assert test.velocity == pytest.approx(1.0472, rel=1e-4)
-
-
 def test_what_is_understood_of_a_log_is_printed(tmp_path, irg):
     log = "Öl;Last [N];v [m/s];Befund;Prüfer\nA;400;2;ok;M\nA;500;2;Fresser;M\n"
     (tmp_path / "log.csv").write_text(log, encoding="utf-8")
@@ -459,30 +393,3 @@ def test_conditions_that_are_probably_in_another_unit_are_doubted(tests):
     log = "load [N],velocity [m/s],bulk temperature [degC],outcome\n400,1.2,333,mild\n"
     (doubt,) = tests(log)["doubts"]
     assert "the test of 400 N at 1.2 m/s: the bulk temperature is 333 °C, where" in doubt
-
-
-@pytest.mark.parametrize(
-    ("log", "options", "said"),
-    [
-        ("load [N],max speed [m/s],outcome\n400,1,ok\n", [], "no column velocity [m/s] in"),
-        ("a;b;c\n400;1,75;kaputt\n", [], 'no column load [N], velocity [m/s] in "a", "b", "c"'),
-        ("load;v [m/s];outcome\n400;1;ok\n", [],
-         'row 2, load: 400 has no unit; give a load above 0, such as "200 N"; write the unit in '
-         'the heading, or --column "load=load [N]"'),
-        ("load [N],velocity [m/s],result,verdict\n4,1,mild,severe\n", [],
-         '2 columns may be outcome: "result", "verdict"; choose by --column "outcome=result"'),
-        ("F [N],velocity [m/s],outcome\n3,2,mild\n", ["--column", "load=P [N]"],
-         'columns.load: no column "P [N]"; give one of "F [N]"'),
-        ("load [N],velocity [m/s],outcome\n3,2,mild\n", ["--given", "stroke=1,5 mm"],
-         'given.stroke: "1,5 mm" is not a number followed by a unit'),
-        ("load [N],velocity [m/s],outcome\n", [], "there are no rows; begin with a line such as"),
-        ("load [N],velocity [m/s],outcome\n3,2,mild,4\n", [], "row 2: 4 cells below 3 headings"),
-        ("Oil,Failure load stage\nA,13\n", ["--given", "velocity=1 m/s"],
-         'row 2, Failure load stage: "13" is no load stage; give 1 to 12, or > 12'),
-        ("load [N],velocity [m/s],outcome,bulk_temperature [degC]\n3,2,mild,\n", [],
-         "row 2, bulk_temperature: is empty; fill it, or leave out the row or the column"),
-    ],
-)  # fmt: skip
-def test_a_fault_says_what_to_do(tests, log, options, said):
-    faults = tests(log, *options, code=2)["faults"]
-    assert any(said in one for one in faults), faults

@@ -46,18 +46,6 @@ def test_the_tilt_is_taken_off_and_the_printed_table_makes_the_same(scan):
     assert other.fit.hurst_exponent == pytest.approx(statistics.fit.hurst_exponent, rel=0.25)
 
 
-def test_heights_have_the_moments_and_the_unit_that_is_given(tmp_path):
-    """Of a fifth of them at 4 and the others at −1 the skewness is 1.5, the kurtosis 3.25."""
-    chance = np.random.default_rng(0)
-    heights = chance.permutation(np.repeat([4.0, -1.0], [80, 320])) + chance.normal(0, 1e-3, 400)
-    np.save(tmp_path / "scan.npy", heights.reshape(20, 20))
-    found = surface_statistics(tmp_path / "scan.npy", "0.5 um", ("1 um", "1 um"))
-    # The plane that is taken off such noise moves them by some 3/400 of their variance.
-    assert found.rq == pytest.approx(0.5e-6 * 2.0, rel=0.02)
-    rough = found.roughness
-    assert (rough.skewness, rough.kurtosis) == pytest.approx((1.5, 3.25), rel=0.03)
-
-
 def test_the_command_prints_the_table_and_says_what_is_missing(scan, irg):
     sides = ["--pixel-size", "0.8 um,0.9 um"]
     document = irg("surface", scan, "--height-unit", "um", *sides, "--json")
@@ -111,20 +99,6 @@ def test_heights_too_flat_and_too_rough_are_doubted(scan):
     assert surface_statistics(scan, "um", sides).warnings == ()
 
 
-@pytest.mark.parametrize(
-    ("heights", "said"),
-    [
-        (np.indices((20, 30))[1] * 0.1, "plane.npy: the heights are a plane, without any rough"),
-        (np.eye(20) * 1e9, "plane.npy: heights of 1e.03 m; give the unit"),
-        (np.full((9, 9), np.nan), "plane.npy: all heights are missing"),
-    ],
-)
-def test_what_has_no_roughness_is_refused(heights, said, tmp_path):
-    np.save(tmp_path / "plane.npy", heights)
-    with pytest.raises(InputError, match=said):
-        surface_statistics(tmp_path / "plane.npy", "um", ("1 um", "1 um"))
-
-
 def test_noise_between_pixels_and_their_size_are_doubted(tmp_path):
     np.save(tmp_path / "noise.npy", np.random.default_rng(0).normal(size=(40, 50)))
     noise = surface_statistics(tmp_path / "noise.npy", "um", ("1 um", "1 um"))
@@ -133,14 +107,6 @@ def test_noise_between_pixels_and_their_size_are_doubted(tmp_path):
     assert any("hardly depend on each other" in doubt for doubt in noise.warnings)
     coarse = surface_statistics(tmp_path / "noise.npy", "um", ("1 m", "1 m"))
     assert any("check the size of the pixels" in doubt for doubt in coarse.warnings)
-
-
-def test_few_heights_are_described_but_have_no_likeness(tmp_path):
-    np.save(tmp_path / "few.npy", np.random.default_rng(0).normal(size=(10, 10)))
-    few = surface_statistics(tmp_path / "few.npy", "um", ("1 um", "1 um"))
-    assert few.rq == pytest.approx(1e-6, rel=0.2)
-    assert "10 × 10 heights are too few" in few.fault_of_fit
-    assert "no random surface is like it (10 × 10 heights" in str(few)
 
 
 def test_a_scene_says_which_way_x_goes(scan):
@@ -154,18 +120,6 @@ def test_a_scene_says_which_way_x_goes(scan):
     }
     notes = [str(note) for note in load_scene("first_try", overrides=turned).about.notes]
     assert any("x, the sliding direction, is along the rows of the file" in one for one in notes)
-
-
-def test_the_share_of_missing_heights_is_in_percent(tmp_path, scan):
-    heights = np.load(scan)
-    heights[10:30, 5] = np.nan
-    np.save(tmp_path / "holed.npy", heights)
-    statistics = surface_statistics(tmp_path / "holed.npy", "um", ("0.8 um", "0.9 um"))
-    assert statistics.missing == 20
-    share = 100 * 20 / heights.size
-    assert f"20 heights ({share:.2g} %) are missing and left out" in statistics.warnings
-    whole = surface_statistics(scan, "um", ("0.8 um", "0.9 um"))
-    assert statistics.rq == pytest.approx(whole.rq, rel=2e-3)  # of 46 080 heights
 
 
 def likely(seed, lengths=(6e-6, 6e-6), ra=0.3e-6, hurst=0.8, shape=(384, 384)):
@@ -220,23 +174,6 @@ def test_a_small_scan_says_how_much_to_measure(tmp_path):
     np.save(tmp_path / "large.npy", large)
     large = surface_statistics(tmp_path / "large.npy", 1.0, ("0.5 um", "0.5 um"))
     assert not any("single surfaces" in one for one in large.warnings)
-
-
-def test_places_in_a_file_give_the_pixels_and_contradict_others(tmp_path, irg):
-    x, y = np.meshgrid(np.arange(30) * 0.5, np.arange(20) * 2.0, indexing="ij")
-    z = np.random.default_rng(7).normal(size=x.shape)
-    rows = np.column_stack([x.T.ravel(), y.T.ravel(), z.T.ravel()])
-    np.savetxt(tmp_path / "scan.xyz", rows, header="x [um] y [um] z [um]")
-    found = surface_statistics(tmp_path / "scan.xyz")
-    assert found.pixel_size == pytest.approx((0.5e-6, 2e-6))
-    np.savetxt(tmp_path / "bare.xyz", rows)
-    options = "--height-unit", "um", "--pixel-size"
-    assert irg("surface", tmp_path / "bare.xyz", *options, "0.5 um,2 um", "--json")["shape"] == [
-        30,
-        20,
-    ]
-    said = irg("surface", tmp_path / "bare.xyz", *options, "1 um", code=2)
-    assert "pixels of 1 × 1 µm are given, and those of the file are as 0.5 to 2" in said
 
 
 def test_a_scene_takes_what_the_command_takes_and_describes_the_same(tmp_path, irg):

@@ -9,7 +9,6 @@ import pytest
 from pipeline.laboratory.surfaces import MeasuredSurface, filled, oriented, read_surface
 from pipeline.sweep.areal import remove_form
 from tests.pipeline.scene.conftest import ROUGHNESS
-from tribo import InputError
 
 HEIGHTS = np.random.default_rng(5).normal(0.0, 3e-7, (48, 40))
 SIDES = 0.816e-6, 0.95e-6
@@ -67,49 +66,6 @@ def with_table(table, pixels=HEIGHTS.shape):
     return (ROUGHNESS, table + "\n"), ("[480, 480]", str(list(pixels)))
 
 
-def test_heights_and_pixels_come_in_metres(library):
-    library.topography = FakeTopography(HEIGHTS * 1e6, unit="µm")
-    surface = read_surface("a.opd")
-    np.testing.assert_allclose(surface.heights, HEIGHTS, rtol=1e-12)
-    assert surface.pixel_size == pytest.approx(SIDES)
-
-
-def test_a_file_without_unit_needs_one(library):
-    library.topography = FakeTopography(HEIGHTS, unit=None)
-    with pytest.raises(InputError, match="no unit of its heights"):
-        read_surface("a.opd")
-    np.testing.assert_allclose(read_surface("a.opd", 1e-6).heights, 1e-6 * HEIGHTS)
-    assert read_surface("a.opd", 1e-6).pixel_size is None
-
-
-def test_a_profile_and_a_broken_file_are_refused(library):
-    library.topography = FakeTopography(HEIGHTS, dim=1)
-    with pytest.raises(InputError, match="a profile"):
-        read_surface("a.opd")
-    library.topography = RuntimeError("bad header\nmore")
-    with pytest.raises(InputError, match=r"cannot be read as .opd: bad header; save the heights"):
-        read_surface("a.opd")
-
-
-def test_without_the_extra_the_message_says_how_to_get_it(monkeypatch, tmp_path):
-    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
-    monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
-    (tmp_path / "a.opd").touch()
-    with pytest.raises(InputError, match="pip install SurfaceTopography"):
-        read_surface(tmp_path / "a.opd")
-
-
-def test_heights_may_be_missing_and_infinite_ones_are_holes_and_told(tmp_path):
-    (tmp_path / "a.csv").write_text("1,nan\n,4\n")
-    np.testing.assert_array_equal(
-        read_surface(tmp_path / "a.csv", 1.0).heights, [[1.0, np.nan], [np.nan, 4.0]]
-    )
-    (tmp_path / "a.csv").write_text("1,inf\n3,4\n")
-    surface = read_surface(tmp_path / "a.csv", 1.0)
-    np.testing.assert_array_equal(surface.heights, [[1.0, 3.0], [np.nan, 4.0]])
-    assert surface.notes == ("1 infinite heights are holes",)
-
-
 @pytest.mark.parametrize("name", ["a.x3p", "a.gwy", "a.npy", "a.csv", "a.txt"])
 def test_x_goes_from_column_to_column_of_each_file(tmp_path, name):
     topographies = pytest.importorskip("SurfaceTopography")
@@ -128,44 +84,6 @@ def test_x_goes_from_column_to_column_of_each_file(tmp_path, name):
     np.testing.assert_allclose(surface.heights, HEIGHTS, rtol=1e-6)
     if name not in ("a.npy", "a.csv"):
         assert surface.pixel_size == pytest.approx(SIDES)
-
-
-def test_a_note_says_that_the_unit_and_the_pixels_given_count(library):
-    library.topography = FakeTopography(HEIGHTS * 1e6, unit="µm")
-    surface = read_surface("a.opd", 1e-9)
-    np.testing.assert_allclose(surface.heights, 1e-3 * HEIGHTS)
-    (note,) = surface.notes
-    assert "the given height unit counts, 1e-09 m, not the file's, 1e-06 m" in note
-    assert read_surface("a.opd", 1e-6).replace_pixels(SIDES).notes == ()
-    double = SIDES[0] * 2, SIDES[1] * 2
-    (note,) = read_surface("a.opd").replace_pixels(double).notes
-    assert note == "the given pixels count, not the file's, 0.816 × 0.95 µm"
-    with pytest.raises(InputError, match=r"those of the file are 0\.816 × 0\.95 µm; give that"):
-        read_surface("a.opd").replace_pixels((1e-6, 1e-6))
-
-
-def test_an_image_is_refused_in_words(tmp_path):
-    (tmp_path / "a.tif").touch()
-    with pytest.raises(InputError, match="an image, whose grey values are no heights"):
-        read_surface(tmp_path / "a.tif")
-
-
-def test_filled_holes_stay_between_their_borders():
-    heights = HEIGHTS.copy()
-    heights[0, 0] = heights[20:26, 10:18] = heights[30, 39] = np.nan
-    whole = filled(heights)
-    measured = np.isfinite(heights)
-    np.testing.assert_array_equal(whole[measured], heights[measured])
-    border = heights[19:27, 9:19]
-    assert np.nanmin(border) < whole[20:26, 10:18].min()
-    assert whole[20:26, 10:18].max() < np.nanmax(border)
-    # Each is the mean of its neighbours; a corner has two.
-    assert whole[22, 13] == pytest.approx(
-        (whole[21, 13] + whole[23, 13] + whole[22, 12] + whole[22, 14]) / 4
-    )
-    assert whole[0, 0] == pytest.approx((heights[0, 1] + heights[1, 0]) / 2)
-    with pytest.raises(InputError, match="all heights are missing"):
-        filled(np.full((3, 3), np.nan))
 
 
 def test_a_scene_takes_a_patch_levelled_and_filled(read, library):
@@ -189,28 +107,6 @@ def test_a_scan_that_is_too_small_is_repeated_on_request(read, library):
     np.testing.assert_array_equal(second[: rows - 2], HEIGHTS[2:][::-1])
     note, _ = sweep.about.notes
     assert f"{rows - 2} × {columns} heights were mirrored" in note.words
-
-
-@pytest.mark.parametrize(
-    ("table", "key", "said"),
-    [
-        ('file = "a.opd"\nrepeat = "yes"\n', "disk.roughness.repeat", "mirror"),
-        ('file = "a.opd"\n', "disk.roughness.missing", "x 20, y 20"),
-        (
-            'file = "a.opd"\ncrop = [40, 0]\n',
-            "disk.roughness.crop",
-            "surface of 48 × 40",
-        ),
-        ('file = "a.npy"\n', "disk.roughness.file", "give height_unit"),
-        ('file = "b.npy"\nheight_unit = "um"\n', "disk.roughness.file", "No such file"),
-    ],
-)
-def test_a_fault_of_a_measured_surface_has_its_key(faults, library, table, key, said):
-    np.save("a.npy", HEIGHTS)
-    library.topography = FakeTopography(holed((20, 20)))
-    (fault,) = faults(*with_table(table), overrides=FINEST)
-    assert fault.startswith(f"{key}: ")
-    assert said in fault
 
 
 def test_the_pixels_of_the_file_are_those_of_the_window(faults, library):

@@ -115,18 +115,6 @@ def test_even_numbers_beside_a_rough_matrix_are_places(rows, heights, tmp_path):
     assert surface.pixel_size is None
 
 
-def test_three_columns_are_places_from_nine_rows_on_or_in_a_file_that_says_so(tmp_path):
-    grid = [(x, y, 10 * x + y) for y in range(3) for x in range(3)]
-    for name, rows, shape in (
-        ("scan.txt", grid, (3, 3)), ("scan.txt", grid[:8], (3, 8)), ("scan.xyz", grid[:6], (3, 2)),
-    ):  # fmt: skip
-        np.savetxt(tmp_path / name, rows)
-        heights = read_surface(tmp_path / name, 1.0).heights
-        assert heights.shape == shape
-        if len(rows) != 8:
-            assert heights[2, 1] == 21
-
-
 @pytest.mark.parametrize(
     ("off", "is_grid"),
     [
@@ -158,11 +146,6 @@ def test_the_word_of_a_file_for_a_hole_is_taken(word, tmp_path):
     assert np.argwhere(np.isnan(heights)).tolist() == [[1, 1]]
 
 
-def test_a_remark_on_holes_without_their_word_is_no_number(tmp_path):
-    (tmp_path / "scan.txt").write_text("# no data ... in the corner\n1 2 3\n4 5 6\n7 8 9\n")
-    assert np.isfinite(read_surface(tmp_path / "scan.txt", 1.0).heights).all()
-
-
 @pytest.mark.parametrize(
     "text",
     [
@@ -187,24 +170,6 @@ def test_rows_that_begin_with_holes_stay_rows(separator, tmp_path):
     np.testing.assert_array_equal(heights[:, 1], [hole, hole, 2, 5, hole, 8, hole])
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("1 2 3\n4 5\n", "equal length"),
-        ("1,2,3\n4,5\n7,8,9\n", "2 numbers in the row"),
-        ("0,12,1,05\n0,33,1,25\n", "commas stand between cells and before decimals"),
-        ("1;2;x\n4;5;6\n", '"x" is not a number'),
-        ("no numbers\n", "no line of numbers"),
-        ("".join(f"0 {k} 1\n" for k in range(9)), "a profile of 9 heights"),
-        ("".join(f"{k**1.5} {k} 1\n" for k in range(9)), "not on a regular grid"),
-    ],
-)
-def test_what_is_no_map_of_heights_is_said(text, words, tmp_path):
-    (tmp_path / "scan.csv").write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=words):
-        read_surface(tmp_path / "scan.csv", 1.0)
-
-
 @pytest.mark.parametrize("hole", ["-9999", "1e24", "-32768", "9.9e37"])
 def test_a_lone_value_that_is_no_height_is_a_hole_and_told(hole, tmp_path):
     rough = np.random.default_rng(2).normal(size=(30, 30))
@@ -214,36 +179,3 @@ def test_a_lone_value_that_is_no_height_is_a_hole_and_told(hole, tmp_path):
     assert np.argwhere(np.isnan(surface.heights)).tolist() == [[4, 3]]
     (note,) = surface.notes
     assert f"1 heights of {float(hole):g} are taken for holes" in note
-
-
-def test_no_data_in_places_is_a_hole(tmp_path):
-    rows = places().splitlines()
-    rows[7] = "\t".join([*rows[7].split("\t")[:2], "No Data"])
-    (tmp_path / "zygo.xyz").write_text("\n".join(rows))
-    heights = read_surface(tmp_path / "zygo.xyz", 1e-6).heights
-    assert np.isnan(heights).sum() == 1
-    assert np.nanmax(np.abs(heights - 1e-6 * HEIGHTS)) < 1e-12
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        (
-            "1 2 3\n4 5 6\n7 8 9\n\nheights of scan 2\n1 2 3\n4 5 6\n7 8 9\n",
-            "a second table stands",
-        ),
-        ("1 2 3\n4 5 6\n7 8 9\n\n1 2 3\n4 5 6\n7 8 9\n", "2 tables, between blank lines"),
-        (places() + places(), "two heights at one place; give each scan in a file of its own"),
-        ("".join(f"{k / 10} {k % 3}\n" for k in range(30)), "a profile of 30 heights, Ra "),
-        ("".join(f"{k % 3}\n" for k in range(30)), "a profile of 30 heights, Ra "),
-    ],
-)
-def test_what_is_not_one_map_is_refused(text, words, tmp_path):
-    (tmp_path / "scan.txt").write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=words):
-        read_surface(tmp_path / "scan.txt", 1e-6)
-
-
-def test_blank_lines_between_rows_make_no_tables(tmp_path):
-    (tmp_path / "scan.csv").write_text(saved(ROWS, delimiter=",").replace("\n", "\n\n"))
-    np.testing.assert_allclose(read_surface(tmp_path / "scan.csv", 1e-6).heights, 1e-6 * HEIGHTS)

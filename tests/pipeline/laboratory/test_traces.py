@@ -254,32 +254,6 @@ def test_friction_follows_from_a_force_or_a_torque(tmp_path, irg):
     assert other == test
 
 
-def test_a_mild_run_has_the_friction_of_its_hardest_stage(tmp_path, irg):
-    """A Stribeck curve from high to low speed: most was withstood at the first, at 0.04."""
-    speeds, levels = steps(2, 1, 0.5, 0.2, 0.1), steps(0.04, 0.05, 0.07, 0.1, 0.13)
-    friction = levels + noise(len(levels), 0.001)
-    columns = {"Load [N]": 200 + 0 * speeds, "COF": friction, "v [m/s]": speeds}
-    (test,) = irg("tests", write(tmp_path, **columns), "--json")["tests"]
-    assert (test["mild_up_to"], test["load"]) == ("2 m/s", "200 N")
-    assert test["friction"] == pytest.approx(0.04, rel=0.02)
-
-
-def test_friction_in_another_unit_is_refused(tmp_path, irg):
-    columns = {"Load [N]": SIX, "COF x 1000": 1000 * LEVEL, "v [m/s]": 1 + 0 * SIX}
-    said = irg("tests", write(tmp_path, **columns), code=2)
-    assert "friction is 100" in said
-    assert "at most 2" in said
-
-
-def test_the_time_of_steps_begins_anew_with_each(tmp_path, irg):
-    columns = {"Load [N]": SIX, "COF": risen(500), "v [m/s]": 1.5 + 0 * SIX}
-    path = write(tmp_path, **{"Step time [s]": np.arange(COUNT) % 100}, **columns)
-    rows = path.read_text().splitlines(keepends=True)
-    path.write_text("".join(row.partition(",")[2] for row in rows))  # without the other time
-    document = irg("tests", path, "--json")
-    assert document["transition_time"] == pytest.approx(500, abs=2)
-
-
 def test_units_that_a_trace_lacks_are_asked_for_once_with_their_options(tmp_path, irg):
     columns = {"Load": SIX, "v [m/s]": SIX * 0 + 1.5, "Friction force": risen(430) * SIX}
     path = write(tmp_path, **columns)
@@ -290,14 +264,6 @@ def test_units_that_a_trace_lacks_are_asked_for_once_with_their_options(tmp_path
     chosen = [word for name in named for word in ("--column", name)]
     (test,) = irg("tests", path, *chosen, "--json")["tests"]
     assert (test["mild_up_to"], test["severe_at"]) == ("400 N", "500 N")
-
-
-def test_separators_at_the_ends_of_rows_are_no_index(tmp_path, irg):
-    columns = {"Load [N]": SIX, "v [m/s]": SIX * 0 + 1.5, "COF": risen(430)}
-    path = write(tmp_path, **columns)
-    (right,) = irg("tests", path, "--json")["tests"]
-    path.write_text(path.read_text().replace("\n", ",\n"))
-    assert irg("tests", path, "--json")["tests"] == [right]
 
 
 def test_columns_and_rows_of_a_trace_are_chosen(tmp_path, irg):
@@ -312,15 +278,6 @@ def test_columns_and_rows_of_a_trace_are_chosen(tmp_path, irg):
     assert document["transition_time"] == pytest.approx(430, abs=2)
     skipped = irg("tests", path, *chosen, "--skip", "flag=1", "--json")
     assert skipped["tests"] == document["tests"]
-
-
-def test_a_log_of_tests_with_their_times_is_no_trace(tmp_path, irg):
-    rows = [f"60,{load},2,0.1,{'Fresser' if load > 500 else 'ok'}" for load in range(200, 700, 20)]
-    text = "\n".join(["time [s],load [N],velocity [m/s],COF,result", *rows])
-    (tmp_path / "log.csv").write_text(text)
-    document = irg("tests", tmp_path / "log.csv", "--json")
-    assert len(document["tests"]) == len(rows)
-    assert "transition_time" not in document
 
 
 def test_a_status_in_each_row_of_one_run_makes_no_tests_of_its_rows(tmp_path, irg):
@@ -349,15 +306,6 @@ def test_many_rows_without_an_outcome_never_become_transitions(tmp_path, irg):
     said = irg("tests", tmp_path / "wear.csv", code=2)
     assert "no column says whether wear was mild or severe" in said
     assert "[[measured]]" not in said
-
-
-def test_midnight_does_not_turn_the_time_back(tmp_path, irg):
-    clock = [(86340 + k) % 86400 for k in range(120)]
-    rows = [f"{s // 3600:02d}:{s // 60 % 60:02d}:{s % 60:02d};200;1.5;{0.1 if k < 90 else 0.3}"
-            for k, s in enumerate(clock)]  # fmt: skip
-    text = "\n".join(["Uhrzeit;Last [N];Geschwindigkeit [m/s];Reibwert", *rows])
-    (tmp_path / "night.csv").write_text(text)
-    assert irg("tests", tmp_path / "night.csv", "--json")["transition_time"] == 90
 
 
 def test_the_figure_shows_friction_stages_and_rises(tmp_path, irg):

@@ -6,10 +6,8 @@ import pipeline
 from pipeline.analysis.dataset import stored_sweep
 from pipeline.store.root import read_sweep
 from pipeline.sweep.model import Point
-from pipeline.sweep.variants import surfaces
 from pipeline.tradeoff import choose as accuracy_module
 from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity
-from pipeline.tradeoff.probe import some_places
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import SCENES
 from tests.helpers.entries import changed
@@ -46,11 +44,6 @@ def test_it_is_accurate_at_points_that_are_asked_for_and_says_where_nothing_is_e
     assert strict.name == "reference"
     assert strict.error >= 2e-3
     assert "more than asked for" in str(strict)
-
-
-def test_every_surface_has_its_turn():
-    several = changed(UNWORN, variants=surfaces((3, 4, 5)))
-    assert {place.variant[0][1] for place in some_places(several, 6)} == {3, 4, 5}
 
 
 def test_all_the_past_is_kept_where_the_scene_s_own_heat_has_it():

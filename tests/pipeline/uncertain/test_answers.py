@@ -14,13 +14,11 @@ from tests.helpers.samples import (
     dataset,
     ensemble,
     fewer_draws,
-    field,
     limit,
     margin,
     rise,
 )
 from tests.helpers.unknowns import ALL, CRITICAL, FRICTION, JOINT, LENGTH, RATE
-from tribo import InputError
 
 # Risk
 
@@ -73,45 +71,6 @@ def test_an_input_of_the_samples_that_their_scene_fixed_takes_another_value():
     )
     assert [one.value for one in pipeline.Ensemble.of(moved).fixed] == pytest.approx([2.4e-15])
     assert pipeline.margin(moved, 400.0, 2.0) == pipeline.margin(drawn_so, 400.0, 2.0)
-
-
-def test_an_input_fixed_by_a_condition_is_not_unknown_any_more():
-    judged = pipeline.Ensemble.of(pipeline.at(dataset(ensemble()), friction=0.09))
-    assert FRICTION.path not in [one.path for one in judged.unknown]
-    assert [str(one) for one in judged.fixed] == ["friction.coefficient is fixed at 0.09"]
-
-
-@pytest.mark.parametrize(
-    ("at", "fault"),
-    [
-        ({LENGTH.path: "9 um"}, r"correlation_length is 9e-06 m, beyond the samples; give one fr"),
-        ({LENGTH.path: "9 N"}, r'correlation_length: "9 N" cannot be converted'),
-        ({"friction.coefficient": "much"}, r"friction is 'much'"),
-    ],
-)
-def test_a_value_that_samples_do_not_reach_is_refused(at, fault):
-    with pytest.raises(InputError, match=fault):
-        pipeline.at(dataset(ensemble()), **at)
-
-
-def test_draws_that_no_contact_allows_do_no_harm():
-    wide = Unknown("friction.coefficient", "normal", (0.1, 0.05))  # 1 of 44 draws is negative
-    wider = ensemble((CRITICAL, wide), 64)
-    direct = drawn((CRITICAL, wide), 99, 8192)
-    friction = np.maximum(direct[:, 1], 1e-9)
-    severe = rise(direct, 400.0, 2.0, (CRITICAL, wide)) > (direct[:, 0] - 298.15) / friction
-    found = margin(wider, 400.0, 2.0).probability
-    assert found == pytest.approx(severe.mean(), abs=0.012)
-    assert np.isfinite(pipeline.sensitivity(wider).first).all()
-
-
-@pytest.mark.parametrize(
-    ("load", "velocity", "message"),
-    [(100.0, 2.0, "load is 100 N"), (400.0, 9.0, "velocity is 9 m/s")],
-)
-def test_a_place_outside_the_samples_is_refused(samples, load, velocity, message):
-    with pytest.raises(InputError, match=message):
-        margin(samples, load, velocity)
 
 
 # Sensitivity
@@ -179,28 +138,6 @@ def test_conditions_of_a_row_judge_its_samples_as_options_would():
     (row,) = pipeline.margin(judged, HERE | {"friction": [0.09]}).to_dict("records")
     both = pipeline.at(ds, friction=0.09, bulk_temperature="30 degC")
     assert row["probability"] == pytest.approx(pipeline.margin(both, 400.0, 2.0).probability)
-
-
-def test_conditions_of_rows_that_samples_cannot_take_are_refused():
-    points = HERE | {"friction": [0.12]}
-    test = {"normal_load": 400.0, "velocity": 0.6, "outcome": "mild"}
-    weighed = pipeline.at(dataset(ensemble(tests=(test,))), given_measured=True)
-    (row,) = pipeline.margin(weighed, points).to_dict("records")
-    assert row["verdict"] == "not known"
-    assert "friction: the tests weigh conditions as they were drawn" in row["notes"]
-    samples = ensemble()
-    disk = dataclasses.replace(samples.conditions, disk_temperature=320.0)
-    unlike = field(dataclasses.replace(samples, conditions=disk))
-    with pytest.raises(InputError, match="are not judged row by row at another friction"):
-        unlike.judged_by({"friction": 0.12})
-
-
-def test_tests_that_weigh_samples_take_no_other_conditions_and_no_scatter_alone():
-    ds = dataset(ensemble())
-    with pytest.raises(InputError, match="friction: the tests weigh"):
-        pipeline.at(ds, friction=0.09, given_measured=True)
-    with pytest.raises(InputError, match="measured velocities count only with"):
-        pipeline.at(ds, scatter=0.05)
 
 
 def test_samples_are_given_by_their_dataset_too(samples, monkeypatch):

@@ -14,7 +14,6 @@ from tests.helpers.samples import EXPONENT, LOADS, critical_velocity, ensemble
 from tests.helpers.unknowns import CRITICAL, LENGTH
 from tests.promises.laboratories import oils_held
 from tests.promises.stages import closed_form
-from tribo import InputError
 
 WIDE = dataclasses.replace(CRITICAL, parameters=(418.15, 20.0))
 LONG = dataclasses.replace(LENGTH, parameters=(1e-6, 9e-6))
@@ -43,24 +42,6 @@ def test_two_oils_differ_by_less_than_either_is_known():
     assert "B withstands more than A with a probability of 1" in _word_contrast(kelvins)
     assert posterior.unknown[-1].path == f"{CRITICAL.path} of B"
     assert len(pipeline.plot(posterior).axes) >= 4
-
-
-def test_tests_of_one_oil_are_not_compared_and_count_as_those_without_a_name():
-    named = ensemble((WIDE, LONG), 16, tests=of_oil("A", 413.15))
-    plain = [{k: v for k, v in test.items() if k != "oil"} for test in named.tests]
-    assert list(contrasts(pipeline.posterior(named, 0.02))) == []
-    rows = (
-        next(pipeline.posterior(dataclasses.replace(named, tests=tests), 0.02).summary())
-        for tests in (named.tests, tuple(plain))
-    )
-    first, second = rows
-    assert first == second
-
-
-def test_oils_need_a_critical_temperature_that_is_not_known():
-    known = ensemble((LONG,), 16, tests=of_oil("A", 413.15) + of_oil("B", 425.15))
-    with pytest.raises(InputError, match=r'of 2 oils.*give "temperature.critical" a range'):
-        pipeline.posterior(known)
 
 
 def test_the_scene_s_oil_is_that_of_tests_without_one_else_the_first_by_name():

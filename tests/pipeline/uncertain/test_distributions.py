@@ -1,6 +1,5 @@
 """The table [unknown] of a scene file: what it means, and every way to get it wrong."""
 
-import numpy as np
 import pytest
 
 import pipeline
@@ -32,17 +31,6 @@ def faults(path, overrides=None):
     with pytest.raises(SceneFileError) as caught:
         pipeline.load_scene(path, overrides=overrides)
     return caught.value.faults
-
-
-def test_quantities_are_read_in_si(tmp_path):
-    sweep = pipeline.load_scene(scene(tmp_path))
-    rate, length, friction, critical, seed = Draw.of(sweep.variants.draw).unknown
-    assert (rate.kind, rate.parameters) == ("log-normal", (1.2e-15, 1.5))
-    assert (length.kind, length.parameters, length.unit) == ("uniform", (12e-6, 24e-6), "m")
-    assert (friction.kind, friction.parameters) == ("normal", (0.1, 0.005))
-    assert (critical.parameters, critical.unit) == (pytest.approx((418.15, 8.0)), "K")
-    assert (seed.kind, seed.parameters) == ("list", (0.0, 1.0, 2.0, 3.0))
-    assert len(sweep.variants) == 8
 
 
 def test_friction_and_temperatures_are_not_simulated(tmp_path):
@@ -77,19 +65,6 @@ def test_no_more_samples_are_drawn_than_suffice(tmp_path):
     assert len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + lists, 500)).variants) == 128
     drawn = '"disk.roughness.correlation_length" = { from = "12 um", to = "24 um" }\n'
     assert len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + drawn, 100)).variants) == 100
-
-
-def test_samples_of_a_contact_have_its_inputs_and_its_wear_number(tmp_path):
-    samples = pipeline.load_scene(scene(tmp_path, samples=16)).variants
-    values, velocities = inputs_of(samples), np.array(samples.labels("velocity"))
-    number = values[:, 0] * velocities
-    for begin in range(0, 16, 4):
-        assert np.ptp(values[begin : begin + 4, 1:], axis=0).max() == 0.0
-        assert number[begin : begin + 4] == pytest.approx(number[begin], rel=1e-12)
-        assert len(set(velocities[begin : begin + 4])) == 4
-    fewer = pipeline.load_scene(scene(tmp_path)).variants
-    assert np.array_equal(inputs_of(fewer), inputs_of(samples)[:8])
-    assert fewer.labels("velocity") == samples.labels("velocity")[:8]
 
 
 def test_a_sample_is_the_scene_with_its_values_typed_in(tmp_path):
@@ -144,94 +119,6 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
     assert not reasons_against(sweep, other)
     said = str(Draw.of(other.variants.draw).unknown[3])
     assert said.endswith("normal, mean 418.15 K, sd 8 K")
-
-
-@pytest.mark.parametrize(
-    ("line", "words"),
-    [
-        (
-            '"disk.roughness.ra" = { mean = "0.27 um", sd = "0.15 um" }',
-            'reaches -0.285 µm in the outermost samples: disk.roughness.ra: "-0.285 µm" is '
-            "out of range; give a length above 0",
-        ),
-        ('"wear.specific_rate" = [1, 2]', "wear.specific_rate: unknown key (did you mean"),
-        (
-            '"pin.radios" = { median = "2 mm", factor = 1.1 }',
-            'unknown."pin.radios": pin.radios: unknown key (did you mean "radius"?)',
-        ),
-        ('"temperature.critical" = { mean = "145 degC", sd = "8 degC" }', 'such as "8 K"'),
-        ('"pin.radius" = { mean = "2 mm", sd = 0.1 }', "give all with a unit, or none"),
-        ('"pin.radius" = { from = "3 mm", to = "1 mm" }', "from 3 mm to 1 mm does not rise"),
-        ('"wear.pattern" = ["swept", "local"]', '"swept" is not a number followed by a unit'),
-        ('"sweep.loads" = ["1 N", "2 N"]', "cannot be unknown"),
-        ('"loading.reference_load" = ["750 N", "400 N"]', "number of steps"),
-    ],
-)
-def test_a_fault_says_what_is_wrong_and_with_which_input(tmp_path, line, words):
-    messages = faults(scene(tmp_path, f"[unknown]\n{line}\n"))
-    assert len(messages) == 1
-    assert messages[0].startswith(f"unknown.{line.partition(' =')[0]}")
-    assert words in messages[0]
-
-
-PAIR = """
-[unknown]
-"wear.specific_wear_rate" = { median = "1.2e-6 mm^3/(N m)", factor = 1.5, correlated = CORRELATED }
-"friction.coefficient" = { mean = 0.1, sd = 0.005 }
-"disk.roughness.seed" = [0, 1, 2, 3]
-[unknown."temperature.critical"]
-mean = "145 degC"
-sd = "8 K"
-correlated = { friction.coefficient = -0.2 }
-"""
-WEAR = 'unknown."wear.specific_wear_rate".correlated'
-CRITICAL = 'unknown."temperature.critical".correlated'
-
-
-def test_either_of_two_inputs_may_say_that_they_are_correlated(tmp_path):
-    path = scene(tmp_path, PAIR.replace("CORRELATED", '{ "temperature.critical" = 0.6 }'))
-    sweep = pipeline.load_scene(path)
-    rate, friction, _, critical = Draw.of(sweep.variants.draw).unknown
-    assert rate.correlated == friction.correlated == ()
-    assert critical.correlated == (
-        ("wear.specific_wear_rate", 0.6),
-        ("friction.coefficient", -0.2),
-    )
-    plain = pipeline.load_scene(scene(tmp_path, PAIR.replace("CORRELATED", "{}")))
-    # Samples fill the ranges of the inputs, which correlations leave as they are.
-    assert np.array_equal(inputs_of(plain.variants), inputs_of(sweep.variants))
-    assert not reasons_against(plain, sweep)
-
-
-@pytest.mark.parametrize(
-    ("pairs", "key", "words"),
-    [
-        ('{ "temperature.critica" = 0.6 }', f'{WEAR}."temperature.critica"', "(did you mean"),
-        ('{ "wear.specific_wear_rate" = 0.6 }', WEAR, "not another input of [unknown]"),
-        ('{ "disk.roughness.seed" = 0.6 }', WEAR, "neither a list nor"),
-        ('{ "temperature.critical" = 1.0 }', WEAR, "1.0 is out of range; give a number without a"),
-        (
-            '{ "friction.coefficient" = 0.9, "temperature.critical" = 0.6 }',
-            CRITICAL,
-            "the correlations of this input cannot all be; give smaller ones, or leave one out",
-        ),
-    ],
-)
-def test_a_correlation_that_cannot_be_is_told(tmp_path, pairs, key, words):
-    (message,) = faults(scene(tmp_path, PAIR.replace("CORRELATED", pairs)))
-    assert message.startswith(key)
-    assert words in message
-
-
-def test_an_input_that_changes_nothing_is_told(tmp_path):
-    idle = SCENE.split("[materials.steel]")[1].split("[pin]")[0]
-    text = SCENE.replace("[pin]", f"[materials.idle]{idle}[pin]")
-    (message,) = faults(
-        scene(
-            tmp_path, '[unknown]\n"materials.idle.density" = ["1 g/cm^3", "2 g/cm^3"]\n', text=text
-        )
-    )
-    assert "depends on it; leave it out" in message
 
 
 def test_a_measured_transition_may_say_how_it_scatters(tmp_path):

@@ -21,7 +21,7 @@ from tests.helpers.samples import (
 )
 from tests.helpers.unknowns import ALL, CRITICAL
 from tests.pipeline.analysis.test_model_error import density
-from tribo import Corrections, Friction, InputError
+from tribo import Corrections, Friction
 
 ENDS = (0.05, 0.95)
 DIRECT = drawn(ALL, 99, 8192)
@@ -157,11 +157,3 @@ def test_a_boundary_beyond_the_sweep_is_said_to_lie_there():
     assert slow.intervals["critical_load"] == (math.inf, math.inf)
     fast = margin(ensemble(), 750.0, 5.9)
     assert fast.intervals["critical_load"][0] == 0.0
-
-
-def test_a_single_load_has_no_critical_load():
-    samples = ensemble()
-    single = dataclasses.replace(samples, loads=samples.loads[:1], rises=samples.rises[:, :1])
-    assert math.isnan(margin(single, 200.0, 2.0).critical_load)
-    with pytest.raises(InputError, match="load is 400 N; the samples have 200 N alone"):
-        margin(single, 400.0, 2.0)

@@ -6,20 +6,17 @@ import math
 
 import numpy as np
 import pytest
-from scipy import stats
 from scipy.special import ndtr
 
 import pipeline
 from pipeline.page.content import content_of_samples
 from pipeline.uncertain import weigh
-from pipeline.uncertain.evidence import decisive_tests, log_between
 from pipeline.uncertain.inputs import prior
 from pipeline.uncertain.unknown import Unknown, correlations
-from pipeline.uncertain.weigh import _long_tailed
 from tests.helpers import samples
 from tests.helpers.samples import EXPONENT, LOADS, critical_velocity, dataset, rise
 from tests.helpers.unknowns import CRITICAL, FRICTION, JOINT, LENGTH, RATE
-from tribo import Corrections, Friction, InputError
+from tribo import Corrections, Friction
 
 # A rise in closed form is emulated as well from half as many samples, in half the time.
 ensemble = functools.partial(samples.ensemble, count=32)
@@ -152,23 +149,6 @@ def test_a_transition_counts_as_much_as_its_own_scatter_allows(scatters, share):
     assert marginal["posterior"]["sd"] == pytest.approx(expected, rel=0.04)
 
 
-@pytest.mark.parametrize(
-    ("test", "loads", "message"),
-    [
-        ((900.0, 1.1, {}), 3, r"test at 900 N and 1.1 m/s: load is 900 N; the samples have 200 to"),
-        ((400.0, 0.55, {"velocity_scatter": 0.005}), 3, r"hardly any draw agrees with the tests.*"),
-        ((200.0, 2.0, {"load_scatter": 5.0}), 1, r"has a load_scatter.*give more sweep\.loads"),
-    ],
-)
-def test_a_test_that_cannot_be_weighed_is_named(test, loads, message):
-    load, velocity, scatter = test
-    entry = {"normal_load": load, "velocity": velocity, "friction": 0.1} | scatter
-    whole = ensemble(tests=[entry])
-    fewer = dataclasses.replace(whole, loads=LOADS[:loads], rises=whole.rises[:, :loads])
-    with pytest.raises(InputError, match=message):
-        pipeline.posterior(fewer, 0.01)
-
-
 def test_tests_that_stayed_mild_or_turned_severe_bracket_as_their_likelihood_says():
     # One unknown, so that Bayes' rule is an integral over a line.
     tests = [
@@ -228,31 +208,6 @@ def test_stages_of_a_run_are_of_one_specimen_and_tails_of_it_at_its_ends():
     ]
     assert posterior.evidence == "3 runs"
     assert [len(one.tests) for one in posterior.judged] == [2, 1, 1]  # those that decide
-
-
-def test_the_friction_of_a_specimen_counts_once_however_often_it_was_measured():
-    def spread(*runs):
-        tests = [one | {"run": run} for one, run in zip(idle_tests([0.104] * 4), runs, strict=True)]
-        (friction, _) = pipeline.posterior(ensemble((FRICTION,), tests=tests)).summary()
-        return friction["posterior"]["sd"]
-
-    assert spread(*"1234") < 0.8 * spread(*"1111")
-
-
-def test_outliers_have_long_tails():
-    z = np.array([-1e5, -30.0, -3.0, -0.5, 0.0, 2.0, 40.0])
-    assert _long_tailed(z) == pytest.approx(stats.t(4).cdf(math.sqrt(2) * z), rel=1e-9)
-
-
-def test_an_interval_far_out_has_the_logarithm_of_its_probability():
-    low, high = np.array([-np.inf, -40.0, 8.0, 40.0, 1.0]), np.array([0.0, -39.0, 9.0, 41.0, 0.5])
-    tail = 0.5 * np.log(2 * math.pi)
-    expected = [math.log(0.5), -(39.0**2) / 2 - math.log(39.0) - tail]
-    found = log_between(low, high)
-    assert found[:2] == pytest.approx(expected, abs=1e-3)
-    assert found[2] == pytest.approx(math.log(ndtr(-8.0) - ndtr(-9.0)), rel=1e-12)
-    assert found[3] == pytest.approx(-800.0 - math.log(40.0) - tail, abs=1e-3)
-    assert found[4] < -1e5
 
 
 def test_many_tests_are_weighed_in_steps_to_the_same_distribution(monkeypatch):
@@ -349,41 +304,6 @@ def test_friction_that_falls_with_velocity_is_a_fault_of_the_model_and_not_of_a_
     assert content_of_samples(weighed)["misfit"] == [("wear", told.misfit)]
 
 
-def test_an_input_that_is_pressed_against_its_end_is_a_fault_of_the_model():
-    hot = np.array([440.15, 1.2e-15, 0.1, 4.5e-6])
-    cool = Unknown(CRITICAL.path, "uniform", (383.15, 423.15), "K")
-    posterior = pipeline.posterior(ensemble((cool, LENGTH), tests=transitions(hot, 0.02, seed=3)))
-    assert not posterior.fits
-    assert "of its probability at the ends of its range" in " ".join(posterior.draws.faults)
-    usual = ensemble((WIDE, LENGTH), tests=transitions(hot - [20, 0, 0, 0]))
-    assert pipeline.posterior(usual).fits
-
-
-def test_a_scatter_far_beyond_the_stated_one_is_no_fit_and_is_told():
-    truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
-    wild = transitions(truth, 0.2, seed=4, loads=EIGHT)
-    posterior = pipeline.posterior(ensemble(tests=wild), 0.02)
-    assert posterior.inferred_scatter[0] > 3 * 0.02  # the factor within which most scatters are
-    assert "the tests scatter by" in posterior.draws.misfit
-
-
-def test_a_shorter_hold_is_that_of_the_steps_of_the_samples():
-    entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "hold": 2.0}
-    tests = [entry, dict(entry, hold=5.0, velocity=1.9)]
-    longest = dataclasses.replace(ensemble((CRITICAL, LENGTH), tests=tests), hold=5.0)
-    # Without steps after 2 s, as every 2.5 s, nothing is known of such a hold.
-    coarse = dataset(longest, growth=((0.0, 1.0), (2.5, 1.06), (5.0, 1.1)))
-    with pytest.raises(InputError, match=r"held the load for 2 s, the samples for 5 s: .*run"):
-        pipeline.posterior(pipeline.Ensemble.of(coarse))
-    ds = dataset(longest, growth=((0.0, 1.0), (1.0, 0.9), (2.0, 1.05), (5.0, 1.1)))
-    posterior = pipeline.posterior(pipeline.Ensemble.of(ds))
-    one, other = (judged.critical_velocity[1] for judged in posterior.judged)
-    assert other / one == pytest.approx((1.05 / 1.1) ** (1 / EXPONENT), rel=1e-3)
-    longer = dataclasses.replace(longest, tests=(dict(entry, hold=10.0),))
-    with pytest.raises(InputError, match=r"held the load for 10 s, the samples for 5 s"):
-        pipeline.posterior(pipeline.Ensemble.of(dataset(longer)))
-
-
 def test_friction_by_velocity_is_known_however_it_bends():
     """Samples tell the heat; the table, which jumps by 2 between two of its rows, acts on it."""
     bent = Friction(by_velocity=((1.0, 1.6), (1.6, 0.7), (3.0, 1.2), (4.0, 0.5)))
@@ -405,50 +325,6 @@ def test_friction_by_velocity_is_known_however_it_bends():
         dataclasses.replace(corrected, tests=({"normal_load": 400.0, "velocity": first},)), 0.001
     ).judged
     assert test.critical_velocity[1] == pytest.approx(first, rel=0.01)
-
-
-def banded():
-    """Samples with a friction by velocity that makes wear severe, mild and severe again."""
-    bent = Friction(by_velocity=((1.0, 1.9), (1.6, 0.5), (3.0, 1.2), (4.0, 0.3), (6.0, 0.3)))
-    plain = ensemble((CRITICAL,))
-    conditions = dataclasses.replace(plain.conditions, corrections=Corrections(friction=bent))
-    factor = conditions.friction_factor(plain.sample_velocities)[:, None]
-    return dataclasses.replace(plain, conditions=conditions, rises=plain.rises * factor)
-
-
-def test_tests_in_each_band_of_wear_agree_with_a_model_that_has_these_bands():
-    samples, draws = banded(), np.full((1, 1), CRITICAL.parameters[0])
-    velocities = np.geomspace(0.9, 5.0, 16)
-    severe = samples.excess(draws, 400.0, velocities).values[0] > 0
-    assert np.sum(severe[1:] != severe[:-1]) >= 3
-    tests = tuple(
-        {"normal_load": 400.0, "velocity": v, "outcome": "severe" if is_severe else "mild"}
-        for v, is_severe in zip(velocities.tolist(), severe, strict=True)
-    )
-    posterior = pipeline.posterior(dataclasses.replace(samples, tests=tests))
-    assert not posterior.draws.misfit
-    assert posterior.inferred_scatter[1] < 0.06  # 5 % is said
-    critical = next(iter(posterior.summary()))["posterior"]
-    assert abs(critical["mean"] - CRITICAL.parameters[0]) < critical["sd"]
-    assert min(judged.probability for judged in posterior.judged) > 0.2
-    # Each stands beside the turn that is nearest to it, whichever way wear turns there.
-    fine = np.geomspace(0.7, 6.0, 3000)
-    is_severe = samples.excess(draws, 400.0, fine).values[0] > 0
-    turns = fine[1:][is_severe[1:] != is_severe[:-1]]
-    for judged in posterior.judged:
-        ratio = np.abs(np.log(turns / judged.test["velocity"]))
-        beside = turns[ratio < ratio.min() + 0.2]
-        assert np.abs(np.log(beside / judged.critical_velocity[1])).min() < 0.05
-
-
-def test_a_run_of_wear_with_bands_has_no_stage_that_another_velocity_implies():
-    stages = [
-        {"normal_load": 400.0, "velocity": v, "outcome": "mild", "run": 1} for v in (1.0, 2.0)
-    ]
-    assert decisive_tests(stages) == stages[1:]
-    assert decisive_tests(stages, by_load=True) == stages
-    harder = [*stages, {"normal_load": 500.0, "velocity": 2.0, "outcome": "mild", "run": 1}]
-    assert decisive_tests(harder, by_load=True) == [harder[0], harder[2]]
 
 
 def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
