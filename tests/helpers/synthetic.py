@@ -45,15 +45,6 @@ def rise(load, velocity, quantile=1.0):
     return FACTOR * load**LOAD_EXPONENT * velocity**VELOCITY_EXPONENT * profile(quantile)
 
 
-def jagged(height):
-    """The closed form with a wave that interpolation between points cannot follow."""
-
-    def bent(load, velocity, quantile=1.0):
-        return rise(load, velocity, quantile) * (1 + height * np.cos(4 * np.pi * velocity))
-
-    return bent
-
-
 def limit(friction=0.1, bulk=298.15, critical=418.15):
     return (critical - bulk) / friction
 
