@@ -9,7 +9,6 @@ import pipeline
 import tribo
 from pipeline.analysis.laboratory import compared
 from pipeline.analysis.rise_error import RiseError, add_counted
-from pipeline.scene.written import scene_entries
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.plan import run_point
@@ -155,14 +154,6 @@ def test_each_command_has_the_friction_of_the_temperature_itself(store):
     assert counted.counted == pytest.approx(0.3 * abs(change[1] - change[0]))
 
 
-def test_without_friction_the_error_of_its_change_moves_no_temperature():
-    curve = tribo.Friction(by_temperature=((298.15, 1.0), (345.0, 0.8)))
-    conditions = replace(CONDITIONS, friction=0.0, corrections=tribo.Corrections(friction=curve))
-    counted = add_counted(RiseError(0.0, 0.0, 0.0), conditions)
-    assert counted.counted == 0.0
-    assert conditions.temperature_error(conditions.bulk_temperature) == 0.0
-
-
 def test_a_friction_that_a_test_measured_stands_in_place_of_the_friction_by_velocity(store):
     by_velocity = Conditions(
         0.1, 298.15, 345.0, corrections=tribo.Corrections(friction=ALL.friction)
@@ -191,45 +182,6 @@ def test_entries_of_a_scene_become_corrections(tmp_path):
     assert pipeline.load_scene(tmp_path / "plain.toml").conditions.corrections is None
 
 
-@pytest.mark.parametrize(
-    ("setting", "problem"),
-    [
-        ("friction.by_velocity=[{velocity='1 m/s', coefficient=0.1}, "
-         "{velocity='100 cm/s', coefficient=0.2}]", "has 1 m/s twice"),
-        ("pin.stem={resistance='3 K'}", "cannot be converted to K/W"),
-        ("pin.stem={length='3 mm'}", "pin.stem.area: missing"),
-        ("disk.track_length=0 m", "above 0"),
-        ("disk.track_length=2 mm", "times the width of the contact"),
-        ("pin.track_length=314 mm", "the pin is at rest"),
-        ("disk.width=20 mm", "belongs to a disc"),
-        ("disk={diameter='90 mm', material='steel'}", "disk.width: missing"),
-        ("disk={diameter='9 cm', width='1 cm', bore='9 cm', material='steel'}", "not smaller"),
-        ("disk={diameter='9 cm', width='1 cm', capacity='65 J/K', material='steel'}",
-         "disk.diameter: 90 mm of a disc and capacity of a plate"),
-        ("disk={diameter='9 cm', width='1 cm', rim_loss='2 W/K', material='steel'}",
-         "cannot be converted to W/(m^2 K)"),
-        ("disk={diameter='9 cm', width='3 mm', material='steel'}", "narrower than the contact"),
-        ("disk.loss=2 W", "cannot be converted to W/K"),
-        ("disk.capacity={diameter='3 mm'}", "disk.capacity.thickness: missing"),
-    ],
-)  # fmt: skip
-def test_bad_entries_are_named(tmp_path, irg, setting, problem):
-    (tmp_path / "plain.toml").write_text(SCENE)
-    error = irg("check", tmp_path / "plain.toml", "--set", setting, code=2)
-    assert setting.partition("=")[0] in error
-    assert problem in error
-    assert "Traceback" not in error
-
-
-def test_a_rod_does_not_hold_a_pin_that_turns(tmp_path, irg):
-    (tmp_path / "plain.toml").write_text(SCENE)
-    rod, command = 'pin.stem={resistance="8 K/W"}', ("check", tmp_path / "plain.toml", "--set")
-    rolling = ("motion.slide_roll_ratio=1", "motion.track_length=314 mm")
-    error = irg(*command, rod, *(f"--set={entry}" for entry in rolling), code=2)
-    assert "pin.stem: the pin turns, at" in error
-    assert "8 K/W" in irg(*command, rod, "--set=motion.slide_roll_ratio=2")  # at rest
-
-
 def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
     """A diameter stands for its circumference, over which the pin's wear spreads, too."""
     (tmp_path / "plain.toml").write_text(SCENE)
@@ -251,15 +203,6 @@ def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
         with pytest.raises(pipeline.SceneFileError) as error:
             pipeline.load_scene(tmp_path / "plain.toml", overrides=entries | wrong)
         assert problem in str(error.value)
-
-
-def test_a_disc_has_the_entries_of_its_scene():
-    entries = scene_entries(
-        pipeline.load_scene("twin_disc", overrides={"disk.shaft_loss": "5 W/K"})
-    )
-    assert entries["disk.shaft_loss"] == "5 W/K"
-    assert entries["pin.diameter"] == "100 mm"
-    assert not any(".disc" in path or "stops" in path for path in entries)
 
 
 UNKNOWN = """
@@ -299,13 +242,3 @@ def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path):
             columns = run_point(changed(sweep, steps="end"), load, velocity).columns
             expected = float(worst_rises(columns, load, sweep.conditions))
             assert rise == pytest.approx(expected, rel=1e-6)
-
-
-def test_a_coefficient_of_several_values_scales_friction_by_velocity(tmp_path):
-    curve = "by_velocity = [{ velocity = '1 m/s', coefficient = 0.09 }]\n"
-    over = 'over = { "friction.coefficient" = [0.1, 0.12] }\nfields = false\n'
-    scene = SCENE.replace("coefficient = 0.1\n", f"coefficient = 0.1\n{curve}", 1)
-    (tmp_path / "over.toml").write_text(scene.replace("fields = true\n", over, 1))
-    sweep = pipeline.load_scene(tmp_path / "over.toml")
-    rows = [sweep.variant(name).conditions for name in sweep.variants.names]
-    assert [one.friction_at(1.0) for one in rows] == pytest.approx([0.09, 0.108])

@@ -1,6 +1,5 @@
 """Input on which no reader may hang, run out of memory or end with a traceback."""
 
-import io
 import json
 import os
 import resource
@@ -23,8 +22,6 @@ from pipeline.store.verify import verify_store
 from tests.helpers import tiny
 from tests.helpers.processes import python
 from tests.helpers.stores import commit
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -87,21 +84,6 @@ def test_any_title_is_shown_and_drawn(tmp_path, capsys):
     assert open_sweep(path).attrs["title"] == read_sweep(path).about.title == title
 
 
-def test_of_a_thousand_faults_some_are_shown(tmp_path, capsys):
-    scene = tmp_path / "a.toml"
-    scene.write_text("".join(f'k{number} = "1 N"\n' for number in range(1000)))
-    assert main(["check", str(scene)]) == 2
-    output = capsys.readouterr().err
-    assert output.startswith(f"irg: {scene}: 10")
-    assert output.count("\n") < 200
-    assert output.rstrip().endswith(" more")
-
-
-def test_the_root_of_all_files_is_no_store(capsys):
-    assert main(["run", str(ROOT / "workflows" / "first_try.toml"), "-o", "/"]) == 2
-    assert "/ cannot be a store; give a folder below it" in capsys.readouterr().err
-
-
 def test_what_cannot_be_looked_into_is_left_out_of_a_folder_s_stores(tmp_path, capsys):
     (tmp_path / "endless").symlink_to("a" * 300)
     (tmp_path / "lost.zarr").mkdir()
@@ -126,14 +108,6 @@ def test_a_folder_that_was_deleted_under_a_process_is_named_as_that(tmp_path, mo
     gone.rmdir()
     assert main(["status", "a.zarr"]) == 2
     assert "is no path: [Errno 2] No such file or directory" in capsys.readouterr().err
-
-
-def test_an_ascii_terminal_gets_what_it_can_show(alone, monkeypatch):
-    stream = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
-    monkeypatch.setattr(sys, "stdout", stream)
-    assert main(["boundary", str(alone)]) == 0
-    stream.flush()
-    assert rb"\xb0C" in stream.buffer.getvalue()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="addresses are limited so on Linux")

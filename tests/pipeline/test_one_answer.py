@@ -23,7 +23,6 @@ from pipeline.analysis.transition import (
     outcomes,
 )
 from pipeline.cli import main
-from pipeline.figures.diagram import diagram
 from pipeline.sweep.severity import rise_limit
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers.scenes import SCENE
@@ -282,26 +281,3 @@ def assert_documents_say(crossings):
                 assert text.split(" (")[0] == words or (
                     words == ranges and text.startswith(("severe from", "severe up to"))
                 )
-
-
-@pytest.mark.parametrize(
-    ("name", "changes"),
-    [
-        ("a grid", {"friction": 0.05}),
-        ("interrupted", {"criterion": "mean", "friction": 0.13}),
-        ("interrupted from above", {}),
-        ("one load", {"friction": 0.05}),
-    ],
-)
-def test_a_diagram_draws_no_boundary_that_was_not_found(name, changes):
-    ds, _, crossings = judged_case(name, changes)
-    figure = diagram(ds)
-    axes, texts = figure.axes[0], [text.get_text() for text in figure.legends[0].texts]
-    is_drawn = any(artist.get_gid() == "boundary" for artist in [*axes.collections, *axes.lines])
-    crosses = [(crossings[f"outcome_at_{axis}"] == CROSSES).any() for axis in ("load", "velocity")]
-    assert is_drawn <= bool(any(crosses))
-    single = [axis for axis in ("load", "velocity") if ds.sizes[axis] == 1]
-    if single and not is_drawn:
-        along = {"load": "velocity", "velocity": "load"}[single[0]]
-        words = outcomes(along)[crossings[f"outcome_at_{single[0]}"].item()]
-        assert any(f"no transition: {words}" in text for text in texts)

@@ -8,7 +8,7 @@ from pipeline.analysis.dataset import stored_sweep
 from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
-from pipeline.sweep.plan import PointRecord, points, tasks
+from pipeline.sweep.plan import points, tasks
 from tests.helpers import scenes
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
@@ -89,23 +89,6 @@ def test_values_are_added_to_a_store_and_an_interrupted_one_goes_on(tmp_path):
     assert pipeline.run_sweep(first, store, workers=1).computed == 0
 
 
-@pytest.mark.parametrize(
-    ("over", "overrides", "fault"),
-    [
-        (OVER, {"pin.length": "3 mm"}, "pin.radius 0.002: pin.length"),
-        (
-            '{ "pin.length" = ["3 mm"] }',
-            {},
-            "axes by sweep.over, .*: pin.radius in",
-        ),
-        ("{}", {}, "pin.radius in the store, none in the scene"),
-    ],
-)
-def test_the_store_of_another_scene_is_refused(swept, tmp_path, over, overrides, fault):
-    with pytest.raises(StoreMismatchError, match=fault):
-        pipeline.run_sweep(load(tmp_path, over, **overrides), swept, workers=1)
-
-
 def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_path):
     over = '{ "friction.coefficient" = [0.08, 0.12], "pin.material" = ["hard", "100Cr6"] }'
     materials = SCENE.replace("[pin]", '[materials.hard]\nlike = "AISI 52100"\n[pin]')
@@ -136,29 +119,6 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
     np.testing.assert_allclose(ratio.values, 1.5, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("over", "fault"),
-    [
-        (
-            '{ "pin.radius" = ["1 mm", "2 s"] }',
-            'pin.radius: "2 s" cannot be converted to mm; give ',
-        ),
-        ('{ "pin.radus" = ["1 mm"] }', 'radus: unknown key (did you mean "radius"?)'),
-        ('{ "pin.radius" = ["1 mm", "0.1 cm"] }', "are the same; give each value once"),
-        ('{ "pin.radius" = ["1 mm", 2] }', "give all with a unit, or none"),
-        ('{ "pin.radius" = "1 mm" }', "is not a list"),
-        ('{ "sweep.loads" = ["1 N"] }', "cannot take several values; give an entry of the scene"),
-        ('{ "wear.pattern" = ["swept", "worn"] }', '"worn" is unknown'),
-        ('{ "temperature.bulk" = ["20 degC", "20 degC"] }', "equals entry [0]"),
-        ('{ "oil.density" = ["800 kg/m^3"] }', "oil"),
-    ],
-)
-def test_a_wrong_entry_or_value_is_named_with_its_cure(tmp_path, over, fault):
-    with pytest.raises(pipeline.SceneFileError) as error:
-        load(tmp_path, over)
-    assert fault in str(error.value)
-
-
 def test_commands_answer_for_each_value(swept, folder, irg):
     document = irg("boundary", swept, "--json")
     assert {row["pin.radius [mm]"] for row in document} == {2.0, 4.0}
@@ -171,20 +131,6 @@ def test_commands_answer_for_each_value(swept, folder, irg):
     (folder / "duty.csv").write_text("load [N],velocity [m/s]\n500,1.5\n")
     table = pipeline.margin(swept, folder / "duty.csv")
     assert table["distance [K]"].to_list() == [one["distance [K]"], other["distance [K]"]]
-
-
-def test_failed_and_damaged_points_are_listed_in_the_units_of_the_scene(tmp_path, irg):
-    sweep = load(tmp_path, **{"sweep.realizations": [3]})
-    with writing(tmp_path / "out.zarr", sweep) as store:
-        store.commit([PointRecord(points(sweep)[-1], None, "it left the window")])
-    said = irg("status", tmp_path / "out.zarr", code=1)
-    assert "failed: 600 N, 4 m/s, pin.radius 4 mm, surface 3: it left the window" in said
-    (record,) = irg("status", tmp_path / "out.zarr", "--json", code=1)
-    assert record["failed"] == 1
-    for chunk in (tmp_path / "out.zarr" / "about" / "message").glob("c.*"):
-        chunk.unlink()
-    said = irg("verify", tmp_path / "out.zarr", code=1)
-    assert "600 N, 4 m/s, pin.radius 4 mm, surface 3: the reason of" in said
 
 
 def test_figures_and_pages_show_each_value_or_ask_for_one(swept, folder, irg):
@@ -207,16 +153,3 @@ def test_figures_and_pages_show_each_value_or_ask_for_one(swept, folder, irg):
         assert "which the sweep does not have; it has 2 mm, 4 mm" in said
     with pytest.raises(InputError, match=r"it has several of pin\.radius; run the scene"):
         pipeline.at(swept, **{"wear.pattern": "local"})
-
-
-def test_a_coefficient_scales_curves_of_friction_unless_the_row_has_its_own():
-    curve = [{"velocity": "1 m/s", "coefficient": 0.05}, {"velocity": "2 m/s", "coefficient": 0.1}]
-    sweep = pipeline.load_scene("first_try", overrides={"friction.by_velocity": curve})
-    scaled = sweep.changed("friction.coefficient", 0.2).conditions
-    assert scaled.friction_at(1.0) == pytest.approx(0.1)
-    over = {"friction.by_velocity": curve, "sweep.over": {"friction.coefficient": [0.1, 0.2]}}
-    rows = pipeline.load_scene("first_try", overrides=over)
-    assert [rows.variant(name).conditions.friction_at(1.0) for name in rows.variants.names] == (
-        pytest.approx([0.05, 0.1])
-    )
-    assert rows.variant(rows.variants.names[1]).changed("friction.by_velocity", curve).conditions

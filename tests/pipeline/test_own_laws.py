@@ -127,16 +127,6 @@ def test_a_resume_with_another_law_is_refused_and_says_which(folder, laws):
     assert "wear.source_sha256: " in line
 
 
-def test_an_array_of_a_law_is_known_by_its_digest(laws):
-    law = laws.Measured(np.array([0.0, 5.0]), np.array([6e-15, 1e-15]))
-    commit_all("own.zarr", scene({"wear": law}, **POINT))
-    other = laws.Measured(np.array([0.0, 5.0]), np.array([6e-15, 2e-15]))
-    (line,) = resumed({"wear": other})
-    assert "wear.parameters.rates: 2 numbers, SHA-256 " in line
-    same = laws.Measured(np.array([0.0, 5.0]), np.array([6e-15, 1e-15]))
-    assert pipeline.run_sweep(scene({"wear": same}, **POINT), "own.zarr").computed == 0
-
-
 def test_answers_come_from_a_store_that_has_the_name_alone(folder, laws, irg):
     kinds = {
         "wear": laws.Fading(*RATES),
@@ -266,14 +256,6 @@ print("computed", outcome.computed, "done", outcome.done)
 '''  # fmt: skip
 
 
-def test_a_law_of_a_script_runs_on_workers(folder):
-    (folder / "run.py").write_text(
-        f"{CELL}\nif __name__ == '__main__':\n{textwrap.indent(RUN, '    ')}"
-    )
-    done = python("run.py", cwd=folder)
-    assert "computed 1 done 1" in done.stdout, done.stderr
-
-
 def test_a_law_of_a_notebook_runs_on_workers_and_is_known_again(folder):
     """The cell may run again; a store refuses the law of a cell that was changed."""
     raising = f"try:\n{textwrap.indent(RUN, '    ')}\nexcept pipeline.StoreMismatchError as error:"
@@ -285,14 +267,6 @@ def test_a_law_of_a_notebook_runs_on_workers_and_is_known_again(folder):
     assert "computed 1 done 1" in first
     assert "computed 0 done 1" in second
     assert "wear.source_sha256" in third
-
-
-def test_python_from_a_pipe_takes_a_law_of_a_file_and_refuses_one_of_its_own(folder):
-    done = python("-", input=CELL + RUN, cwd=folder)
-    assert "__main__:Fading has neither a file nor a source" in done.stderr.splitlines()[-1]
-    (folder / "own.py").write_text(CELL)
-    done = python("-", input=f"import pipeline\nfrom own import Fading\n{RUN}", cwd=folder)
-    assert "computed 1 done 1" in done.stdout, done.stderr
 
 
 @dataclass

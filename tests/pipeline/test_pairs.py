@@ -76,17 +76,6 @@ def test_the_figure_of_pairs_has_their_margins_by_row(stores):
     assert axes.get_ylabel() == "margin to severe wear [K]"
 
 
-def test_the_figure_marks_what_is_not_decided_or_not_done(stores):
-    ds = draft(stores["alone"])
-    (margin, _) = margins_of(ds)
-    near = margin.decisive_temperature + 0.5 * margin.temperature_error
-    ds = pipeline.at(ds, critical_temperature=near)
-    (axes,) = pipeline.plot(ds, "diagram").axes
-    assert "not decided" in {line.get_gid() for line in axes.lines}
-    (axes,) = pipeline.plot(stores["other"], "diagram").axes
-    assert "not known: not computed" in {line.get_gid() for line in axes.lines}
-
-
 def test_a_page_of_pairs_answers_row_by_row(stores, tmp_path):
     table = pipeline.margin(stores["alone"])
     page = pipeline.explore(stores["alone"], tmp_path / "page.html").path.read_text("utf-8")
@@ -103,17 +92,6 @@ def test_a_difference_of_pairs_is_of_their_margins_row_by_row(stores, irg):
     assert between.boundary["in b"].fillna("").to_list() == ["", "load [N] 600"]
     assert (between.alike, len(between.points)) == (1, 1)
     assert "verdict b" in irg("diff", stores["alone"], stores["other"])
-
-
-def test_what_needs_a_plane_is_refused_in_a_line(stores, tmp_path, irg):
-    (tmp_path / "duty.csv").write_text("load [N],velocity [m/s]\n300,1\n")
-    for command in (
-        ("boundary", stores["alone"]),
-        ("margin", stores["alone"], "--points", tmp_path / "duty.csv"),
-        ("plot", stores["alone"], "--kind", "ramp", "-o", tmp_path / "ramp.png"),
-    ):
-        assert "answer row by row" in irg(*command, code=2)
-    assert "leave out log" in irg("plot", stores["alone"], "--log", code=2)
 
 
 def test_one_row_of_pairs_is_a_plane_of_one_point(stores):

@@ -30,16 +30,12 @@ from pipeline.analysis.transition import outcomes
 from pipeline.cli.given import dataset_in
 from pipeline.cli.parser import parse
 from pipeline.scene.along import OperatingPoints, Place
-from pipeline.scene.facts import facts_of
 from pipeline.sweep.plan import points
-from pipeline.tradeoff.forecast import worker_bytes
 from tests.helpers import stores as helpers
 from tests.helpers.samples import fewer_draws
 from tests.helpers.scenes import MEASURED
 from tests.helpers.scenes import SCENE as SMALL
 from tests.pipeline.conftest import commit_all
-from tribo import Grid
-from tribo.surface import self_affine
 
 NEAR = 0.05  # relative, of straight lines
 ERROR = 0.05  # of velocities by preset draft, as its page says
@@ -289,22 +285,6 @@ def test_status_and_verify_count_the_points_of_the_dataset(ask, stores, kind):
     assert f"{counts[1]} points are done and intact, 0 are damaged" in said
 
 
-def test_warned_points_beside_the_boundary_have_a_neighbour_of_the_other_kind(ask, stores):
-    ds = opened(stores("few"))
-    severe = decisive(ds).values > 1200.0
-    flags = ds["warning_flags"].values != 0
-    beside = np.zeros_like(severe)
-    for axis in (0, 1):
-        differ = np.diff(severe, axis=axis)
-        pad = [(0, 0), (0, 0)]
-        for before in (0, 1):
-            pad[axis] = (before, 1 - before)
-            beside |= np.pad(differ, pad)
-    _, said, _ = ask("status", "few")
-    assert (flags & beside).sum() > 0
-    assert f"{(flags & beside).sum()} beside the boundary" in said
-
-
 AS_IT_IS = ((), 0.1, 298.15, 418.15, "share")
 OTHERWISE = (
     ("--friction", "0.12", "--bulk-temperature", "60 degC", "--critical-temperature", "170 degC"),
@@ -524,38 +504,6 @@ def test_the_margin_at_a_point_is_its_temperature_below_the_critical_one(
     )
 
 
-@pytest.mark.parametrize("kind", ["broken", "hold", "record"])
-def test_the_margin_between_points_is_interpolated(ask, stores, kind):
-    load = 600.0 if kind == "record" else 500.0
-    plane = decisive(opened(stores(kind)))
-    document, said, shown = ask("margin", kind, *place_of(load, 2.5))
-    temperature = 298.15 + 0.1 * rise_at(plane, load, 2.5)
-    found = document["decisive_temperature"]
-    assert found - 298.15 == pytest.approx(temperature - 298.15, rel=2 * NEAR)
-    assert document["distance"] == pytest.approx(418.15 - found)
-    chances = [document[name] for name in ("lowest", "probability", "highest")]
-    assert document["verdict"] == verdict_of(chances[0], chances[-1])
-    assert said.startswith(document["verdict"].capitalize())
-    if document["temperature_error"] is None:
-        assert (chances[0], chances[-1]) == (1e-4, 1 - 1e-4)
-        assert "numerical error     not known, since that of " in said
-    if kind == "hold":  # without tests
-        ratio = 1 / document["velocity_factor"]
-        assert chances[1] == pytest.approx(severe_by(ratio, (0.1, 0.1), 4), abs=1e-6)
-    assert "interpolated between computed points" in said
-    ends = [float(plane["velocity"][k]) for k in (0, -1)]
-    assert document["velocity_range"] == ends
-    shown(found - 273.15, 418.15 - found, document["probability"])
-
-
-def test_a_temperature_at_which_steel_melts_is_warned_of(stores, irg):
-    rise = decisive(opened(stores("plane"))).sel(load=600, velocity=4).item()
-    for temperature, warns in ((1700.0, False), (1900.0, True)):  # beside 1538 °C [K]
-        options = ("--friction", (temperature - 298.15) / rise)
-        said = irg("margin", stores("plane"), *place_of(600, 4), *options)
-        assert ("where steel melts" in said) == warns
-
-
 @pytest.mark.parametrize("verdict", ["mild", "not decided", "severe"])
 def test_of_surfaces_the_next_run_has_each_with_the_same_probability(ask, stores, verdict):
     """Between and beyond two velocities each rise is a power law, whose crossing is known."""
@@ -598,25 +546,6 @@ def test_of_surfaces_the_next_run_has_each_with_the_same_probability(ask, stores
     shown(document["intervals"]["distance"], document["probability"])
 
 
-def test_a_duty_table_counts_its_verdicts_and_names_the_least_margin(ask, stores, tmp_path):
-    plane = decisive(opened(stores("exact")))
-    duty = [(400, 1, 0.1), (400, 2, 0.1), (600, 4, 0.1), (400, 2, 0.2)]
-    (tmp_path / "duty.csv").write_text(
-        "load [N],velocity [m/s],friction\n" + "".join(f"{F},{V},{mu}\n" for F, V, mu in duty)
-    )
-    document, said, shown = ask("margin", "exact", "--points", tmp_path / "duty.csv")
-    rises = [mu * plane.sel(load=F, velocity=V).item() for F, V, mu in duty]
-    found = document["margins"]
-    assert found["decisive_temperature"] == pytest.approx([298.15 + rise for rise in rises])
-    assert found["distance"] == pytest.approx([120.0 - rise for rise in rises])
-    assert found["verdict"] == ["mild", "mild", "severe", "severe"]
-    assert document["verdicts"] == {"mild": 2, "severe": 2}
-    assert "4 operating points: 2 mild, 2 severe" in said
-    least = int(np.argmax(rises))
-    assert f"{120.0 - rises[least]:.3g} K, at {duty[least][0]} N and {duty[least][1]} m/s" in said
-    shown(np.array(rises) + 25.0, 120.0 - np.array(rises))
-
-
 @pytest.mark.parametrize("kind", ["plane", "broken", "surfaces", "samples"])
 def test_a_row_of_a_table_has_the_margin_of_its_place_under_its_conditions(ask, tmp_path, kind):
     duty = [(400, 2, 0.1), (600, 4, 0.1), (500, 2.5, 0.08), (400, 2, 0.13)]
@@ -636,48 +565,6 @@ def test_a_row_of_a_table_has_the_margin_of_its_place_under_its_conditions(ask, 
     assert table["verdicts"] == Counter(verdicts)
     for verdict, count in Counter(verdicts).items():
         assert f"{count} {verdict}" in said.split(";")[0]
-
-
-def test_entries_are_judged_each_by_its_own_points(ask, stores):
-    rise = decisive(opened(stores("over")))
-    document, said, shown = ask("margin", "over", *place_of(400, 2))
-    for radius, found in zip((2e-3, 4e-3), document["scenes"], strict=True):
-        expected = (
-            298.15 + 0.1 * rise.sel({"load": 400, "velocity": 2, "pin.radius": radius}).item()
-        )
-        assert found["pin.radius"] == radius
-        assert f"pin.radius {1e3 * radius:g} mm" in said
-        assert found["decisive_temperature"] == pytest.approx(expected, rel=1e-12)
-        assert found["distance"] == pytest.approx(418.15 - expected)
-        shown(expected - 273.15, 418.15 - expected, 1e3 * radius)
-
-
-def test_rows_are_judged_each_at_its_own_place(ask, stores):
-    ds = opened(stores("rows"))
-    own = (decisive(ds) * ds["friction.coefficient"]).values
-    document, said, shown = ask("margin", "rows")
-    found = document["margins"]
-    assert (found["load"], found["velocity"]) == ([300.0, 500.0], [1.5, 2.0])
-    assert found["pin.radius"] == [2e-3, 4e-3]
-    assert found["decisive_temperature"] == pytest.approx((298.15 + own).tolist())
-    assert found["distance"] == pytest.approx((120.0 - own).tolist())
-    assert said.startswith("2 operating points: ")
-    shown(25.0 + own, 120.0 - own, 2.0, 4.0)
-
-
-def test_a_warmer_disk_moves_the_boundary_by_less_than_if_both_were_warm(ask, stores):
-    document, said, shown = ask("boundary", "warm")
-    plane = decisive(opened(stores("plane"))).sel(load=[400.0, 600.0], velocity=[2.0, 4.0])
-    conditions = document["conditions"]
-    assert (conditions["bulk_temperature"], conditions["disk_temperature"]) == (298.15, 313.15)
-    assert "bulk 25 °C (pin) and 40 °C (disk)" in said
-    found = document["critical_velocity"][0]
-    cold, hot = (
-        crossing(np.array([2.0, 4.0]), plane.sel(load=400.0).values, limit)
-        for limit in (1200.0, 1050.0)
-    )
-    assert hot < found < cold
-    shown(found)
 
 
 def test_a_point_alone_is_the_point_of_the_store(stores, irg_both):
@@ -712,214 +599,7 @@ def test_a_point_alone_is_the_point_of_the_store(stores, irg_both):
     assert document["failed_fraction"] == pytest.approx(1 - cooler, abs=0.02)
 
 
-def test_a_friction_given_heats_a_scene_without_friction(stores, irg):
-    words = ("point", stores("plane").with_suffix(".toml"), *place_of(400, 4), "--json")
-    cold = (*words, "--set", "friction.coefficient=0")
-    rise = decisive(opened(stores("plane"))).sel(load=400, velocity=4).item()
-    for options, friction in (((), 0.0), (("--friction", 0.05), 0.05)):
-        found = irg(*cold, *options)["decisive_temperature"]
-        assert found == pytest.approx(298.15 + friction * rise, rel=1e-9)
-
-
-def test_a_difference_is_that_of_the_two_datasets(stores, irg):
-    a, b = (opened(stores(kind)) for kind in ("plane", "hold"))
-    said = irg("diff", stores("plane"), stores("hold"))
-    between = pipeline.diff(stores("plane"), stores("hold"))
-    assert between.boundary["load [N]"].tolist() == [400.0, 600.0]
-    for name, ds in (("a", a), ("b", b)):
-        pairs = between.boundary[["load [N]", f"{name} [m/s]"]].to_numpy(float)
-        for load, velocity in pairs:
-            line = decisive(ds).sel(load=load).values
-            expected = crossing(ds["velocity"].values, line, 1200.0)
-            assert velocity == pytest.approx(expected, rel=NEAR)
-            assert f"{velocity:.4g}" in said
-    first, second = (ds["max_rise"].sel(step=0) for ds in (a, b))
-    both = first.sel(load=b["load"], velocity=b["velocity"])
-    alike = int((both == second).sum())
-    assert between.alike == alike
-    found = between.points
-    assert len(found) == a["status"].size - alike
-    alone = (found["state b"] == "absent").sum()
-    assert alone == a["status"].size - b["status"].size
-    unlike = b["status"].size - alike
-    moved = 100 * np.abs(second / both - 1).max().item()
-    assert f"points: {alike} alike, {unlike} unlike (by up to {moved:.2g} % of the rise)" in said
-    assert f"{alone} done in one alone" in said
-    for row in found.to_dict("records"):
-        place = {"load": row["load [N]"], "velocity": row["velocity [m/s]"]}
-        assert row["rise a [K]"] == first.sel(place).item()
-        if row["state b"] != "absent":
-            assert row["rise b [K]"] == second.sel(place).item()
-            change = 100 * (row["rise b [K]"] / row["rise a [K]"] - 1)
-            assert row["change [%]"] == pytest.approx(change)
-            assert f"{row['change [%]']:.4g}" in said
-    assert ["loading.hold", "0 s", "2 s"] in between.entries.to_numpy().tolist()
-    document = irg("diff", stores("plane"), stores("hold"), "--json")
-    assert len(document) == len(between.entries) + len(between.boundary) + len(found)
-
-
-def test_a_page_holds_the_numbers_of_the_dataset(ask, stores, irg, tmp_path):
-    ds = opened(stores("plane"))
-    page = irg("explore", stores("plane"), "-o", tmp_path / "page.html", "--json")
-    assert (page["points"], page["points_with_fields"]) == (9, 9)
-    text = (tmp_path / "page.html").read_text(encoding="utf-8")
-    (held,) = re.findall(r'id="content">(.*?)</script>', text, re.DOTALL)
-    content = json.loads(held)
-    assert content["loads"] == ds["load"].values.tolist()
-    assert content["velocities"] == ds["velocity"].values.tolist()
-    assert content["conditions"]["bulk_temperature"] == 298.15
-    assert content["conditions"]["critical_temperature"] == 418.15
-    boundary, *_ = ask("boundary", "plane")
-    for temperature in boundary["tests"]["decisive_temperature"]:
-        assert f"<td>{temperature - 273.15:.4g}</td>" in text
-    assert "may be off by up to 5 %" in text
-
-
 # Scenes, scans and logs, by their inputs
-
-
-def without_plane(heights, spacing):
-    """Slopes along x and y of the least-squares plane, and what is left; NaN where there is none"""
-    x, y = (n * d for n, d in zip(np.indices(heights.shape), spacing, strict=True))
-    known = np.isfinite(heights)
-    columns = np.stack([x[known], y[known], np.ones(known.sum())], 1)
-    plane = np.linalg.lstsq(columns, heights[known], rcond=None)[0]
-    return plane[:2], heights - plane[0] * x - plane[1] * y - plane[2]
-
-
-def test_a_check_prints_the_closed_forms_of_the_scene(stores, irg):
-    scene, ds = stores("plane").with_suffix(".toml"), opened(stores("plane"))
-    said, cost = " ".join(irg("check", scene).split()), pipeline.estimate(scene)
-    loads, velocities = np.array([200.0, 600.0]), np.array([1.0, 4.0])
-    modulus = 210e9 / (2 * (1 - 0.3**2))
-    half_width = np.sqrt(4 * loads / 3.4e-3 * 2e-3 / (np.pi * modulus))
-    pressure = np.sqrt(loads / 3.4e-3 * modulus / (np.pi * 2e-3))
-    time = loads / 150.0
-    distance = time * velocities
-    # Of a flat that is worn into a cylinder: its area is w³/12R, its depth w²/8R.
-    worn = 1.2e-15 * loads * time / 2 * velocities / 3.4e-3
-    depth = (12 * 2e-3 * worn) ** (2 / 3) / (8 * 2e-3)
-    peclet = half_width * velocities * 7800 * 470 / (2 * 45)
-    found = facts_of(pipeline.load_scene(scene)).as_dict()
-    for name, ends, tolerance in (
-        ("hertz_pressure", pressure, 1e-9),
-        ("hertz_half_width", half_width, 1e-9),
-        ("duration", time, 1e-9),
-        ("sliding_distance", distance, 1e-9),
-        ("peclet_number", peclet, 1e-9),
-        ("wear_depth", depth, 0.12),  # the elastic width counts, too
-    ):
-        assert [found[name]["low"], found[name]["high"]] == pytest.approx(ends, rel=tolerance)
-    assert found["contact_modulus"]["value"] == pytest.approx(modulus)
-    assert found["greatest_load"]["value"] == pytest.approx(1e9 * 384e-6 * 3.4e-3)
-    assert (found["window"]["x"], found["window"]["y"]) == pytest.approx((384e-6, 192e-6))
-    made = pipeline.load_scene(scene).scene
-    _, level = without_plane(made.roughness.heights(made.pixels), made.pixels.spacing)
-    ra, rq = np.abs(level).mean(), level.std()
-    surface = found["surface"]
-    assert (surface["ra"]["value"], surface["rq"]["value"]) == pytest.approx((ra, rq))
-    wide, deep = found["contact_width"], found["wear_depth"]
-    for words in (
-        "Hertz: {:.3g} to {:.3g} GPa".format(*(pressure / 1e9)),
-        "half-width {:.3g} to {:.3g} µm".format(*(half_width * 1e6)),
-        f"worn and rough: {1e6 * wide['low']:.3g} to {1e6 * wide['high']:.3g} µm wide",
-        "384 × 192 µm, carries at most 1.31 kN",
-        f"Ra {1e6 * ra:.3g} µm, Rq {1e6 * rq:.3g} µm",
-        "{:.3g} to {:.3g} s and".format(*time),
-        "s and {:.3g} to {:.3g} m until the end".format(*distance),
-        f"{1e6 * deep['low']:.3g} to {1e6 * deep['high']:.3g} µm deep",
-        "Péclet number {:.3g} to {:.3g}".format(*peclet),
-        "9: 3 loads, 3 velocities",
-        f"{cost.steps} contacts and {cost.temperatures} temperatures to solve, in 9 tasks",
-        f"about {worker_bytes(pipeline.load_scene(scene)) / 1e6:.0f} MB of memory a worker",
-    ):
-        assert words in said, words
-    assert cost.points == ds["status"].size == 9
-    ends = np.isfinite(ds["max_rise"].sel(step=0)).sum()
-    # Heat of the course is solved once for all loads at a velocity.
-    course = np.isfinite(ds["max_rise"].isel(load=-1).sel(step=slice(None, -1))).sum()
-    assert ends == 9
-    assert cost.temperatures == ends + course
-    assert cost.tasks == 9
-
-
-def test_a_scan_prints_the_statistics_of_its_heights(irg_both, tmp_path):
-    grid = Grid((160, 128), (0.8e-6, 0.9e-6))
-    rough = self_affine(grid, 0.27e-6, 0.8, (4e-6, 8e-6), seed=3)
-    i, j = np.indices(grid.shape)
-    heights = rough + 2e-2 * i * 0.8e-6 - 1e-2 * j * 0.9e-6
-    heights[3:8, 10] = np.nan
-    np.save(tmp_path / "scan.npy", 1e6 * heights.T)
-    asked = ("surface", tmp_path / "scan.npy", "--height-unit", "um")
-    asked += ("--pixel-size", "0.8 um,0.9 um")
-    said, found = irg_both(*asked)
-    slopes, level = without_plane(heights, grid.spacing)
-    left = level[np.isfinite(level)]
-    ra, rq = np.abs(left).mean(), left.std()
-    skewness, kurtosis = (left**3).mean() / rq**3, (left**4).mean() / rq**4
-    assert found["shape"] == [160, 128]
-    assert found["pixel_size"] == pytest.approx([0.8e-6, 0.9e-6])
-    assert found["missing"] == 5
-    tilt, rough = np.degrees(np.arctan(slopes)), found["roughness"]
-    for name, value in {
-        "ra": ra, "rq": rq, "kurtosis": kurtosis, "slopes": list(slopes)
-    }.items():  # fmt: skip
-        assert rough[name] == pytest.approx(value, rel=2e-3), name
-    assert rough["skewness"] == pytest.approx(skewness, abs=2e-3)
-    fit = found["fit"]
-    # A surface of so few lengths fits tables that differ from its own: by seeds 3 to 5 up to 60 %.
-    assert fit["correlation_length"] == pytest.approx([4e-6, 8e-6], rel=0.6)
-    assert fit["hurst_exponent"] == pytest.approx(0.8, rel=0.2)
-    flat = np.nan_to_num(level)
-    lag = rough["sal"] / grid.spacing[0]  # along x, or nearly so
-    low = int(lag)
-    near = [(flat[k:] * flat[: len(flat) - k]).mean() / rq**2 for k in (low, low + 1)]
-    assert np.interp(lag, [low, low + 1], near) == pytest.approx(np.exp(-1), abs=0.05)
-    fitted = ", ".join(f'"{1e6 * length:.3g} um"' for length in fit["correlation_length"])
-    for words in (
-        "160 × 128 heights, 128 × 115.2 µm, pixels 0.8 × 0.9 µm",
-        f"{1e6 * rough['ra']:.4g} µm\n",
-        f"{1e6 * rough['rq']:.4g} µm\n",
-        f"{rough['skewness']:.2g}, {rough['kurtosis']:.2g}",
-        f"{tilt[0]:.2g}° along x, {tilt[1]:.2g}° along y",
-        f"5 heights ({100 * 5 / heights.size:.2g} %) are missing",
-        f'ra = "{1e6 * rough["ra"]:.4g} um"\nhurst_exponent = {fit["hurst_exponent"]:.3g}\n',
-        f"correlation_length = [{fitted}]\n",
-    ):
-        assert words in said, words
-    assert found["toml"] in said
-
-
-def test_a_log_prints_its_tests_and_counts_them(irg_both, tmp_path):
-    rows = [(0.4, 90, "0.1", "mild"), (0.6, 120, "", "scuffed"), (0.2, 60, "0.12", "mild")]
-    log = tmp_path / "log.csv"
-    log.write_text(
-        "test;load [kN];velocity [m/min];friction;result\n"
-        + "".join(f"{n};{F};{V};{mu};{end}\n" for n, (F, V, mu, end) in enumerate(rows, 1))
-        + "4;0.4;90;0.1;mild\n;;;;\n5;;;;mild\n"
-    )
-    said, document = irg_both("tests", log)
-    expected = [
-        {"load": f"{F} kN", "velocity": f"{V} m/min", "outcome": end.replace("scuffed", "severe")}
-        | ({"friction": float(mu)} if mu else {})
-        | {"number": number}
-        for number, (F, V, mu, end) in enumerate(rows, 1)
-    ]
-    assert document["tests"][:3] == expected
-    kinds = [test["outcome"] for test in document["tests"]]
-    assert f"{len(kinds)} tests: {kinds.count('mild')} mild, 1 severe" in said
-    for heading, name, first in (
-        ("load [kN]", "load", "0.4 kN"),
-        ("velocity [m/min]", "velocity", "90 m/min"),
-        ("friction", "friction", "0.1"),
-    ):
-        assert re.search(rf"^{re.escape(heading)} +{name} +{first}$", said, re.MULTILINE)
-    assert "5 rows: 4 used, 1 left out: row 7 has no number" in said
-    assert document["toml"] in said
-    (tmp_path / "scene.toml").write_text(SCENE + document["toml"])
-    tested = pipeline.load_scene(tmp_path / "scene.toml").about.tested[:3]
-    assert [test.normal_load for test in tested] == pytest.approx([1e3 * row[0] for row in rows])
-    assert [test.velocity for test in tested] == pytest.approx([row[1] / 60 for row in rows])
 
 
 # Samples, by a power law fitted to them, and draws of the distributions of the scene
@@ -1090,69 +770,3 @@ def test_a_boundary_is_the_same_as_text_as_json_and_in_python(
     if "realization" not in crossings.dims:
         printed += ["critical_velocity", "critical_load"]
     shown(*(crossings[name].values for name in printed if name in crossings))
-
-
-@pytest.mark.parametrize("kind", ["plane", "samples"])
-def test_of_several_frictions_each_is_a_row_with_the_margin_that_it_has_alone(ask, kind):
-    frictions = ("--friction", 0.09, "--friction", 0.103)
-    document, said, shown = ask("margin", kind, *place_of(500, 2.5), *frictions)
-    for friction, found in zip((0.09, 0.103), document["scenes"], strict=True):
-        alone, *_ = ask("margin", kind, *place_of(500, 2.5), "--friction", friction)
-        for name in ("verdict", "sentence", "probability", "distance", "critical_velocity"):
-            assert found[name] == alone[name]
-        assert found["sentence"] in said
-        shown(found["distance"], found["probability"], friction)
-
-
-def test_inputs_after_tests_are_draws_weighed_by_their_likelihood(ask, law, stores):
-    rates, frictions, criticals, _, log_velocity = law
-    document, said, shown = ask("infer", "samples")
-    prior, after = ([one[at] for one in document["inputs"]] for at in ("prior", "posterior"))
-    for held, values in zip(prior, (rates, frictions, criticals), strict=True):
-        assert held["mean"] == pytest.approx(values.mean(), rel=0.02)
-        assert held["sd"] == pytest.approx(values.std(), rel=0.05)
-        assert held["interval"] == pytest.approx(np.quantile(values, (0.05, 0.95)), rel=0.03)
-    for held, unit in zip(
-        (*prior, *after), 2 * ((1e9, 0.0), (1.0, 0.0), (1.0, 273.15)), strict=True
-    ):
-        shown(unit[0] * held["mean"] - unit[1])
-        assert held["interval"][0] < held["mean"] < held["interval"][1]
-        assert f"{unit[0] * held['sd']:.3g}" in said
-    for held, unit in zip(after, ((1e9, 0.0), (1.0, 0.0), (1.0, 273.15)), strict=True):
-        ends = (f"{unit[0] * end - unit[1]:.4g}" for end in held["interval"])
-        assert " to ".join(ends) in " ".join(said.split())
-    # A transition at 400 N and 2 m/s, below what is computed; mild wear at 1 m/s tells nothing.
-    # Two thirds of scatters are within a factor of 3 of the 5 % that are usual.
-    scatters = 0.05 * 3.0 ** stats.norm.ppf((np.arange(40) + 0.5) / 40)
-    apart = log_velocity(400.0) - np.log(2.0)
-    weights = stats.norm.pdf(apart, scale=scatters[:, None]).mean(axis=0)
-    for held, values in zip(after, (rates, frictions, criticals), strict=True):
-        expected = np.average(values, weights=weights)
-        assert held["mean"] == pytest.approx(expected, abs=0.25 * values.std())
-    assert document["samples"] == 15
-    tests = document["tests"]
-    assert [test["normal_load"] for test in tests] == [400.0, 400.0]
-    for test in tests:
-        ends = [test["critical_velocity"][f"{share} %"] for share in (5, 50, 95)]
-        assert ends == sorted(ends)
-        shown(ends)
-    assert f"effective sample size {document['effective_draws']:.0f} of {document['draws']}" in said
-
-
-def test_shares_of_the_variance_are_those_of_the_power_law(ask, law):
-    _, frictions, criticals, log_rise, _ = law
-    document, said, shown = ask("sensitivity", "samples")
-    parts = np.stack([
-        log_rise(600.0, 1.0), np.log(frictions), np.log(criticals - 298.15)
-    ]).var(axis=1)  # fmt: skip
-    assert document["inputs"] == [
-        "wear.specific_wear_rate",
-        "friction.coefficient",
-        "temperature.critical",
-    ]
-    place = document["loads"].index(600.0)
-    assert document["first"][place] == pytest.approx((parts / parts.sum()).tolist(), abs=0.08)
-    shown(document["first"], document["total"])
-    order = np.argsort(-np.mean(document["first"], axis=0))
-    listed = [document["inputs"][number] for number in order]
-    assert sorted(listed, key=said.index) == listed  # the input of most influence first

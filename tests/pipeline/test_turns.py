@@ -3,21 +3,9 @@
 import numpy as np
 
 import pipeline
-from pipeline.sweep.physics import note_on_turns
 from tests.pipeline.conftest import commit_all
 
-COLD = {"without": ["pin.diameter", "pin.width", "disk.diameter", "disk.width"]}
-AROUND = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}
 BOTH = "earlier turns of the pin and the disk are not counted"
-
-
-def test_bodies_that_do_not_both_roll_or_have_tracks_say_nothing():
-    assert note_on_turns(pipeline.load_scene("first_try")) is None
-    assert note_on_turns(pipeline.load_scene("twin_disc")) is None
-    at_rest = AROUND | {"motion.slide_roll_ratio": 2.0}
-    assert note_on_turns(pipeline.load_scene("twin_disc", overrides=COLD | at_rest)) is None
-    one = pipeline.load_scene("twin_disc", overrides={"without": ["disk.diameter", "disk.width"]})
-    assert note_on_turns(one).startswith("earlier turns of the disk are not counted")
 
 
 def test_commands_say_what_a_scene_of_cold_discs_leaves_out(tmp_path, irg):

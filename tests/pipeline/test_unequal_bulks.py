@@ -49,15 +49,6 @@ def test_only_unequal_bulk_temperatures_are_stored_with_both_parts(unequal, equa
         assert np.array_equal(unequal[name], equal[name], equal_nan=True)
 
 
-def test_a_store_with_both_parts_is_verified_and_gone_on_with(stores, unequal):
-    out = stores / "unequal.zarr"
-    assert pipeline.verify_store(out).done == 9
-    again = pipeline.run_sweep(warm(), out, workers=1)
-    assert (again.computed, again.done) == (0, 9)
-    with pipeline.open_sweep(out) as ds:
-        assert ds["bulk_rise_quantile"].equals(unequal["bulk_rise_quantile"])
-
-
 def test_temperatures_are_those_of_the_fields(unequal):
     last = unequal.sel(load=600.0, velocity=1.0)
     contact = last["pressure"].values > 0
@@ -85,19 +76,6 @@ def test_the_conditions_stay_free_after_the_run(unequal, equal):
     # A contact without friction lies between its bodies.
     still = deciding(pipeline.at(unequal, friction=0.0, bulk_temperature=BOTH))
     assert ((still > 298.15) & (still < 333.15)).all()
-
-
-@pytest.mark.parametrize(
-    ("bulk", "said"),
-    [
-        ({"pin": 300.0}, "names pin; give one temperature for both bodies"),
-        ({"pin": 300.0, "disk": 25.0}, "at which no oil works"),
-        ({"pin": 300.0, "disk": 390.0}, "critical_temperature is 100 °C"),
-    ],
-)
-def test_bulk_temperatures_that_cannot_be_are_refused(unequal, bulk, said):
-    with pytest.raises(InputError, match=said):
-        pipeline.at(unequal, bulk_temperature=bulk)
 
 
 def test_a_sweep_of_equal_ones_cannot_tell_what_unequal_ones_would_do(stores, equal, irg):
@@ -150,33 +128,6 @@ def test_the_scene_file_gives_one_temperature_or_two(scene):
         one = pipeline.load_scene(scene, overrides={"temperature.bulk": same})
         assert not one.scene.unequal_bulks
         assert one.conditions == Conditions(0.1, 298.15, 418.15, 0.1)
-
-
-@pytest.mark.parametrize(
-    ("bulk", "fault"),
-    [
-        ({"pin": "25 degC"}, "temperature.bulk.disk: missing; give a temperature above 0"),
-        ({"pin": "25 degC", "disk": 25}, "temperature.bulk.disk: 25 has no unit"),
-        ({"pin": "25 degC", "disk": "25 degC", "oil": 1}, "temperature.bulk.oil: unknown key"),
-        ({"pin": "25 degC", "disk": "150 degC"}, "temperature.critical: 145 °C is not above"),
-        (25, "temperature.bulk: 25 has no unit"),
-    ],
-)
-def test_a_faulty_bulk_temperature_is_one_fault(request, bulk, fault):
-    paper = request.config.rootpath / "workflows" / "irg_transition.toml"
-    with pytest.raises(pipeline.SceneFileError) as caught:
-        pipeline.load_scene(paper, overrides={"temperature.bulk": bulk})
-    (only,) = caught.value.faults
-    assert only.startswith(fault)
-
-
-def test_two_bulk_temperatures_do_not_go_with_unknown_inputs(scene):
-    unknown = '\n[unknown]\n"friction.coefficient" = { mean = 0.1, sd = 0.01 }\n'
-    scene.write_text(scene.read_text().replace("[sweep]", "[sweep]\nsamples = 4") + unknown)
-    with pytest.raises(pipeline.SceneFileError) as caught:
-        pipeline.load_scene(scene)
-    (only,) = caught.value.faults
-    assert only.startswith("temperature.bulk: two temperatures do not go with [unknown]")
 
 
 def test_the_commands_take_both(scene, irg):

@@ -71,18 +71,3 @@ def test_warnings_are_counted_without_a_boundary(store):
     warnings = pipeline.warned(flagged)
     assert warnings.at_boundary is None
     assert "it is not known which of them lie beside" in next(iter(warnings.lines()))
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"bulk_temperature": 80}, r'-193.* °C .80 K.*"80 degC"'),
-        ({"bulk_temperature": 25.0}, "-248.1 °C .25 K"),
-        ({"bulk_temperature": 1200.0}, "at which no oil works"),
-        ({"critical_temperature": 145.0}, "-128.1 °C .145 K"),
-    ],
-)
-def test_kelvins_at_which_no_oil_works_are_refused_with_a_hint(store, changes, said):
-    conditions = {"bulk_temperature": 298.15, "critical_temperature": 418.15} | changes
-    with pytest.raises(InputError, match=said):
-        pipeline.at(pipeline.open_sweep(store), **conditions)

@@ -8,21 +8,13 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.dataset import stored_sweep
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
-from pipeline.figures.ramp import ramp
-from pipeline.figures.style import TINTS
 from pipeline.run.vary import Variation, Variations
 from pipeline.sweep.about import Measurement
-from pipeline.sweep.model import Point
-from pipeline.sweep.selection import Choice
-from pipeline.sweep.surface import find_lubrication
-from pipeline.tradeoff.trade import Trade
 from pipeline.uncertain.sensitivity import Sensitivity
 from tests.helpers import samples, synthetic, unknowns
-from tests.pipeline.figures.test_plot import contour, labels, lines, of_height
-from tribo import PRESETS
+from tests.pipeline.figures.test_plot import contour, labels, lines
 
 NARROW = (200.0, 400.0, 600.0), (1.0, 2.0, 4.0)
 
@@ -55,20 +47,6 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     assert far == "beyond the figure: tests 4, 5"
 
 
-def test_the_full_film_begins_at_three_times_the_height_of_the_roughness():
-    oily = synthetic.sweep(oil=synthetic.OIL, roughness=of_height(0.07e-6), friction_band=None)
-    axes = diagram(oily).axes[0]
-    for level, beyond in ((1, "mixed"), (3, "full film")):
-        label = f"Λ = {level}, {beyond} beyond"
-        velocity, load = contour(axes, label)[0].T
-        film = find_lubrication(stored_sweep(oily)).film_parameter(load, velocity, 298.15)
-        assert film == pytest.approx(np.full(len(load), level), rel=2e-3)
-        assert label in labels(axes.figure.legends[0])
-        # At a higher load it begins at a higher velocity, from one side of the figure to another.
-        assert load.min() == synthetic.LOADS[0] or velocity.min() == synthetic.VELOCITIES[0]
-        assert load.max() == synthetic.LOADS[-1] or velocity.max() == synthetic.VELOCITIES[-1]
-
-
 @pytest.mark.parametrize("axis", ["velocity", "load"])
 def test_a_sweep_of_one_line_marks_its_transition_across_the_line(axis):
     loads, velocities = ((400.0,), NARROW[1]) if axis == "velocity" else (NARROW[0], (2.0,))
@@ -82,16 +60,6 @@ def test_a_sweep_of_one_line_marks_its_transition_across_the_line(axis):
     assert "computed transition" in labels(figure.legends[0])
     (mark,) = (line for line in figure.axes[0].lines if line.get_gid() == "boundary")
     assert mark.get_marker() == {"velocity": "|", "load": "_"}[axis]
-
-
-def test_load_is_upwards_velocity_to_the_right_and_the_cold_side_has_the_colour_of_mild_wear():
-    axes = diagram(synthetic.sweep(*NARROW, measured=(), friction_band=None)).axes[0]
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("sliding velocity [m/s]", "normal load [N]")
-    for kind in ("mild", "severe"):
-        (region,) = (one for one in axes.collections if one.get_gid() == f"{kind} region")
-        assert region.get_zorder() < axes.xaxis.get_zorder()  # that of the grid
-        (colour,) = region.get_facecolor()
-        assert matplotlib.colors.to_hex(colour).upper() == TINTS[kind]
 
 
 LIFTS = np.array([1.0, 1.1, 0.9, 1.05])
@@ -129,44 +97,6 @@ def test_over_surfaces_the_boundary_is_the_median_s_in_a_band_from_10_to_90_perc
 
 
 # Contact and temperature
-
-
-def test_the_load_above_a_ramp_belongs_to_its_time():
-    axes = ramp(synthetic.sweep(*NARROW), load=[400.0, 600.0], velocity=2.0).axes[0]
-    (top,) = axes.child_axes
-    assert top.get_xlabel() == "normal load [N]"
-    assert top.xaxis.get_label_position() == "top"
-    axes.figure.draw_without_rendering()
-    assert top.get_xlim() == pytest.approx([synthetic.RATE * end for end in axes.get_xlim()])
-    legend = axes.figure.legends[0]
-    assert labels(legend) == ["400 N, 2 m/s", "600 N, 2 m/s"]
-    assert axes.get_xlim()[0] == 0.0
-    axes.set_xlim(0.1, 2.0)  # from before the first step, at 0.25 s
-    axes.figure.draw_without_rendering()
-    assert top.get_xlim() == pytest.approx((0.1 * synthetic.RATE, 2.0 * synthetic.RATE))
-
-
-def test_wear_of_a_ramp_is_drawn_in_the_units_of_its_axes():
-    axes = ramp(synthetic.sweep(*NARROW), load=600.0, velocity=4.0).axes
-    drawn = {one.get_ylabel(): one.lines[0].get_ydata() for one in axes if one.lines}
-    time = 600.0 / synthetic.RATE
-    assert np.nanmax(drawn["greatest wear depth [µm]"]) == pytest.approx(8e-3 * 600**0.9)
-    volume = 1.2e-6 * 0.5 * synthetic.RATE * time**2 * 4.0
-    assert np.nanmax(drawn["worn volume [mm³]"]) == pytest.approx(volume)
-
-
-def test_the_ends_of_both_curves_of_a_panel_have_marks_of_their_own():
-    whole = synthetic.sweep(*NARROW)
-    parts = whole.assign(own_grid=whole["own_grid"] & (whole["step"] == 0))
-    for ds, is_coarse in ((whole, False), (parts, True)):
-        figure = ramp(ds, load=600.0, velocity=4.0)
-        (title,) = (legend.get_title().get_text() for legend in figure.legends)
-        assert ("smaller elements than the lines" in title) == is_coarse
-        for axes in figure.axes:
-            marks = {line.get_marker() for line in axes.lines} - {"None"}
-            assert marks in ({"o", "^"}, {"o"}, {"^"})
-    key = figure.axes[1].get_legend().legend_handles
-    assert [line.get_marker() for line in key] == ["o", "^"]
 
 
 def test_the_critical_temperature_is_outlined_in_the_contact():
@@ -224,38 +154,6 @@ def test_bars_of_variations_reach_from_nothing_to_the_change_at_each_load():
     assert not any(line.get_visible() for line in axes.yaxis.get_gridlines())
     assert len(axes.get_xticks()) < 9
     assert axes.xaxis.get_major_formatter()(-0.123, 0) == "-12.3 %"
-
-
-def choice(name, seconds, error):
-    return Choice(name, PRESETS["draft"], (error,), error, 1.3 * error, seconds)
-
-
-def test_choices_stand_at_their_time_and_error_and_the_front_joins_the_best():
-    choices = (
-        choice("draft", 5.0, 0.05),
-        choice("standard", 40.0, 0.0),
-        choice("fine", 25.0, 0.005),
-        choice("the scene's own fidelity", 12.5, 0.03),
-        choice("reference", 100.0, 0.0),
-    )
-    axes = pipeline.plot(Trade("A scene", (Point(200.0, 1.0),), choices)).axes[0]
-    places = lines(axes)
-    no_error = [40.0, 1e-4]  # is shown as the least
-    assert places["presets"].tolist() == [[5.0, 0.05], no_error, [25.0, 0.005]]
-    assert places["the scene's own"].tolist() == [[12.5, 0.03]]
-    assert places["front"].tolist() == [[5.0, 0.05], [12.5, 0.03], [25.0, 0.005], no_error]
-    assert axes.get_xlim()[0] < axes.get_xlim()[1]  # more time to the right
-    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-    assert axes.yaxis.get_major_formatter()(0.05, 0) == "5 %"
-    assert axes.get_title() == "Speed against accuracy: A scene"
-    assert axes.get_xlabel() == "processor time of the points [s]"
-    assert axes.get_ylabel() == "largest error of the boundary velocity"
-    assert axes.xaxis.get_major_formatter().format_ticks([10.0]) == ["10"]
-    named = {text.get_text(): text.xy for text in axes.texts}
-    assert named == {
-        "draft": (5.0, 0.05), "standard": (40.0, 1e-4), "fine": (25.0, 0.005),
-        "the scene's own fidelity": (12.5, 0.03),
-    }  # fmt: skip
 
 
 # What is not known exactly

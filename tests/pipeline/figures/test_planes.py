@@ -1,20 +1,12 @@
 """Planes of diagrams at numbers that are known: their regions, bands, points and names."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.figure import Figure
 
 import pipeline
-import tribo
-from pipeline.analysis.dataset import stored_sweep
-from pipeline.analysis.laboratory import are_near
 from pipeline.figures.diagram import diagram
-from pipeline.figures.overlays import film_lines
 from pipeline.store.schema import FAILED, PENDING
-from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
 from tests.helpers.entries import two_pins as radii_rows
 from tribo import InputError
@@ -243,48 +235,3 @@ def test_logarithmic_scales_leave_rest_out():
 
 
 # Overlays
-
-
-@pytest.mark.parametrize(
-    ("changes", "is_near"),
-    [
-        ({}, True),
-        ({"friction": 0.1 * 1.015}, True),
-        ({"friction": 0.1 * 1.03}, False),
-        ({"critical_temperature": 418.15 - 120 * 0.015}, True),
-        ({"critical_temperature": 418.15 - 120 * 0.025}, False),
-        ({"disk_temperature": 299.15}, False),
-    ],
-)
-def test_conditions_are_near_where_they_allow_nearly_the_same_rise(changes, is_near):
-    assert are_near(replace(OWN, **changes), OWN, 2.0) == is_near
-
-
-def test_conditions_are_near_where_friction_by_velocity_is_that_of_the_test():
-    falling = tribo.Friction(by_velocity=((1.0, 1.0), (4.0, 0.5)))
-    law = replace(OWN, corrections=tribo.Corrections(friction=falling))
-    at_four, elsewhere = replace(OWN, friction=0.05), replace(OWN, friction=0.2)
-    assert law.friction_factor(np.array(4.0)) == pytest.approx(0.5)
-    assert are_near(law, at_four, 4.0)
-    assert are_near(at_four, law, 4.0)
-    assert not are_near(law, at_four, 1.0)
-    assert are_near(law, OWN, 1.0)
-    assert not are_near(law, elsewhere, 4.0)
-
-
-@pytest.mark.parametrize(
-    ("height", "regime"),
-    [(0.5e-6, "boundary lubrication"), (0.01e-6, "full film, outside the model")],
-)
-def test_where_no_film_begins_its_range_and_regime_are_told(height, regime):
-    assert film_lines(Figure().add_subplot(), pipeline.results(sweep()), OWN) == []
-    axes = Figure().add_subplot()
-    roughness = tribo.SelfAffineRoughness(height, 0.8, (4e-6, 9e-6), seed=1)
-    oily = sweep(oil=synthetic.OIL, roughness=roughness)
-    (line,) = film_lines(axes, pipeline.results(oily), OWN)
-    assert not axes.collections
-    low, high = (
-        find_lubrication(stored_sweep(oily)).film_parameter(load, velocity, 298.15)
-        for load, velocity in ((600.0, 1.0), (200.0, 4.0))
-    )
-    assert line.get_label() == f"Λ {low:.2f} to {high:.2f}: {regime}"

@@ -23,7 +23,7 @@ from pipeline.sweep.about import Measurement
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import samples, synthetic
 from tests.helpers.synthetic import MEASURED, VELOCITIES
-from tribo import Corrections, Friction, InputError
+from tribo import InputError
 
 MILD, SEVERE = "mild wear, computed", "severe wear, computed"
 
@@ -96,18 +96,6 @@ def test_diagram_says_its_conditions(drawn):
     ]
 
 
-def test_a_diagram_says_what_acts_beside_its_conditions():
-    falling = Corrections(friction=Friction(by_velocity=((0.5, 1.6), (6.0, 0.55))))
-    varied = synthetic.sweep(conditions=replace(synthetic.conditions(), corrections=falling))
-    (legend,) = pipeline.plot(varied).legends
-    assert legend.get_title().get_text().count("\n") == 1
-    title = " ".join(legend.get_title().get_text().split())
-    assert "bulk 25 °C; friction by velocity, measured, 0.55 to 1.6 times the" in title
-    assert title.endswith(" …")
-    plain = pipeline.plot(varied, plain=True)
-    assert (plain.legends[0].get_title().get_text(), plain.axes[0].get_title()) == ("", "")
-
-
 def test_boundary_in_the_diagram_is_the_known_one(drawn):
     (curve,) = contour(drawn, "boundary")
     expected = synthetic.critical_velocity(curve[:, 1], synthetic.limit())
@@ -130,39 +118,6 @@ def test_every_point_is_marked_as_what_it_is(sweep, drawn):
         rise = synthetic.rise(load, velocity, 0.9)
         assert (sign * (rise - synthetic.limit()) > 0).all()
     assert sum(map(len, marks.values())) == sweep["status"].size + len(MEASURED)
-
-
-@pytest.mark.parametrize("friction", [0.05, 0.2])
-def test_names_stand_inside_their_regions(sweep, friction):
-    axes = diagram(at(sweep, friction=friction)).axes[0]
-    axes.figure.draw_without_rendering()
-    place = {}
-    for text in axes.texts:
-        if text.get_gid() == "region":
-            place[text.get_text().replace("\n", " ")] = text.get_position()
-    limit = synthetic.limit(friction=friction)
-    if friction < 0.15:
-        velocity, load = place.pop("mild wear (I and II)")
-        assert velocity < 0.95 * synthetic.critical_velocity(load, limit)
-    if friction > 0.05:
-        velocity, load = place.pop("severe adhesive wear (III* and III)")
-        assert velocity > 1.05 * synthetic.critical_velocity(load, limit)
-    assert not place  # too little room elsewhere
-
-
-@pytest.mark.parametrize(
-    ("axes", "options"),
-    [
-        (([200.0, 600.0], [0.0, 2.0]), {}),
-        (([200.0, 600.0], [0.0]), {"measured": ()}),
-        (([200.0], [0.5, 1.0]), {"status": {(200.0, V): PENDING for V in (0.5, 1.0)}}),
-    ],
-    ids=["velocity 0", "nothing moves", "nothing done"],
-)
-def test_diagram_of_next_to_nothing(axes, options):
-    figure = diagram(synthetic.sweep(*axes, **options))
-    figure.draw_without_rendering()
-    assert figure.legends[0].get_texts()
 
 
 def test_figures_are_drawn_on_axes_of_the_caller(sweep):
@@ -229,46 +184,6 @@ def test_fields_of_the_point_nearest_to_the_transition(sweep):
         edges = mesh.get_coordinates()
         np.testing.assert_allclose(edges[0, 0], [-192.0, -6.0])
         np.testing.assert_allclose(edges[-1, -1], [192.0, 426.0])
-
-
-def test_the_end_of_a_ramp_is_a_mark_that_no_line_joins():
-    sweep = synthetic.sweep(interval=1)
-    sweep["own_grid"][..., :-1] = False
-    for axes in ramp(sweep, load=600.0, velocity=2.0).axes:
-        lines = [line for line in axes.lines if len(line.get_xdata()) and line.get_ls() != ":"]
-        for way, end in zip(lines[::2], lines[1::2], strict=True):
-            assert (way.get_marker(), len(end.get_xdata())) == ("None", 1)
-            assert end.get_marker() in "^o."
-            assert way.get_xdata()[-1] < end.get_xdata()[0] == 600 / 150
-
-
-def test_a_point_that_is_not_there_is_the_nearest_and_has_its_name(sweep):
-    legend = ramp(sweep, load=740.0, velocity="1.3 m/s").legends[0]
-    assert labels(legend) == ["750 N, 1.25 m/s"]
-    assert "\n750 N, 1.25 m/s, " in fields(sweep, load=740.0, velocity=1.3).get_suptitle()
-
-
-@pytest.mark.parametrize("draw", [ramp, fields])
-def test_points_that_are_not_done_are_refused(sweep, draw):
-    with pytest.raises(InputError, match=r"300 N, 1.5 m/s is not done: out of memory"):
-        draw(sweep, load=300.0, velocity=1.5)
-    with pytest.raises(InputError, match=r"750 N, 4 m/s is not done; give another"):
-        draw(sweep, velocity=4.0)
-
-
-def test_a_ramp_that_was_cut_to_its_end_is_drawn_there(alone):
-    with pipeline.open_sweep(alone) as ds:
-        figure = ramp(ds.sel(step=0), load=600.0, velocity=1.0)
-        end = ds["time"].sel(load=600.0, step=0).item()
-    assert [end] in [line.get_xdata().tolist() for line in figure.axes[1].lines]
-
-
-def test_a_sweep_without_results_has_no_ramp():
-    status = {(400.0, V): PENDING for V in VELOCITIES}
-    with pytest.raises(InputError, match="no point at 400 N is done"):
-        ramp(synthetic.sweep(loads=[400.0], status=status))
-    with pytest.raises(InputError, match="no point at 400 N is done"):
-        ramp(synthetic.sweep(status=status), load=400.0)
 
 
 @pytest.mark.parametrize(("suffix", "magic"), [(".pdf", b"%PDF"), (".SVG", b"<?xml")])
@@ -352,13 +267,6 @@ def test_given_the_measurements_the_diagram_is_that_of_their_probability(unknown
 
 def _upwards(line):
     return line if line[0, 1] > line[-1, 1] else line[::-1]
-
-
-def test_options_that_do_not_go_with_samples_are_refused(unknown, sweep):
-    with pytest.raises(InputError, match="leave out the surface and ax"):
-        diagram(unknown, realization=0)
-    with pytest.raises(InputError, match="diagram has no option 'friction'"):
-        plot(sweep, "diagram", friction=0.09)
 
 
 def test_a_ramp_shows_any_stored_variable_and_names_them(alone):

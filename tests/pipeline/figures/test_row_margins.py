@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.figures.style import TINTS
 from pipeline.sweep.plan import points
 from tests.helpers import tiny
 from tests.helpers.entries import placed_rows
@@ -43,14 +42,3 @@ def test_each_row_stands_at_its_margin_with_its_error_and_its_name(rows):
     assert [one.get_text() for one in axes.get_xticklabels()] == [*NAMES]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("name", "margin to severe wear [K]")
     assert {"critical temperature", "error of the margin"} < {*labels(axes.figure.legends[0])}
-
-
-def test_above_zero_wear_is_mild_and_below_severe(rows):
-    (axes,) = pipeline.plot(rows).axes
-    mild, severe = axes.patches
-    for patch, kind in ((mild, "mild"), (severe, "severe")):
-        colour = "#" + "".join(f"{round(255 * part):02X}" for part in patch.get_facecolor()[:3])
-        assert colour == TINTS[kind]
-    bottom, top = axes.get_ylim()
-    assert (mild.get_y(), mild.get_y() + mild.get_height()) == (0.0, top)
-    assert (severe.get_y(), severe.get_y() + severe.get_height()) == pytest.approx((bottom, 0.0))

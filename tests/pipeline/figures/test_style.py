@@ -5,10 +5,8 @@ import errno
 import os
 from pathlib import Path
 
-import numpy as np
 import pytest
 from matplotlib import pyplot as plt
-from matplotlib import rc_context, rcParams
 from matplotlib.figure import Figure
 
 from pipeline.figures import style
@@ -48,43 +46,6 @@ def test_a_user_can_take_the_style_by_its_name():
     with plt.style.context("pipeline.figures.house"):
         assert plt.rcParams["axes.prop_cycle"].by_key()["color"][0] == style.BLUE
         assert plt.rcParams["legend.frameon"] is False
-
-
-def test_names_at_the_ends_of_curves_stand_in_order_and_apart():
-    figure = Figure(figsize=(5, 4))
-    axes = figure.subplots()
-    x = np.linspace(0, 1, 5)
-    ends = {"a": 1.0, "b": 1.01, "c": 1.02, "far": 9.0, "level": 5.0}
-    for name, end in ends.items():
-        if name == "level":
-            axes.axhline(end, label=name)
-        elif name == "c":
-            axes.errorbar(x, end * x, 0.01, label=name)
-        else:
-            axes.plot(x, np.where(x < 1, end * x, end), label=name)
-    style.label_ends(axes, fontsize=9.0)
-    figure.draw_without_rendering()
-    boxes = {text.get_text(): text.get_window_extent() for text in axes.texts}
-    assert sorted(boxes, key=lambda name: boxes[name].y0) == ["a", "b", "c", "level", "far"]
-    assert all(box.x0 > axes.bbox.x1 for box in boxes.values())
-    heights = np.sort([(box.y0 + box.y1) / 2 for box in boxes.values()])
-    assert np.diff(heights).min() > 1.0 * 9.0 * figure.dpi / 72
-    expected = axes.transData.transform((0.0, 9.0))[1]
-    assert (boxes["far"].y0 + boxes["far"].y1) / 2 == pytest.approx(expected, abs=2.0)
-
-
-def test_settings_that_a_user_changed_are_kept_and_the_others_are_of_the_house():
-    house = style._HOUSE
-
-    @style.house_style
-    def settings():
-        return dict(rcParams)
-
-    assert {key: settings()[key] for key in house} == dict(house)
-    changed = next(key for key, value in house.items() if isinstance(value, float))
-    with rc_context({changed: 7.25}):
-        drawn = settings()
-    assert {key: drawn[key] for key in house} == dict(house) | {changed: 7.25}
 
 
 @pytest.mark.parametrize("ending", [".pdf", ".png", ".svg"])

@@ -18,7 +18,6 @@ import pipeline
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import agreement, compared, model_error
 from pipeline.analysis.margin import percent
-from pipeline.analysis.transition import ABOVE, MILD
 from pipeline.sweep.about import Measurement
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import samples, synthetic
@@ -63,26 +62,6 @@ def rows(link):
 def critical_velocities(driver):
     link = driver.find_element(By.ID, "velocities-csv").get_attribute("href")
     return column(rows(link), "critical velocity [m/s]")
-
-
-def test_the_median_goes_on_where_one_surface_has_no_boundary(page):
-    ds = sweeps.searched_surfaces()
-    crossings = pipeline.boundary(ds)
-    assert np.isin(crossings["outcome_at_load"].sel(load=200.0), (MILD, ABOVE)).sum() == 2
-    assert crossings["known_at_load"].sel(load=750.0) == 4
-    drawn = """
-    const { x, y, width, height } = document.querySelector("#diagram path.boundary").getBBox();
-    const [first, last] = arguments;
-    return [[x, diagram.frame.x(first)], [y, diagram.frame.y(750)],
-            [x + width, diagram.frame.x(last)]];
-    """
-    median = crossings["critical_velocity_quantile"].sel(quantile=0.5)
-    first, last = float(median.sel(load=750.0)), float(median.max())
-    *ends, (right, last_median) = page(ds).execute_script(drawn, first, last)
-    for place, expected in ends:
-        assert place == pytest.approx(expected, abs=2.0)  # half of four surfaces, node by node
-    # Between the last load with a median and the next, it is known in part.
-    assert right > last_median - 0.1
 
 
 def test_a_page_begins_with_the_conditions_of_the_store_and_tells_messages_as_text(page):
@@ -322,16 +301,6 @@ def test_each_test_has_its_own_transition_and_the_verdict_of_the_command(page):
     for text, said in zip(rows, expected["computed"], strict=True):
         assert said in text
     assert agreement(expected) in driver.find_element(By.TAG_NAME, "body").text
-
-
-def test_where_wear_does_not_turn_there_are_words_and_no_unit(page):
-    driver = page(sweeps.over_surfaces())
-    for name, text in (("at-load", "200"), ("at-velocity", "0.5")):
-        typed(driver, name, text + Keys.TAB)
-    text = driver.find_element(By.ID, "margin").text
-    assert "5 mild throughout" in text
-    assert "Infinity" not in text
-    assert driver.find_element(By.ID, "sign-band").text == "10 to 90 % of 5 surfaces"
 
 
 DUTIES = {

@@ -2,25 +2,18 @@
 
 import base64
 import hashlib
-import io
 import json
 import math
 import re
 
 import numpy as np
-from PIL import Image
 
 import pipeline
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.cli import main
 from pipeline.page.content import content
-from pipeline.page.pictures import packed_point
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
-
-
-def coded(text):
-    return np.array([int(code) for code in text])
 
 
 def unpacked(text, dtype):
@@ -67,44 +60,6 @@ def test_the_table_has_the_deciding_rise_of_each_point_at_each_share():
 def test_a_sweep_that_was_cut_to_the_end_of_points_has_its_page():
     ds = synthetic.sweep()
     assert content(ds.sel(step=0))["rises"] == content(ds.sel(step=[0]))["rises"]
-
-
-def test_points_are_asked_for_on_their_own_surface():
-    axis = "realization"
-    ds = sweeps.over_surfaces(axis).isel({axis: slice(2)})
-    wanted = (ds[axis] == 1) & (ds["load"] == 200.0) & (ds["velocity"] == 1.8)
-    ds = ds.assign(asked=wanted.astype(np.int8))
-    page = content(ds)
-    asked = coded(page["asked"]).reshape(2, ds.sizes["load"], ds.sizes["velocity"])
-    assert np.argwhere(asked).tolist() == [[1, 1, 4]]
-    assert page["surfaces"] == [0, 1]
-
-
-def test_fields_count_what_is_in_contact_alone():
-    pressure = np.zeros((240, 4))
-    pressure[100, 1] = 8e9
-    rise = np.full((240, 4), 5000.0)
-    rise[100, 1] = 1200.0
-    highest, low, high, depth, *pictures = packed_point(pressure, rise, np.ones((240, 4)))
-    images = [Image.open(io.BytesIO(base64.b64decode(picture))) for picture in pictures]
-    p, warm, worn = (np.array(image).T[:, ::-1] for image in images)
-    assert p.shape == (120, 4)
-    assert (highest, low, high, depth) == (4e9, 1200.0, 1200.0, 1.0)
-    assert np.argwhere(p).tolist() == np.argwhere(warm).tolist() == [[50, 1]]
-    assert images[0].convert("RGB").getpixel((0, 0)) == (255, 255, 255)
-    assert (worn == 255).all()
-
-
-def test_fields_of_the_points_nearest_to_the_transition_are_held(tmp_path):
-    ds = synthetic.sweep(fields=True)
-    page = pipeline.explore(ds, tmp_path / "page.html", most_fields=5)
-    assert (page.points_with_fields, page.points) == (5, 180)
-    chosen = [
-        divmod(int(index), ds.sizes["velocity"]) for index in content(ds, 5)["fields"]["points"]
-    ]
-    rise = decisive_rise(ds, synthetic.conditions()).values
-    distance = np.abs(rise - synthetic.limit())
-    assert sorted(distance[place] for place in chosen) == sorted(distance.ravel())[:5]
 
 
 def test_the_command_writes_beside_the_store_and_says_what(alone, tmp_path, capsys, monkeypatch):

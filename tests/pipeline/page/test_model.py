@@ -5,14 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import pipeline
 from pipeline.analysis.dataset import read_conditions
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import model_error
-from pipeline.analysis.transition import CROSSES, SEVERAL
-from pipeline.page.content import BETWEEN, EXTRAPOLATED, content
+from pipeline.analysis.transition import CROSSES
+from pipeline.page.content import BETWEEN, EXTRAPOLATED
 from pipeline.store.schema import PENDING
 from pipeline.sweep.about import Measurement
 from tests.helpers import page_sweeps as sweeps
@@ -195,7 +194,6 @@ def test_beyond_the_sweep_friction_is_what_its_table_says():
 
 
 FALLING = (0.5, 2.6), (1.2, 1.0), (6.0, 0.9)
-PEAKED = (0.6, 0.6), (1.2, 2.0), (2.4, 0.8), (6.0, 0.9)
 
 
 def banded(by_velocity=FALLING):
@@ -203,63 +201,6 @@ def banded(by_velocity=FALLING):
     ds = synthetic.sweep()
     corrections = Corrections(friction=Friction(by_velocity=by_velocity))
     return with_fields(ds, conditions=replace(read_conditions(ds), corrections=corrections))
-
-
-@pytest.mark.parametrize("factors", [(1.0, 1.01, 2.0), (1.0, 1.05, 0.9, 1.8)])
-def test_of_surfaces_that_turn_several_times_the_median_of_the_first_turns_is_told(factors):
-    ds = banded(PEAKED).isel(load=slice(None, None, 2))
-    heats = [name for name in ds if name in ("rise_quantile", "mean_rise", "max_rise")]
-    hotter = [ds.assign({name: k * ds[name] for name in heats}) for k in factors]
-    several = xr.concat(
-        hotter, xr.Variable("realization", range(len(factors))), combine_attrs="override"
-    )
-    places = [(float(load), v) for load in several["load"][::2] for v in (0.7, 1.5, 3.0)]
-    rows = "boundaries().velocity.map(({ low, middle, high }) => [low, middle, high])"
-    both = f"return [(() => {{ {MARGINS} }})(), {rows}];"
-    (pages,), bands = run(several, both, [{"conditions": {}, "places": places}])
-    for page in pages:
-        load, velocity = page["place"]
-        told = pipeline.margin(several, load, velocity).critical_velocity
-        assert page["velocity"] == pytest.approx(told, rel=5e-3, nan_ok=True)
-    expected = pipeline.boundary(several)["critical_velocity_quantile"].transpose("load", ...)
-    for told, quantiles in zip(bands, expected.values, strict=True):
-        same(told, quantiles)
-    assert np.isfinite(expected.sel(quantile=0.5)).sum() > 3
-
-
-def test_bands_of_severe_wear_have_all_their_ends():
-    ds = banded()
-    expected = pipeline.boundary(ds)
-    assert (expected["outcome_at_load"] == SEVERAL).any()
-    script = """
-    return boundaries().velocity.map(({ transitions: [{ places, outcome }] }) => [outcome, places]);
-    """
-    for (outcome, places), row in zip(
-        run(ds, script), expected["turns_at_load"].values, strict=True
-    ):
-        same(places, row[np.isfinite(row)])
-        assert (outcome == SEVERAL) == (len(places) > 1)
-    words = run(ds, "return outcomeText(boundaries().velocity[5], 'm/s');")
-    assert words.startswith("severe up to ")
-    assert " and from " in words
-
-
-def test_a_page_of_bands_measures_transitions_against_turns_to_severe_wear():
-    ds, turns = banded(), pipeline.boundary(banded())["turns_at_load"].sel(load=600.0)
-    mild, severe = turns.values[:2]  # the first turns to mild wear
-    tests = tuple(
-        Measurement(600.0, velocity, None, outcome=outcome)
-        for velocity, outcome in ((1.02 * mild, None), (0.98 * mild, "mild"))
-    )
-    ds = with_fields(ds, measured=tests, tested=())
-    (field,) = fields(ds)
-    found = model_error(ds, field)
-    assert found.residuals == pytest.approx([math.log(1.02 * mild / severe)], abs=2e-3)
-    assert found.wrong == pytest.approx([math.log(0.98)], abs=2e-3)
-    told = run(ds, "return residuals()")
-    assert told["turn"] == pytest.approx(found.residuals, abs=0.01)
-    assert told["below"] == pytest.approx(found.wrong, abs=0.01)
-    assert run(ds, "return modelError().words") == found.worded
 
 
 ENDS = [{}, {"critical_temperature": 1200.0}, {"critical_temperature": 310.0}]
@@ -313,39 +254,6 @@ def test_each_node_between_points_lies_in_the_region_of_its_verdict(is_whole):
     assert ("unknown" in {verdict for verdict, _ in nodes}) == (not is_whole)
 
 
-GRID = """
-return argument.map((friction) => {
-  const middle = excess(0.5, { ...chosen.conditions, friction });
-  const [x, y] = [content.inner, content.fine.load];
-  const places = contour(x, y, [middle], true).split(/[ML]/).filter(Boolean);
-  return [places.map((pair) => pair.split(",").map(Number)), contour(x, y, [middle]).length];
-});
-"""
-
-
-def test_the_line_that_is_drawn_lies_where_wear_turns_on_the_field():
-    ds = sweeps.one(status={})
-    ((places, _),) = run(ds, GRID, [0.1])
-    (field,) = fields(ds)
-    assert len(places) > 40
-    for velocity, load in places[::7]:
-        here = field.temperatures(load, velocity)
-        assert here.values[0, 0] == pytest.approx(here.critical[0, 0], abs=1.0)
-
-
-def test_no_line_is_drawn_beyond_what_was_computed():
-    ds = sweeps.along_boundary()
-    frictions = [0.02, 0.05, 0.1, 0.3]
-    for friction, (places, _) in zip(frictions, run(ds, GRID, frictions), strict=True):
-        outcomes = pipeline.boundary(pipeline.at(ds, friction=friction))["outcome_at_load"].values
-        crossing = ds["load"].values[outcomes == CROSSES]
-        if not crossing.size:
-            assert not places
-        if friction == 0.1:
-            loads = [load for _, load in places]
-            assert (min(loads), max(loads)) == (crossing[0], crossing[-1])
-
-
 @pytest.mark.parametrize("kind", ["one surface", "zero velocity"])
 def test_straight_lines_err_by_less_than_a_hundredth(kind):
     ds = sweeps.KINDS[kind]()
@@ -354,11 +262,3 @@ def test_straight_lines_err_by_less_than_a_hundredth(kind):
     off = np.abs(np.array(run(ds, script), float) / expected - 1)
     assert np.isfinite(off).sum() > 3
     assert np.nanmax(off) < 0.01
-
-
-def test_points_that_were_masked_are_not_done_and_say_nothing():
-    whole = synthetic.sweep()
-    told = content(whole.where(whole["velocity"] < 2.0), 0)
-    is_done = np.broadcast_to(whole["velocity"] < 2.0, whole["status"].shape)
-    assert told["status"] == "".join("01"[int(one)] for one in is_done.flat)
-    assert told["messages"] == {}
