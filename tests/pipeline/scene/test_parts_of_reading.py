@@ -2,27 +2,13 @@
 
 import math
 
-import numpy as np
 import pytest
 
 import pipeline
 import tribo
-from pipeline.quantities import display, is_unit_of_head, shown_in, si_of
-from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.facts import Span
-from pipeline.scene.faults import Fault, Faults, listed_faults, numbered
-from pipeline.scene.kinds import Number, OneOf, Quantity, Share, Text, UnitText, Whole
 from pipeline.scene.units import (
-    UnitError,
-    as_entry,
-    clock_time,
-    difference_in_si,
-    hardness_pressure,
-    in_si,
-    require_count,
-    share_of,
-    si_unit,
     to_si,
 )
 from pipeline.sweep.about import Measurement
@@ -30,7 +16,6 @@ from pipeline.sweep.surface import SurfaceFacts
 from tests.helpers.entries import changed
 from tests.pipeline.scene.test_doubts import said_of, surface
 from tests.pipeline.scene.test_facts import SMOOTH
-from tribo import InputError
 
 # Units
 
@@ -47,246 +32,10 @@ def test_a_rotation_is_the_velocity_of_its_track(text, value):
     assert to_si(text, like="1 m/s") == pytest.approx(value, rel=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("text", "like", "words"),
-    [
-        ("7 kg", "1 kN", '"7 kg" cannot be converted to kN; its weight is 68.65 N'),
-        ("500 g", "1 N", "its weight is 4.903 N"),
-        ("500 rpm", "1 m/s",
-         'converted to m/s; give its track, too, such as "500 rpm at radius 30 mm"'),
-        ("5 mm", "1 m/s", '"5 mm" cannot be converted to m/s'),
-        ("25 C", "1 K", '"25 C": C is the unit coulomb; write 25 degC'),
-        ("77 F", "1 degC", '"77 F": F is the unit farad; write 77 degF'),
-        ("25 C", "1 m", '"25 C" cannot be converted to m'),
-        ("0.5 1", "1 m", "has no unit"),
-        ("4,5 mm", "1 m", "is not a number followed by a unit; write decimals with a point, and"),
-        ("1,500,000 N", "1 N", "and thousands without a mark"),
-        ("4 mm3", "1 m", '"4 mm3" cannot be converted to m'),
-        ("4 foo", "1 m", "has an unknown unit"),
-        ("19 HRC", "1 Pa", "outside the conversion of ASTM E140 for steel, 20 to 68 HRC"),
-        ("225 HB", "1 Pa", "for steel, 226 to 739 HB; give it in HV, or as a pressure"),
-    ],
-)  # fmt: skip
-def test_what_is_no_quantity_is_told_what_it_may_be_meant_as(text, like, words):
-    with pytest.raises(UnitError) as caught:
-        to_si(text, like)
-    assert words in str(caught.value)
-
-
-def test_texts_of_any_length_are_quoted_in_part():
-    with pytest.raises(UnitError) as caught:
-        to_si("1" * 81, like="1 m")
-    assert str(caught.value).startswith(f'"{"1" * 80}..." is not a number')
-    assert to_si("1" * 78 + " m", like="1 m") == float("1" * 78)
-
-
-def test_the_vickers_numbers_of_a_rockwell_scale_rise_ever_faster():
-    """The indentation of HRC saturates: no step of the conversion is smaller than that before."""
-    numbers = [float(hardness_pressure(number, "HRC")) / 9.80665e6 for number in range(20, 69)]
-    steps = np.diff(np.round(numbers, 6))
-    assert (np.diff(steps) >= 0).all()
-    assert (numbers[0], numbers[-1]) == pytest.approx((238.0, 940.0))
-    assert hardness_pressure(1, "HRA") is None
-
-
-@pytest.mark.parametrize(
-    ("text", "unit"),
-    [
-        ("1 mm", "m"), ("62 HRC", "Pa"), ("1 kN", "N"), ("1 GPa", "Pa"), ("1 km/h", "m s-1"),
-        ("1 W/(m K)", "W m-1 K-1"), ("1 kg m^2", "kg m2"), ("1 1/s", "s-1"),
-        ("1 A^2 s^3/kg", "s3 A2 kg-1"),
-    ],
-)  # fmt: skip
-def test_units_of_si_are_written_as_cf_does(text, unit):
-    found = si_unit(text)
-    assert sorted(found.split()) == sorted(unit.split())
-    powers = ["-" in part for part in found.split()]
-    assert powers == sorted(powers)  # those below the fraction last
-
-
-def test_a_difference_of_temperatures_is_in_kelvin():
-    assert difference_in_si("8 K", "300 K") == 8.0
-    assert difference_in_si("5 mm", "1 m") == pytest.approx(5e-3)
-    with pytest.raises(UnitError, match='"8 degC" is a temperature; give a difference, such as'):
-        difference_in_si("8 degC", "300 K")
-
-
-@pytest.mark.parametrize(
-    ("value", "unit", "shown"),
-    [
-        (2e-3, "mm", 2.0), (3e-6, "µm", 3.0), (6.6e9, "GPa", 6.6), (0.25, "%", 25.0),
-        (5e6, "MB", 5.0), (1.2e-15, "mm³/(N m)", 1.2e-6), (2e-8, "1/GPa", 20.0),
-        (4e-9, "mm³", 4.0), (3e-6, "mm² K/W", 3.0), (3.6e6, "MJ/(m³ K)", 3.6),
-        (32e-6, "mm²/s", 32.0), (418.15, "°C", 145.0), (7.0, "N", 7.0),
-    ],
-)  # fmt: skip
-def test_values_are_shown_in_usual_units_and_read_back(value, unit, shown):
-    assert shown_in(value, unit) == pytest.approx(shown)
-    assert si_of(shown, unit) == pytest.approx(value)
-    assert is_unit_of_head(unit)
-    assert display(value, unit).partition(" ")[0] == f"{shown:g}"
-    assert not is_unit_of_head("furlong")
-
-
-def test_shares_and_counts_are_read_or_refused():
-    assert [share_of(value) for value in (0.2, "10%", " 5 % ", "0.3")] == [0.2, 0.1, 0.05, 0.3]
-    with pytest.raises(InputError, match='"two": give a share such as 10% or'):
-        share_of("two")
-    assert in_si("load", "2 kN", "600 N") == 2000.0
-    assert in_si("load", 3, "600 N") == 3.0
-    with pytest.raises(InputError, match=r'load: .*; give one such as "600 N"'):
-        in_si("load", "2 m", "600 N")
-    require_count("workers", 1)
-    for value in (0, 1.5, -1):
-        with pytest.raises(InputError, match=f"workers is {value}; it must be a whole number of"):
-            require_count("workers", value)
-
-
 # Kinds of values
 
 
-def read(kind, value):
-    """The value as a kind reads it, or the fault."""
-    faults = Faults()
-    found = kind.read(value, "key", faults)
-    assert (found is None) == bool(faults)
-    return found if not faults else faults[0].problem
-
-
-@pytest.mark.parametrize(
-    ("kind", "fits", "unfit", "words"),
-    [
-        (Number(), [0.0, 1e-15, -1e15, 2], [9e-16, 1.1e15], "a number without a unit"),
-        (Number(above=0, at_most=2), [1e-15, 2], [0, 2.1],
-         "a number without a unit, above 0 and at most 2"),
-        (Number(at_least=1, below=3), [1, 2.9], [0.9, 3], "at least 1 and below 3"),
-        (Whole(), [0, 1, -1, 2**63 - 1], [2**63, 1.0], "a whole number"),
-        (Share(above=0, below=1), [0.5, "50%", "0.5"], [1, "100%", 0], 'a share such as 0.1 or'),
-        (OneOf(("mild", "severe")), ["mild"], ["mid", 1], '"mild" or "severe"'),
-        (OneOf(("a", "b", "c")), ["c"], ["d"], '"a", "b" or "c"'),
-        (Text(), ["a"], ["", 1, "a\\0"], "text in quotes"),
-        (Quantity("5 mm"), ["5 mm", "1e-12 m", "1e5 m"],
-         ["0 mm", "-1 mm", "9e-13 m", "1.1e5 m", 5], 'a length above 0, such as "5 mm"'),
-        (Quantity("5 s", zero=True), ["0 s", "1e12 s"], ["-1 s", "1.1e12 s"],
-         'a duration of at least 0, such as "5 s"'),
-        (Quantity("5 m/s", ends=("1 m/s", "2 m/s"), name="a speed"), ["1 m/s", "2 m/s"],
-         ["0.99 m/s", "2.01 m/s"], "a speed above 0"),
-        (UnitText("a unit of length", "mm"), ["um", "m"], ["kg", "x"],
-         'a unit of length, such as "mm"'),
-    ],
-)  # fmt: skip
-def test_each_kind_reads_what_fits_and_says_what_does_not(kind, fits, unfit, words):
-    for value in fits:
-        assert not isinstance(read(kind, value), str) or isinstance(kind, Text | OneOf)
-    for value in (one.replace("\\0", "\0") if isinstance(one, str) else one for one in unfit):
-        assert words in read(kind, value)
-    assert words in str(kind)
-
-
-def test_true_is_no_number():
-    assert "true is not a plain number" in read(Number(), value=True)
-    assert "true is not a whole number" in read(Whole(), value=True)
-    assert "which is from 1e-15 to 1e+15" in read(Number(), 1e16)
-    assert "which is from 1e-12 m to 1e5 m" in read(Quantity("5 mm"), "1e6 m")
-
-
 # Headings and cells
-
-
-@pytest.mark.parametrize(
-    ("cell", "unit", "entry"),
-    [("3", "", 3), ("3.5", "", 3.5), ("3", "mm", "3 mm"), ("3 mm", "", "3 mm"), ("abc", "", "abc")],
-)
-def test_a_cell_is_a_number_or_a_text_with_its_unit(cell, unit, entry):
-    assert as_entry(cell, unit) == entry
-    assert type(as_entry(cell, unit)) is type(entry)
-
-
-@pytest.mark.parametrize(
-    ("numbers", "words"),
-    [
-        ([7], "row 7"),
-        ([2, 3], "rows 2 and 3"),
-        ([2, 3, 5], "rows 2, 3 and 5"),
-        ([1, 2, 3, 4, 5, 6], "rows 1, 2, 3, 4, 5 and 6"),
-        ([1, 2, 3, 4, 5, 6, 7], "rows 1, 2, 3, 4, 5, 6 and 1 more"),
-        ([*range(1, 11)], "rows 1, 2, 3, 4, 5, 6 and 4 more"),
-    ],
-)
-def test_rows_are_counted_in_words(numbers, words):
-    assert numbered(numbers) == words
-
-
-def test_faults_of_one_kind_are_one_line():
-    cells = [
-        (2, "load", '"a" has no unit'), (3, "load", '"b" has no unit'),
-        (3, "velocity", '"b" has no unit'), (9, "load", "is empty"),
-    ]  # fmt: skip
-    faults = [Fault(name, problem, row=row) for row, name, problem in cells]
-    assert listed_faults(faults) == [
-        'rows 2 and 3, load: "a" has no unit',
-        'row 3, velocity: "b" has no unit',
-        "row 9, load: is empty",
-    ]
-
-
-@pytest.mark.parametrize(
-    ("text", "seconds"),
-    [
-        ("10:00:00", 36000), ("04.05.2026 10:00:00,5", 36000.5), ("2026-05-04T10:01", 36060),
-        ("1:30 PM", 48600), ("12:15:00 am", 900), ("23:59:59.5", 86399.5),
-    ],
-)  # fmt: skip
-def test_a_clock_is_a_time_of_the_day(text, seconds):
-    assert clock_time(text) == seconds
-    with pytest.raises(UnitError, match="is no time of a clock"):
-        clock_time(text.replace(":", "-"))
-
-
-def test_columns_are_rows_of_places_with_what_else_they_give():
-    columns = {
-        "load": [400.0, 600.0], "velocity [m/min]": [60, 120], "friction": [0.1, 0.12],
-        "gear": ["a", None], "critical temperature": ["145 degC", "150 degC"],
-    }  # fmt: skip
-    points = OperatingPoints.read(columns)
-    assert points.places == (Place(400.0, 1.0), Place(600.0, 2.0))
-    assert [own["friction"] for own in points.conditions] == [0.1, 0.12]
-    assert [own["critical_temperature"] for own in points.conditions] == pytest.approx(
-        [418.15, 423.15]
-    )
-    assert points.others["gear"] == ["a", None]
-    assert [place for place, _ in points.rows] == [*points.places]
-
-
-@pytest.mark.parametrize(
-    ("columns", "words"),
-    [
-        ([1.0], "points are of type list; give a .csv or .xlsx file, or columns"),
-        ({"load": [1.0, 2.0], "velocity": [1.0]},
-         "points: columns of unlike lengths: load 2, velocity 1; give one of each in a row"),
-    ],
-)  # fmt: skip
-def test_columns_that_make_no_rows_are_refused(columns, words):
-    with pytest.raises(InputError, match=words):
-        OperatingPoints.read(columns)
-
-
-@pytest.mark.parametrize("name", ["pin.radius", "fidelity.increments", "wear.pattern", "hold"])
-def test_columns_that_need_a_simulation_are_refused(name):
-    columns = {"load": [400.0], "velocity": [1.0]}
-    with pytest.raises(InputError, match=f'column "{name}" cannot act after the simulation'):
-        OperatingPoints.read(columns | {name: ["1"]})
-    for entry, cell in (("friction.coefficient", "0.1"), ("temperature.bulk", "300 K")):
-        assert OperatingPoints.read(columns | {entry: [cell]}).places == (Place(400.0, 1.0),)
-
-
-@pytest.mark.parametrize(
-    ("name", "cell"),
-    [("friction.same_rig", "0"), ("friction.band", "0.2"), ("temperature.bulk.pin", "300 K")],
-)
-def test_an_entry_beside_a_condition_is_not_taken_for_it(name, cell):
-    with pytest.raises(InputError, match=f'column "{name}" cannot act after the sim'):
-        OperatingPoints.read({"load": [400.0], "velocity": [1.0], name: [cell]})
 
 
 # Seeds

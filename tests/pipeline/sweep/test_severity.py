@@ -10,13 +10,10 @@ import tribo
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import (
-    MOLTEN,
     boundary_velocity_error,
-    columns_needed,
     failed_fraction,
     momentary_rise,
     momentary_rises,
-    require_bulks,
     rise_limit,
     rises_above_colder,
     verdict,
@@ -24,8 +21,7 @@ from pipeline.sweep.severity import (
     worst_rises,
 )
 from tests.helpers import tiny
-from tribo import QUANTILES, Corrections, InputError, Ramp
-from tribo.simulation.corrections import NEEDED
+from tribo import QUANTILES, Corrections, Ramp
 from tribo.thermal import BULK_RATIOS
 
 OWN = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
@@ -132,41 +128,7 @@ def test_the_error_of_a_boundary_velocity_is_that_of_a_power_law():
         assert error == pytest.approx(critical / velocity - 1, abs=1e-14)
 
 
-def test_what_is_not_given_stays():
-    assert OWN.changed(friction=0.0, share=0.0) == replace(OWN, friction=0.0, failing_share=0.0)
-    assert OWN.changed() == OWN
-
-
 FILM = Corrections(film_resistance=1e-6)
-WARM_DISK = replace(OWN, disk_temperature=318.15)
-
-
-def test_columns_that_conditions_need_are_those_of_unequal_bulks_and_of_corrections():
-    bulks = ("bulk_rise_quantile", "mean_bulk_response")
-    assert columns_needed(OWN) == ()
-    assert columns_needed(replace(OWN, disk_temperature=298.15)) == ()
-    assert columns_needed(WARM_DISK) == bulks
-    assert columns_needed(replace(OWN, corrections=FILM)) == NEEDED
-    assert columns_needed(replace(WARM_DISK, corrections=FILM)) == bulks + NEEDED
-
-
-def test_unequal_bulks_are_refused_where_nothing_is_kept_for_them():
-    said = (
-        r"bulk_temperature is 25 °C \(298.15 K\) of the pin and 45 °C \(318.15 K\) of the disk; "
-        "the sweep was computed for bodies of one bulk temperature"
-    )
-    of_one = columns(EVEN, loads=[600.0])
-    for refused in (
-        lambda: require_bulks(of_one, WARM_DISK),
-        lambda: rises_above_colder(of_one, WARM_DISK),
-        lambda: verdict(of_one, 600.0, WARM_DISK),
-    ):
-        with pytest.raises(InputError, match=said):
-            refused()
-    for kept in ("bulk_rise_quantile", "mean_bulk_response"):
-        require_bulks({kept: 0.0}, WARM_DISK)
-    require_bulks(of_one, OWN)
-    assert rises_above_colder(of_one, OWN) is of_one
 
 
 @pytest.mark.parametrize("disk", [None, 318.15])
@@ -183,22 +145,3 @@ def test_a_moment_of_a_simulation_has_the_rises_that_are_stored_of_it(disk):
     assert momentary_rise(warm.scene, result.state, conditions) == pytest.approx(
         worst_rises(result.columns, 600.0, conditions), rel=1e-6
     )
-
-
-def test_the_worst_rises_of_several_points_are_those_under_their_own_loads():
-    rises = np.array([[9.0, 0.5, 0.7], [0.3, 0.2, 0.1]])[..., None] * EVEN
-    loads = np.array([[500.0, 600.0, 600.0], [200.0, 200.0, 200.0]])
-    found = worst_rises(
-        {"rise_quantile": rises, "normal_load": loads}, np.array([[600.0], [200.0]]), OWN
-    )
-    np.testing.assert_allclose(found, [0.7 * 1800, 0.3 * 1800])  # with a share of 10 %
-
-
-def test_a_limit_is_that_of_the_temperature_that_is_known():
-    assert rise_limit(OWN) == pytest.approx(1200.0)
-    with pytest.raises(InputError, match=r"temperature\.critical is missing, and this needs it"):
-        rise_limit(replace(OWN, critical_temperature=None))
-
-
-def test_the_words_on_molten_steel_have_the_temperature():
-    assert MOLTEN.startswith("the deciding temperature is above 1427 °C, where steel melts: ")
