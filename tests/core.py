@@ -26,7 +26,7 @@ NEEDS = {
         figures.plot.plot$ figures/test_(fit|marks|plot|refusals) run/test_samples
         scene/test_(reference|scenefile).*uncertain scene/test_reference.*writes_and_lists
         scene/test_refusals.*(distribution|row.samples) scene/test_wear_laws.*(unknown|of_another)
-        scene/test_kept store/test_create cli/test_parts analysis/test_refusals
+        scene/test_kept store/test_create analysis/test_refusals
         sweep/test_(correlation|descriptions|refusals|words)
         tradeoff/test_forecast.*share_the_time
     """,

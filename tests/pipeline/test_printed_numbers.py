@@ -599,9 +599,6 @@ def test_a_point_alone_is_the_point_of_the_store(stores, irg_both):
     assert document["failed_fraction"] == pytest.approx(1 - cooler, abs=0.02)
 
 
-# Scenes, scans and logs, by their inputs
-
-
 # Samples, by a power law fitted to them, and draws of the distributions of the scene
 
 

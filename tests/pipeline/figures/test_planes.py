@@ -232,6 +232,3 @@ def test_logarithmic_scales_leave_rest_out():
     assert min(v for line in axes.lines for v in line.get_xdata()) == 1.0
     linear = drawn(ds)[0]
     assert min(v for line in linear.lines for v in line.get_xdata()) == 0.0
-
-
-# Overlays

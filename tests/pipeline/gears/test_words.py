@@ -175,9 +175,6 @@ def test_rules_of_the_test_go_with_torque_lubricant_and_viscosity():
             rules.stage_torque(stage)
 
 
-# Stages
-
-
 # The figure and the scene
 
 

@@ -35,9 +35,6 @@ def form(conditions=OWN, has_heat=True, two_bulks=False, has_share=True):
     return {one.name: one for one in made}
 
 
-# The form
-
-
 # Words
 
 
@@ -206,9 +203,6 @@ def test_tests_have_their_nearest_node_and_lie_inside_or_not():
     assert inside == [True, False, True]  # at 750, 150 and 200 N
     assert first["own"]["friction"] == 0.103
     assert (first["own"]["strip_friction"], mild["own"]["strip_friction"]) == (True, False)
-
-
-# Nodes
 
 
 # Pictures

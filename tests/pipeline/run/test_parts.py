@@ -17,9 +17,6 @@ from pipeline.run.work import hash_of_code
 from tests.helpers.scenes import SCENE
 from tribo import InputError
 
-# Words
-
-
 # Workers
 
 

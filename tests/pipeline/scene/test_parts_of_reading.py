@@ -32,12 +32,6 @@ def test_a_rotation_is_the_velocity_of_its_track(text, value):
     assert to_si(text, like="1 m/s") == pytest.approx(value, rel=1e-14)
 
 
-# Kinds of values
-
-
-# Headings and cells
-
-
 # Seeds
 
 

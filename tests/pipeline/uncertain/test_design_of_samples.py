@@ -70,9 +70,6 @@ def test_an_input_that_is_fixed_leaves_the_others_and_may_be_fixed_anew():
     assert [one.value for one in again.fixed] == [0.11, 400.0]
 
 
-# Conditions in their place
-
-
 # Contacts that variants share
 
 

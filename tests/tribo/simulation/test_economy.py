@@ -126,6 +126,3 @@ def test_a_smooth_scene_is_a_plane_one(pattern):
     values, expected = measures(plane, one), measures(full, other)
     for name in ("contact_width", "mean_pressure", "wear_volume", "max_rise", "pin_heat_share"):
         assert values[name] == pytest.approx(expected[name], rel=1e-6)
-
-
-# No friction, no hardness.

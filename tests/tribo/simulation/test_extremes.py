@@ -288,12 +288,6 @@ def test_no_motion_means_no_heat_and_no_wear():
     assert math.isnan(state.heat.pin_heat_share)
 
 
-# The solver alone, on every kind of window.
-
-
-# Kernels.
-
-
 # Stability of the wear schemes in time.
 
 STIFFNESSES = (1.9, 3.0, 10.0)

@@ -1,0 +1,52 @@
+"""Tests read no private name, with the exceptions below."""
+
+import ast
+
+from tests.house.measure import ROOT
+
+_ALLOWED = {
+    "cluster/cheap.py _AHEAD": "as many tasks are sent ahead as by a run",
+    "cluster/scaling.py _steps": "steps of a ramp, by which times are divided",
+    "cluster/wide.py _one_at_a_time": "points that only wait need no turn",
+    "helpers/stores.py _digest": "a forged store has the digest that fits",
+    "pipeline/analysis/test_margin_words.py _bounded": "errors that no small store has",
+    "pipeline/analysis/test_margin_words.py _passed_on": "columns of a table without a store",
+    "pipeline/cli/test_point_words.py _point_lines": "notes that no small scene causes",
+    "pipeline/figures/test_fit.py _suptitle": "matplotlib has no public name of it",
+    "pipeline/run/test_parts.py _absolute": "percents of entries that are not numbers",
+    "pipeline/scene/test_wear_laws.py _law_form": "the form of a law that is added afterwards",
+    "pipeline/store/test_s3.py _registry": "fsspec as it is without s3fs",
+    "pipeline/store/test_s3.py _send": "requests are counted where they leave",
+    "pipeline/store/test_schema.py _VARIABLES": "a new variable, as a contributor adds one",
+    "pipeline/store/test_writer.py _pause": "the pause without waiting for it",
+    "pipeline/sweep/test_refusals.py _hidden": "that it is refused",
+    "pipeline/tradeoff/test_forecast.py _increment_values": "temperatures are counted where solved",
+    "pipeline/uncertain/test_difference.py _word_contrast": "the sentence without a second run",
+    "promises/rigs.py _FIRST": "more draws of the prior than usual",
+    "promises/rigs.py _rise": "scenes of one campaign share their fit of the rise",
+    "promises/seeds.py _rise": "scenes of one campaign share their fit of the rise",
+}
+"""Private names that a file of tests reads, and why."""
+
+_PUBLIC = {"_exit", "_replace", "_repr_html_", "_repr_png_"}  # so documented by their libraries
+
+
+def _private(name):
+    return name.startswith("_") and not name.startswith("__") and name not in _PUBLIC
+
+
+def _read(file):
+    """Private names that a file imports, or reads of another object."""
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            yield from (one.name for one in node.names if _private(one.name))
+        elif isinstance(node, ast.Attribute) and _private(node.attr):
+            is_own = getattr(node.value, "id", None) in ("self", "cls")
+            yield from () if is_own else (node.attr,)
+
+
+def test_tests_read_no_private_name_without_a_reason():
+    tests = ROOT / "tests"
+    found = {f"{f.relative_to(tests)} {name}" for f in tests.rglob("*.py") for name in _read(f)}
+    assert found <= _ALLOWED.keys(), sorted(found - _ALLOWED.keys())
+    assert len(_ALLOWED) <= 40
