@@ -263,7 +263,7 @@ def _band_alone(scene: Results) -> xr.Dataset:
     lines = [np.interp(DECIDED, np.maximum.accumulate(row), grid, 0.0, math.inf) for row in rows]
     result = xr.Dataset(
         coords={"load": axis_of("load", loads), "quantile": ("quantile", list(DECIDED))},
-        attrs=_condition_attributes(field.conditions, scene.sweep.variants.unknown),
+        attrs=_condition_attributes(field.conditions, scene.sweep.variants.rule.unknown),
     )
     words = "velocity at which the next run is severe with a probability"
     attrs = {"units": "m/s", "long_name": words}

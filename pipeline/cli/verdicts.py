@@ -89,6 +89,6 @@ def boundary(options: argparse.Namespace) -> Result:
     if not is_plane:
         rests += dict.fromkeys(line for field in fields(ds) for line in field.basis[1])
     rests += remarks("warning", turns_left_out(ds, crossings) if is_plane else None)
-    rule = judged_by(map(read_conditions, scenes(ds)), stored_sweep(ds).variants.unknown)
+    rule = judged_by(map(read_conditions, scenes(ds)), stored_sweep(ds).variants.rule.unknown)
     text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(ds)])]
     return Result(text=text, warned=pipeline.warned(ds), frames=[table])

@@ -73,7 +73,7 @@ def _html(part: str | pd.DataFrame) -> str:
 
 def _answer(ds: xr.Dataset) -> Iterator[str]:
     """What wear is judged by, the verdict on the next run, and warnings."""
-    yield judged_by(map(read_conditions, scenes(ds)), stored_sweep(ds).variants.unknown)
+    yield judged_by(map(read_conditions, scenes(ds)), stored_sweep(ds).variants.rule.unknown)
     if sweep_kind(ds) is Kind.PLACES:
         yield counts_in_words(margin(ds))
     else:

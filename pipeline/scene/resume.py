@@ -12,7 +12,6 @@ from pipeline.sweep.digest import digest
 from pipeline.sweep.model import Sweep, named
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.tables import entry_at
-from pipeline.sweep.variants import Variants
 from tribo import InputError, TriboError
 
 
@@ -49,7 +48,7 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
         by = "by sweep.over, realizations or samples"
         yield f"axes {by}: {have} in the store, {gives} in the scene"
         return
-    if _design(old) != _design(new):
+    if old.rule.rows != new.rule.rows:
         told = [_differs(*one) for one in differing(stored, sweep)]
         yield from told or ["sweep.samples are drawn by another rule than in the store"]
         return
@@ -71,12 +70,6 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
 
 def _differs(path: str, old: Any, new: Any) -> str:
     return f"{path}: {old} in the store, {new} in the scene"
-
-
-def _design(table: Variants) -> Any:
-    """What decides the samples of a table: no correlation does."""
-    design = dict(table.rule["design"]) if table.rule else {"inputs": []}
-    return design | {"inputs": [{**one, "correlated": None} for one in design["inputs"]]}
 
 
 def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:

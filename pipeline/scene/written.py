@@ -77,7 +77,7 @@ def scene_entries(sweep: Sweep) -> dict[str, str]:
     unknown = {
         f'unknown."{path}"': in_words(one)
         for path, one in (sweep.entries.get("unknown") or {}).items()
-        if path in sweep.variants.unknown
+        if path in sweep.variants.rule.unknown
     }
     kept = {path: words for path, words in told.items() if not path.startswith("unknown.")}
     return kept | unknown | _judged(sweep)

@@ -18,8 +18,7 @@ def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
 
     `choices` are of tests: the oil whose tests count, and the scatter by which they weigh samples.
     """
-    rule, table, ids = sweep.variants.rule, sweep.variants, list[int]()
-    inputs = (rule["unknown"], rule["fixed"]) if rule else ()
+    table, ids = sweep.variants, list[int]()
     of_part = functools.lru_cache(None, typed=True)(digest)  # rows share large surfaces
 
     @functools.cache
@@ -27,7 +26,7 @@ def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
         row = sweep.variant(name)
         parts = [of_part(getattr(row.scene, one.name)) for one in fields(row.scene)]
         about = replace(row.about, name="", title="", sources=(), notes=())
-        return digest((*parts, row.conditions, about, inputs, choices))
+        return digest((*parts, row.conditions, about, table.rule.answers, choices))
 
     for name, row in table.by_name.items():
         found = of_scene(table.base(name))

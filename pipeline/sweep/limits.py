@@ -6,10 +6,6 @@ MOST_ON_AXIS = 5000
 """Loads or velocities of a range: `irg check` looks at each, in 3 s of processor time in all."""
 MOST_SCENES = 10_000
 """Combinations of `over`, places of `along`, or surfaces; each is a scene, read in 0.5 ms."""
-MOST_SAMPLES = 100_000
-"""Samples that may be drawn; each is read as a scene of its own when it is computed, in 1 ms."""
-MOST_INPUTS = 32
-"""Inputs that may be unknown."""
 MOST_POINTS = 10_000_000
 """Points that a store may have."""
 MOST_BYTES_OF_BOOK = 10_000_000

@@ -252,7 +252,7 @@ class Sweep:
     def leads(self) -> Mapping[Variant, Lead]:
         """For each row of the table, the first with the same contacts; see `Lead`."""
         table = self.variants
-        if table.draw and (size := table.draw["design"]["per_contact"]) > 1:
+        if (size := table.rule.per_contact) > 1:
             samples = ((name, table.base(name), row) for name, row in table.by_name.items())
             given = {name: self.variant(name).scene for name in table.given}
             return leads_of_samples(samples, given, size)

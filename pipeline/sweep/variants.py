@@ -9,6 +9,7 @@ from functools import cached_property
 from textwrap import shorten
 from typing import Any, NamedTuple
 
+from pipeline import extras
 from tribo import InputError
 
 VARIANT = "variant"
@@ -53,6 +54,15 @@ class Column:
         return self.entry or self.name
 
 
+class Rule(NamedTuple):
+    """What is asked of the rule by which rows were drawn, which the extra that draws them tells."""
+
+    unknown: tuple[str, ...] = ()  # paths of the inputs that have no single value
+    answers: Any = ()  # plain data that answers depend on [SI]
+    rows: Any = ()  # plain data that the rows depend on [SI]
+    per_contact: int = 1  # rows that follow each other and share their contacts
+
+
 @dataclass(frozen=True)
 class Variants:
     """A table of the variants of a scene: a product of the labels of dimensions.
@@ -62,7 +72,7 @@ class Variants:
 
     columns: tuple[Column, ...] = ()
     rows: tuple[Row, ...] = (Row({}, {}),)
-    # Rule by which rows were drawn, as plain data; it names the inputs that are not known exactly.
+    # Rule by which rows were drawn, as plain data of the extra that draws them.
     draw: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
@@ -120,15 +130,10 @@ class Variants:
         """Name of the scene of which a row is a sample; its own name where it is none."""
         return tuple(pair for pair in name if pair[0] != VARIANT) if self.draw else name
 
-    @property
-    def unknown(self) -> tuple[str, ...]:
-        """Paths of the unknown inputs of samples that have no single value."""
-        return tuple(one["path"] for one in self.draw["unknown"]) if self.draw else ()
-
-    @property
-    def rule(self) -> Any:
-        """The rule by which rows were drawn, without the units that it is written in."""
-        return _in_si(self.draw)
+    @cached_property
+    def rule(self) -> Rule:
+        """The rule by which rows were drawn; an empty one where none is."""
+        return extras.module("drawn").read_rule(self.draw) if self.draw else Rule()
 
     def labels(self, name: str) -> tuple[Any, ...] | None:
         """Labels of the rows in a column; None without such a column."""
@@ -191,12 +196,6 @@ class Variants:
         """Loads and velocities of a row: its own place, or those of the plane."""
         own = {axis: (label,) for axis, label in self.by_name[name].labels.items()}
         return own.get("load", loads), own.get("velocity", velocities)
-
-
-def _in_si(told: Any) -> Any:
-    if isinstance(told, Mapping):
-        return {key: _in_si(one) for key, one in told.items() if key != "written"}
-    return [*map(_in_si, told)] if isinstance(told, list) else told
 
 
 def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:

@@ -12,8 +12,24 @@ from scipy.special import ndtr
 from pipeline.quantities import ALIKE, snap
 from pipeline.scene.units import in_si
 from pipeline.sweep.shown import Line
+from pipeline.sweep.variants import Rule
 from pipeline.uncertain.samples import REACH, Draw
 from tribo import InputError
+
+
+def read_rule(draw: Any) -> Rule:
+    """What the rest asks of a rule: samples depend on no correlation, and on no unit."""
+    unknown, fixed, design = (_in_si(draw[key]) for key in ("unknown", "fixed", "design"))
+    inputs = [{**one, "correlated": None} for one in design["inputs"]]
+    paths = tuple(one["path"] for one in unknown)
+    return Rule(paths, (unknown, fixed), design | {"inputs": inputs}, design["per_contact"])
+
+
+def _in_si(told: Any) -> Any:
+    """Plain data of a rule without the units in which it was written."""
+    if isinstance(told, Mapping):
+        return {key: _in_si(one) for key, one in told.items() if key != "written"}
+    return [*map(_in_si, told)] if isinstance(told, list) else told
 
 
 def open_inputs(draw: Any) -> list[str]:

@@ -17,7 +17,6 @@ from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
-from pipeline.sweep.limits import MOST_INPUTS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.tables import CURVES, entry_at, flat, replace_values
@@ -33,6 +32,7 @@ from pipeline.uncertain.samples import (
     samples_per_contact,
 )
 from pipeline.uncertain.unknown import (
+    MOST_INPUTS,
     Fixed,
     Form,
     Unknown,

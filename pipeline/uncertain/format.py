@@ -10,8 +10,10 @@ from typing import Any, NamedTuple
 from pipeline.scene.declare import ByPath, Entry, Example, List, Table, declared
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.kinds import Flag, Kind, Number, Scalar, UnfitError, Whole
-from pipeline.sweep.limits import MOST_SAMPLES
 from pipeline.sweep.tables import Entries, entry_at
+
+MOST_SAMPLES = 100_000
+"""Samples that may be drawn; each is read as a scene of its own when it is computed, in 1 ms."""
 
 
 class Shape(NamedTuple):

@@ -14,12 +14,13 @@ import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
 from pipeline.quantities import DIMENSIONS, ZERO, display
-from pipeline.sweep.limits import MOST_INPUTS
 from tribo import InputError
 from tribo.types import Array
 
 Form = Literal["normal", "log-normal", "uniform", "list"]
 
+MOST_INPUTS = 32
+"""Inputs that may be unknown."""
 OF_90 = 1.645
 """Normal score within which 90 % lie, on either side."""
 _LEAST = 1e-6  # share of an input's variance that the others must leave open
