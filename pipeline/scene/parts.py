@@ -29,10 +29,10 @@ from pipeline.scene.format import (
 from pipeline.scene.names import UNITS
 from pipeline.scene.sheet import read_sheet
 from pipeline.scene.viscosity import viscosity_line, warm_viscosity
-from pipeline.sweep.digest import array_digest
 from pipeline.sweep.laws import MissingError, MissingSurface
 from pipeline.sweep.tables import entry_at
 from tribo.loading.record import fault as record_fault
+from tribo.surface import array_digest
 from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.MeasuredLoad

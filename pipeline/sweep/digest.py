@@ -12,17 +12,12 @@ import numpy as np
 
 from pipeline.sweep.laws import MissingSurface, is_given, law_record
 from tribo import MeasuredRoughness
+from tribo.surface import array_digest
 
 
 def digest(part: Any) -> str:
     """SHA-256 of a part of a sweep, the same for a whole number and its float."""
     return hashlib.sha256(json.dumps(_plain(part)).encode()).hexdigest()
-
-
-def array_digest(array: Any) -> str:
-    """SHA-256 of an array of numbers with its shape."""
-    numbers = np.ascontiguousarray(array, float)
-    return hashlib.sha256(repr(numbers.shape).encode() + numbers.tobytes()).hexdigest()
 
 
 def _plain(value: Any) -> Any:

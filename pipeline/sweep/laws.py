@@ -19,7 +19,7 @@ from typing import Any, Final
 import numpy as np
 
 from tribo import LAWS, PINS, InputError, Rule, Scene
-from tribo.surface import UnknownHeights
+from tribo.surface import UnknownHeights, array_digest
 
 _ROOTS: Final = ("tribo", "pipeline")
 """Packages whose laws ship."""
@@ -148,8 +148,7 @@ def _kept(value: Any) -> Any:
     """A parameter as a store keeps it."""
     if not isinstance(value, np.ndarray):
         return value
-    digest = hashlib.sha256(value.tobytes()).hexdigest()[:16]
-    return f"{' × '.join(map(str, value.shape))} numbers, SHA-256 {digest}…"
+    return f"{' × '.join(map(str, value.shape))} numbers, SHA-256 {array_digest(value)[:16]}…"
 
 
 def _source_sha256(code: Any) -> str:

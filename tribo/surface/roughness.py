@@ -63,6 +63,12 @@ class SelfAffineRoughness:
         return self_affine(pixels, self.ra, self.hurst_exponent, self.correlation_length, self.seed)
 
 
+def array_digest(array: Array) -> str:
+    """SHA-256 of an array of numbers with its shape."""
+    numbers = np.ascontiguousarray(array, float)
+    return hashlib.sha256(repr(numbers.shape).encode() + numbers.tobytes()).hexdigest()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class MeasuredRoughness:
     """A surface as it was measured.
@@ -91,8 +97,7 @@ class MeasuredRoughness:
             )
         array = np.ascontiguousarray(finite_field("measured heights", self.array, shape))
         object.__setattr__(self, "array", array)
-        digest = hashlib.sha256(repr(array.shape).encode() + array.tobytes()).hexdigest()
-        object.__setattr__(self, "digest", digest)
+        object.__setattr__(self, "digest", array_digest(array))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, MeasuredRoughness) and self.digest == other.digest
