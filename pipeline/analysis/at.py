@@ -244,17 +244,15 @@ def _changed(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     return identified(ds.drop_vars(labels).assign_attrs(attributes))
 
 
-def open_inputs(ds: xr.Dataset) -> list[str]:
+def open_inputs(ds: xr.Dataset) -> tuple[str, ...]:
     """Paths of unknown inputs of samples that may have one value, or another one."""
-    draw = whole_sweep(ds).variants.draw
-    listed = extras.modules("drawn") if draw else ()
-    return [path for extra in listed for path in extra.open_inputs(draw)]
+    return whole_sweep(ds).variants.rule.movable
 
 
 def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
     """A value of an unknown input in SI; raises if the samples do not reach it."""
     draw = whole_sweep(ds).variants.draw
-    return next(float(extra.drawn_value(draw, path, value)) for extra in extras.modules("drawn"))
+    return float(extras.module("drawn").drawn_value(draw, path, value))
 
 
 def _taken(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:

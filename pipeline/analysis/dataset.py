@@ -200,8 +200,7 @@ def _judged_at(text: str, source: _Source, at: str, rule: str) -> Sweep:
         return sweep
     table = sweep.variants
     if table.draw:
-        for extra in extras.modules("drawn"):
-            table = replace(table, draw=extra.fixed_at(table.draw, values))
+        table = replace(table, draw=extras.module("drawn").fixed_at(table.draw, values))
     judged = {**sweep.judged, **changes_of(**given)}
     return replace(sweep, judged=judged, oil=values.get(OIL), variants=table)
 

@@ -58,6 +58,7 @@ class Rule(NamedTuple):
     """What is asked of the rule by which rows were drawn, which the extra that draws them tells."""
 
     unknown: tuple[str, ...] = ()  # paths of the inputs that have no single value
+    movable: tuple[str, ...] = ()  # paths of unknown and fixed inputs that may have one value
     answers: Any = ()  # plain data that answers depend on [SI]
     rows: Any = ()  # plain data that the rows depend on [SI]
     per_contact: int = 1  # rows that follow each other and share their contacts

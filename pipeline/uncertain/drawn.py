@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -19,22 +20,16 @@ from tribo import InputError
 
 def read_rule(draw: Any) -> Rule:
     """What the rest asks of a rule: samples depend on no correlation, and on no unit."""
-    unknown, fixed, design = (_in_si(draw[key]) for key in ("unknown", "fixed", "design"))
+    told = json.loads(json.dumps(draw), object_hook=_without_unit)
+    unknown, fixed, design = (told[key] for key in ("unknown", "fixed", "design"))
     inputs = [{**one, "correlated": None} for one in design["inputs"]]
-    paths = tuple(one["path"] for one in unknown)
-    return Rule(paths, (unknown, fixed), design | {"inputs": inputs}, design["per_contact"])
+    paths, movable = (one["path"] for one in unknown), Draw.of(draw).open_inputs
+    rows = design | {"inputs": inputs}
+    return Rule(tuple(paths), tuple(movable), (unknown, fixed), rows, design["per_contact"])
 
 
-def _in_si(told: Any) -> Any:
-    """Plain data of a rule without the units in which it was written."""
-    if isinstance(told, Mapping):
-        return {key: _in_si(one) for key, one in told.items() if key != "written"}
-    return [*map(_in_si, told)] if isinstance(told, list) else told
-
-
-def open_inputs(draw: Any) -> list[str]:
-    """Paths of unknown inputs, and of fixed inputs that may have another value."""
-    return [*Draw.of(draw).open_inputs]
+def _without_unit(table: dict[str, Any]) -> dict[str, Any]:
+    return {key: one for key, one in table.items() if key != "written"}
 
 
 def fixed_at(draw: Any, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -69,9 +64,9 @@ def described(data: Any, count: int) -> list[Line]:
     draw = Draw.of(data)
     design = draw.design
     simulated = {one.path for one in design.inputs}
-    afterwards = "; applied afterwards, at no cost"
     rows = [
-        ("unknown", f"{one}{'' if one.path in simulated else afterwards}") for one in draw.unknown
+        ("unknown", f"{one}{'; acts afterwards' * (one.path not in simulated)}")
+        for one in draw.unknown
     ]
     rows += [("fixed", str(one)) for one in draw.fixed]
     low, high = design.velocities

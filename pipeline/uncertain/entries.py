@@ -5,7 +5,7 @@ A sample is read as if its values stood in the file; a distribution is checked a
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -53,11 +53,6 @@ _SHARE, _OF_RATE = "temperature.failing_share", "m2 N-1"  # and the unit of a we
 _APPLIED = {"friction.coefficient", "temperature.bulk", "temperature.critical"}
 
 
-def _written(one: Unknown, value: float) -> str | float:
-    """A value of an input as the file would write it: whole if it is one of whole numbers."""
-    return one.entry(value) if one.unit == "1" else one.text(value)
-
-
 def _fixed_paths(document: Document) -> frozenset[str]:
     """Paths of unknown inputs whose value is given above their distribution, as by ``--set``."""
     fixed, above, seen = set[str](), set[str](), set[str]()
@@ -102,8 +97,7 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     if len(faults) > before:
         return sweep
     if count is None:
-        number = "1 input" if len(inputs) == 1 else f"{len(inputs)} inputs"
-        faults.note("unknown", f"{number} not known exactly; give sweep.samples to draw them")
+        faults.note("unknown", f"inputs: {len(inputs)}; give sweep.samples to draw them")
         return sweep
     if sweep.conditions.critical_sd:
         raise InputError(
@@ -236,13 +230,13 @@ def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
 def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
     """Layer of a point that an input enters; it is tried out at its ends."""
     key, highest = f"unknown.{quoted(one.path)}", max(sweep.plane.loads)
-    is_simulated = is_judged = False
-    is_heat_alone = True
-    for value, where, instead in _tried(one):
+    is_simulated, is_judged, is_heat_alone = False, False, True
+    for value in _tried(one):
+        text = one.entry(value) if one.unit == "1" else one.text(value)
         try:
-            other = _with_value(sweep, one.path, _written(one, value))
+            other = _with_value(sweep, one.path, text)
         except InputError as error:
-            faults.refuse(key, f"{where}{error}{instead}")
+            faults.refuse(key, f"{error}; give values that fit, up to the outermost samples")
             return "conditions"
         scene = replace(other.scene, solved_friction=sweep.scene.solved_friction)
         is_simulated |= scene != sweep.scene
@@ -272,13 +266,7 @@ def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
     return other
 
 
-def _tried(one: Unknown) -> Iterator[tuple[float, str, str]]:
-    """Values to try an input at; with each, where a bad value occurs, and what else to do."""
-    if one.kind == "list":
-        yield from ((value, "", "") for value in one.parameters)
-        return
-    yield float(one.quantile(np.array([0.5]))[0]), "", ""  # what is wrong here is so everywhere
-    ends = scipy.special.ndtr(np.array([-REACH, REACH]))
-    for value in one.quantile(ends).tolist():
-        where = f"reaches {_written(one, value)} in the outermost samples: "
-        yield value, where, "; or a narrower distribution, or one with median and factor"
+def _tried(one: Unknown) -> list[float]:
+    """Values to try an input at: all of a list, else the median and the outermost of samples."""
+    shares = scipy.special.ndtr(np.array([0.0, -REACH, REACH]))
+    return [*one.parameters] if one.kind == "list" else one.quantile(shares).tolist()

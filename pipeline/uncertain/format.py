@@ -12,8 +12,7 @@ from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.kinds import Flag, Kind, Number, Scalar, UnfitError, Whole
 from pipeline.sweep.tables import Entries, entry_at
 
-MOST_SAMPLES = 100_000
-"""Samples that may be drawn; each is read as a scene of its own when it is computed, in 1 ms."""
+MOST_SAMPLES = 100_000  # each is read as a scene of its own when it is computed, in 1 ms
 
 
 class Shape(NamedTuple):

@@ -19,8 +19,7 @@ from tribo.types import Array
 
 Form = Literal["normal", "log-normal", "uniform", "list"]
 
-MOST_INPUTS = 32
-"""Inputs that may be unknown."""
+MOST_INPUTS = 32  # that may be unknown
 OF_90 = 1.645
 """Normal score within which 90 % lie, on either side."""
 _LEAST = 1e-6  # share of an input's variance that the others must leave open

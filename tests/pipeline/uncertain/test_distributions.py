@@ -89,7 +89,7 @@ def test_what_is_unknown_counts_only_with_samples(tmp_path):
     plain = pipeline.load_scene(scene(tmp_path, "", None))
     sweep = pipeline.load_scene(scene(tmp_path, UNKNOWN, None))
     assert tuple(note.worded for note in sweep.about.notes) == (
-        "unknown: 5 inputs not known exactly; give sweep.samples to draw them",
+        "unknown: inputs: 5; give sweep.samples to draw them",
     )
     assert changed(sweep, notes=()) == plain
     assert not reasons_against(plain, sweep)

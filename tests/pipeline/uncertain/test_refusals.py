@@ -194,7 +194,7 @@ REFUSALS = {
     "no unit": (scene(RADII.replace(" mm", "")), "or plain numbers"),
     "tried": (
         scene('"pin.radius" = { from = "-1 mm", to = "2 mm" }'),
-        'unknown."pin.radius": reaches',
+        'unknown."pin.radius": pin.radius: "',
     ),
     "steps": (
         scene('"loading.reference_load" = { from = "500 N", to = "750 N" }'),
