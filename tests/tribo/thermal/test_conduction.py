@@ -17,7 +17,7 @@ from tribo.analytic import (
 )
 from tribo.material import Material
 from tribo.numerics import Grid, wrapped_offsets
-from tribo.thermal import ConductingHalfSpace
+from tribo.thermal import ConductingHalfSpace, settling_time
 
 REFERENCES = json.loads(
     (Path(__file__).parent / "references" / "thermal_influence.json").read_text()
@@ -192,3 +192,14 @@ def test_extremes_give_finite_kernels_that_create_no_heat(periodic, spacing, vel
             passage = spacing[0] / 2 / abs(velocity)
             once = uniform_flux_rise(1.0, passage, STEEL.thermal_effusivity)
             assert kernel[0, 0] == pytest.approx(once, rel=0.02)
+
+
+@pytest.mark.parametrize("n", [1, 240])
+@pytest.mark.parametrize("velocity", [0.01, -1.25])
+def test_a_kernel_has_settled_once_the_heat_of_one_end_has_passed_the_other(n, velocity):
+    grid = Grid((n, 4), ELEMENT)
+    # By a thousandth earlier: from an element's edge to the centre of the last one, and the rear
+    # of the heat is six diffusion lengths, 2√(κt) each, behind.
+    time = settling_time(grid, STEEL, velocity) / 1.001
+    rear = abs(velocity) * time - 6 * 2 * math.sqrt(STEEL.thermal_diffusivity * time)
+    assert rear == pytest.approx((n - 0.5) * ELEMENT[0], rel=1e-9)

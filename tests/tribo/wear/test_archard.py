@@ -40,3 +40,9 @@ def test_implicit_step_ends_where_the_worn_shape_carries_the_pressure():
     worn = z + wear.depth(stepped.pressure, distance)
     again = solve_contact(solid, worn, 0.02, 6.6e9, tolerance=1e-10)
     assert again.pressure == pytest.approx(stepped.pressure, abs=1e-7 * 6.6e9)
+
+
+@pytest.mark.parametrize("scheme", WEAR_SCHEMES.values(), ids=WEAR_SCHEMES)
+def test_a_step_that_carries_no_load_wears_nothing(scheme):
+    for stage in scheme.stages((0.0, 0.0), mean_load=0.0, distance=3.0):
+        assert stage == Stage(0.0, 0.0, 0.0)

@@ -63,3 +63,8 @@ def test_a_surface_of_one_s_own_is_that_of_its_heights():
         rises.append(state.heat.mean_rise)
     assert rises[0] == pytest.approx(rises[2], rel=1e-6)
     assert rises[1] != pytest.approx(rises[0], rel=1e-3)
+
+
+def test_a_pin_that_does_not_slide_wears_by_no_law():
+    scene = replace(small_scene(increments=6), wear=LAW)
+    assert worn_volume(scene, velocity=0.0) == 0

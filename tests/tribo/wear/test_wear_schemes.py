@@ -21,9 +21,10 @@ from tribo import (
     simulate,
     warnings,
 )
+from tribo.contact import ElasticHalfSpace
 from tribo.loading import Station
 from tribo.simulation import advance, start
-from tribo.wear import WEAR_SCHEMES
+from tribo.wear import WEAR_SCHEMES, RollingWear
 
 LOAD, VELOCITY = 750.0, 1.25  # the paper's severest point
 
@@ -171,3 +172,16 @@ def test_explicit_wear_with_the_number_of_increments_that_is_advised_is_the_impl
     assert roughness_of_pressure(state) < 0.02
     assert state.pressure.max() == pytest.approx(smooth().pressure.max(), rel=0.01)
     assert state.wear_depth.max() == pytest.approx(smooth().wear_depth.max(), rel=1e-3)
+
+
+def test_stiffness_is_that_of_the_shapes_that_wear():
+    solid = ElasticHalfSpace(Grid((240, 240), (1.632e-6, 1.9e-6)), 115.385e9)
+    local, swept = (
+        Wear(1.2e-15, pattern).stiffness(solid, 0.0625) for pattern in ("local", "swept")
+    )
+    # The smallest eigenvalues of this grid are 8.80e-18 and 1.05e-17 m/Pa, to three digits.
+    assert local == pytest.approx(1.2e-15 * 0.0625 / 8.80e-18, rel=1e-3)
+    assert swept == pytest.approx(1.2e-15 * 0.0625 / 1.05e-17, rel=2e-3)
+    rolling = RollingWear(1.2e-15, "local", 0.5).stiffness(solid, 0.0625)
+    assert rolling > 0  # of its stripes along the track
+    assert RollingWear(1.2e-15, "swept", 0.5).stiffness(solid, 0.0625) == 0
