@@ -213,7 +213,7 @@ REFUSALS = {
     "word": (scan("1;2;x\n4;5;6\n"), '"x" is not a number'),
     "nothing": (scan("no numbers\n"), "no line of numbers"),
     "line": (scan("".join(f"0 {k} 1\n" for k in range(9))), "a profile of 9 heights"),
-    "column": (scan("0\n1\n2\n" * 10), "a profile of 30 heights, Ra "),
+    "one column": (scan("0\n1\n2\n" * 10), "a profile of 30 heights, Ra "),
     "uneven": (scan("".join(f"{k**1.5} {k} 1\n" for k in range(9))), "not on a regular grid"),
     "sparse": (scan("".join(f"{k} {k} 1\n" for k in range(40))), "not on a regular grid"),
     "twice": (scan("0 0 1\n1 0 1\n0 1 1\n" * 4), "two heights at one place"),
