@@ -1,9 +1,7 @@
 """Margins of operating points, on a rise that is known in closed form."""
 
-import itertools
 import json
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,12 +11,10 @@ from scipy import integrate, stats
 import pipeline
 from pipeline.analysis.margin import probabilities_alone
 from pipeline.analysis.model_error import ModelError
-from pipeline.analysis.rise_error import BETWEEN, RiseError, error_of_point
+from pipeline.analysis.rise_error import RiseError, error_of_point
 from pipeline.analysis.tables import notes_of
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
-from pipeline.sweep.severity import rise_limits
-from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tests.pipeline.analysis.test_boundary import falling
 from tribo import WarningKind
@@ -83,14 +79,6 @@ def test_an_uncertain_critical_temperature_counts_in_the_probability(sd):
         assert here.distance == exact.distance
         assert abs(here.probability - 0.5) < abs(exact.probability - 0.5)
         assert f"the critical temperature is 145 °C ± {sd:g} K, which is counted" in here.caveats
-
-
-@pytest.mark.parametrize("sd", SDS)
-def test_a_point_alone_counts_an_uncertain_critical_temperature(sd):
-    limits = rise_limits(replace(synthetic.conditions(), critical_sd=sd)).tolist()
-    for rise in (500.0, 1000.0, 1200.0, 2000.0):
-        found = probabilities_alone(rise, limits, ModelError(), RiseError(0.0, 0.0, 0.0))[1]
-        assert found == pytest.approx(likely_severe(rise, sd), abs=0.007)
 
 
 def test_the_caveat_of_a_scene_stands_beside_each_verdict():
@@ -198,14 +186,6 @@ def test_the_error_of_a_preset_is_one_share_of_the_rise_whatever_the_exponent(pr
         assert here.error.preset == pytest.approx(rise * share, rel=1e-9)
 
 
-def test_parts_of_an_error_are_independent():
-    flags = {"warning_flags": synthetic.sweep()["status"] * 0 + int(WarningKind.FEW_STEPS)}
-    here = margin(synthetic.sweep(rise=wavy).assign(flags), 425.0, 2.1)
-    parts = here.error.interpolation, here.error.preset, here.error.warned
-    assert min(parts) > 0
-    assert here.temperature_error == pytest.approx(np.sqrt(np.sum(np.square(parts))))
-
-
 def test_a_fidelity_of_its_own_has_no_known_error_and_decides_nothing():
     here = margin(synthetic.sweep(preset=None), 400.0, 0.5)
     assert (here.temperature_error, here.verdict) == (None, "not decided")
@@ -266,64 +246,3 @@ def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocit
     nearer = margin(synthetic.sweep(status=far), 425.0, 1.3)
     assert 0 < nearer.error.interpolation < result.error.interpolation < 0.2 * (warm - 298.15)
     assert json.loads(json.dumps(result.as_dict()))["verdict"] == "mild"
-
-
-def test_interpolation_errs_in_proportion_to_the_gap():
-    def uneven(load, velocity, quantile=1.0):
-        return synthetic.rise(load, velocity, quantile) * (1 + 0.01 * np.cos(9 * velocity))
-
-    ds = synthetic.sweep(velocities=(0.5, 1.0, 1.5, 2.0, 4.0), rise=uneven)
-    near, far = (margin(ds, 400.0, velocity) for velocity in (1.7, 2.3))
-    shares = [
-        here.error.interpolation / (here.decisive_temperature - 298.15) for here in (near, far)
-    ]
-    assert shares[1] / shares[0] == pytest.approx(np.log(2) / np.log(2 / 1.5), rel=1e-9)
-
-
-def test_interpolation_errs_by_what_it_misses_a_left_out_point_by_over_the_gap():
-    """Between 1 and 4 m/s a power law misses the point at 2 m/s by 0.1 over a gap of ln 4."""
-
-    def kinked(load, velocity, quantile=1.0):
-        return synthetic.rise(load, velocity, quantile) * np.exp(-0.1 * (velocity == 2.0))
-
-    here = margin(synthetic.sweep(velocities=(1.0, 2.0, 4.0), rise=kinked), 400.0, 1.5)
-    share = here.error.interpolation / (here.decisive_temperature - 298.15)
-    assert share == pytest.approx(BETWEEN * 0.1 / np.log(4) * np.log(2), rel=1e-9)
-
-
-def test_what_is_continued_tells_its_error():
-    missed = []
-    for seed in range(2):
-        searched = sweeps.along_boundary(seed)
-        whole = sweeps.one(status={}, rise=sweeps.uneven(seed))
-        for load, velocity in itertools.product(searched["load"].values, (0.5, 0.75, 3.0, 4.0)):
-            beyond = margin(searched, load, velocity)
-            if beyond.is_continued:
-                off = (
-                    beyond.decisive_temperature - margin(whole, load, velocity).decisive_temperature
-                )
-                missed.append(off / beyond.error.interpolation)
-    assert len(missed) >= 5
-    assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0
-
-
-@pytest.mark.parametrize("done", [(), (4.0,), (1.0, 1.25, 1.5)])
-def test_where_a_row_is_not_done_those_beside_it_tell_what_the_whole_sweep_does(done):
-    full = synthetic.sweep(measured=())
-    velocities = full["velocity"].values.tolist()
-    pending = {(400.0, v): PENDING for v in velocities if v not in done}
-    partial = synthetic.sweep(measured=(), status=pending)
-    for velocity in (2.25, 3.9):
-        whole, part = (pipeline.margin(ds, 400.0, velocity) for ds in (full, partial))
-        assert part.decisive_temperature == pytest.approx(whole.decisive_temperature, rel=5e-3)
-        # Rises between loads are off by 0.5 %, which moves the velocity by as much of its 10 %.
-        assert part.probability == pytest.approx(whole.probability, abs=0.05)
-
-
-def test_a_surface_whose_row_is_not_done_is_not_taken_for_mild():
-    both = surfaces(synthetic.rise, synthetic.rise, measured=())
-    status = both["status"].copy()
-    status.loc[{"realization": 1, "load": 400.0}] = PENDING
-    found, whole = (pipeline.margin(ds, 400.0, 2.25) for ds in (both.assign(status=status), both))
-    assert found.probability == pytest.approx(whole.probability, abs=0.02)
-    assert (found.is_computed, whole.is_computed) == (False, True)

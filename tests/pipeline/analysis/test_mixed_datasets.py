@@ -112,14 +112,6 @@ def test_missing_points_are_not_computed_and_interpolated_ids_are_rounded(parts)
         crossings(lost)
 
 
-def test_interpolation_between_scenes_makes_a_third_one(stores):
-    table = rows("pin.radius", {8e-3: {"pin.radius": 8e-3}, 6e-3: {"pin.radius": 6e-3}})
-    commit_all(stores / "radii.zarr", tiny.sweep(variants=table))
-    ds = pipeline.open_sweep(stores / "radii.zarr")
-    with pytest.raises(InputError, match="mixes scenes"):
-        crossings(ds.interp({"pin.radius": [7e-3]}))
-
-
 def test_other_conditions_make_another_scene(parts):
     low, high = parts("low", "high")
     judged = [pipeline.at(ds, friction=0.15) for ds in (low, high)]
@@ -146,32 +138,8 @@ def test_a_scene_without_simulation_is_told_by_its_conditions_alone(parts):
     np.testing.assert_array_equal(same["scene_id"], rubbing["scene_id"])
 
 
-def test_a_dimension_of_the_users_own_is_refused_by_its_name(parts):
-    low = parts("low")
-    for ask in (crossings, lambda ds: pipeline.margin(ds, 200.0, 1.0)):
-        with pytest.raises(InputError, match="has a dimension k, which its sweep does not have"):
-            ask(joined(low * 2, "k"))
-    assert crossings(joined(low * 2, "k").isel(k=0)).shape == (2,)
-
-
 def test_a_dataset_that_plain_zarr_opened_has_the_ids_of_its_store(stores):
     low, rubbing = (xr.open_zarr(stores / f"{k}.zarr", chunks=None) for k in ("low", "rubbing"))
     assert crossings(low).shape == (2,)
     with pytest.raises(InputError, match="points at load 600 N are of another one"):
         crossings(joined([low, rubbing]))
-
-
-def test_a_coordinate_in_another_unit_is_refused(parts):
-    (ds,) = parts("low")
-    fast = (ds["velocity"] * 3.6).assign_attrs(units="km/h")
-    with pytest.raises(InputError, match="velocity of the dataset is in km/h; convert it to m/s"):
-        crossings(ds.assign_coords(velocity=fast))
-    spelt = ds.assign_coords(velocity=ds["velocity"].assign_attrs(units="meter / second"))
-    np.testing.assert_array_equal(crossings(spelt), crossings(ds))
-
-
-def test_ids_pass_through_netcdf(parts, tmp_path):
-    (ds,) = parts("low")
-    ds.to_netcdf(tmp_path / "low.nc")
-    with xr.open_dataset(tmp_path / "low.nc") as read:
-        np.testing.assert_array_equal(crossings(read), crossings(ds))

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 from scipy import integrate, stats
 
 import pipeline
@@ -15,8 +14,6 @@ from pipeline.analysis.field import fields, point_field
 from pipeline.analysis.laboratory import (
     NOT_KNOWN,
     compared,
-    comparison,
-    laboratory_tests,
     model_error,
 )
 from pipeline.analysis.margin import NOT_DECIDED, error_band, percent
@@ -129,12 +126,6 @@ def beyond(load, velocity, **at):
     return math.log(velocity / float(synthetic.critical_velocity(load, limit)))
 
 
-def test_a_line_beyond_the_sweep_counts_as_it_goes_on_and_a_load_beyond_it_not_at_all():
-    cold = {"critical_temperature": 1200.0}  # nothing is severe up to 4 m/s
-    ds = pipeline.at(swept_with((600.0, 2.0, "severe"), (9e3, 2.0, None)), **cold)
-    assert counted(ds) == pytest.approx([beyond(600.0, 2.0, **cold)])
-
-
 @pytest.mark.parametrize(("velocity", "outcome"), [(0.1, "severe"), (30.0, "mild"), (30.0, None)])
 def test_a_test_at_a_velocity_beyond_the_sweep_counts_where_the_line_is_known(velocity, outcome):
     ds = swept_with((600.0, velocity, outcome))
@@ -175,13 +166,6 @@ def test_a_test_that_velocities_beyond_the_computed_ones_may_make_right_does_not
     assert scatter_of(ds).residuals == ()  # so that a transition out of reach narrows nothing
     told = "yes" if outcome == ("mild" if everywhere is MILD else "severe") else NOT_KNOWN
     assert compared(ds)["agrees"].to_list() == ["no" if is_wrong else told]
-
-
-def test_a_test_beyond_the_points_that_are_done_is_judged_at_their_end():
-    ds = swept_with((200.0, 3.6, None), (200.0, 3.6, "severe"))
-    ds = ds.where((ds["load"] > 200.0) | (ds["velocity"] < 2.6))
-    assert scatter_of(ds).residuals == ()
-    assert set(compared(ds)["agrees"]) == {NOT_KNOWN}
 
 
 @pytest.mark.parametrize(("velocity", "outcome"), [(0.1, "severe"), (30.0, "mild")])
@@ -262,14 +246,6 @@ def test_at_a_row_with_its_own_place_a_test_of_that_place_counts():
     assert len(held.wrong) == 1
 
 
-def test_tests_beside_a_place_are_named_and_those_farther_away_are_not():
-    ds = swept_with((600.0, 1.5, "severe"), (600.0, 1.5 * 1.2, "mild"), (700.0, 1.5, None))
-    found = pipeline.margin(ds, 620.0, 1.45)
-    assert found.tested == ("severe, 600 N, 1.5 m/s",)
-    assert found.sentence.endswith("tested there: severe, 600 N, 1.5 m/s")
-    assert pipeline.margin(ds, 300.0, 1.5).tested == ()
-
-
 def test_a_test_beside_a_place_that_has_other_conditions_is_named_with_them():
     own = {"friction": 0.14, "bulk_temperature": 330.0}
     tests = Measurement(600.0, 1.5, outcome="mild"), Measurement(600.0, 1.5, outcome="mild", **own)
@@ -281,21 +257,6 @@ def test_a_test_beside_a_place_that_has_other_conditions_is_named_with_them():
     assert pipeline.margin(pipeline.at(ds, **own), 600.0, 1.5).tested == (said + usual, said)
     cool = pipeline.at(ds, critical_temperature=320.0)  # below the bulk of one of them
     assert pipeline.margin(cool, 600.0, 1.5).tested == (said,)
-
-
-def test_whether_a_test_agrees_does_not_depend_on_the_models_own_error():
-    tests = (600.0, 0.8 * CRITICAL, "mild"), (600.0, 1.3 * CRITICAL, None)
-    usual = swept_with(*tests)
-    wide = synthetic.sweep(
-        model_scatter=0.5,
-        **{
-            kind: tuple(one for one in laboratory_tests(usual) if bool(one.outcome) == told)
-            for kind, told in (("measured", False), ("tested", True))
-        },
-    )
-    assert compared(wide).equals(compared(usual))
-    assert compared(usual)["agrees"].to_list() == ["no", "yes"]
-    assert pipeline.margin(wide, 600.0, 0.8 * CRITICAL).verdict == NOT_DECIDED
 
 
 def test_a_model_that_its_tests_contradict_decides_nothing():
@@ -357,16 +318,3 @@ def test_the_band_ends_where_the_verdict_changes_at_the_error_of_that_place(done
                 assert (inside, outside) == (verdict, NOT_DECIDED)
                 seen.append(name)
     assert min(map(seen.count, ("mild_below", "severe_above"))) > 1
-
-
-def test_a_model_without_any_error_is_certain_but_at_the_boundary_itself():
-    exact = ModelError(usual=0.0)
-    assert exact.below(np.array([-1e-9, 0.0, 1e-9])).tolist() == [0.0, 0.5, 1.0]
-
-
-@pytest.mark.parametrize(("factors", "expected"), [((2, 0.5), False), ((2, 2, 0.5), True)])
-def test_a_test_meets_severe_wear_where_more_than_half_of_the_surfaces_have_it(factors, expected):
-    surfaces = [synthetic.sweep(rise=lambda *at, k=k: k * synthetic.rise(*at)) for k in factors]
-    numbers = xr.Variable("realization", np.arange(len(factors)))
-    field = point_field(xr.concat(surfaces, numbers, combine_attrs="override"))
-    assert comparison(field, Measurement(400.0, 2.0, outcome="mild")).is_severe is expected

@@ -118,41 +118,6 @@ def test_files_are_looked_for_beside_the_scene_that_names_them(write, tmp_path):
     assert max(load_scene(write(own='extends = "surfaces/base.toml"')).scene.loading.loads) == 800.0
 
 
-def test_a_fault_says_in_which_file_it_stands(write, tmp_path):
-    base = tmp_path / "base.toml"
-    write(base=TEXT.replace('"0.27 um"', "0.27").replace('"2 mm"', '"2 kg"'))
-    path = write(own=f'{EXTENDS}[pin]\nradius = 3\n[wear]\npatern = "local"')
-    assert sorted(fault.partition(": ")[0] for fault in faults_of(path)) == [
-        f"disk.roughness.ra (in {base})",
-        "pin.radius",
-        "wear.patern",
-    ]
-    faults = faults_of(path, overrides={"disk.roughness.ra": "0 um"})
-    assert any(fault.startswith("disk.roughness.ra: ") for fault in faults)
-    write(base=TEXT)
-    (fault,) = faults_of(write(own=f'{EXTENDS}without = ["wear.pattern"]'))
-    assert fault.startswith(f"wear.pattern (in {base}): missing")
-
-
-@pytest.mark.parametrize(
-    ("value", "said"),
-    [
-        ('"missing.toml"', "missing.toml: cannot be read: No such file"),
-        ('"workflows/first_try.toml"', 'No such file or directory (did you mean "first_try"?)'),
-        ('"broken.toml"', "broken.toml: is not valid TOML"),
-        ('"own.toml"', "closes a circle"),
-        ('"round.toml"', "closes a circle"),
-        ('"\\u0000"', '\\u0000" has a null character'),
-    ],
-)
-def test_another_scene_that_cannot_be_extended_is_one_clear_fault(write, value, said):
-    write(broken="a = ", round='extends = "own.toml"')
-    (fault,) = faults_of(write(own=f"extends = {value}"))
-    assert fault.startswith("extends: ")
-    assert said in fault
-    assert len(fault.splitlines()) == 1
-
-
 def test_a_shipped_scene_is_named_wherever_a_scene_is_taken(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shipped = load_scene("first_try")

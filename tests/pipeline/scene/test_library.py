@@ -18,15 +18,6 @@ LINE = 'kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]'
 HEAVY = 'density = "900 kg/m^3"\nkinematic_viscosity = "220 mm^2/s"'
 
 
-@pytest.fixture
-def fault(faults):
-    def fault(text):
-        (only,) = faults(text=text)
-        return only
-
-    return fault
-
-
 def test_a_material_of_the_library_is_the_same_written_in_full(read):
     sweep, written = read(text=NO_TABLE), read(text=TEXT)
     assert sweep.scene.disk == written.scene.disk == STEEL
@@ -52,22 +43,6 @@ def test_a_table_under_a_name_of_the_library_may_be_a_part_or_whole(read):
     sweep = read(text=NO_TABLE + elastic)
     assert sweep.scene.disk.hardness == float("inf")
     assert sweep.about.sources == ()
-
-
-def test_a_misspelt_name_is_told_with_the_nearest(fault):
-    assert 'did you mean "AISI 52100"' in fault(
-        NO_TABLE.replace('material = "AISI 52100"', 'material = "AISI 5210"', 1)
-    )
-    assert '"medicinal white oil"' in fault('oil = "white oil"\n' + TEXT)
-    assert '"tungsten"' in fault(NO_TABLE.replace('material = "AISI 52100"', 'material = "zzz"', 1))
-
-
-@pytest.mark.parametrize(("name", "near"), [("ISO VG 22", ""), ("ISOVG 220", "ISO VG 220")])
-def test_another_number_is_another_oil_and_no_slip(fault, name, near):
-    said = fault(f'oil = "{name}"\n{TEXT}')
-    assert f'"{name}" is not in the library' in said
-    assert ("did you mean" in said) == bool(near)
-    assert near in said
 
 
 def test_every_entry_of_the_library_is_a_sound_material_or_oil(read):
@@ -96,38 +71,6 @@ def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
     assert oil.viscosity(373.15) == pytest.approx(0.0064)
     assert oil.viscosity(333.15) == pytest.approx(0.0233, rel=0.03)
     assert oil.pressure_coefficient(333.15) == pytest.approx(22.8e-9, rel=0.05)
-
-
-@pytest.mark.parametrize(
-    ("table", "said"),
-    [
-        ('density = "866 kg/m^3"', "no viscosity; give kinematic_viscosity with a density"),
-        (
-            f"{LINE}\ndynamic_viscosity = {LINE[22:].replace('mm^2/s', 'mPa s')}",
-            "both a kinematic and a dynamic viscosity",
-        ),
-        (LINE, "density is missing"),
-        (f'{HEAVY}\ntemperatures = ["40 degC", "80 degC", "100 degC"]', "viscosities: 1, temp"),
-        (HEAVY, "viscosities: 1, temperatures: 2; give one for each of two temperatures or more"),
-        (
-            'density = "900 kg/m^3"\ntemperatures = ["40 degC", "100 degC", "80 degC"]\n'
-            'kinematic_viscosity = ["220 mm^2/s", "40 mm^2/s", "19 mm^2/s"]',
-            "temperatures are 313.15, 373.15, 353.15 K; they must rise",
-        ),
-        (f"{HEAVY}\nviscosity_index = 5000", "has a viscosity index of 5000; give the viscosity"),
-        (
-            f'{HEAVY}\nviscosity_index = 95\ntemperatures = ["30 degC", "100 degC"]',
-            "viscosity_index is 95; it belongs to one kinematic viscosity, that at 40 °C",
-        ),
-        ('like = "medicinal white oil"\nviscosity_index = 95', "it belongs to one kinematic"),
-        ('like = "Shell Ondina 32"\nviscosity_index = 95', "it belongs to one kinematic"),
-        ('dynamic_viscosity = ["0.2 mPa s", "0.1 mPa s"]', "it must be above 3e-07 m²/s"),
-        ('dynamic_viscosity = ["4 mPa s", "28 mPa s"]', "must fall"),
-        ('dynamic_viscosity = ["28 mPa s", "4 mPa s"]\nviscosity = 3', "unknown key"),
-    ],
-)
-def test_a_faulty_oil_is_one_clear_fault(fault, table, said):
-    assert said in fault(f"{TEXT}[oil]\n{table}\n")
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,8 @@ import tomllib
 
 import pytest
 
-from pipeline.scene.declare import Either, Entry, Table
 from pipeline.scene.faults import Faults
-from pipeline.scene.kinds import Number
-from pipeline.scene.reference import Section, example, new_scene, sections
+from pipeline.scene.reference import example, new_scene, sections
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
 from tests.house import reference
@@ -81,13 +79,6 @@ def test_every_example_is_allowed(section, key, template):
     tomllib.loads(entry_line.removeprefix("#"))
 
 
-def test_an_entry_without_its_mark_takes_effect(template, tmp_path):
-    text = template.read_text(encoding="utf-8")
-    (tmp_path / "held.toml").write_text(text.replace("#hold = ", "hold = ", 1), encoding="utf-8")
-    assert load_scene(template).scene.loading.hold == 0.0
-    assert load_scene(tmp_path / "held.toml").scene.loading.hold == 4.0
-
-
 def test_a_copy_replaces_no_file_that_the_scene_names(tmp_path):
     (tmp_path / "fig8_load_record.csv").write_text("mine")
     with pytest.raises(InputError, match=r"fig8_load_record\.csv exists already"):
@@ -100,23 +91,3 @@ def test_the_command_writes_and_lists(tmp_path, irg):
     assert load_scene(tmp_path / "mine.toml").about.preset == "standard"
     assert set(shipped_scenes()) <= set(irg("new", "--list").split())
     assert "irg new scene.toml" in irg("new", code=2)
-
-
-def test_a_table_may_have_a_third_form_and_the_others_are_read_as_before():
-    first, second, third = (
-        Table(
-            {"rate": Entry(Number(), default=1.0), name: Entry(Number(), is_needed=True)}, form=name
-        )
-        for name in ("mean", "start", "final")
-    )
-    kind = Either(first, second, third)
-    for name in ("mean", "start", "final"):
-        faults = Faults()
-        assert kind.read({name: 2.0}, "wear", faults) == {"rate": 1.0, name: 2.0}
-        assert not faults
-        assert Section("wear", Entry(kind)).form_of({name: 2.0}) == name
-    keys = Section("wear", Entry(kind)).keys()
-    assert {name: form for name, (_, form) in keys.items()} == {
-        "rate": "", "mean": "mean", "start": "start", "final": "final"
-    }  # fmt: skip
-    assert str(kind).count("; or a table with") == 2

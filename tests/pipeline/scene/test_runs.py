@@ -36,31 +36,3 @@ def test_a_run_may_end_beyond_its_last_stage_or_at_its_first(tested):
     assert (mild.outcome, mild.normal_load, mild.friction) == ("mild", 700.0, 0.1)
     assert (severe.outcome, severe.normal_load, severe.number) == ("severe", 100.0, "A7")
     assert mild.run != severe.run
-
-
-STAGE = 'velocity = "2 m/s"\nmild_up_to = "400 N"\nrun = 1'
-
-
-@pytest.mark.parametrize(
-    ("entries", "words"),
-    [
-        (['load = "3 N"\nvelocity = "2 m/s"\nmild_up_to = "4 N"'], "both load and velocity are"),
-        (['mild_up_to = "400 N"'], "neither load nor velocity is given beside stages"),
-        (['velocity = "2 m/s"\nmild_up_to = "4 m/s"'], "mild_up_to: .*cannot be converted to N"),
-        (
-            ['velocity = "2 m/s"\nmild_up_to = "4 N"\nsevere_at = "3 N"'],
-            "severe_at: 3 N is not above mild_up_to, 4 N",
-        ),
-        (
-            [STAGE, 'velocity = "2 m/s"\nload = "300 N"\noutcome = "severe"\nrun = 1'],
-            "1 is severe at 300 N and 2 m/s, and mild at 400 N and 2 m/s, which no specimen is",
-        ),
-        (
-            [STAGE, 'velocity = "2 m/s"\nsevere_at = "500 N"\nrun = 1\noil = "B"'],
-            "1 has two oils",
-        ),
-    ],
-)
-def test_a_run_that_cannot_be_is_named_by_its_entry(tested, entries, words):
-    with pytest.raises(pipeline.SceneFileError, match=words):
-        tested(*entries)

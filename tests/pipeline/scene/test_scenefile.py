@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -21,7 +20,7 @@ from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
 from tests.helpers.sweeps import sweep_of_fields
-from tests.pipeline.scene.conftest import MEASURED_SURFACE, PAPER, ROUGHNESS, TEXT, WORKFLOWS
+from tests.pipeline.scene.conftest import PAPER, ROUGHNESS, TEXT, WORKFLOWS
 
 LOADS = '["200 N", "400 N", "600 N", "750 N"]'
 SMOOTH = ("[disk.roughness]\n" + ROUGHNESS, "")
@@ -118,22 +117,6 @@ def test_a_ball_has_a_free_window_and_a_cylinder_a_periodic_one(read):
     assert read(free, local).scene.pixels.periodic == (False, False)
 
 
-def test_realizations_are_so_many_seeds_or_a_list_of_them(read, faults, tmp_path):
-    def realized(value):
-        return read(("fields =", f"realizations = {value}\nfields ="))
-
-    assert read().variants.axes.get("realization", ()) == ()
-    assert realized("3").variants.axes.get("realization", ()) == (0, 1, 2)
-    sweep = realized("[9, 2]")
-    assert sweep.variants.axes.get("realization", ()) == (2, 9)
-    assert sweep.scene.roughness.seed == 2  # what takes one surface takes the first
-    np.save(tmp_path / "surface.npy", np.zeros((480, 480)))
-    (fault,) = faults(("fields =", "realizations = 3\nfields ="), (ROUGHNESS, MEASURED_SURFACE))
-    assert fault.startswith(
-        "sweep.realizations: 3 needs a [disk.roughness] that is made from a seed"
-    )
-
-
 def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(read):
     entries = ('preset = "draft"', 'preset = "draft"\nincrements = 30\npartition = "uniform"')
     assert read().about.preset == "draft"
@@ -180,21 +163,6 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
 CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": "8 cm"}
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "key", "said"),
-    [
-        ("hardness =", "hardnes =", "materials.steel.hardnes", 'did you mean "hardness"?'),
-        ("[friction]", "[fricton]", "friction", "missing; give a table with coefficient"),
-        ('"cylinder"', '"ball"', "pin.length", "does not fit a ball; leave it out, or"),
-        ("[materials.steel]", "[materials.iron]", "pin.material", 'give "iron"'),
-    ],
-)
-def test_each_of_several_faults_is_one_line_with_its_key(faults, old, new, key, said):
-    (line,) = (line for line in faults((old, new)) if line.startswith(f"{key}: "))
-    assert said in line
-    assert len(line.splitlines()) == 1
-
-
 def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     rows = "time [ms], load [kN]\n0, 0\n2000, 0.4\n5000, 0.8\n"
     (tmp_path / "record.csv").write_text(rows)
@@ -222,39 +190,6 @@ def test_a_crowned_pin_has_two_radii_and_is_swept_over(read):
     assert sweep.scene.pixels.periodic == (False, False)
     assert sweep.scene.sweeps_over
     assert not read(overrides=CROWNED | {"wear.pattern": "local"}).scene.sweeps_over
-
-
-def test_what_is_no_path_is_refused_by_its_type():
-    with pytest.raises(TypeError, match=r"os\.PathLike object, not Dataset"):
-        load_scene(xr.Dataset({"load": 1.0}))
-
-
-def test_all_faults_are_named_at_once(read, faults):
-    changes = (
-        ('"0.27 um"', "0.27"),
-        ('[disk]\nmaterial = "steel"', '[disk]\nmaterial = "stell"'),
-        ("specific_heat", "specific_haet"),
-        ("[480, 480]", "[481, 480]"),
-        ("fields =", "realizations = -3\nfields ="),
-    )
-    messages = faults(*changes, preset="slow", overrides={"increment": 3, "increments": -3})
-    assert sorted(line.split(":")[0] for line in messages) == [
-        "disk.material",
-        "disk.roughness.ra",
-        "fidelity.increments",
-        "fidelity.preset",
-        "increment",
-        "materials.steel.specific_haet",
-        "materials.steel.specific_heat",
-        "sweep.realizations",
-        "window.pixels",
-    ]
-    with pytest.raises(SceneFileError, match=r"scene\.toml: 5 faults") as caught:
-        read(*changes[:2], *changes[3:], ("poisson_ratio = 0.3", "poisson_ratio = 3"))
-    error = caught.value
-    assert all(line in str(error) for line in error.faults)
-    again = pickle.loads(pickle.dumps(error))
-    assert (again.path, again.faults, str(again)) == (error.path, error.faults, str(error))
 
 
 def test_an_empty_file_lacks_every_table(tmp_path):
@@ -345,13 +280,6 @@ def test_both_bodies_may_move(read):
     rolling = read(("[wear]", '[motion]\nentrainment_velocity = "2 m/s"\n\n[wear]'))
     assert rolling.scene.velocities_at(0.0) == (2.0, 2.0)
     assert read().scene.motion is None
-
-
-@pytest.mark.parametrize(
-    "value", [{"from": "1 m/s", "pin.radius": [0.1, True]}, 1e-7, 'ä "b"', {"": []}]
-)
-def test_a_value_is_written_as_toml_reads_it(value):
-    assert tomllib.loads(f"value = {as_toml(value)}") == {"value": value}
 
 
 @pytest.mark.parametrize(

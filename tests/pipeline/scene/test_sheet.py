@@ -102,58 +102,6 @@ def test_rows_whose_label_begins_with_a_hash_are_rows(tmp_path):
     assert judged(tmp_path, rows) == PLACES
 
 
-WRONG = {
-    "a word": ("30O,2\n", 'row 2, load: "30O N" is not a number followed by a unit'),
-    "an error": ("#DIV/0!,2\n", 'row 2, load: "#DIV/0! N" is not a number'),
-    "a formula": ("=B1,2\n", 'row 2, load: "=B1 N" is not a number'),
-    "below 0": ("-300,2\n", 'row 2, load: "-300 N" is out of range'),
-    "another table": ("300,2\nvelocity [m/s],load [N]\n2,9\n", "row 3 begins a second table"),
-    "a cell too many": ("300,2,5\n", "row 2: 3 cells below 2 headings"),
-    "marks": ('"1,400",2\n', 'row 2, load: "1,400, 1400 or 1.400 by the decimal mark'),
-    "two of a kind": ("30O,2\n30O,2\n", "rows 2 and 3, load"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", WRONG)
-def test_a_cell_that_cannot_be_read_is_named_by_row_and_column(tmp_path, name):
-    rows, said = WRONG[name]
-    with pytest.raises(InputError) as caught:
-        judged(tmp_path, HEADS + rows)
-    assert said.split(" is ")[0] in str(caught.value)
-
-
-def test_an_empty_cell_of_a_condition_is_named(tmp_path):
-    rows = "load [N],velocity [m/s],friction\n300,2,0.1\n400,1.5,\n650,3,\n"
-    with pytest.raises(InputError, match="rows 3 and 4, friction: is empty; fill it, or leave out"):
-        judged(tmp_path, rows)
-
-
-def test_all_faults_of_a_table_come_at_once_and_equal_ones_in_a_line(tmp_path):
-    rows = "".join(f"300,x\n{-k},2\n-7,2\n" for k in range(1, 9))
-    with pytest.raises(InputError) as caught:
-        judged(tmp_path, HEADS + rows)
-    first, *faults = str(caught.value).splitlines()
-    assert "faults" in first
-    assert any("rows 2, 5, 8, 11, 14, 17 and 2 more, velocity" in fault for fault in faults)
-
-
-@pytest.mark.parametrize(
-    ("heads", "said"),
-    [
-        ("lode [N],velocity [m/s]\n", 'no column load [N] in "lode [N]", "velocity [m/s]"'),
-        ("lode [N],velocity [m/s]\n", 'did you mean "load"?'),
-        ("load [N],speed [rpm]\n", "velocity follows from"),
-        ("load [N],load [N],velocity [m/s]\n", "2 columns may be load"),
-        ("load [s],velocity [m/s]\n", "no column load [N]"),
-    ],
-)
-def test_a_column_that_is_missing_is_said_with_those_found(tmp_path, heads, said):
-    row = ",".join("3" for _ in heads.split(",")) + "\n"
-    with pytest.raises(InputError) as caught:
-        judged(tmp_path, heads + row)
-    assert said in str(caught.value)
-
-
 def test_formulas_and_errors_of_a_workbook_count_where_the_column_is_used(tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
 
@@ -241,22 +189,6 @@ def test_rows_of_a_record_without_a_load_are_told(tmp_path):
     assert "4 rows: 3 used, 1 left out: row 5 has no load" in said
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("time [s],load [N]\n0,0\n2,100\n1,300\n", "row 4: "),
-        ("time [s],load [N]\n0,0\n0.5,1O0\n1,300\n", 'row 3, load: "1O0" has an unknown unit'),
-        ("time,load [N]\n0,0\n1,100\n", "rows 2 and 3, time"),
-        ("time [s],speed [m/s]\n0,0\n1,100\n", 'no column load [N] in "time [s]", "speed [m/s]"'),
-        ("", "no column time [s], load [N] in an empty file"),
-    ],
-)
-def test_what_is_wrong_in_a_record_is_named(tmp_path, text, said):
-    with pytest.raises(pipeline.SceneFileError) as caught:
-        record(tmp_path, text)
-    assert said in " ".join(caught.value.faults)
-
-
 # Rows of pairs
 
 
@@ -273,10 +205,3 @@ def test_rows_of_pairs_that_rest_are_left_out_and_told(tmp_path):
     assert [(one.load, one.velocity) for one in points(sweep)] == [(300.0, 1.0), (600.0, 2.0)]
     said = [note.words for note in sweep.about.notes if note.place == "sweep.along"]
     assert said == ["mesh.csv, 3 rows: 2 used, 1 left out: row 3 is at rest"]
-
-
-def test_an_empty_cell_of_an_entry_of_a_pair_is_a_fault(tmp_path):
-    with pytest.raises(
-        pipeline.SceneFileError, match=r'row 3, column "pin.radius \[mm\]" is empty'
-    ):
-        along(tmp_path, "pin.radius [mm],load [N],velocity [m/s]\n3,300,1\n,600,2\n")

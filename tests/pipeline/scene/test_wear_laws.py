@@ -1,13 +1,9 @@
 """Wear laws that ship have names in a scene, as pins and criteria do."""
 
-from dataclasses import dataclass, field
-
 import pytest
 
 import pipeline
 import tribo
-from pipeline.scene import format as scene_format
-from pipeline.scene.declare import Either, table_of
 from pipeline.scene.kept import sweep_text, text_sweep
 from pipeline.sweep.laws import given_laws
 
@@ -47,32 +43,6 @@ def test_a_law_is_told_what_it_needs(changes, said):
     with pytest.raises(pipeline.SceneFileError) as error:
         pipeline.load_scene("first_try", overrides={"without": WITHOUT, "wear": entries})
     assert said in str(error.value)
-
-
-def test_a_further_law_is_an_entry_of_the_table_and_nothing_else(monkeypatch):
-    @dataclass(frozen=True, slots=True)
-    class Steady:
-        """Wear at one rate.
-
-        Parameters
-        ----------
-        rate : float
-            Specific wear rate [m²/N].
-        pattern : str
-            Pattern of the wear.
-        """
-
-        rate: float = field(metadata={"unit": "m^2/N", "meaning": "Specific wear rate."})
-        pattern: tribo.wear.WearPattern = field(default="swept", metadata={"meaning": "Pattern."})
-
-        def over(self, begin, end):
-            return tribo.Wear(self.rate, self.pattern)
-
-    monkeypatch.setitem(tribo.LAWS, "steady", Steady)
-    form = table_of(scene_format._law_form("steady"))
-    assert [*form.keys] == ["law", "rate", "pattern"]
-    assert form.needed == ["law", "rate"]
-    assert Either(*scene_format.WEAR.kinds, form).kind_for({"law": "steady", "rate": 1}) is form
 
 
 def test_a_misspelt_law_is_asked_for_by_the_laws_that_ship():
