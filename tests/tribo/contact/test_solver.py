@@ -167,3 +167,12 @@ def test_the_change_of_pressure_is_not_taken_for_small_when_iterations_run_out()
         )
     with pytest.raises(InputError, match="allowed are gap, pressure-change"):
         rough_line(48, 1e-3, "epsilon")
+
+
+def test_a_cold_start_takes_few_iterations():
+    """A rough contact, of which a fifth touches and a part yields."""
+    grid = Grid((256, 256), (1e-6, 1e-6), (True, True))
+    z = -self_affine(grid, 0.3e-6, 0.8, 20e-6, 0)
+    contact = solve_contact(ElasticHalfSpace(grid, E_STAR), z, 60.0, 6.6e9, tolerance=1e-10)
+    assert contact.residual <= 1e-10
+    assert contact.iterations <= 78
