@@ -26,13 +26,13 @@ from pipeline.analysis.dataset import (
     entry_dims,
     identified,
     judged_values,
-    read_conditions,
+    name_at,
     scene_sweep,
     sweep_kind,
-    taken_entries,
     whole_sweep,
 )
-from pipeline.analysis.scenes import scenes, value_text
+from pipeline.analysis.results import results
+from pipeline.analysis.scenes import value_text
 from pipeline.quantities import ALIKE, display
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import OIL_WORKS
@@ -151,8 +151,8 @@ def at(
         # The status alone tells of which scenes a sweep is; all else would be read to be repeated.
         status = ds["status"].expand_dims({path: values})
         ds = ds.assign(status=status).assign_coords({path: axis})
-    for scene in scenes(ds) if wanted else ():
-        read_conditions(scene, with_criterion=False)  # refuses what the sweep has nothing for
+    for scene in results(ds).scenes if wanted else ():
+        _ = scene.plain_conditions  # refuses what the sweep has nothing for
     return ds
 
 
@@ -257,7 +257,8 @@ def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
 
 def _taken(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
     """The sweep at those values that its table of variants has, and the others."""
-    columns = {*entry_dims(ds), *taken_entries(ds)}
+    taken = {name for name, _ in name_at(scene_sweep(ds).variants, ds)}
+    columns = {*entry_dims(ds), *taken}
     for path in values.keys() & columns:
         several = isinstance(values[path], list | tuple | np.ndarray)
         places = [

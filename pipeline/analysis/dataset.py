@@ -11,7 +11,6 @@ from enum import Enum
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from pipeline import extras
@@ -25,14 +24,10 @@ from pipeline.store.read import open_store
 from pipeline.store.schema import AT_END, COORDINATES, INPUTS, MADE, PLANE, STEPPED, VARIABLES
 from pipeline.sweep.conditions import PATHS, UNITS, Conditions, changes_of
 from pipeline.sweep.identity import scene_ids
-from pipeline.sweep.laws import Law, name_of
+from pipeline.sweep.laws import name_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.severity import (
-    RISES,
-    columns_needed,
-    corrected_columns,
     require_bulks,
-    rises_above_colder,
 )
 from pipeline.sweep.variants import VARIANT, Label, Variant, Variants
 from tribo import InputError, Rule
@@ -76,12 +71,6 @@ def whole_sweep(ds: xr.Dataset) -> Sweep:
     return _judged_at(_text(ds), _Source.of(ds), json.dumps(judged_values(ds)), _judgement(ds)[1])
 
 
-def stored_sweep(ds: xr.Dataset) -> Sweep:
-    """The same, at those labels that the dataset was taken at."""
-    table = scene_sweep(ds).variants
-    return sweep_at(judge_of(ds), table, ds, judged_values(ds))
-
-
 def sweep_at(judge: Judge, table: Variants, labels: xr.Dataset, judged: Mapping[str, Any]) -> Sweep:
     """The sweep at values that it is judged at, and at those labels that have a single value."""
     columns = {column.name for column in table.columns}
@@ -123,19 +112,6 @@ def _judgement(ds: xr.Dataset) -> tuple[str, str]:
     return str(ds.attrs.get("at", "{}")), str(ds.attrs.get("rule", ""))
 
 
-def read_conditions(ds: xr.Dataset, with_criterion: bool = True) -> Conditions:
-    """The conditions that one scene is judged by, if the sweep has what they need.
-
-    Without the criterion, that of a store may be a rule that is not here.
-    """
-    sweep = stored_sweep(ds)
-    conditions = sweep.conditions
-    if not with_criterion:
-        conditions = replace(conditions, criterion="share")
-    _ = conditions.decisive  # refuses a rule that is not here
-    return require_computed(conditions, sweep, ds)
-
-
 def require_computed(
     conditions: Conditions, sweep: Sweep, columns: Container[Any] | xr.Dataset
 ) -> Conditions:
@@ -149,30 +125,12 @@ def require_computed(
     return conditions
 
 
-def temperature_conditions(ds: xr.Dataset) -> Conditions:
-    """The conditions of one scene; those of no verdict where its criterion is a rule not here."""
-    if not isinstance(stored_sweep(ds).conditions.rule, Law):
-        return read_conditions(ds)
-    conditions = read_conditions(ds, with_criterion=False)
-    return replace(conditions, criterion="highest", critical_temperature=None)
-
-
-def taken_at(ds: xr.Dataset) -> Variant:
-    """Values of entries that a dataset was taken at; none unless each has one."""
-    return name_at(scene_sweep(ds).variants, ds)
-
-
 def name_at(table: Variants, ds: xr.Dataset) -> Variant:
-    """The same by the table of variants of its sweep."""
+    """Values of entries that a dataset was taken at; none unless each has one."""
     if any(one.name in ds.dims or one.name not in ds.coords for one in table.chosen):
         return ()
     names = [one.name for one in table.chosen]
     return tuple((name, _label(table.axes[name], ds[name].item())) for name in names)
-
-
-def taken_entries(ds: xr.Dataset) -> dict[str, Any]:
-    """Values of entries that a dataset was taken at, as its scene writes them."""
-    return scene_sweep(ds).variants.written(taken_at(ds))
 
 
 def _text(ds: xr.Dataset) -> str:
@@ -265,26 +223,6 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     return ordered(open_store(path)).drop_vars(["checksum", "message"], errors="ignore")
 
 
-def messages(ds: xr.Dataset) -> xr.DataArray:
-    """Warnings of the points of a dataset, and reasons of failures; empty where none is known.
-
-    They are those of its store, unless the dataset carries them as a variable.
-    """
-    status = ds["status"]
-    if "message" in ds:
-        return ds["message"].transpose(*status.dims)
-    found = xr.zeros_like(status, object)
-    found[...] = ""
-    keeper = status.encoding.get("keeper")
-    if keeper is None:
-        return found
-    stored = keeper.messages()
-    labels = {name: ds[name] for name in stored.dims if name in ds.coords}
-    with suppress(KeyError, ValueError):  # of a dataset with places of its own
-        found = stored.sel(labels).transpose(*status.dims)
-    return found
-
-
 def identified(ds: xr.Dataset) -> xr.Dataset:
     """The dataset whose points have the id of the scene that it is of, as `pipeline.at` says."""
     choices = {k: v for k, v in judged_values(ds).items() if k in (GIVEN_MEASURED, OIL)}
@@ -375,24 +313,6 @@ def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
     ]
 
 
-def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """Dataset of a sweep with loads and velocities; one of rows with own places is refused."""
-    ds = dataset_of(source)
-    require_kind(sweep_kind(ds), Kind.PLANE)
-    require_one_scene(entry_dims(ds))
-    require_lists(ds, *PLANE)
-    return keep_steps(ds, "status", "normal_load", "rise_quantile", "cooler_share")
-
-
-def moving_points(ds: xr.Dataset) -> xr.Dataset:
-    """Points that slide; all of them where none does.
-
-    At rest there is no heat, and the rise is no power of the velocity.
-    """
-    slides = ds["velocity"] > 0
-    return ds.sel(velocity=slides) if ds["velocity"].ndim and slides.any() else ds
-
-
 class Kind(Enum):
     """What the rows of a sweep are, which decides how it answers."""
 
@@ -403,7 +323,7 @@ class Kind(Enum):
 
 def sweep_kind(ds: xr.Dataset) -> Kind:
     """What the rows of a sweep are."""
-    draw = stored_sweep(ds).variants.draw
+    draw = scene_sweep(ds).variants.draw
     if draw and (draw["unknown"] or draw["fixed"]):
         return Kind.SAMPLES
     return Kind.PLANE if all(set(ds[name].dims) <= {name} for name in PLANE) else Kind.PLACES
@@ -421,16 +341,6 @@ _NO_PLANE = {
     Kind.SAMPLES: "the sweep has samples, so there is no plane of points; irg boundary, margin, "
     "plot and explore answer from all samples",
 }
-
-
-def require_lists(ds: xr.Dataset, *names: str) -> None:
-    """Raise an `InputError` at a dataset that was cut to one value of these axes."""
-    for name in names:
-        if not ds[name].ndim:
-            raise InputError(
-                f"the dataset has a single {name}, and no dimension of it; select a list of one, "
-                f"such as ds.sel({name}=[{ds[name].item():g}])"
-            )
 
 
 def require_one_scene(names: Sequence[str]) -> None:
@@ -457,77 +367,13 @@ def drawn_dims(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
     return ("realization", VARIANT) if "sample" in ds.coords else ("realization",)
 
 
-def values_of(ds: xr.Dataset, name: str) -> Any:
-    """Values of a variable, its dimensions in the usual order, those of the rows first."""
-    return _usual_order(ds[name]).values
-
-
-def _usual_order(array: xr.DataArray) -> xr.DataArray:
-    return array.transpose(..., *_ORDER, missing_dims="ignore")
-
-
-def select_surface(ds: xr.Dataset, seed: int | None) -> xr.Dataset:
-    """Take the sweep on the surface of a seed; the whole sweep if None."""
-    if seed is None:
-        return ds
-    held = ds.indexes.get("realization", pd.Index([]))
-    if seed not in held:
-        others = f"it holds {', '.join(map(str, held))}" if len(held) else "it has no others"
-        raise InputError(f"realization is {seed}, which the sweep does not hold; {others}")
-    return ds.sel(realization=seed)
-
-
-def one_row(ds: xr.Dataset, seed: int | None) -> xr.Dataset:
-    """Take the sweep of one scene on the surface of a seed, on the first one if None."""
-    ds = select_surface(plane_of(ds), seed)
-    return ds.isel({name: 0 for name in drawn_dims(ds) if name in ds.dims})
-
-
-def drawn_row(ds: xr.Dataset) -> Variant:
-    """Seed of the surface, or number of the sample, at which a sweep was taken."""
-    return tuple(
-        (name, ds[name].item()) for name in drawn_dims(ds) if name in ds.coords.keys() - ds.dims
-    )
-
-
-def asked(ds: xr.Dataset) -> xr.DataArray:
-    """Points that the last run asked for: all of its scene, or those it chose."""
-    return ds["asked"] != 0 if "asked" in ds else xr.ones_like(ds["status"], bool)
-
-
-def sweep_at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
-    """Take rises of a sweep at the bulk temperatures of conditions, above the colder body."""
-    if conditions.bulk_ratio == 0 and not conditions.corrections:
-        return ds
-    return _changed_rises(ds, conditions, rises_above_colder)
-
-
-def corrected_sweep(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
-    """Take the rises of a sweep with the corrections of some conditions, at all bulk ratios."""
-    return _changed_rises(ds, conditions, corrected_columns) if conditions.corrections else ds
-
-
-def corrected_field(point: xr.Dataset, rise: Array, conditions: Conditions) -> Array:
-    """Rise over the window at the end of a point with corrections, shape of `rise` [K]."""
-    columns = {name: point[name].values for name in columns_needed(conditions)}
-    line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}
-    zero, one = corrected_columns(columns | line, conditions)["rise_quantile"][-1]
-    field: Array = zero + (one - zero) * rise
-    return field
-
-
-def require_variables(ds: xr.Dataset, *names: str) -> None:
-    """Raise an `InputError` if a dataset lacks any of these variables."""
-    if missing := [name for name in names if name not in ds.variables]:
-        raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
-
-
 def keep_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
     """The dataset with steps along a dimension, also where it was taken at one of them.
 
     Raise an `InputError` if it lacks any of these variables, or the end of each point.
     """
-    require_variables(ds, *names)
+    if missing := [name for name in names if name not in ds.variables]:
+        raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
     if "step" in ds.coords and not (ds["step"] == 0).any():
         raise InputError(
             "the dataset has not step 0, the end of each point, which decides: take it as well, "
@@ -538,23 +384,6 @@ def keep_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
     stepped = [name for name in ds.data_vars if name in STEPPED or name in MADE]
     return ds.drop_vars("step", errors="ignore").assign(
         {name: ds[name].drop_vars("step", errors="ignore").expand_dims("step") for name in stepped}
-    )
-
-
-def _changed_rises(
-    ds: xr.Dataset,
-    conditions: Conditions,
-    judged: Callable[[Mapping[str, Any], Conditions], Mapping[str, Any]],
-) -> xr.Dataset:
-    """The sweep with rises under other conditions."""
-    if conditions.corrections and "step" not in ds.dims:
-        return _changed_rises(ds.expand_dims("step"), conditions, judged).isel(step=0)
-    names = [name for name in (*RISES, "bulk_rise_quantile") if name in ds]
-    needed = ("bulk_rise_quantile", "mean_bulk_response", *columns_needed(conditions))
-    columns = {name: values_of(ds, name) for name in dict.fromkeys((*names, *needed)) if name in ds}
-    changed = judged(columns, conditions)
-    return ds.assign(
-        {name: (_usual_order(ds[name]).dims, changed[name], ds[name].attrs) for name in names}
     )
 
 

@@ -1,27 +1,23 @@
-"""The conditions that a stored sweep is judged by, the rise that decides, and temperatures."""
+"""Temperatures of the contact, and conditions as attributes."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.dataset import (
-    dataset_of,
-    entry_dims,
-    read_conditions,
-    require_variables,
-    sweep_at_bulks,
-)
-from pipeline.analysis.results import results
-from pipeline.analysis.scenes import scenes, side_by_side
+from pipeline.analysis.dataset import dataset_of
+from pipeline.analysis.results import Results, results
+from pipeline.analysis.scenes import side_by_side
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE, SCENE_ID
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import failed_fraction
+from pipeline.sweep.severity import failed_fraction, rises_above_colder
 from tribo import QUANTILES, InputError
+from tribo.types import Array
 
 
 def attributes_by(conditions: Conditions) -> dict[str, Any]:
@@ -30,19 +26,6 @@ def attributes_by(conditions: Conditions) -> dict[str, Any]:
     if "corrections" in plain:
         plain["corrections"] = json.dumps(plain["corrections"])
     return plain
-
-
-def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
-    """Rise at friction 1 that decides at each point [K], dims (..., load, velocity), or NaN."""
-    held = results(ds)
-    dims = [*held.front, *PLANE]
-    return xr.DataArray(
-        held.rises(conditions),
-        {name: ds[name].variable for name in ("realization", *dims) if name in ds.coords},
-        dims,
-        "decisive_rise",
-        {"units": "K", "long_name": "decisive rise at friction 1"},
-    )
 
 
 @np.errstate(under="ignore")
@@ -75,22 +58,24 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     >>> pipeline.temperatures(hotter)["max_temperature"].round().item()
     464.0
     """
-    # No temperature depends on the criterion.
     ds = dataset_of(ds)
-    answers = [_temperatures(scene, read_conditions(scene, False)) for scene in scenes(ds)]
-    found = side_by_side(answers, [ds[name] for name in entry_dims(ds)])
+    held = results(ds)
+    like = ds.isel(dict.fromkeys(held.entry_dims, 0), missing_dims="ignore")
+    answers = [_temperatures(scene, like) for scene in held.scenes]
+    found = side_by_side(answers, [held.rows[name] for name in held.entry_dims])
     return found.drop_vars(SCENE_ID, errors="ignore")  # so that it merges with any dataset
 
 
-def _temperatures(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
-    """Temperatures of one scene."""
-    require_variables(ds, "max_rise", "mean_rise", "rise_quantile", "cooler_share")
-    if ds["cooler_share"].size < len(QUANTILES):
+def _temperatures(scene: Results, like: xr.Dataset) -> xr.Dataset:
+    """Temperatures of one scene, with the dimensions of a dataset."""
+    scene.require("max_rise", "mean_rise", "rise_quantile")
+    if len(scene.shares) < len(QUANTILES):
         raise InputError(
-            f"the dataset has {ds['cooler_share'].size} of {len(QUANTILES)} shares of the contact "
+            f"the dataset has {len(scene.shares)} of {len(QUANTILES)} shares of the contact "
             "(cooler_share), and needs all; select some from the result"
         )
-    rises = sweep_at_bulks(ds, conditions)
+    conditions = scene.plain_conditions  # no temperature depends on the criterion
+    rises = rises_above_colder(scene.columns, conditions)
     attributes = attributes_by(conditions)
     del attributes["criterion"]
     result = xr.Dataset(attrs=attributes)
@@ -99,20 +84,23 @@ def _temperatures(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
         ("mean_temperature", "mean_rise", "mean temperature"),
         ("temperature_quantile", "rise_quantile", "quantile of the temperature"),
     ):
-        plain = rises[rise].drop_attrs()
-        result[name] = plain.copy(data=conditions.contact_temperature(plain.values))
+        dims = [*scene.front, *PLANE, "step", "cooler_share"][: rises[rise].ndim]
+        result[name] = _shaped(like[rise], dims, conditions.contact_temperature(rises[rise]))
         result[name].attrs = {"units": "K", "long_name": f"{meaning} of the contact"}
     if conditions.critical_temperature is not None:
-        share = xr.apply_ufunc(
-            failed_fraction,
-            rises["rise_quantile"],
-            input_core_dims=[["cooler_share"]],
-            kwargs={"conditions": conditions},
-            vectorize=True,
-        )
-        result["failed_fraction"] = share.where(rises["max_rise"].notnull())
+        failed = np.vectorize(failed_fraction, excluded=[1], signature="(q)->()")
+        share = failed(rises["rise_quantile"], conditions)
+        share = np.where(np.isnan(rises["max_rise"]), np.nan, share)
+        result["failed_fraction"] = _shaped(like["max_rise"], dims[:-1], share)
         result["failed_fraction"].attrs = {
             "units": "1",
             "long_name": "share of the contact above the critical temperature",
         }
     return result
+
+
+def _shaped(like: xr.DataArray, dims: Sequence[str], values: Array) -> xr.DataArray:
+    """Values with these dimensions as an array with those of another one."""
+    whole = xr.Variable(dims, values)
+    cut = whole.isel({name: 0 for name in dims if name not in like.dims})
+    return like.drop_attrs().copy(data=cut.transpose(*like.dims).values)

@@ -11,19 +11,9 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import (
-    Kind,
-    asked,
-    dataset_of,
-    end_of_point,
-    entry_dims,
-    require_lists,
-    require_one_scene,
-    require_variables,
-    stored_sweep,
-    sweep_kind,
-)
+from pipeline.analysis.dataset import Kind, require_one_scene
 from pipeline.analysis.margin_frame import margin, row_labels
+from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import frame_of
 from pipeline.analysis.transition import CROSSES, MILD, SEVERE, outcomes
 from pipeline.scene.written import differing
@@ -74,36 +64,34 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     >>> pipeline.diff(store, store).boundary["change [%]"].to_list()
     [0.0, 0.0, 0.0, 0.0]
     """
-    first, second = dataset_of(a), dataset_of(b)
-    have_places = [sweep_kind(ds) is Kind.PLACES for ds in (first, second)]
+    both = first, second = results(a), results(b)
+    have_places = [held.kind is Kind.PLACES for held in both]
     if not any(have_places):
-        for ds in (first, second):
-            require_one_scene(entry_dims(ds))
-            require_lists(ds, *PLANE)
+        for held in both:
+            require_one_scene(held.entry_dims)
+            held.require_lists(*PLANE)
     elif not all(have_places):
         raise InputError(
             "one store has rows, each with its own load and velocity, the other a plane; compare "
             "two stores of one kind"
         )
-    for ds in (first, second):
-        require_variables(ds, "status")
     points, alike = _points(first, second)
     between = _margins if all(have_places) else _boundary
     crossings = between(first, second)
     return Difference(_entries(first, second), crossings, points, alike)
 
 
-def _entries(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
+def _entries(a: Results, b: Results) -> pd.DataFrame:
     """Entries that differ, in the order of the scene."""
-    rows = differing(stored_sweep(a), stored_sweep(b))
+    rows = differing(a.sweep, b.sweep)
     return frame_of(("entry", "a", "b"), ((path, x or None, y or None) for path, x, y in rows))
 
 
-def _boundary(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
+def _boundary(a: Results, b: Results) -> pd.DataFrame:
     """Critical velocities at the loads of both; empty if wear is not judged."""
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
-        first, second = (_critical_velocities(ds) for ds in (a, b))
+        first, second = (_critical_velocities(held) for held in (a, b))
     except LawError:
         raise
     except InputError:  # no critical temperature
@@ -114,9 +102,9 @@ def _boundary(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
     return frame_of(heads, zip(*columns, both["outcome a"], both["outcome b"], strict=True))
 
 
-def _margins(a: xr.Dataset, b: xr.Dataset) -> pd.DataFrame:
+def _margins(a: Results, b: Results) -> pd.DataFrame:
     """Margins of rows with places of their own, row by row, and the labels in which they differ."""
-    tables = [margin(ds) for ds in (a, b)]
+    tables = [margin(held) for held in (a, b)]
     count = max(map(len, tables))
     labels = [table[row_labels(table)].reindex(range(count)) for table in tables]
     first, second = (table.reindex(range(count)) for table in tables)
@@ -137,9 +125,9 @@ def _unlike(a: Mapping[str, Any], b: Mapping[str, Any]) -> str | None:
     return ", ".join(words) or None
 
 
-def _critical_velocities(ds: xr.Dataset) -> pd.DataFrame:
+def _critical_velocities(held: Results) -> pd.DataFrame:
     """Critical velocity and outcome at each load; over several surfaces or samples the median."""
-    boundaries, meanings = boundary(ds), outcomes("velocity")
+    boundaries, meanings = boundary(held), outcomes("velocity")
     if "critical_velocity_quantile" in boundaries:
         velocity = boundaries["critical_velocity_quantile"].sel(quantile=0.5).values
     else:
@@ -155,15 +143,15 @@ def _critical_velocities(ds: xr.Dataset) -> pd.DataFrame:
     return pd.DataFrame({"load": loads, "velocity": velocity, "outcome": outcome})
 
 
-def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[pd.DataFrame, int]:
+def _points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
     """Points that are done in one alone or differ, and the number of those that are alike."""
     heads = (
         "load [N]", "velocity [m/s]", "variant", "state a", "state b", "rise a [K]", "rise b [K]",
         "change [%]",
     )  # fmt: skip
-    has_seeds = any("realization" in ds.dims for ds in (a, b))
+    has_seeds = any("realization" in held.front for held in (a, b))
     place = ["load", "velocity", "variant"]
-    states = (_states(ds, has_seeds) for ds in (a, b))
+    states = (_states(held, has_seeds) for held in (a, b))
     both = pd.merge(*states, on=place, how="outer", suffixes=(" a", " b"))
     both = both.fillna({"state a": "absent", "state b": "absent"})
     is_done = both[["state a", "state b"]] == "done"
@@ -174,13 +162,24 @@ def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[pd.DataFrame, int]:
     return frame_of(heads, rows.itertuples(index=False, name=None)), int(is_alike.sum())
 
 
-def _states(ds: xr.Dataset, has_seeds: bool) -> pd.DataFrame:
+def _states(held: Results, has_seeds: bool) -> pd.DataFrame:
     """State and highest rise [K] of each point that is done, failed or asked for, by its place."""
-    rise = end_of_point(ds[["time", "max_rise"]])["max_rise"]
-    points = xr.Dataset({"status": ds["status"], "asked": asked(ds), "rise": rise})
+    held.require("max_rise")
+    values = {
+        "status": held.columns["status"],
+        "asked": held.asked,
+        "rise": held.columns["max_rise"][..., -1],
+    }
+    axes = {"load": held.loads, "velocity": held.velocities}
+    own = {name: axis for name, axis in axes.items() if name not in held.rows.coords}
+    shape = *held.rows.sizes.values(), *map(len, own.values())
+    dims, in_front = [*held.rows.sizes, *own], [*held.front]
+    points = xr.Dataset(
+        {name: (dims, np.reshape(one, shape)) for name, one in values.items()},
+        {**held.rows.coords, **own},
+    )
     frame = points.to_dataframe().reset_index()
-    in_front = [str(name) for name in ds["status"].dims if name not in PLANE]
-    labels: Any = getattr(stored_sweep(ds).scene.roughness, "seed", None)
+    labels: Any = getattr(held.sweep.scene.roughness, "seed", None)
     if len(in_front) > 1:
         labels = frame[in_front].astype(str).agg(", ".join, axis=1)
     elif in_front:

@@ -26,6 +26,8 @@ from pipeline.analysis.dataset import (
     keep_steps,
     name_at,
     require_computed,
+    require_kind,
+    require_one_scene,
     scene_sweep,
     sweep_at,
     sweep_kind,
@@ -41,7 +43,8 @@ from pipeline.store.schema import (
     STEPPED,
 )
 from pipeline.sweep.conditions import PATHS, Conditions
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.laws import Law
+from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import columns_needed, equivalent_rise, worst_rises
 from pipeline.sweep.variants import VARIANT, Label, Variant
 from tribo import InputError
@@ -78,6 +81,8 @@ class Results:
         Variables by name, of shape (rows, ..., load, velocity, ...), the steps last but for shares.
     shares : ndarray
         Shares of the contact of the quantiles.
+    rest : Dataset
+        Variables that no verdict needs, such as fields of the contact, read when they are shown.
     """
 
     stored: Sweep
@@ -90,6 +95,7 @@ class Results:
     cut: tuple[str, ...]
     columns: Mapping[str, Array] = field(repr=False)
     shares: Array = field(repr=False)
+    rest: xr.Dataset = field(repr=False)
     keeper: Any = field(repr=False)  # of the store that they are from, which has its messages
     judge: Judge = field(repr=False)
 
@@ -110,6 +116,11 @@ class Results:
         """Values that all of it has: of entries, of a surface, of the row of a table."""
         found = {str(name): one for name, one in self.rows.coords.items() if not one.ndim}
         return {name: one.item() for name, one in found.items() if name not in _UNNAMED}
+
+    @property
+    def surface(self) -> Variant:
+        """Seed of the surface that was taken; none where it has several, or the scene's own."""
+        return tuple((name, seed) for name, seed in self.labels.items() if name == "realization")
 
     @property
     def place(self) -> tuple[float, float] | None:
@@ -141,6 +152,13 @@ class Results:
         return require_computed(self.sweep.conditions, self.sweep, self.columns)
 
     @property
+    def shown_conditions(self) -> Conditions:
+        """The conditions; those of no verdict where the criterion is a rule that is not here."""
+        if not isinstance(self.sweep.conditions.rule, Law):
+            return self.conditions
+        return replace(self.plain_conditions, criterion="highest", critical_temperature=None)
+
+    @property
     def plain_conditions(self) -> Conditions:
         """The same with a share, as the criterion of a store may be a rule that is not here."""
         plain = replace(self.sweep.conditions, criterion="share")
@@ -169,7 +187,27 @@ class Results:
             loads=axes["load"],
             velocities=axes["velocity"],
             columns={name: values[at] for name, values in self.columns.items()},
+            rest=self.rest.isel(places, missing_dims="ignore"),
         )
+
+    def take_surface(self, seed: int | None) -> Results:
+        """The results on the surface of a seed; on all surfaces if None."""
+        if seed is None:
+            return self
+        held = self.rows["realization"].values.tolist() if "realization" in self.front else []
+        if seed not in held:
+            others = f"it holds {', '.join(map(str, held))}" if held else "it has no others"
+            raise InputError(f"realization is {seed}, which the sweep does not hold; {others}")
+        return self.take({"realization": held.index(seed)})
+
+    def take_row(self, seed: int | None) -> Results:
+        """The plane of one scene on the surface of a seed, on its first one if None."""
+        require_kind(self.kind, Kind.PLANE)
+        require_one_scene(self.entry_dims)
+        self.require_lists(*PLANE)
+        self.require("normal_load", "rise_quantile")
+        row = self.take_surface(seed)
+        return row.take(dict.fromkeys(row.front, 0))
 
     def take_moving(self) -> Results:
         """The points that slide; all of them where none does.
@@ -181,27 +219,36 @@ class Results:
             return self
         along = len(self.front) + 1
         columns = {k: np.compress(slides, v, axis=along) for k, v in self.columns.items()}
-        return replace(self, velocities=self.velocities[slides], columns=columns)
+        rest = self.rest.isel({"velocity": slides}, missing_dims="ignore")
+        return replace(self, velocities=self.velocities[slides], columns=columns, rest=rest)
 
-    def point(self, load: int, velocity: int) -> tuple[float, float]:
-        """Load [N] and velocity [m/s] of a point of one row, by its numbers."""
+    def point(self, load: int, velocity: int) -> Point:
+        """A point of one row, by its numbers."""
         if self.kind is Kind.SAMPLES:
-            return float(self.loads[load]), float(self.rows["velocity"])
-        return float(self.loads[load]), float(self.velocities[velocity])
+            return Point(float(self.loads[load]), float(self.rows["velocity"]))
+        return Point(float(self.loads[load]), float(self.velocities[velocity]), self.surface)
 
-    def message(self, load: int, velocity: int) -> str:
-        """Warnings of a point of one row, or why it failed; empty where none is known."""
+    @functools.cached_property
+    def messages(self) -> Any:
+        """Warnings of points, or why they failed (rows, ..., load, velocity); empty if unknown."""
         if "message" in self.columns:
-            return str(self.columns["message"][load, velocity])
+            return self.columns["message"]
+        found = np.full(self.columns["status"].shape, "", object)
         if self.keeper is None:
-            return ""
+            return found
         stored = self.keeper.messages()
-        labels = dict(zip(PLANE, self.point(load, velocity), strict=True)) | {
-            str(name): label.item() for name, label in self.rows.coords.items()
-        }
+        axes = {"load": self.loads, "velocity": self.velocities} | dict(self.rows.coords)
         with suppress(KeyError, ValueError):  # of a dataset with places of its own
-            return str(stored.sel({k: v for k, v in labels.items() if k in stored.dims}).item())
-        return ""
+            told = stored.sel({name: axes[name] for name in stored.dims if name in axes})
+            told = told.transpose(*self.front, *PLANE, missing_dims="ignore")
+            found = np.reshape(told.values, found.shape)
+        return found
+
+    def values(self, name: str) -> Any:
+        """Values of a variable (rows, ..., load, velocity, ...), of a column or of the rest."""
+        if name in self.columns:
+            return self.columns[name]
+        return self.rest[name].transpose(*self.front, *PLANE, ..., missing_dims="ignore").values
 
     def require(self, *names: str) -> None:
         """Raise an `InputError` if any of these variables is not there."""
@@ -315,6 +362,7 @@ def results(ds: xr.Dataset | PathLike | Results) -> Results:
         cut=tuple(name for name in PLANE if not ds[name].ndim),
         columns=columns,
         shares=np.array(ds["cooler_share"].values) if "cooler_share" in ds.coords else np.empty(0),
+        rest=ds.drop_vars([name for name in names if name in ds.data_vars]),
         keeper=status.encoding.get("keeper"),
         judge=judge_of(ds),
     )

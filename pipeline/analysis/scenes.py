@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import Kind, dataset_of, entry_dims, taken_entries
+from pipeline.analysis.dataset import Kind, entry_dims
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import frame_of
 from pipeline.quantities import display, shown_in
@@ -22,14 +22,6 @@ Result = TypeVar("Result", xr.Dataset, xr.DataArray)
 
 _OWN = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
 """Units in which columns of one's own are shown, by those of SI."""
-
-
-def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
-    """The sweep of each scene: with each combination of the values of its entries."""
-    ds = dataset_of(ds)
-    names = entry_dims(ds)
-    for places in np.ndindex(*(ds.sizes[name] for name in names)):
-        yield ds.isel(dict(zip(names, places, strict=True)))
 
 
 def side_by_side(answers: list[Result], axes: Sequence[xr.DataArray]) -> Result:
@@ -140,8 +132,3 @@ def value_text(axis: xr.DataArray, value: float | str) -> str:
 def words(ds: xr.Dataset, values: Mapping[str, float | str]) -> str:
     """Values of entries of a sweep in words."""
     return ", ".join(f"{path} {value_text(ds[path], value)}" for path, value in values.items())
-
-
-def entries_in_words(scene: xr.Dataset) -> str:
-    """Values of the entries of one of `scenes` in words, as its sweep gives them."""
-    return ", ".join(f"{path} {text}" for path, text in taken_entries(scene).items())

@@ -21,7 +21,6 @@ from pipeline.analysis.scenes import value_text
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import LawError
-from pipeline.sweep.model import Point
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
 from pipeline.sweep.shown import shown
@@ -165,10 +164,10 @@ def _first(held: Results, judged: tuple[int, ...], chosen: Mask, flags: Indices)
         slow = SLOW if flag & WarningKind.SLOW_RISE else ""
         melted = MOLTEN if flag & WarningKind.MOLTEN else ""
         kinds = ", ".join(kind.label for kind in WarningKind if flag & kind)  # of a copy
-        told = here.message(load, velocity) or (kinds if not (slow or melted) else "")
+        told = here.messages[load, velocity] or (kinds if not (slow or melted) else "")
         if message := "; ".join(filter(None, (told, slow, melted))):
             values = tuple((n, value_text(here.rows[n], here.rows[n].item())) for n in names)
-            return f"{Point(*here.point(load, velocity), values)}: {message}"
+            return f"{here.point(load, velocity)._replace(variant=values)}: {message}"
     return ""
 
 

@@ -10,17 +10,12 @@ import pandas as pd
 import pipeline
 from pipeline.analysis import words
 from pipeline.analysis.boundary import turns_left_out
-from pipeline.analysis.dataset import (
-    Kind,
-    read_conditions,
-    stored_sweep,
-    sweep_kind,
-)
+from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import fields
 from pipeline.analysis.frames import JUDGED, frames_of
 from pipeline.analysis.laboratory import agreement, compared, test_parts
 from pipeline.analysis.margin_frame import LONG, counts_in_words, judged, margin_frame
-from pipeline.analysis.scenes import caveats_of, scenes
+from pipeline.analysis.scenes import caveats_of
 from pipeline.analysis.scenes import words as entries_in_words
 from pipeline.analysis.tables import notes_of, short, some_rows
 from pipeline.cli.given import dataset_in, operating_points_in, values_in
@@ -37,18 +32,18 @@ def margin(options: argparse.Namespace) -> Result:
     """Print the verdict on one operating point, or on those of a table or of the sweep's rows."""
     is_one = bool(values_in(options, "load", "velocity"))
     points = operating_points_in(options) if is_one or options.points or options.sheet else None
-    ds = dataset_in(options)
+    held = pipeline.results(dataset_in(options))
     with working("judging operating points"):
-        found = [*judged(ds, points)]
-    table, caveats = margin_frame(ds, found, points), caveats_of(ds)
+        found = [*judged(held, points)]
+    table, caveats = margin_frame(held, found, points), caveats_of(held)
     known = [one.margin for one in found if one.margin]
     lines: list[str | pd.DataFrame] = []
     if is_one:
         if len(found) == 1:
             found[0].known()
         for one in found:
-            labels = {name: one.field.shown[name] for name in one.field.shown if name in ds.dims}
-            lines += [f"{row}:" for row in [entries_in_words(ds, labels)] if row]
+            labels = {name: value for name, value in one.field.shown.items() if name in held.front}
+            lines += [f"{row}:" for row in [entries_in_words(held.rows, labels)] if row]
             lines += wrapped(words.margin_lines(one.margin) if one.margin else [one.reason])
         is_molten = any(one.decisive_temperature > MELTS for one in known)
         lines += remarks("warning", MOLTEN * is_molten)
@@ -61,22 +56,22 @@ def margin(options: argparse.Namespace) -> Result:
         rests += [*remarks("warning", *dict.fromkeys(one.misfit for one in known))]
         lines += wrapped([*rests, *words.deciding_lines(known)])
     rests_on = dict.fromkeys(line for one in found for line in one.field.basis[1])
-    lines += [*rests_on, *words.missing_lines(pipeline.results(ds).missing)]
-    return Result(text=[*lines, *caveats], warned=pipeline.warned(ds), frames=[table])
+    lines += [*rests_on, *words.missing_lines(held.missing)]
+    return Result(text=[*lines, *caveats], warned=pipeline.warned(held), frames=[table])
 
 
 def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities or loads with the band of their errors, or the tests."""
-    ds = dataset_in(options)
-    is_plane = sweep_kind(ds) is not Kind.SAMPLES
-    tests = compared(ds)
+    held = pipeline.results(dataset_in(options))
+    is_plane = held.kind is not Kind.SAMPLES
+    tests = compared(held)
     if options.by == "test":
         if tests is None:
             raise InputError("the scene has no tests; give [[measured]] or [[tested]] in the scene")
         lines = (wrapped([one]) if isinstance(one, str) else [one] for one in test_parts(tests))
         return Result(text=itertools.chain(*lines), frames=[tests])
     with working("finding the boundary"):
-        crossings = pipeline.boundary(ds)
+        crossings = pipeline.boundary(held)
     table = frames_of(crossings)[0 if options.by == "load" else -1]
     alone = ["friction"] if "friction" in crossings.attrs else []
     wide = ["surfaces", "film parameter Λ"] if "surfaces" in table else []
@@ -87,8 +82,8 @@ def boundary(options: argparse.Namespace) -> Result:
     rests += words.boundary_lines(crossings)
     rests += [f"{agreement(tests)} They are printed by --by test."] if tests is not None else []
     if not is_plane:
-        rests += dict.fromkeys(line for field in fields(ds) for line in field.basis[1])
-    rests += remarks("warning", turns_left_out(ds, crossings) if is_plane else None)
-    rule = judged_by(map(read_conditions, scenes(ds)), stored_sweep(ds).variants.rule.unknown)
-    text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(ds)])]
-    return Result(text=text, warned=pipeline.warned(ds), frames=[table])
+        rests += dict.fromkeys(line for field in fields(held) for line in field.basis[1])
+    rests += remarks("warning", turns_left_out(held, crossings) if is_plane else None)
+    rule = judged_by((one.conditions for one in held.scenes), held.sweep.variants.rule.unknown)
+    text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(held)])]
+    return Result(text=text, warned=pipeline.warned(held), frames=[table])

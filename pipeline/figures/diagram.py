@@ -17,7 +17,7 @@ from matplotlib.patches import Patch
 
 from pipeline import extras
 from pipeline.analysis.boundary import BAND
-from pipeline.analysis.dataset import Kind, select_surface, sweep_kind
+from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.analysis.margin import DECIDED, verdict_plane
@@ -49,32 +49,34 @@ _MANY = 1500  # points, from which marks are small
 
 @style.house_style
 def diagram(
-    ds: xr.Dataset, realization: int | None = None, log: bool = False, ax: Axes | None = None
+    ds: xr.Dataset | Results,
+    realization: int | None = None,
+    log: bool = False,
+    ax: Axes | None = None,
 ) -> Figure:
     """Draw the transition diagram; of samples, the probability of severe wear; of rows, margins.
 
     Each place has the verdict of its margin. Over several surfaces the boundary is that of the
     median one, in a band from the tenth to the ninetieth of a hundred.
     """
-    kind = sweep_kind(ds)
-    if kind is Kind.SAMPLES:
+    held = results(ds)
+    if held.kind is Kind.SAMPLES:
         if realization is not None or ax is not None:
             raise InputError(
                 "the diagram of samples shows probabilities; leave out the surface and ax"
             )
-        drawn: Figure = extras.module("figures").draw_probability(ds, log)
+        drawn: Figure = extras.module("figures").draw_probability(held, log)
         return drawn
-    ds = select_surface(ds, realization)
-    if kind is Kind.PLACES:
+    held = held.take_surface(realization)
+    if held.kind is Kind.PLACES:
         if log:
             raise InputError(
                 "each row has its own load and velocity, so there is no plane; leave out log"
             )
-        return draw_rows(ds, ax)
+        return draw_rows(held, ax)
     if log:
-        ds = ds.sel(velocity=ds["velocity"] > 0)
+        held = held.take_moving()
     figure, axes = style.canvas(ax, _SIZE)
-    held = results(ds)
     conditions = next(held.scenes).conditions
     legend, caption = (_draw_scenes if held.entry_dims else _draw_scene)(axes, held)
     tests, beyond = reachable_tests(held, numbered(laboratory_tests(held)))
@@ -85,8 +87,7 @@ def diagram(
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
-    surface = tuple((k, label) for k, label in held.labels.items() if k == "realization")
-    style.write_title(axes, ", ".join([style.title_of(ds), *named(surface)]))
+    style.write_title(axes, ", ".join([style.title_of(held), *named(held.surface)]))
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
     style.legend_below(figure, ax, handles=legend, caption=caption)
     return figure

@@ -6,23 +6,14 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.analysis.dataset import (
-    corrected_field,
-    drawn_row,
-    messages,
-    one_row,
-    temperature_conditions,
-)
-from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.results import Results
 from pipeline.figures import style
 from pipeline.quantities import UNITS, shown_in
 from pipeline.scene.units import in_si
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.model import Point
-from pipeline.sweep.severity import rise_limit
+from pipeline.sweep.severity import columns_needed, corrected_columns, rise_limit
 from tribo import InputError
 from tribo.types import Array, Mask
 
@@ -34,24 +25,26 @@ _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 
 
 def chosen_points(
-    ds: xr.Dataset, load: Wanted, velocity: Wanted, conditions: Conditions
+    held: Results, load: Wanted, velocity: Wanted, conditions: Conditions
 ) -> list[Spot]:
     """Find the points nearest to loads and velocities; of one not given, to the transition."""
-    rises = decisive_rise(ds, conditions).values
+    rises = held.rises(conditions)
     is_done = np.isfinite(rises)
     reached = np.flatnonzero(is_done.any(axis=1))
     judged = conditions.critical_temperature is not None
     limit, points = rise_limit(conditions) if judged else math.inf, list[Spot]()
-    for i in nearest_indices(ds, "load", load) or reached[-1:].tolist() or [0]:
-        require_done_at(ds["load"].values[i], is_done[i])
+    for i in nearest_indices(held.loads, "load", load) or reached[-1:].tolist() or [0]:
+        require_done_at(held.loads[i], is_done[i])
         distance = np.abs(rises[i] - min(limit, np.nanmax(rises[i])))
-        wanted = nearest_indices(ds, "velocity", velocity) or [int(np.nanargmin(distance))]
+        wanted = nearest_indices(held.velocities, "velocity", velocity) or [
+            int(np.nanargmin(distance))
+        ]
         points += [(i, j) for j in wanted]
     for point in points:
         if not is_done[point]:
-            reason = str(messages(ds).transpose("load", "velocity").values[point])
+            reason = str(held.messages[point])
             raise InputError(
-                f"the point {point_name(ds, point)} is not done{reason and ': '}{reason}; "
+                f"the point {held.point(*point)} is not done{reason and ': '}{reason}; "
                 "give another load or velocity, or go on with irg run"
             )
     return points
@@ -65,9 +58,9 @@ def require_done_at(load: float, is_done: Mask) -> None:
         )
 
 
-def nearest_indices(ds: xr.Dataset, axis: str, values: Wanted) -> list[int]:
+def nearest_indices(held: Array, axis: str, values: Wanted) -> list[int]:
     """Find the indices nearest to one load or velocity or several; none if none is given."""
-    held, found = ds[axis].values, list[int]()
+    found = list[int]()
     several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
     for value in several:
         place = in_si(axis, value, _LIKE[axis])
@@ -80,11 +73,6 @@ def nearest_indices(ds: xr.Dataset, axis: str, values: Wanted) -> list[int]:
     return found
 
 
-def point_name(ds: xr.Dataset, point: Spot) -> str:
-    """Name a point by its load, its velocity and its surface, from its indices."""
-    return str(Point(ds["load"].values[point[0]], ds["velocity"].values[point[1]], drawn_row(ds)))
-
-
 _COLOURS = "viridis_r", "inferno", "cividis_r"  # bright where hot; dark where pressed and worn
 _BAR = 0.12  # [inch] of a bar of colours, and of the gap below it
 _COLUMN = 4.7  # [inch], below which panels lie below each other
@@ -92,7 +80,7 @@ _COLUMN = 4.7  # [inch], below which panels lie below each other
 
 @style.house_style
 def fields(
-    ds: xr.Dataset,
+    held: Results,
     load: float | str | None = None,
     velocity: float | str | None = None,
     realization: int | None = None,
@@ -101,16 +89,16 @@ def fields(
 
     In a figure as narrow as a column of a journal they lie below each other.
     """
-    if "pressure" not in ds:
+    if "pressure" not in held.rest:
         raise InputError(
             "the sweep holds no fields; set 'fields = true' under [sweep] in the scene, and run it "
             "into another store"
         )
-    ds = one_row(ds, realization)
-    conditions = temperature_conditions(ds)
-    point = chosen_points(ds, load, velocity, conditions)[0]
-    shown = _shown(ds, point, conditions)
-    x, y = (shown_in(ds[axis].values, "µm") for axis in "xy")
+    held = held.take_row(realization)
+    conditions = held.shown_conditions
+    point = chosen_points(held, load, velocity, conditions)[0]
+    shown = _shown(held, point, conditions)
+    x, y = (shown_in(held.rest[axis].values, "µm") for axis in "xy")
     is_stacked = style.wanted_width(_COLUMN) < _COLUMN
     height = float(np.clip(3.3 * np.ptp(y) / np.ptp(x), 0.5, 2.6 if is_stacked else 6.0))
     panel = 1.4 + height
@@ -130,20 +118,23 @@ def fields(
         if shown[1].min() < limit < shown[1].max():
             grid[1].contour(x, y, shown[1].T, [limit], colors=style.SKY, linewidths=style.THIN)
             grid[1].child_axes[0].set_xlabel(f"{labels[1]}, outlined at {limit:g}")
-    title = f"{style.title_of(ds)}\n{point_name(ds, point)}, {style.heating(conditions)}"
+    title = f"{style.title_of(held)}\n{held.point(*point)}, {style.heating(conditions)}"
     style.write_title(figure, title)
     return figure
 
 
-def _shown(ds: xr.Dataset, point: Spot, conditions: Conditions) -> tuple[Array, ...]:
+def _shown(held: Results, point: Spot, conditions: Conditions) -> tuple[Array, ...]:
     """Pressure [GPa], temperature [°C] and wear depth [µm] at the end of a point, by x and y."""
-    here = ds.isel(load=point[0], velocity=point[1]).transpose("x", "y", ...)
+    here = held.rest.isel(load=point[0], velocity=point[1]).transpose("x", "y", ...)
     rise = here["rise"].values
     if conditions.bulk_ratio:
         rise = rise + conditions.bulk_ratio * here["bulk_response"].values
         rise += max(0.0, -conditions.bulk_ratio)  # above the colder body
     if conditions.corrections:
-        rise = corrected_field(here, rise, conditions)
+        columns = {name: held.columns[name][point] for name in columns_needed(conditions)}
+        line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}
+        zero, one = corrected_columns(columns | line, conditions)["rise_quantile"][-1]
+        rise = zero + (one - zero) * rise
     return (
         np.ma.masked_equal(shown_in(here["pressure"].values, "GPa"), 0.0),
         shown_in(conditions.contact_temperature(rise), "°C"),

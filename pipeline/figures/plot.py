@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.analysis.dataset import dataset_of
+from pipeline.analysis.results import results
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
@@ -104,7 +104,7 @@ def plot(
         raise InputError("ax: out and width are those of its figure; set them there")
     metres = None if width is None else in_si("width", width, "1 m")
     with style.fitted(metres, plain):
-        drawn: Figure = kinds[kind](ds if study else dataset_of(ds), **options)
+        drawn: Figure = kinds[kind](ds if study else results(ds), **options)
     return drawn if path is None else style.save_figure(drawn, path)
 
 

@@ -6,26 +6,25 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.analysis.dataset import one_row, sweep_at_bulks, temperature_conditions
-from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.field import along_friction, point_field
+from pipeline.analysis.results import Results
 from pipeline.figures import style
 from pipeline.figures.fields import (
     Spot,
     Wanted,
     chosen_points,
     nearest_indices,
-    point_name,
     require_done_at,
 )
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.quantities import shown_in
+from pipeline.store.schema import MADE, PLANE, STEPPED, VARIABLES
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.severity import rises_above_colder
 from tribo import InputError
 from tribo.types import Array
 
@@ -38,7 +37,7 @@ _COARSE_RAMP = "; marks: end of the ramp, on smaller elements than the lines"
 
 @style.house_style
 def ramp(
-    ds: xr.Dataset,
+    held: Results,
     load: Wanted = None,
     velocity: Wanted = None,
     realization: int | None = None,
@@ -48,14 +47,14 @@ def ramp(
 
     Steps on the grid of the history and on the point's own are not joined.
     """
-    ds = one_row(ds, realization)
-    conditions = temperature_conditions(ds)
-    points = chosen_points(ds, load, velocity, conditions)
-    ds = sweep_at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
-    panels = [_CONTACT, _WEAR] if show is None else [(_stored(ds, show),)]
+    held = held.take_row(realization)
+    conditions = held.shown_conditions
+    points = chosen_points(held, load, velocity, conditions)
+    held = replace(held, columns=rises_above_colder(held.columns, conditions))
+    panels = [_CONTACT, _WEAR] if show is None else [(_stored(held, show),)]
     figure = style.Picture((8.0, 4.2 + 2.1 * len(panels)))
     top, *below = figure.subplots(1 + len(panels), sharex=True)
-    _temperatures(top, ds, points, conditions)
+    _temperatures(top, held, points, conditions)
     for axes, panel in zip(below, panels, strict=True):
         handles = []
         # The right axis has more room, so that quantities in proportion do not lie on each other.
@@ -63,56 +62,54 @@ def ramp(
             side = axes if look is _SOLID else axes.twinx()
             side.grid(visible=look is _SOLID)
             words, unit = label.rstrip("]").split(" [")
-            values = ds[name].values.astype(float)
+            values = held.values(name).astype(float)
             values = values if show else shown_in(values, unit.split()[0])
-            _draw(side, ds, values, points, look)
+            _draw(side, held, values, points, look)
             side.ticklabel_format(axis="y", scilimits=(-2, 3))
             side.set(ylabel=label, ylim=(0, room * side.get_ylim()[1]))  # room for the legend
             handles.append(Line2D([], [], color=BLACK, label=words, **look))
         style.fitting_legend(axes, 2, handles=handles, loc="upper left")
     below[-1].set_xlabel("time [s]")
     below[-1].set_xlim(left=0)
-    _load_axis(top, ds, max(points))
-    style.write_title(figure, style.title_of(ds))
+    _load_axis(top, held, max(points))
+    style.write_title(figure, style.title_of(held))
     names = [
-        Line2D([], [], color=f"C{k}", lw=3, label=point_name(ds, point))
+        Line2D([], [], color=f"C{k}", lw=3, label=str(held.point(*point)))
         for k, point in enumerate(points)
     ]
-    time, own = ds["time"].values, ds["own_grid"].values
+    time, own = held.values("time"), held.values("own_grid")
     is_coarse = any((np.isfinite(time[point]) & ~own[point]).any() for point in points)
     caption = style.heating(conditions) + _COARSE_RAMP * is_coarse
     style.legend_below(figure, handles=names, caption=caption)
     return figure
 
 
-def _stored(ds: xr.Dataset, name: str) -> tuple[str, str]:
+def _stored(held: Results, name: str) -> tuple[str, str]:
     """Label and name of a variable at each step."""
-    usual = ("load", "velocity", "step")
-    names = sorted(str(one) for one in ds.data_vars if ds[one].dims == usual)
+    stepped = {*STEPPED, *MADE, "own_grid"} & {*held.columns, *held.rest}
+    names = sorted(one for one in stepped if held.values(one).ndim == len((*PLANE, "step")))
     if name not in names:
         raise InputError(f"show is {name!r}; stored at each step are {', '.join(names)}")
-    return f"{name} [{ds[name].attrs.get('units', '1')}]", name
+    return f"{name} [{VARIABLES[name].units}]", name
 
 
-def _draw(axes: Axes, ds: xr.Dataset, values: Array, points: list[Spot], look: Any) -> None:
+def _draw(axes: Axes, held: Results, values: Array, points: list[Spot], look: Any) -> None:
     """Draw values (load, velocity, step) at the steps of points, the ends as marks."""
     for number, point in enumerate(points):
-        time, own = ds["time"].values[point], ds["own_grid"].values[point]
+        time, own = (held.values(name)[point] for name in ("time", "own_grid"))
         known = np.isfinite(values[point])
         for part, marks in ((known & ~own, {"marker": "None"}), (known & own, {"markevery": [-1]})):
             if part.any():
                 axes.plot(time[part], values[point][part], color=f"C{number}", **look | marks)
 
 
-def _temperatures(axes: Axes, ds: xr.Dataset, points: list[Spot], conditions: Conditions) -> None:
+def _temperatures(axes: Axes, held: Results, points: list[Spot], conditions: Conditions) -> None:
     """Draw the highest temperature, and that which decides."""
     handles = []
     for judged, look in _judged_looks(conditions):
-        column = judged.decisive.column
-        columns = {column: ds[column].values, "quantile": ds["cooler_share"].values}
-        rise = judged.decisive.rise(columns)
+        rise = judged.decisive.rise({**held.columns, "quantile": held.shares})
         temperature = shown_in(conditions.contact_temperature(rise), "°C")
-        _draw(axes, ds, temperature, points, look)
+        _draw(axes, held, temperature, points, look)
         handles.append(Line2D([], [], color=BLACK, label=judged.decisive.temperature, **look))
     handles += _critical_line(axes, conditions)
     axes.set_ylabel("contact temperature [°C]")
@@ -136,9 +133,9 @@ def _critical_line(axes: Axes, conditions: Conditions) -> list[Line2D]:
     return [axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")]
 
 
-def _load_axis(axes: Axes, ds: xr.Dataset, point: Spot) -> None:
+def _load_axis(axes: Axes, held: Results, point: Spot) -> None:
     """Put the load that belongs to each time above `axes`, if no two times share one."""
-    time, load = (np.append(0.0, ds[name].values[point]) for name in ("time", "normal_load"))
+    time, load = (np.append(0.0, held.values(name)[point]) for name in ("time", "normal_load"))
     time, load = time[np.isfinite(time)], load[np.isfinite(time)]
     if (np.diff(load) > 0).all():
         time, load = np.append(time, 2 * time[-1]), np.append(load, 2 * load[-1])
@@ -149,19 +146,19 @@ def _load_axis(axes: Axes, ds: xr.Dataset, point: Spot) -> None:
 
 @style.house_style
 def temperature(
-    ds: xr.Dataset,
+    held: Results,
     load: float | str | None = None,
     realization: int | None = None,
     ax: Axes | None = None,
 ) -> Figure:
     """Draw how the temperatures of the contact grow with the velocity at one load."""
-    ds = one_row(ds, realization)
-    conditions = temperature_conditions(ds)
-    row = ds.isel(load=nearest_indices(ds, "load", load) or [-1])
-    velocities, load_here = row["velocity"].values, float(row["load"][0])
+    held = held.take_row(realization)
+    conditions, velocities = held.shown_conditions, held.velocities
+    (row,) = nearest_indices(held.loads, "load", load) or [-1]
+    load_here = float(held.loads[row])
     figure, axes = style.canvas(ax)
     for judged, look in _judged_looks(conditions):
-        rises = decisive_rise(row, judged).values[0]
+        rises = held.rises(judged)[row]
         require_done_at(load_here, np.isfinite(rises))
         between = along_friction(velocities, rises, conditions.friction_factor)
         for (x, rise), part in ((between, {"marker": "None"}), ((velocities, rises), {"ls": ""})):
@@ -169,10 +166,10 @@ def temperature(
             axes.plot(x, curve, color=BLUE, **look | part)
         axes.plot([], [], color=BLUE, label=judged.decisive.temperature, **look)
     if _critical_line(axes, conditions):
-        turns = point_field(row).transitions("velocity", load_here, velocities[-1]).places
+        turns = point_field(held).transitions("velocity", load_here, velocities[-1]).places
         for turn in turns[np.isfinite(turns)]:
             axes.axvline(turn, color=VERMILION, label=f"transition, {turn:.3g} m/s")
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
-    style.write_title(axes, f"{style.title_of(row)}\n{load_here:g} N")
+    style.write_title(axes, f"{style.title_of(held)}\n{load_here:g} N")
     style.legend_below(figure, ax, caption=style.heating(conditions))
     return figure

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.margin_frame import judged, margin_frame, row_labels
+from pipeline.analysis.results import Results
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, GREY, TINTS, VERMILION
 from pipeline.sweep.about import judged_by
@@ -27,15 +27,15 @@ _LOOKS: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 @style.house_style
-def draw_rows(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
+def draw_rows(held: Results, ax: Axes | None = None) -> Figure:
     """Draw the margin of each row [K]."""
-    rows = [*judged(ds, None)]
-    frame = margin_frame(ds, rows)
+    rows = [*judged(held, None)]
+    frame = margin_frame(held, rows)
     figure, axes = style.canvas(ax)
     ticks, label = _row_names(frame)
     x = pd.factorize(pd.Series(ticks))[0]  # surfaces of a row share its place
     _draw_margins(axes, x, frame)
-    style.write_title(axes, style.title_of(ds))
+    style.write_title(axes, style.title_of(held))
     axes.set_xlabel(style.as_text(label))
     names = [*dict.fromkeys(ticks)]
     every = math.ceil(len(names) / _MOST_TICKS)

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
-import xarray as xr
 from matplotlib import rc_context, rc_params_from_file, rcParams, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -22,7 +21,7 @@ from matplotlib.legend import Legend
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullLocator
 
-from pipeline.analysis.dataset import stored_sweep
+from pipeline.analysis.results import Results
 from pipeline.analysis.tables import FIGURES, writable_path, write_bytes
 from pipeline.sweep.about import condition_rows
 from pipeline.sweep.conditions import Conditions
@@ -228,9 +227,9 @@ def write_title(owner: Axes | Figure, words: str) -> None:
     write("" if _PLAIN.get() else words, wrap=True)
 
 
-def title_of(ds: xr.Dataset) -> str:
+def title_of(held: Results) -> str:
     """Title of a sweep."""
-    return as_text(stored_sweep(ds).about.title)
+    return as_text(held.sweep.about.title)
 
 
 def entry_label(path: str) -> str:

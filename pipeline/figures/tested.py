@@ -22,7 +22,7 @@ from pipeline.analysis.laboratory import (
 )
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import Scatter
-from pipeline.analysis.results import results
+from pipeline.analysis.results import Results, results
 from pipeline.figures import style
 from pipeline.figures.overlays import TESTS, numbered
 from pipeline.figures.style import BLACK, GREY
@@ -33,7 +33,7 @@ _ROOM = 1.25  # factor of velocity about the tests
 
 
 @style.house_style
-def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
+def measured_over_computed(ds: xr.Dataset | Results, ax: Axes | None = None) -> Figure:
     """Draw the velocity of each test over the critical one computed at its own conditions."""
     read = results(ds)
     require_kind(read.kind, Kind.PLANE)
@@ -82,7 +82,7 @@ def measured_over_computed(ds: xr.Dataset, ax: Axes | None = None) -> Figure:
     style.plain_numbers(axes)
     axes.set(xlabel="critical velocity computed at the test's own conditions [m/s]")
     axes.set_ylabel("velocity of the test [m/s]")
-    style.write_title(axes, f"{style.title_of(ds)}\ncomputed against measured")
+    style.write_title(axes, f"{style.title_of(read)}\ncomputed against measured")
     caption = f"tests of {len(oils)} oils: {', '.join(oils)}"
     caption = f"the model's own error: {scatter.worded}" if scatter else caption
     style.legend_below(figure, ax, ncols=2, caption=caption)

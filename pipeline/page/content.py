@@ -7,28 +7,16 @@ from __future__ import annotations
 
 import base64
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from pipeline import extras
 from pipeline.analysis.curve import Curve
-from pipeline.analysis.dataset import (
-    asked,
-    corrected_sweep,
-    end_of_point,
-    messages,
-    moving_points,
-    ordered,
-    plane_of,
-    read_conditions,
-    stored_sweep,
-    values_of,
-)
-from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import (
     laboratory_tests,
@@ -39,16 +27,22 @@ from pipeline.analysis.laboratory import (
 )
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import AGREED, WORTH, ModelError
-from pipeline.analysis.results import results
+from pipeline.analysis.results import Results, results
 from pipeline.analysis.transition import LEAST_SLOPE, outcomes, range_of
 from pipeline.figures.overlays import numbered, reachable_tests
 from pipeline.page.controls import controls
-from pipeline.page.pictures import FIELDS, POINT, coloured, packed_fields
+from pipeline.page.pictures import FIELDS, coloured, packed_fields
 from pipeline.quantities import shown_in
-from pipeline.store.schema import DONE, PLANE
+from pipeline.store.schema import PLANE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import above_colder, critical_errors, rise_limit, worst_moment
+from pipeline.sweep.severity import (
+    above_colder,
+    corrected_columns,
+    critical_errors,
+    rise_limit,
+    worst_moment,
+)
 from tribo import Criterion
 from tribo.types import Array, Indices, Mask
 
@@ -70,28 +64,30 @@ _NUMBERS = (
 """Numbers of a point: variable, label, and unit."""
 
 
-def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
+def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     """What a page shows, as plain data, with the fields of the points nearest to the transition."""
-    ds = moving_points(ordered(plane_of(ds)))
-    require_one_oil(stored_sweep(ds).about)
-    sweep, conditions = stored_sweep(ds), read_conditions(ds)
-    unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
-    ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
-    done = values_of(ds, "status") == DONE
-    system = corrected_sweep(ds, conditions)
+    held = results(ds).take_moving()
+    require_kind(held.kind, Kind.PLANE)
+    held.require_lists(*PLANE)
+    held.require("normal_load", "rise_quantile")
+    sweep, conditions = held.sweep, held.conditions
+    require_one_oil(sweep.about)
+    unequal = held.rest["bulk_ratio"].values.tolist() if "bulk_ratio" in held.rest.coords else []
+    ratios, shares, done = sorted([*unequal, 0.0]), _shares(held, conditions), held.done
+    columns = corrected_columns(held.columns, conditions)
     # By load, velocity, bulk ratio, share or quantile, and step.
-    deciding, quantiles = _tables(system, conditions.decisive, ratios, shares)
-    load = values_of(ds, "normal_load")[..., None, None, :]
-    worst = worst_moment(deciding, load, ds["load"].values[:, None, None, None, None])
+    deciding, quantiles = _tables(columns, held.shares, conditions.decisive, ratios, shares)
+    load = held.columns["normal_load"][..., None, None, :]
+    worst = worst_moment(deciding, load, held.loads[:, None, None, None, None])
     decisive = np.where(done[..., None, None], _step_values(deciding, worst), np.nan)
     # The step at which each point is shown is the one that decides.
     steps = worst[..., ratios.index(0.0), shares.index(conditions.failing_share)]
-    has_fields = set(FIELDS) <= set(ds.data_vars)
-    chosen = _nearest(ds, done, conditions, most_fields) if has_fields else []
+    has_fields = {*FIELDS} <= held.rest.keys()
+    chosen = _nearest(held, done, conditions, most_fields) if has_fields else []
     return {
-        **_page_facts(ds),
-        **_point_states(ds),
-        "conditions": _conditions(ds, conditions),
+        **_page_facts(held),
+        **_point_states(held),
+        "conditions": _conditions(held, conditions),
         "critical_errors": critical_errors(conditions),
         "controls": [
             asdict(control)
@@ -100,31 +96,31 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
             )
         ],
         "deciding": conditions.decisive.temperature,
-        "times": packed_array(_step_values(values_of(ds, "time"), steps), "<f4"),
+        "times": packed_array(_step_values(held.columns["time"], steps), "<f4"),
         "bulk_ratios": ratios,
         "shares": shares,
         "rises": packed_array(_step_values(quantiles, steps[..., None, None]), "<f4"),
-        **_planes(decisive, ds, conditions),
-        **_model_facts(ds),
-        "fields": packed_fields(ds, chosen, conditions.bulk_ratio)
+        **_planes(decisive, held, conditions),
+        **_model_facts(held),
+        "fields": packed_fields(held.rest, chosen, conditions.bulk_ratio)
         | {"stored": int(done.sum()) * has_fields},
     }
 
 
-def _page_facts(ds: xr.Dataset) -> dict[str, Any]:
+def _page_facts(held: Results) -> dict[str, Any]:
     """What a page shows of the scene and its axes."""
-    about = stored_sweep(ds).about
+    about = held.sweep.about
     return {
         "name": about.name,
-        "outside": _outside(ds["load"].values, ds["velocity"].values),
+        "outside": _outside(held.loads, held.velocities),
         "origins": _ORIGINS,
         "friction_band": about.friction_band,
-        "range": {name: range_of(ds, name) for name in ("load", "velocity")},
+        "range": {name: range_of(held, name) for name in ("load", "velocity")},
         "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
-        "loads": ds["load"].values.tolist(),
-        "velocities": ds["velocity"].values.tolist(),
-        "quantiles": ds["cooler_share"].values.tolist(),
-        "surfaces": ds.indexes.get("realization", pd.Index([])).tolist() or None,
+        "loads": held.loads.tolist(),
+        "velocities": held.velocities.tolist(),
+        "quantiles": held.shares.tolist(),
+        "surfaces": held.rows["realization"].values.tolist() if held.front else None,
     }
 
 
@@ -134,13 +130,13 @@ def _told(test: Measurement) -> dict[str, Any]:
     return test.as_dict() | {"load": test.normal_load, "sign": sign}
 
 
-def _tests(ds: xr.Dataset, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
+def _tests(held: Results, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
     """Tests with the nearest node, and the friction and bulk that each is judged at."""
-    told, tests = [], laboratory_tests(ds)
-    drawn = reachable_tests(results(ds), numbered(tests))[0].values()
+    told, tests = [], laboratory_tests(held)
+    drawn = reachable_tests(held, numbered(tests))[0].values()
     for test in tests:
-        own = own_conditions(ds, test)
-        there = _conditions(ds, own) | {"strip_friction": test.friction is not None}
+        own = own_conditions(held, test)
+        there = _conditions(held, own) | {"strip_friction": test.friction is not None}
         names = ("friction", "bulk_temperature", "disk_temperature", "strip_friction")
         k = _nearest_of(loads, test.normal_load)
         j = first + _nearest_of(velocities[first:], test.velocity)
@@ -164,22 +160,21 @@ def _outside(loads: Array, velocities: Array) -> str:
     return f"Type a load and a velocity within the sweep: {ends[0]} N, {ends[1]} m/s."
 
 
-def _point_states(ds: xr.Dataset) -> dict[str, Any]:
+def _point_states(held: Results) -> dict[str, Any]:
     """State, numbers and message of each point."""
-    status = values_of(ds, "status")
-    end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
+    stored = {*held.columns, *held.rest}
     return {
-        "status": digit_string(status),
-        "asked": digit_string(asked(ds).transpose(*POINT, missing_dims="ignore")),
+        "status": digit_string(held.columns["status"]),
+        "asked": digit_string(held.asked),
         "numbers": [
             {"label": label, "unit": unit}
-            | {"values": packed_array(shown_in(values_of(end, name), unit.split()[0]), "<f4")}
+            | {"values": packed_array(shown_in(held.values(name)[..., -1], unit.split()[0]), "<f4")}
             for name, label, unit in _NUMBERS
-            if name in ds
+            if name in stored
         ],
         "messages": {
             str(place): str(message)
-            for place, message in enumerate(messages(ds).transpose(..., *PLANE).values.ravel())
+            for place, message in enumerate(held.messages.ravel())
             if isinstance(message, str) and message  # NaN at points that were masked
         },
     }
@@ -188,19 +183,19 @@ def _point_states(ds: xr.Dataset) -> dict[str, Any]:
 _LOADS, _VELOCITIES = 45, 121  # nodes of the plane on a page of samples
 
 
-def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
+def content_of_samples(held: Results) -> dict[str, Any]:
     """What a page of samples shows, as plain data."""
     samples = extras.module("fields")
-    field = samples.single_field(ds)
-    ensemble, scatter = field.ensemble, model_error(ds, field)
+    field = samples.single_field(held)
+    ensemble, scatter = field.ensemble, model_error(held, field)
     loads = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
     loads = loads if len(ensemble.loads) > 1 else ensemble.loads
     slowest, fastest = ensemble.velocities
     velocities = np.linspace(slowest, fastest, _VELOCITIES)
     plane = field.probability(loads[:, None], velocities, scatter)
     return {
-        "name": stored_sweep(ds).about.name,
-        "measured": [_told(test) for test in laboratory_tests(ds)],
+        "name": held.sweep.about.name,
+        "measured": [_told(test) for test in laboratory_tests(held)],
         "outside": _outside(loads, velocities),
         "misfit": [("wear", field.misfit)] if field.misfit else [],
         "loads": loads.tolist(),
@@ -212,23 +207,24 @@ def content_of_samples(ds: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
+def _shares(held: Results, conditions: Conditions) -> list[float]:
     """Failing shares between which the deciding rise is linear; the scene's alone without."""
     failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:
         return [failing_share]
-    shares = np.minimum(np.round(1 - ds["cooler_share"].values, 12), np.nextafter(1.0, 0.0))
+    shares = np.minimum(np.round(1 - held.shares, 12), np.nextafter(1.0, 0.0))
     return [float(share) for share in np.union1d(shares, failing_share)]
 
 
 def _tables(
-    ds: xr.Dataset, criterion: Criterion, ratios: list[float], shares: list[float]
+    columns: Mapping[str, Array],
+    quantile: Array,
+    criterion: Criterion,
+    ratios: list[float],
+    shares: list[float],
 ) -> tuple[Array, Array]:
     """Deciding rises by share, and quantiles, by load, velocity, bulk ratio, these and step [K]."""
-    names = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
-    columns = {name: values_of(ds, name) for name in names if name in ds}
-    quantile = {"quantile": ds["cooler_share"].values}
-    at_ratios = [{**above_colder(columns, ratio), **quantile} for ratio in ratios]
+    at_ratios = [{**above_colder(columns, ratio), "quantile": quantile} for ratio in ratios]
     criteria = [replace(criterion, share=share) for share in shares]
     deciding = [np.stack([one.rise(rises) for one in criteria], axis=-2) for rises in at_ratios]
     quantiles = [np.swapaxes(rises["rise_quantile"], -1, -2) for rises in at_ratios]
@@ -241,15 +237,14 @@ def _step_values(values: Array, steps: Indices) -> Array:
     return chosen
 
 
-def _planes(rises: Array, ds: xr.Dataset, conditions: Conditions) -> dict[str, Any]:
+def _planes(rises: Array, held: Results, conditions: Conditions) -> dict[str, Any]:
     """Tables of the deciding rise on a fine plane, and along load at each velocity of the sweep.
 
     Rises by load, velocity, bulk ratio and share [K]. Along velocity the plane goes on beyond the
     points, far beyond at its outermost nodes.
     """
-    loads, velocities = ds["load"].values, ds["velocity"].values
-    done = values_of(ds, "status") == DONE
-    missing = ~done & (asked(ds).transpose(*POINT, missing_dims="ignore").values == 1)
+    loads, velocities, done = held.loads, held.velocities, held.done
+    missing = ~done & held.asked
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
     fine_loads = divided(loads, by_load)
     rows, nodes = rows_along(rises, velocities, by_velocity, conditions)
@@ -273,7 +268,7 @@ def _planes(rises: Array, ds: xr.Dataset, conditions: Conditions) -> dict[str, A
         "inner": nodes[first : own_nodes[-1] + 1].tolist(),
         "nodes": {"velocity": own_nodes.tolist(), "load": own_rows.tolist()},
         "beside": np.stack([own_rows[below], own_rows[above]], axis=-1).tolist(),
-        "measured": _tests(ds, fine_loads, nodes[: own_nodes[-1] + 1], first),
+        "measured": _tests(held, fine_loads, nodes[: own_nodes[-1] + 1], first),
         "friction_factors": conditions.friction_factor(nodes).tolist(),
         "friction_by_temperature": [
             *zip(*(conditions.friction_law.by_temperature or ((0.0, 1.0),)), strict=True)
@@ -283,7 +278,7 @@ def _planes(rises: Array, ds: xr.Dataset, conditions: Conditions) -> dict[str, A
             f"{surface} {own_nodes[j]}": state.size + k * fine_loads.size
             for k, (surface, j) in enumerate(own_columns.tolist())
         },
-        "errors": packed_array(node_errors(point_field(ds), fine_loads, nodes), "<f4"),
+        "errors": packed_array(node_errors(point_field(held), fine_loads, nodes), "<f4"),
         "state": digit_string(state) + digit_string(within),
         "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
     }
@@ -297,14 +292,14 @@ def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
     return np.array(totals, float).reshape(-1, len(loads), len(velocities))
 
 
-def _model_facts(ds: xr.Dataset) -> dict[str, Any]:
+def _model_facts(held: Results) -> dict[str, Any]:
     """The distribution of the model's own error, and by what a verdict is decided.
 
     Cumulative probabilities by the number of transitions, at distances in units of the scale.
     """
-    untested = untested_error(stored_sweep(ds))
+    untested = untested_error(held.sweep)
     distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))
-    counts = range(len(laboratory_tests(ds)) + 1)
+    counts = range(len(laboratory_tests(held)) + 1)
     plain = [ModelError((0.0,) * n, usual=1.0) for n in counts]
     own = [replace(untested, residuals=(0.0,) * n) for n in counts]
     words = [one.worded.partition(" % ")[2] for one in own]
@@ -317,29 +312,27 @@ def _model_facts(ds: xr.Dataset) -> dict[str, Any]:
             "words": [own[0].worded, *words[1:]],
             "agreed": replace(own[0], untold=AGREED).worded,
         },
-        "misfit": point_field(ds).misfit,
+        "misfit": point_field(held).misfit,
         "decided": [DECIDED[0], DECIDED[-1]],
     }
 
 
-def _conditions(ds: xr.Dataset, conditions: Conditions) -> dict[str, Any]:
+def _conditions(held: Results, conditions: Conditions) -> dict[str, Any]:
     """The conditions of the sweep; that of the disk's bulk where it may differ from the pin's."""
     disk, bulk = conditions.disk_temperature, conditions.bulk_temperature
     plain = conditions.as_dict()
-    if "bulk_rise_quantile" in ds:
+    if "bulk_rise_quantile" in held.columns:
         plain["disk_temperature"] = bulk if disk is None else disk
     return plain
 
 
-def _nearest(
-    ds: xr.Dataset, done: Mask, conditions: Conditions, most: int
-) -> list[tuple[int, ...]]:
+def _nearest(held: Results, done: Mask, conditions: Conditions, most: int) -> list[tuple[int, ...]]:
     """Choose the points whose fields to show: all, or those nearest to the transition."""
     places = np.argwhere(done)
     if len(places) > most:
         judged = conditions.critical_temperature is not None
         limit = rise_limit(conditions) if judged else math.inf
-        rise = np.nan_to_num(decisive_rise(ds, conditions).values[done])
+        rise = np.nan_to_num(held.rises(conditions)[done])
         distance = np.abs(rise - min(limit, rise.max(initial=0.0)))
         places = places[np.sort(np.argsort(distance, kind="stable")[:most])]
     return [tuple(place) for place in places.tolist()]

@@ -17,9 +17,9 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import Kind, dataset_of, stored_sweep, sweep_kind
+from pipeline.analysis.dataset import Kind
 from pipeline.analysis.frames import frames_of
-from pipeline.analysis.scenes import entries_in_words, scenes
+from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import html_of, short, writable_path, write_text
 from pipeline.figures.diagram import diagram
 from pipeline.figures.overlays import MILD, SEVERE
@@ -30,7 +30,6 @@ from pipeline.page.pictures import risk_scale
 from pipeline.page.sections import sections
 from pipeline.scene.along import OperatingPoints
 from pipeline.store.place import PathLike
-from pipeline.store.schema import DONE
 from pipeline.sweep.shown import shown
 from tribo import InputError
 
@@ -112,15 +111,14 @@ def explore(
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
     if points is not None and not isinstance(points, OperatingPoints):
         points = OperatingPoints.read(points)
-    ds = dataset_of(ds)
-    kind = sweep_kind(ds)
-    parts = [ds] if kind is Kind.PLACES else [*scenes(ds)]
-    made = [_MAIN[kind](part, most_fields // len(parts)) for part in parts]
+    held = results(ds)
+    parts = [held] if held.kind is Kind.PLACES else [*held.scenes]
+    made = [_MAIN[held.kind](part, most_fields // len(parts)) for part in parts]
     bodies = [
         _filled(
             "scene.html",
             {
-                "title": html.escape(stored_sweep(part).about.title),
+                "title": html.escape(part.sweep.about.title),
                 "main": main.html,
                 "data": _json_text(main.data),
                 **sections(part, points),
@@ -128,9 +126,10 @@ def explore(
         )
         for part, main in zip(parts, made, strict=True)
     ]
-    names = [entries_in_words(part) for part in parts] if len(parts) > 1 else []
-    write_text(_page(stored_sweep(ds).about.title, names, bodies, _OWN_SCRIPTS[kind]), path)
-    done = int((ds["status"] == DONE).sum())
+    words = (", ".join(f"{key} {text}" for key, text in part.entries.items()) for part in parts)
+    names = [*words] if len(parts) > 1 else []
+    write_text(_page(held.sweep.about.title, names, bodies, _OWN_SCRIPTS[held.kind]), path)
+    done = int(held.done.sum())
     return Page(path, done, sum(len(main.data["fields"]["points"]) for main in made))
 
 
@@ -160,9 +159,9 @@ class _Main(NamedTuple):
     data: dict[str, Any]
 
 
-def _plane(ds: xr.Dataset, most_fields: int) -> _Main:
+def _plane(scene: Results, most_fields: int) -> _Main:
     """Diagram, conditions and critical values of loads and velocities."""
-    held = content(ds, most_fields)
+    held = content(scene, most_fields)
     values = {
         "operating": _text("operating.html"),
         "controls": "\n".join(Control(**control).html() for control in held["controls"]),
@@ -175,21 +174,21 @@ def _plane(ds: xr.Dataset, most_fields: int) -> _Main:
     return _Main(_filled("plane.html", values), held)
 
 
-def _samples(ds: xr.Dataset, _: int) -> _Main:
+def _samples(scene: Results, _: int) -> _Main:
     """Diagram and table of the probability that samples give."""
-    (table,) = frames_of(boundary(ds))
+    (table,) = frames_of(boundary(scene))
     values = {
         "operating": _text("operating.html"),
         "table": html_of(short(table, ["notes"])),
         "scale": risk_scale(),
     }
-    return _Main(_filled("samples.html", values), content_of_samples(ds))
+    return _Main(_filled("samples.html", values), content_of_samples(scene))
 
 
-def _places(ds: xr.Dataset, _: int) -> _Main:
+def _places(held: Results, _: int) -> _Main:
     """Figure of rows with their own places."""
     with fitted(0.17, plain=True):
-        drawn = svg_of(diagram(ds))
+        drawn = svg_of(diagram(held))
     source = f"data:image/svg+xml;base64,{base64.b64encode(drawn.encode()).decode()}"
     return _Main(f'<img alt="margins by row" src="{source}">', {"fields": {"points": {}}})
 

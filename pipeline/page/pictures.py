@@ -15,11 +15,10 @@ from PIL import Image
 
 from pipeline.figures.style import PALE, RISK_COLOURS
 from pipeline.quantities import display, display_sides
+from pipeline.store.schema import PLANE
 from tribo.types import Array, Mask
 
 FIELDS = ("pressure", "rise", "wear_depth")
-POINT = ("realization", "load", "velocity")
-"""Dimensions of the points of a page, as far as its sweep has them."""
 _SIDE = 120  # elements along each axis, at most
 _LEVELS = 255
 _COLOURS = "viridis_r", "inferno", "cividis_r"  # pressure, temperature and wear, as in figures
@@ -38,7 +37,7 @@ def packed_fields(
     bar = np.arange(1, _LEVELS + 1, dtype=np.uint8)[:, None]
     scales = [_picture(bar, colours) for colours in _COLOURS]
     content: dict[str, Any] = {"points": points, "scales": scales}
-    axes = [name for name in POINT if name in ds.dims]
+    axes = [name for name in ("realization", *PLANE) if name in ds.dims]
     names = [name for name in (*FIELDS, "bulk_response") if name in ds]
     for indices in chosen:
         here = ds[names].isel(dict(zip(axes, indices, strict=True))).transpose("x", "y", ...)

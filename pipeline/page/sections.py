@@ -8,14 +8,14 @@ from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 
 import pandas as pd
-import xarray as xr
 
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import Kind, read_conditions, stored_sweep, sweep_kind
+from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import compared, test_parts
 from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
-from pipeline.analysis.scenes import caveats_of, scenes
+from pipeline.analysis.results import Results
+from pipeline.analysis.scenes import caveats_of
 from pipeline.analysis.tables import frame_of, html_of, notes_of, short
 from pipeline.analysis.warned_points import warned
 from pipeline.analysis.words import boundary_lines, next_run_lines
@@ -37,16 +37,16 @@ _MODEL = (
 _CLOSED = "Inputs", "Origin"  # on a screen, until they are asked for
 
 
-def sections(ds: xr.Dataset, points: OperatingPoints | None) -> dict[str, str]:
+def sections(held: Results, points: OperatingPoints | None) -> dict[str, str]:
     """Sections of one scene, or of rows with their own places, as HTML by their names."""
-    has_places = points is not None or sweep_kind(ds) is Kind.PLACES
+    has_places = points is not None or held.kind is Kind.PLACES
     return {
-        "answer": _section("Answer", _answer(ds)),
-        "caveats": "".join(f"<li>{html.escape(line)}</li>" for line in caveats_of(ds)),
-        "duties": _section("Operating points", _margins(ds, points)) if has_places else "",
-        "tests": _section("Tests", _tests(ds)),
-        "inputs": _section("Inputs", _inputs(ds)),
-        "origin": _section("Origin", _origin(ds)),
+        "answer": _section("Answer", _answer(held)),
+        "caveats": "".join(f"<li>{html.escape(line)}</li>" for line in caveats_of(held)),
+        "duties": _section("Operating points", _margins(held, points)) if has_places else "",
+        "tests": _section("Tests", _tests(held)),
+        "inputs": _section("Inputs", _inputs(held)),
+        "origin": _section("Origin", _origin(held)),
     }
 
 
@@ -71,44 +71,44 @@ def _html(part: str | pd.DataFrame) -> str:
     return f"<p>{html.escape(part[:1].upper() + part[1:].rstrip('.'))}.</p>"
 
 
-def _answer(ds: xr.Dataset) -> Iterator[str]:
+def _answer(held: Results) -> Iterator[str]:
     """What wear is judged by, the verdict on the next run, and warnings."""
-    yield judged_by(map(read_conditions, scenes(ds)), stored_sweep(ds).variants.rule.unknown)
-    if sweep_kind(ds) is Kind.PLACES:
-        yield counts_in_words(margin(ds))
+    yield judged_by((one.conditions for one in held.scenes), held.sweep.variants.rule.unknown)
+    if held.kind is Kind.PLACES:
+        yield counts_in_words(margin(held))
     else:
-        yield from (*next_run_lines(found := boundary(ds)), *boundary_lines(found))
-    for field in fields(ds):
+        yield from (*next_run_lines(found := boundary(held)), *boundary_lines(found))
+    for field in fields(held):
         yield from filter(None, (field.misfit, *field.basis[1]))
-    yield from warned(ds).lines()
+    yield from warned(held).lines()
 
 
-def _margins(ds: xr.Dataset, points: OperatingPoints | None) -> Iterator[str | pd.DataFrame]:
+def _margins(held: Results, points: OperatingPoints | None) -> Iterator[str | pd.DataFrame]:
     """Margins of operating points; a row that cannot be judged is named below the table."""
-    table = margin(ds, points)
+    table = margin(held, points)
     yield short(table, LONG)
-    yield from notes_of(table, caveats_of(ds))
+    yield from notes_of(table, caveats_of(held))
     yield from filter(None, (points.counted, *points.remarks)) if points else ()
     if table["velocity factor"].notna().any():
         yield "a factor is the velocity or load at which wear turns severe over that of the row"
 
 
-def _tests(ds: xr.Dataset) -> Iterable[str | pd.DataFrame]:
+def _tests(held: Results) -> Iterable[str | pd.DataFrame]:
     """Tests of the laboratory beside what is computed at their own conditions."""
-    table = compared(ds)
+    table = compared(held)
     return () if table is None else test_parts(table)
 
 
-def _inputs(ds: xr.Dataset) -> Iterator[str | pd.DataFrame]:
+def _inputs(held: Results) -> Iterator[str | pd.DataFrame]:
     """Entries of the scene with their units, their sources, and the numerical choices."""
-    sweep = stored_sweep(ds)
+    sweep = held.sweep
     entries, meanings = scene_entries(sweep), {key: one.meaning for key, one in all_keys()}
     if surface := surface_words(sweep):
         yield f"surface of the disk: {surface.replace('disk.roughness.file: ', '')}"
     rows = (
         (path, text, _first_sentence(meanings.get(_key_of(path), "")))
         for path, text in entries.items()
-        if not path.startswith(("fidelity", "measured", "tested")) and path not in ds.coords
+        if not path.startswith(("fidelity", "measured", "tested")) and path not in held.rows.coords
     )
     yield frame_of(("entry", "value", "meaning"), rows)
     if library := sweep.about.sources:
@@ -131,13 +131,13 @@ def _first_sentence(meaning: str) -> str:
     return meaning.split(";")[0].split(". ")[0].rstrip(".").replace("`", "")
 
 
-def _origin(ds: xr.Dataset) -> Iterator[str]:
+def _origin(held: Results) -> Iterator[str]:
     """Model, programs and scene that the answers are from, and how to cite them."""
-    sweep = stored_sweep(ds)
+    sweep = held.sweep
     yield _MODEL
     if sweep.about.selection:
         yield str(sweep.about.selection)
-    yield from str(ds.attrs.get("history", "")).splitlines()
+    yield from str(held.rest.attrs.get("history", "")).splitlines()
     yield f"scene {sweep.about.name}, {digest(sweep.scene)} (SHA-256 of its inputs)"
     yield f"written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
     yield from citation()

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.analysis.laboratory import laboratory_tests, model_error
+from pipeline.analysis.results import Results
 from pipeline.figures import style
 from pipeline.figures.overlays import mark_tests, numbered
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
@@ -30,10 +30,10 @@ _LOADS, _VELOCITIES = 45, 121  # nodes of the plane that is drawn
 
 
 @style.house_style
-def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
+def draw_probability(held: Results, log: bool = False) -> Figure:
     """Draw the probability over the plane that the next run is severe."""
-    field = single_field(ds)
-    ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(ds, field)
+    field = single_field(held)
+    ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(held, field)
     figure, axes = style.canvas(None, (7.2, 5.4))
     x = np.linspace(*ensemble.velocities, _VELOCITIES)
     y = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
@@ -49,7 +49,7 @@ def draw_probability(ds: xr.Dataset, log: bool = False) -> Figure:
     bar = figure.colorbar(filled, ax=axes, ticks=np.linspace(0, 1, 6))
     bar.set_label("probability that the next run is severe")
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
-    tests = laboratory_tests(ds)
+    tests = laboratory_tests(held)
     (columns,) = np.nonzero(((p > 0.002) & (p < 0.998)).any(axis=0))
     if columns.size:  # where anything is uncertain at some load, and a little more
         left, right = x[max(columns[0] - 2, 0)], x[min(columns[-1] + 2, len(x) - 1)]

@@ -21,7 +21,6 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.analysis.dataset import messages
 from pipeline.store.files import PARTIAL
 from pipeline.store.root import find_sweep
 from pipeline.store.schema import DONE, FAILED, FIELDS, STEPPED
@@ -147,7 +146,7 @@ def places(ds):
 def values_of_points(ds):
     """Values of all variables of points, by name."""
     numbers = {name: ds[name].values for name in [*ds.data_vars, "own_grid"]}
-    return numbers | {"message": messages(ds).values}
+    return numbers | {"message": pipeline.results(ds).messages}
 
 
 def _is_known(values):

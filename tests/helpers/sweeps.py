@@ -1,14 +1,14 @@
 """Sweeps made of the fields of all their parts, by name."""
 
 import numpy as np
+import xarray as xr
 
+import pipeline
 import tribo
-from pipeline.analysis.dataset import read_conditions, stored_sweep
-from pipeline.analysis.decisive import decisive_rise
 from pipeline.scene.kept import files_of, sweep_text
 from pipeline.scene.reading import SceneReader
 from pipeline.store.inputs import split_arrays
-from pipeline.store.schema import INPUTS
+from pipeline.store.schema import INPUTS, PLANE
 from pipeline.sweep.model import Sweep
 from tests.helpers.entries import FIELDS, changed
 
@@ -50,12 +50,20 @@ def attributes_of(sweep, held=frozenset()):
 def with_fields(ds, **values):
     """The dataset of a sweep with other values of fields of its parts, by their names."""
     held = split_arrays(ds[INPUTS].values, ds[INPUTS].attrs).keys() if INPUTS in ds else set()
-    return ds.assign_attrs(attributes_of(changed(stored_sweep(ds), **values), held))
+    return ds.assign_attrs(attributes_of(changed(pipeline.results(ds).sweep, **values), held))
+
+
+def decisive_rise(ds, conditions):
+    """Rise at friction 1 that decides at each point [K], or NaN, with labels."""
+    held = pipeline.results(ds)
+    dims = [*held.front, *PLANE]
+    coords = {name: ds[name].variable for name in ("realization", *dims) if name in ds.coords}
+    return xr.DataArray(held.rises(conditions), coords, dims)
 
 
 def deciding(ds):
     """Temperature that decides at each point of one scene [K]."""
-    judged = read_conditions(ds)
+    judged = pipeline.results(ds).conditions
     return judged.contact_temperature(decisive_rise(ds, judged))
 
 

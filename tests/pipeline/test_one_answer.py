@@ -10,8 +10,6 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.dataset import read_conditions
-from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.frames import frames_of
 from pipeline.analysis.transition import (
     ABOVE,
@@ -26,7 +24,7 @@ from pipeline.cli import main
 from pipeline.sweep.severity import rise_limit
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers.scenes import SCENE
-from tests.helpers.sweeps import with_fields
+from tests.helpers.sweeps import decisive_rise, with_fields
 from tribo import Corrections, Friction
 
 
@@ -93,12 +91,12 @@ def slippery():
     falling = Corrections(
         friction=Friction(by_velocity=((1.0, 1.1), (3.0, 0.9))), film_resistance=1e-7
     )
-    return with_fields(ds, conditions=replace(read_conditions(ds), corrections=falling))
+    return with_fields(ds, conditions=replace(pipeline.results(ds).conditions, corrections=falling))
 
 
 def warm_pin():
     ds = sweeps.of_a_warm_pin()
-    return with_fields(ds, conditions=replace(read_conditions(ds), criterion="share"))
+    return with_fields(ds, conditions=replace(pipeline.results(ds).conditions, criterion="share"))
 
 
 MILD_OR_SEVERE = ({}, {"friction": 0.05}, {"friction": 0.3})
@@ -167,7 +165,7 @@ def planes(rises):
 @pytest.mark.parametrize(("name", "changes"), ASKED)
 def test_no_outcome_is_contradicted_by_points_that_were_not_computed(name, changes):
     ds, truth, crossings = judged_case(name, changes)
-    conditions = read_conditions(ds)
+    conditions = pipeline.results(ds).conditions
     limit = rise_limit(conditions)
     for axis, along in (("load", "velocity"), ("velocity", "load")):
         x, may_turn_back = ds[along].values, along == "velocity" and conditions.has_friction_curve
@@ -230,8 +228,10 @@ def over_surfaces(crossings, axis, place):
 def test_margins_documents_and_tables_say_what_the_boundary_says(name, changes):
     ds, truth, crossings = judged_case(name, changes)
     assert_documents_say(crossings)
-    true, done = (planes(decisive_rise(one, read_conditions(one))) for one in (truth, ds))
-    true, done = true > rise_limit(read_conditions(ds)), np.isfinite(done)
+    true, done = (
+        planes(decisive_rise(one, pipeline.results(one).conditions)) for one in (truth, ds)
+    )
+    true, done = true > rise_limit(pipeline.results(ds).conditions), np.isfinite(done)
     places = list(itertools.product(range(ds.sizes["load"]), range(ds.sizes["velocity"])))
     asked = [(i, j) for i, j in places[::21] if done[:, i, j].all()]
     loads, velocities = ds["load"].values, ds["velocity"].values

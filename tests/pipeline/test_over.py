@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.dataset import stored_sweep
 from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
@@ -62,7 +61,7 @@ def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, 
     )
     same(one, other)
     same(boundaries.isel({"pin.radius": 1}), pipeline.boundary(other))
-    assert stored_sweep(one).scene == stored_sweep(other).scene
+    assert pipeline.results(one).sweep.scene == pipeline.results(other).sweep.scene
     assert not np.array_equal(*boundaries["critical_velocity"].values, equal_nan=True)
     assert verify_store(swept).is_clean
 
@@ -111,7 +110,7 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
     ds = pipeline.open_sweep(tmp_path / "out.zarr")
     assert ds["pin.material"].values.tolist() == ["hard", "100Cr6"]
     one = pipeline.at(ds, **{"friction.coefficient": 0.12, "pin.material": "hard"})
-    assert stored_sweep(one).conditions.friction == 0.12
+    assert pipeline.results(one).sweep.conditions.friction == 0.12
     hottest = pipeline.temperatures(pipeline.end_of_point(ds))["max_temperature"]
     assert hottest.dims == (*sweep.variants.axes, "load", "velocity")
     rises = hottest - 298.15

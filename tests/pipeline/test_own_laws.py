@@ -15,7 +15,6 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.analysis.dataset import stored_sweep
 from tests.helpers.processes import ROOT, python
 from tests.helpers.scenes import SCENE, STEEL
 from tests.pipeline.conftest import commit_all
@@ -137,7 +136,7 @@ def test_answers_come_from_a_store_that_has_the_name_alone(folder, laws, irg):
     commit_all("own.zarr", sweep)
     sys.modules.pop("laws")
     (folder / "laws.py").unlink()
-    stored = stored_sweep(pipeline.open_sweep("own.zarr")).scene
+    stored = pipeline.results(pipeline.open_sweep("own.zarr")).sweep.scene
     names = [part.name for part in (stored.wear, stored.roughness, stored.pin)]
     assert names == ["laws:Fading", "laws:Dimples", "laws:Blunt"]
     end = pipeline.end_of_point("own.zarr").sel(load=400, velocity=2)

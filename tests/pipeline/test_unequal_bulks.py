@@ -5,7 +5,6 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.dataset import stored_sweep
 from pipeline.sweep.conditions import Conditions
 from tests.helpers import tiny
 from tests.helpers.sweeps import deciding
@@ -43,8 +42,8 @@ def equal(stores):
 def test_only_unequal_bulk_temperatures_are_stored_with_both_parts(unequal, equal):
     further = {"bulk_ratio", "mean_bulk_response", "bulk_rise_quantile", "bulk_response"}
     assert set(unequal.variables) - set(equal.variables) == further
-    assert stored_sweep(equal).conditions.disk_temperature is None
-    assert stored_sweep(unequal).conditions == CONDITIONS
+    assert pipeline.results(equal).sweep.conditions.disk_temperature is None
+    assert pipeline.results(unequal).sweep.conditions == CONDITIONS
     for name in ("rise_quantile", "rise", "max_rise", "pressure"):
         assert np.array_equal(unequal[name], equal[name], equal_nan=True)
 

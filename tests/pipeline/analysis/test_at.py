@@ -8,7 +8,6 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.at import COLDEST_OIL, HOTTEST_OIL, oil_temperature
-from pipeline.analysis.dataset import read_conditions
 from tests.helpers import synthetic
 from tests.pipeline.conftest import commit_all
 
@@ -33,7 +32,7 @@ def test_every_answer_is_at_the_conditions_that_the_dataset_carries(sweep):
     assert found.decisive_temperature == pytest.approx(expected)
     last = pipeline.temperatures(pipeline.end_of_point(hot)).sel(load=600.0, velocity=1.0)
     assert last["max_temperature"] == pytest.approx(333.15 + 0.12 * synthetic.rise(600.0, 1.0))
-    assert read_conditions(sweep) == synthetic.conditions()  # which stays as it is
+    assert pipeline.results(sweep).conditions == synthetic.conditions()  # which stays as it is
 
 
 def test_what_is_given_by_its_name_or_by_its_path_is_the_same(sweep):
@@ -61,8 +60,8 @@ def test_conditions_are_added_to_those_given_before_and_replace_them(sweep):
     twice = pipeline.at(pipeline.at(sweep, friction=0.2), bulk_temperature="60 degC", friction=0.12)
     xr.testing.assert_identical(twice, pipeline.at(sweep, **HOT))
     mean = pipeline.at(sweep, criterion="mean")
-    assert read_conditions(pipeline.at(mean, friction=0.12)).criterion == "mean"
-    assert read_conditions(pipeline.at(mean, share=0.2)).criterion == "share"
+    assert pipeline.results(pipeline.at(mean, friction=0.12)).conditions.criterion == "mean"
+    assert pipeline.results(pipeline.at(mean, share=0.2)).conditions.criterion == "share"
 
 
 def test_several_values_are_rows_and_each_is_as_alone(sweep):
@@ -91,7 +90,7 @@ def test_conditions_outlive_what_xarray_does_to_a_dataset(alone, tmp_path):
     expected = pipeline.boundary(hot)["critical_velocity"]
     cut = pipeline.boundary(hot.sel(load=[250.0, 600.0]).isel(velocity=[0, 2]))
     assert cut.attrs["friction"] == 0.12
-    assert read_conditions(hot.copy(deep=True)).critical_temperature == 380.0
+    assert pipeline.results(hot.copy(deep=True)).conditions.critical_temperature == 380.0
     several = pipeline.at(hot, friction=(0.1, 0.12))
     selected = pipeline.boundary(several.isel({"friction.coefficient": 1}))["critical_velocity"]
     np.testing.assert_array_equal(selected, expected)

@@ -7,13 +7,12 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import stored_sweep
-from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.frames import frames_of
 from pipeline.analysis.words import boundary_lines, next_run_lines
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
+from tests.helpers.sweeps import decisive_rise
 from tests.helpers.synthetic import LOADS, VELOCITIES
 from tribo.thermal import failed_share
 
@@ -187,7 +186,7 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
     plain, oiled = synthetic.sweep(), synthetic.sweep(oil=synthetic.OIL)
     assert not [name for name in boundary(plain) if name.startswith("film")]
     crossings = boundary(at(oiled, bulk_temperature=320.0, friction=[0.09, 0.1]))
-    of = find_lubrication(stored_sweep(oiled)).film_parameter
+    of = find_lubrication(pipeline.results(oiled).sweep).film_parameter
     for friction in (0.09, 0.1):
         part = crossings.sel({"friction.coefficient": friction})
         expected = of(part["load"], part["critical_velocity"], 320.0)

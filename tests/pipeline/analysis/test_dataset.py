@@ -9,19 +9,17 @@ import pint
 import pytest
 import xarray as xr
 
+import pipeline
 import tribo
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import (
     end_of_point,
     open_sweep,
-    stored_sweep,
-    taken_entries,
 )
-from pipeline.analysis.decisive import decisive_rise, temperatures
+from pipeline.analysis.decisive import temperatures
 from pipeline.analysis.margin_frame import margin
 from pipeline.analysis.warned_points import warned
-from pipeline.figures.ramp import ramp
 from pipeline.scene.scenefile import load_scene
 from pipeline.store.create import writing
 from pipeline.store.schema import MADE, STEPPED
@@ -33,6 +31,7 @@ from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
 from tests.helpers.scenes import SCENE
 from tests.helpers.stores import commit, opened
+from tests.helpers.sweeps import decisive_rise
 from tests.pipeline.conftest import commit_all
 from tribo.thermal import rise_exceeded
 
@@ -124,7 +123,7 @@ def test_a_sweep_is_written_to_netcdf_and_judged_as_before(alone, ds, tmp_path):
     ds.to_netcdf(tmp_path / "sweep.nc", engine=engine)
     with xr.open_dataset(tmp_path / "sweep.nc", engine=engine) as back:
         xr.testing.assert_identical(boundary(back), boundary(ds))
-        assert stored_sweep(back) == stored_sweep(ds) == opened(alone).sweep
+        assert pipeline.results(back).sweep == pipeline.results(ds).sweep == opened(alone).sweep
         assert back.attrs["history"].startswith("computed by irg-transition")
     boundary(ds).to_netcdf(tmp_path / "boundary.nc", engine=engine)
 
@@ -214,7 +213,7 @@ def test_a_point_is_as_severe_as_it_is_at_any_time_of_its_hold(held):
 
 
 def test_a_ramp_is_drawn_through_its_own_hold_and_no_other(held):
-    axes = ramp(held, load=600.0, velocity=1.0).axes[0]
+    axes = pipeline.plot(held, "ramp", load=600.0, velocity=1.0).axes[0]
     times = next(line.get_xdata() for line in axes.lines if len(line.get_xdata()) > 2)
     expected = [5 / 6, 5 / 3, 2.5, 10 / 3, 4.0, 4.75, 5.5, 6.25, 7.0]
     np.testing.assert_allclose(times, expected)
@@ -258,8 +257,8 @@ def test_a_number_that_lost_its_last_digits_is_the_value_of_its_row(tmp_path):
     ds = open_sweep(tmp_path / "rows.zarr")
     one = ds.assign_coords(bore=ds["bore"].astype(np.float32).astype(float)).isel(bore=1)
     assert one["bore"].item() != 0.3
-    assert taken_entries(one) == taken_entries(ds.isel(bore=1))
-    assert stored_sweep(one).scene.pin.radius == 6e-3
+    assert pipeline.results(one).entries == pipeline.results(ds.isel(bore=1)).entries
+    assert pipeline.results(one).sweep.scene.pin.radius == 6e-3
 
 
 def test_rows_have_the_values_of_entries_only_where_each_has_one(tmp_path):
@@ -271,6 +270,6 @@ def test_rows_have_the_values_of_entries_only_where_each_has_one(tmp_path):
         pass
     ds = open_sweep(tmp_path / "out.zarr")
     one = ds.isel({"pin.radius": 1})
-    assert taken_entries(one) == {}
-    both = taken_entries(one.isel({"loading.rate": 0}))
+    assert pipeline.results(one).entries == {}
+    both = pipeline.results(one.isel({"loading.rate": 0})).entries
     assert both == {"pin.radius": "4 mm", "loading.rate": "150 N/s"}

@@ -9,7 +9,6 @@ from scipy import integrate, stats
 
 import pipeline
 from pipeline import plot
-from pipeline.analysis.dataset import read_conditions
 from pipeline.analysis.field import fields, point_field
 from pipeline.analysis.laboratory import (
     NOT_KNOWN,
@@ -171,7 +170,7 @@ def test_a_test_that_velocities_beyond_the_computed_ones_may_make_right_does_not
 @pytest.mark.parametrize(("velocity", "outcome"), [(0.1, "severe"), (30.0, "mild")])
 def test_with_friction_by_velocity_nothing_is_known_beyond_the_velocities(velocity, outcome):
     ds = swept_with((600.0, velocity, outcome))
-    judged = replace(read_conditions(ds), corrections=FALLING)
+    judged = replace(pipeline.results(ds).conditions, corrections=FALLING)
     assert scatter_of(with_fields(ds, conditions=judged)).residuals == ()
 
 

@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.dataset import read_conditions, select_surface
 from pipeline.analysis.field import point_field
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.store.create import writing
@@ -98,7 +97,7 @@ def coded():
         "criterion": "laws:median",
         "rule": Law("laws:median", (), "0"),
     }
-    return read_conditions(with_fields(plane(), conditions=Conditions(**values)))
+    return pipeline.results(with_fields(plane(), conditions=Conditions(**values))).conditions
 
 
 def unmoved():
@@ -145,7 +144,7 @@ REFUSALS = {
     "code": (coded, "the store is judged by the criterion laws:median"),
     "no end": (lambda: pipeline.boundary(plane().isel(step=[0])), "has not step 0, the end"),
     "no heat": (unmoved, "the sweep was computed without friction"),
-    "surface": (lambda: select_surface(plane(), 3), "realization is 3, which the sweep does not"),
+    "surface": (lambda: pipeline.plot(plane(), realization=3), "realization is 3, which"),
     # datasets
     "variables": (lambda: pipeline.boundary(plane()[["max_rise"]]), "the dataset has no status"),
     "no flags": (lambda: pipeline.margin(plane().drop_vars("warning_flags"), 400.0, 2.0),
@@ -174,7 +173,7 @@ REFUSALS = {
     "difference": (lambda: pipeline.diff(plane()[["max_rise"]], plane()), "has no status"),
     "an unknown place": (lambda: point_field(plane()).temperatures(9e3, 1.0).require_known(),
         "load is 9000 N; the sweep has 200 to 750 N: give one within"),
-    "temperatures": (lambda: pipeline.temperatures(plane()[["max_rise"]]),
+    "temperatures": (lambda: pipeline.temperatures(plane()[["status", "max_rise"]]),
                      "the dataset has no mean_rise, rise_quantile"),
     "shares": (lambda: pipeline.temperatures(plane().isel(cooler_share=[0])),
                "the dataset has 1 of 30 shares"),

@@ -9,8 +9,6 @@ import xarray as xr
 import zarr
 
 import pipeline
-from pipeline.analysis.dataset import read_conditions
-from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.results import results
 from pipeline.analysis.warned_points import Warned, warned, warning_flags
 from pipeline.cli import main
@@ -18,6 +16,7 @@ from pipeline.figures.diagram import diagram
 from pipeline.sweep.model import Point
 from tests.helpers import synthetic, tiny
 from tests.helpers.stores import fail
+from tests.helpers.sweeps import decisive_rise
 from tests.pipeline.conftest import commit_all
 from tribo import WarningKind
 
@@ -129,7 +128,7 @@ def test_points_hotter_than_molten_steel_are_counted(tmp_path, irg):
     commit_all(tmp_path / "tiny.zarr", tiny.full())
     ds = pipeline.open_sweep(tmp_path / "tiny.zarr")
     assert "molten" not in pipeline.warned(ds).kinds
-    judged = read_conditions(ds)
+    judged = pipeline.results(ds).conditions
     bulk = judged.bulk_temperature
     molten = (1700.0 - bulk) / float(decisive_rise(ds, judged).max())
     assert "molten" not in pipeline.warned(pipeline.at(ds, friction=0.999 * molten)).kinds

@@ -9,7 +9,6 @@ import xarray as xr
 
 import pipeline
 from pipeline.figures.diagram import diagram
-from pipeline.figures.fields import fields
 from pipeline.run.vary import Variation, Variations
 from pipeline.sweep.about import Measurement
 from pipeline.uncertain.sensitivity import Sensitivity
@@ -101,7 +100,7 @@ def test_over_surfaces_the_boundary_is_the_median_s_in_a_band_from_10_to_90_perc
 
 def test_the_critical_temperature_is_outlined_in_the_contact():
     ds = synthetic.sweep(*NARROW, fields=True)
-    figure = fields(ds, load=600.0, velocity=4.0)
+    figure = pipeline.plot(ds, "fields", load=600.0, velocity=4.0)
     panel = figure.axes[1]
     assert panel.child_axes[0].get_xlabel() == "contact temperature [°C], outlined at 145"
     (outline,) = (artist for artist in panel.collections if hasattr(artist, "levels"))

@@ -11,13 +11,10 @@ from matplotlib.figure import Figure
 import pipeline
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import stored_sweep
 from pipeline.cli.options import OF_PLOT
 from pipeline.figures import plot as live
 from pipeline.figures.diagram import diagram
-from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
-from pipeline.figures.ramp import ramp
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.surface import find_lubrication
@@ -142,7 +139,7 @@ def test_the_command_and_the_docstring_offer_every_kind():
 
 def test_ramp_shows_the_course_of_the_point_nearest_to_the_transition():
     sweep = synthetic.sweep(interval=1)
-    temperature, contact, wear, fraction, volume = ramp(sweep).axes
+    temperature, contact, wear, fraction, volume = pipeline.plot(sweep, "ramp").axes
     assert [axes.get_ylabel() for axes in (temperature, contact, fraction, wear, volume)] == [
         "contact temperature [°C]",
         "contact width [µm]",
@@ -164,7 +161,7 @@ def test_ramp_shows_the_course_of_the_point_nearest_to_the_transition():
 
 
 def test_fields_of_the_point_nearest_to_the_transition(sweep):
-    figure = fields(sweep)
+    figure = pipeline.plot(sweep, "fields")
     assert figure.get_suptitle() == (
         "White oil on ground steel\n750 N, 1.25 m/s, friction 0.1, bulk 25 °C"
     )
@@ -198,7 +195,9 @@ def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     ds = synthetic.sweep(oil=synthetic.OIL, roughness=of_height(0.2e-6))
     axes = diagram(ds).axes[0]
     (line,) = contour(axes, "Λ = 1, mixed beyond")
-    film = find_lubrication(stored_sweep(ds)).film_parameter(line[:, 1], line[:, 0], 298.15)
+    film = find_lubrication(pipeline.results(ds).sweep).film_parameter(
+        line[:, 1], line[:, 0], 298.15
+    )
     assert film == pytest.approx(np.ones(len(line)), rel=1e-3)
     rough = {"oil": synthetic.OIL, "roughness": of_height(2e-6)}
     thick = diagram(synthetic.sweep([200.0, 600.0], [1.0, 2.0], **rough))

@@ -9,11 +9,11 @@ import re
 import numpy as np
 
 import pipeline
-from pipeline.analysis.decisive import decisive_rise
 from pipeline.cli import main
 from pipeline.page.content import content
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
+from tests.helpers.sweeps import decisive_rise
 
 
 def unpacked(text, dtype):

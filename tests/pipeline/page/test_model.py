@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.dataset import read_conditions
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.transition import CROSSES
@@ -69,7 +68,7 @@ def random_conditions(ds, count=5):
         }
         if "bulk_ratio" in ds.coords:
             conditions["disk_temperature"] = bulk + 12.0 * math.sin(conditions["friction"] * 300)
-        if read_conditions(ds).criterion == "share":
+        if pipeline.results(ds).conditions.criterion == "share":
             conditions["failing_share"] = draw.choice([0.0, 0.1, draw.uniform(0.0, 0.6)])
         yield conditions
 
@@ -127,7 +126,10 @@ def test_the_verdict_at_a_node_is_that_of_the_command(kind):
             assert page["temperature"] == pytest.approx(expected.decisive_temperature, abs=0.05)
             rise = expected.decisive_temperature - field.conditions.coldest_bulk_temperature
             kept = "failing_share", "bulk_ratio"
-            if all(getattr(field.conditions, x) == getattr(read_conditions(ds), x) for x in kept):
+            if all(
+                getattr(field.conditions, x) == getattr(pipeline.results(ds).conditions, x)
+                for x in kept
+            ):
                 assert page["error"] * rise == pytest.approx(expected.temperature_error, rel=1e-4)
                 likely = expected.lowest, expected.probability, expected.highest
                 assert page["probabilities"] == pytest.approx(likely, abs=0.02)
@@ -179,7 +181,7 @@ def test_beyond_the_sweep_friction_is_what_its_table_says():
     """Beyond 2 m/s friction falls to a third, and wear is mild again; only the heat is a power."""
     far = Corrections(friction=Friction(by_velocity=((2.0, 1.0), (3.0, 0.3), (6.0, 2.0))))
     ds = synthetic.sweep().sel(velocity=slice(None, 2.0))
-    conditions = replace(read_conditions(ds), corrections=far)
+    conditions = replace(pipeline.results(ds).conditions, corrections=far)
     ds = with_fields(ds, conditions=conditions, model_scatter=0.3)
     places = [[float(load), float(v)] for load in ds["load"][::3] for v in ds["velocity"][::2]]
     (told,) = run(ds, MARGINS, [{"conditions": {}, "places": places}])
@@ -200,7 +202,9 @@ def banded(by_velocity=FALLING):
     """Friction by velocity; where it falls, wear is severe, mild and severe again."""
     ds = synthetic.sweep()
     corrections = Corrections(friction=Friction(by_velocity=by_velocity))
-    return with_fields(ds, conditions=replace(read_conditions(ds), corrections=corrections))
+    return with_fields(
+        ds, conditions=replace(pipeline.results(ds).conditions, corrections=corrections)
+    )
 
 
 ENDS = [{}, {"critical_temperature": 1200.0}, {"critical_temperature": 310.0}]

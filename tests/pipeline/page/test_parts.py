@@ -12,7 +12,6 @@ import pytest
 from PIL import Image
 
 import pipeline
-from pipeline.analysis.dataset import stored_sweep
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.words import boundary_lines, next_run_lines
@@ -58,7 +57,7 @@ def test_a_page_has_the_answer_the_inputs_and_the_origin_in_words(tmp_path):
     ds = synthetic.sweep(preset=None, selection=picked).assign_attrs(history="Computed here")
     ds["status"][0, 0] = 0
     text = text_of(ds, tmp_path)
-    sweep = stored_sweep(ds)
+    sweep = pipeline.results(ds).sweep
     found = pipeline.boundary(ds)
     boundary = [*next_run_lines(found), *boundary_lines(found)]
     for words in (

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 import pipeline
 import tribo
-from pipeline.analysis.dataset import scene_sweep, stored_sweep
 from pipeline.scene import library
 from pipeline.scene.declare import table_of
 from pipeline.scene.format import RandomSurface
@@ -59,7 +58,7 @@ SCANNED = tribo.MeasuredRoughness(1e-7 * np.random.default_rng(0).standard_norma
         ),
         tiny.sweep(disk=replace(STEEL, hardness=math.inf)),
         synthetic.scene(selection=synthetic.selection(), oil=synthetic.OIL),
-        stored_sweep(dataset(ensemble(ALL, 32))),
+        pipeline.results(dataset(ensemble(ALL, 32))).sweep,
     ],
     ids=["scan", "record", "surfaces", "rows by hand", "elastic", "picked", "samples"],
 )
@@ -175,7 +174,7 @@ def test_a_store_keeps_its_meaning_when_the_program_changes(
     with writing(path, sweep):
         pass
     change(monkeypatch)
-    again = stored_sweep(pipeline.open_sweep(path))
+    again = pipeline.results(pipeline.open_sweep(path)).sweep
     assert again == sweep
     assert again.about.preset == sweep.about.preset == "standard"
     new = pipeline.load_scene(own)
@@ -236,10 +235,10 @@ def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
     for name in names:
         (tmp_path / name).unlink()
     ds = pipeline.open_sweep(tmp_path / "scans.zarr")
-    copy = scene_sweep(ds.drop_vars("inputs"))  # which answers all that needs no surface
-    assert copy.conditions == scene_sweep(ds).conditions
+    copy = pipeline.results(ds.drop_vars("inputs")).stored  # answers all that needs no surface
+    assert copy.conditions == pipeline.results(ds).stored.conditions
     assert all("is not beside" in str(copy.variant(n).scene.roughness) for n in copy.variants.names)
-    sweep = scene_sweep(ds)
+    sweep = pipeline.results(ds).stored
     rows = [sweep.variant(name).scene.roughness.digest for name in sweep.variants.names]
     assert len({*rows}) == 3
     assert [row.values["disk.roughness.content"] for row in sweep.rows] == rows

@@ -10,7 +10,6 @@ import pytest
 from numcodecs.zstd import Zstd
 
 import pipeline
-from pipeline.analysis.dataset import messages
 from pipeline.cli import main
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
@@ -171,7 +170,7 @@ def test_a_chunk_of_another_size_than_its_array_s_is_not_unpacked(copy, name, bo
     try:
         assert not pipeline.verify_store(copy).is_clean
         with pytest.raises(StoreError, match=f"{name.split('/')[-2]} cannot be read; irg verify"):
-            messages(pipeline.open_sweep(copy).load())
+            _ = pipeline.results(pipeline.open_sweep(copy).load()).messages
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()

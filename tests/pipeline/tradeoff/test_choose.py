@@ -3,7 +3,6 @@
 import pytest
 
 import pipeline
-from pipeline.analysis.dataset import stored_sweep
 from pipeline.store.root import read_sweep
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import choose as accuracy_module
@@ -62,7 +61,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_measur
     begun = choose_accuracy(small, 0.1, store=out)  # not there yet
     pipeline.run_sweep(begun, out, workers=1)
     assert read_sweep(out).about.selection == begun.about.selection
-    assert stored_sweep(pipeline.open_sweep(out)).about.selection == begun.about.selection
+    assert pipeline.results(pipeline.open_sweep(out)).sweep.about.selection == begun.about.selection
 
     def refused(*_):
         raise AssertionError("another measurement")
