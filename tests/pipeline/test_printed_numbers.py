@@ -268,7 +268,7 @@ def test_status_and_verify_count_the_points_of_the_dataset(ask, stores, kind):
     assert line.format(ds["status"].size, counts[1], counts[2], counts[0]) in said
     failed = np.argwhere((ds["status"] == 2).values)
     for index in failed:
-        message = pipeline.results(pipeline.open_sweep(stores(kind))).messages.values[tuple(index)]
+        message = pipeline.results(pipeline.open_sweep(stores(kind))).messages[tuple(index)]
         assert f": {message}\n" in said
     assert said.count("failed: ") == len(failed)
     assert f"may be off by up to {100 * ERROR:g} %" in said
