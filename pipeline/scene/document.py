@@ -64,16 +64,14 @@ class Document(NamedTuple):
 
     def replaced(self, path: str, value: Any) -> Document:
         """The document with an entry replaced everywhere, or removed if the value is None."""
-        layers = (
-            (
-                file,
-                replace_value(entries, path, value)
-                if entry_at(entries, path) is not None
-                else entries,
+        return Document(
+            tuple(
+                layer
+                if entry_at(layer.entries, path) is None
+                else FileEntries(layer.file, replace_value(layer.entries, path, value))
+                for layer in self.layers
             )
-            for file, entries in self.layers
         )
-        return Document(tuple(FileEntries(*layer) for layer in layers))
 
     def file_of(self, key: str) -> Path:
         """The file in which an entry stands or, if it stands in none, the table it belongs to."""
@@ -218,25 +216,11 @@ def _toml(path: Path) -> dict[str, Any]:
             [f"is larger than {MOST_BYTES_OF_SCENE // 10**6} MB; give a scene file, which is text"],
         )
     try:
-        text = content.decode("utf-8-sig")
-        tables = tomllib.loads(text)
+        return tomllib.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         fault = f"line {line} is not UTF-8; save the file in that encoding"
         raise SceneFileError(path, [fault]) from error
     except (ValueError, RecursionError) as error:
         reason = str(error).replace("Cannot overwrite a value", "A key is given twice")
-        hint = _hint(text.splitlines(), reason)
-        raise SceneFileError(path, [f"is not valid TOML: {reason}{hint}"]) from error
-    return tables
-
-
-def _hint(lines: list[str], reason: str) -> str:
-    """Advice on the line where TOML cannot be read; empty without any."""
-    place = re.search(r"at line (\d+)", reason)
-    line = lines[int(place[1]) - 1] if place and int(place[1]) <= len(lines) else ""
-    if any(mark in line for mark in "“”„‘’"):
-        return '; write straight quotes, as in "5 mm"'
-    if "\\" in line:
-        return "; write / in place of \\ in a path, or put it in single quotes"
-    return ""
+        raise SceneFileError(path, [f"is not valid TOML: {reason}"]) from error

@@ -251,7 +251,6 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
     return files
 
 
-_FEW = 2  # keys of a table that are told in the line of its name
 _MARKS = '# An entry such as "#hold" is not used; take the # off to use it.'
 
 
@@ -266,11 +265,6 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
             path = f"{table}.{name}"
         keys, like = new_keys(section, listed)
         meaning = f"Keys as in {like}, and these" if like else section.entry.meaning
-        if "." in section.path and not values and len(keys) <= _FEW:  # within the table before it
-            inner: Any = {key: example(entry, entry.default) for key, (entry, _) in keys.items()}
-            inner = [inner] if section.is_list else inner
-            yield _meant("#", f"{section.path.rpartition('.')[2]} = {as_toml(inner)}", meaning)
-            continue
         if path:
             yield _meant("" if values else "#", section.header.replace(section.path, path), meaning)
         for key, (entry, form) in keys.items():

@@ -311,8 +311,6 @@ TEXTS = {
     "latin-1": (toml(b'[disk]\nname = "K\xe4fig"\n'), "line 2 is not UTF-8"),
     "large": (toml(b"#" * 10_000_001), "larger than 1 MB"),
     "deep": (toml(b"a = " + b"[" * 100_000), "not valid TOML"),
-    "backslash": (toml(b'[disk]\nfile = "C:\\scans\\disk.npy"'), "write / in place of \\ in"),
-    "quotes": (toml("title = “Disk”".encode()), "write straight quotes"),
     "folder": (lambda: load_scene("."), "not a file; give a scene file (TOML)"),
     "no scene": (lambda: load_scene("first_tyr"), "first_tyr"),
     "circle": (toml(b'extends = "scene.toml"\n'), "closes a circle"),
