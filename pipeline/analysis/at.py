@@ -36,7 +36,7 @@ from pipeline.analysis.scenes import value_text
 from pipeline.quantities import ALIKE, display
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import OIL_WORKS
-from pipeline.scene.reference import acts_later, all_keys, find_entry, needed_beside
+from pipeline.scene.reference import acts_later, all_keys, find_entry
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
@@ -299,11 +299,9 @@ def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
     sweep = whole_sweep(ds)
     turns_pin = path.startswith("pin.") and sweep.scene.motion  # its wear spreads over its track
     if acts_later(path) and not turns_pin:
-        beside = needed_beside(path)
-        also = f" (with {', '.join(beside)}, too, if the scene has none)" if beside else ""
         return (
             f"{path} acts after the simulation, but --at does not take it: run the scene again "
-            f"with it{also} into the same store, which computes no point anew and judges by it"
+            "with it into the same store, which computes no point anew and judges by it"
         )
     has = f"; it has several of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""
     if unknown := open_inputs(ds):

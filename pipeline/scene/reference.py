@@ -115,24 +115,11 @@ def find_entry(path: str) -> Entry | None:
     return dict(all_keys()).get(".".join(parts))
 
 
-def _table_of(path: str) -> Entry | None:
-    """The entry of the table that a key is in; None if there is none."""
-    return {one.path: one.entry for one in sections()}.get(path.rpartition(".")[0])
-
-
 def acts_later(path: str) -> bool:
     """An entry, or the table that it is in, acts after the simulation."""
-    entries = find_entry(path), _table_of(path)
+    tables = {one.path: one.entry for one in sections()}
+    entries = find_entry(path), tables.get(path.rpartition(".")[0])
     return any(LATER in entry.meaning for entry in entries if entry)
-
-
-def needed_beside(path: str) -> list[str]:
-    """Paths of the entries without which an optional table is not sound, beside one of its own."""
-    table, _, key = path.rpartition(".")
-    entry = _table_of(path)
-    forms = forms_of(entry.kind) if entry and not entry.is_needed else ()
-    beside = (other for form in forms if key in form.keys for other in form.needed)
-    return [f"{table}.{other}" for other in beside if other != key]
 
 
 def number_in(kind: Kind) -> Quantity | Number | None:
