@@ -6,10 +6,12 @@ from dataclasses import replace
 import pytest
 
 import tribo
-from pipeline.sweep.about import Measurement, oils_of, own_tests
-from pipeline.sweep.surface import surface_facts
+from pipeline.sweep.about import Measurement, judged_by, oils_of, own_tests
+from pipeline.sweep.surface import SurfaceFacts, surface_facts
 from pipeline.uncertain.unknown import Unknown, without
 from tests.helpers import tiny
+
+BENT = tribo.Corrections(friction=tribo.Friction(by_velocity=((1.0, 1.2), (4.0, 0.8))))
 
 
 def test_tests_are_of_the_scene_s_oil_if_they_name_none_or_the_first_by_name():
@@ -58,3 +60,70 @@ def test_inputs_say_their_distribution():
     }  # fmt: skip
     assert not first.is_relative
     assert Unknown("r", "log-normal", (1.0, 1.5)).is_relative
+
+
+def test_conditions_of_several_are_said_once_each_and_what_is_drawn_as_that():
+    own = tiny.sweep().conditions
+    warm = replace(own, critical_temperature=438.15)
+    bent = replace(warm, corrections=BENT)
+    assert judged_by([own]) == (
+        "severe wear: more than 10 % of the contact above 145 °C; friction 0.1, bulk 25 °C"
+    )
+    assert judged_by([own, warm, warm]) == (
+        "severe wear: more than 10 % of the contact above 145 °C or more than 10 % of the contact "
+        "above 165 °C; friction 0.1, bulk 25 °C"
+    )
+    assert judged_by([bent]).endswith(f"above 165 °C; friction 0.1, bulk 25 °C; {BENT.worded}")
+    assert judged_by([own, bent]).endswith(f"no correction or {BENT.worded}")
+    every = ("friction.coefficient", "temperature.bulk", "temperature.critical")
+    assert judged_by([own], every) == (
+        "severe wear: more than 10 % of the contact above the critical temperature of each sample; "
+        "friction of each sample, bulk of each sample"
+    )
+    assert judged_by([own], ("temperature.failing_share",)).startswith(
+        "severe wear: more than the share of each sample of its contact above 145 °C;"
+    )
+    assert "bulk of each sample" in judged_by([own], ("temperature.bulk.pin",))
+
+
+@pytest.mark.parametrize(
+    ("facts", "words"),
+    [
+        (SurfaceFacts(False, 0.27e-6, 0.338e-6), "random: Ra 0.27 µm, Rq 0.338 µm, no lay"),
+        (
+            SurfaceFacts(False, 0.27e-6, 0.338e-6, lay=89.7, slope=0.123),
+            "random: Ra 0.27 µm, Rq 0.338 µm, rms slope 0.12, grooves at 90° to sliding",
+        ),
+        (
+            SurfaceFacts(True, 1e-7, 2e-7, 1e-13, (1e-13, -1.9e-13)),
+            "measured: Ra 0.1 µm, Rq 0.2 µm, no lay; level",
+        ),
+        (
+            SurfaceFacts(True, 1e-7, 2e-7, 0.0, (0.0, -3e-6), lay=0.0),
+            "measured: Ra 0.1 µm, Rq 0.2 µm, grooves at 0° to sliding; mean plane at 0 µm, rising "
+            "by 0 µm along x and -3 µm along y over the window",
+        ),
+        (
+            SurfaceFacts(True, 1e-7, 2e-7, 5e-6),
+            "measured: Ra 0.1 µm, Rq 0.2 µm, no lay; mean plane at 5 µm, rising by 0 µm along x "
+            "and 0 µm along y over the window",
+        ),
+    ],
+)
+def test_a_surface_is_said_by_its_heights_its_lay_and_its_level(facts, words):
+    assert facts.words == words
+
+
+def test_facts_of_a_surface_have_their_units():
+    facts = SurfaceFacts(True, 1e-7, 2e-7, 5e-6, (1e-6, 2e-6), (0.06, math.inf), lay=45.0)
+    assert facts.as_dict() == {
+        "kind": "measured",
+        "ra": {"value": 1e-7, "unit": "m"},
+        "rq": {"value": 2e-7, "unit": "m"},
+        "mean_height": {"value": 5e-6, "unit": "m"},
+        "rise": {"x": 1e-6, "y": 2e-6, "unit": "m"},
+        "radii": {"x": 0.06, "y": math.inf, "unit": "m"},
+        "lay": {"value": 45.0, "unit": "degree"},
+    }
+    assert SurfaceFacts(False, 1e-7, 2e-7).as_dict()["lay"] == "none"
+    assert SurfaceFacts(False, 1e-7, 2e-7).as_dict()["kind"] == "random"

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from pipeline.sweep.accuracy import error_in_words, has_unknown_error, velocity_error
+from pipeline.sweep.model import Point
 from tests.helpers import synthetic
 from tests.helpers.entries import changed
 from tribo import PRESETS
@@ -56,3 +57,8 @@ def test_a_store_errs_as_its_preset_whatever_its_heat_model_or_as_was_measured()
     assert velocity_error(changed(unnamed, fidelity=history)) == 0.05
     assert velocity_error(changed(draft, selection=picked)) == 0.03
     assert error_in_words(draft) == ("preset draft: boundary velocities may be off by up to 5 %")
+
+
+def test_a_point_is_said_with_its_place_and_variant():
+    point = Point(600.0, 1.5, (("pin.radius", 0.002), ("realization", 3)))
+    assert str(point) == "600 N, 1.5 m/s, pin.radius 0.002, surface 3"
