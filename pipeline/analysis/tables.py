@@ -17,7 +17,7 @@ import pandas as pd
 
 from pipeline.paths import user_path
 from pipeline.quantities import is_unit_of_head, shown_in, si_of
-from pipeline.store.files import replace_file
+from pipeline.store.files import replace_files
 from pipeline.sweep.caveats import parted
 from tribo import InputError
 
@@ -179,7 +179,7 @@ def write_bytes(content: bytes, out: Path) -> Path:
     """Write a file whole, or leave what was there and raise an `InputError`."""
     try:
         file = Path(os.path.realpath(out))  # a link keeps leading to the file
-        replace_file(file.parent, file.name, content)
+        replace_files(file.parent, {file.name: content})
     except OSError as error:
         raise InputError(f"cannot write {out}: {error.strerror or error}") from error
     return out

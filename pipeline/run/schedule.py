@@ -6,7 +6,6 @@ worker has one task that it computes and one that waits: the graph depends on no
 
 from __future__ import annotations
 
-import pickle
 import time
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator
@@ -65,7 +64,7 @@ def compute(
                 writer.add([PointRecord(point, None, words)])
             results = jobs.results()
             for result in results:
-                writer.add(pickle.loads(result.records))
+                writer.add(result.records())
                 link.tell(result.note)
             if written := writer.written():
                 tally.count(written, len(link.workers))

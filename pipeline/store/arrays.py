@@ -7,18 +7,18 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import zarr
+from zarr.abc.store import Store
 from zarr.codecs import ZstdCodec
 from zarr.storage import MemoryStore, StorePath
 
 from pipeline.store.bounded import BoundedZstd
-from pipeline.store.place import ROOT, StorePlace
+from pipeline.store.place import ROOT
 from pipeline.store.schema import (
-    AT_END,
     COMPRESSION,
     Variable,
     attributes_of,
@@ -47,8 +47,6 @@ def array_documents(
         chunks = {**dict(zip(variable.dims, shape, strict=True)), **block}
         if variable.dims == (name,) and is_of_points(name):
             chunks[name] = _GROWING
-        elif name in AT_END:
-            chunks |= {dim: 1 for dim in variable.dims if is_of_points(dim)}
         is_real = variable.dtype.startswith("float")
         group.create_array(
             path_of(name),
@@ -64,11 +62,8 @@ def array_documents(
     return {name: json.loads(memory[f"{path_of(name)}/{ROOT}"].to_bytes()) for name in wanted}
 
 
-def open_arrays(
-    place: StorePlace, documents: Mapping[str, Document], read_only: bool
-) -> dict[str, Any]:
+def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, Any]:
     """Open the arrays of a store by their metadata."""
-    store = place.zarr(read_only)
     # A chunk of nothing but fill values that is not written looks like one that was lost. Zarr's
     # own setting of this belongs to all threads, and one that ends would change it for another.
     return {
@@ -77,6 +72,17 @@ def open_arrays(
         )
         for name, array in bounded(documents).items()
     }
+
+
+def encoded(
+    documents: Mapping[str, Document], parts: Iterable[tuple[str, Any, Any]]
+) -> dict[str, bytes]:
+    """Chunks by key, from names of arrays, places of whole chunks there, and values."""
+    memory: dict[str, Any] = {}
+    arrays = open_arrays(MemoryStore(memory), documents)
+    for name, place, values in parts:
+        arrays[name][place] = values
+    return {key: chunk.to_bytes() for key, chunk in memory.items()}
 
 
 def bounded(documents: Mapping[str, Document]) -> dict[str, Any]:

@@ -10,15 +10,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numcodecs.zstd import Zstd
 
-from pipeline.store.schema import AT_END, COMPRESSION, OF_POINT, STEPPED, VARIABLES
+from pipeline.store.schema import AT_END, OF_POINT, STEPPED, VARIABLES
 from pipeline.sweep.identity import Simulated
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
 
 _LONGEST = 2000  # characters of a message, which somebody is to read
-_ENCODER = Zstd(**COMPRESSION)  # as Zarr's codec of this name uses it
 _COVERED = {*STEPPED, *AT_END, *OF_POINT, "message", "warning_flags"}
 
 
@@ -29,23 +27,20 @@ def checksum(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
     for name in sorted(entries.keys() & _COVERED):
         digest.update(name.encode())
         content = entries[name]
-        if isinstance(content, str):
-            content = content.encode()
-        elif not isinstance(content, bytes):
-            content = np.ascontiguousarray(content).data
-        digest.update(struct.pack("<L", zlib.crc32(content)))
+        is_text = isinstance(content, str)
+        data = content.encode() if is_text else np.ascontiguousarray(content).data
+        digest.update(struct.pack("<L", zlib.crc32(data)))
     return digest.hexdigest()
 
 
 def packed(record: PointRecord, simulated: Simulated) -> PointRecord:
-    """A record with its checksum, and with fields encoded, which are a third as large to send."""
+    """A record as it is written, with its checksum."""
     if record.checksum is not None:
         return record
     data = {
         name: np.asarray(values, VARIABLES[name].dtype, order="C")
         for name, values in (record.data or {}).items()
     }
-    data |= {name: _ENCODER.encode(data[name]) for name in data.keys() & AT_END.keys()}
     # Names of files in a message may be no text.
     message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
     about = {"message": message, "warning_flags": np.int32(record.warning_flags)}

@@ -10,12 +10,11 @@ import json
 import math
 import shlex
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 
 from pipeline.scene.resume import join
-from pipeline.store.arrays import Document, open_arrays
-from pipeline.store.files import PARTIAL, THREADS, remove_file
+from pipeline.store.arrays import Document, encoded
+from pipeline.store.files import PARTIAL, remove_file
 from pipeline.store.layout import Axes, block_of, bytes_of_a_point, grown_axes
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
@@ -98,22 +97,15 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
 
 def _write_root(place: StorePlace, root: Root) -> None:
     """Write coordinates and metadata of arrays, then the root."""
-    arrays = open_arrays(place, root.arrays, read_only=False)
-
-    def write(name: str) -> None:
-        arrays[name][...] = values[name]
-
-    values = root.coordinates()
-    with ThreadPoolExecutor(THREADS) as threads:
-        list(threads.map(write, values))
+    parts = [(name, ..., values) for name, values in root.coordinates().items()]
     documents = {f"{path_of(name)}/{ROOT}": array for name, array in root.arrays.items()}
     if root.found:
         documents = {key: with_others(_found(place, key), one) for key, one in documents.items()}
-    place.put({key: json.dumps(document).encode() for key, document in documents.items()})
     groups = root.documents()
-    document = groups.pop(ROOT)
-    place.put(groups)
-    place.put({ROOT: document})
+    last = {ROOT: groups.pop(ROOT)}
+    arrays = {key: json.dumps(document).encode() for key, document in documents.items()}
+    place.put(encoded(root.arrays, parts) | arrays | groups)
+    place.put(last)
 
 
 def _found(place: StorePlace, key: str) -> Document:

@@ -9,7 +9,8 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
@@ -68,31 +69,37 @@ def open_file(root: Path, key: str, flags: int) -> int:
     return descriptor
 
 
-def is_there(root: Path, key: str) -> bool:
-    """True for a file, False if nothing has its name; raise an `OSError` if nobody can tell."""
-    with suppress(FileNotFoundError, NotADirectoryError):
-        os.close(open_file(root, key, os.O_RDONLY))
-        return True
-    return False
-
-
-def replace_file(root: Path, key: str, content: bytes) -> None:
-    """Replace the content of a file at one stroke; return once that is on the disk."""
+def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
+    """Replace files, each at one stroke; return once all are on the disk, names included."""
     make_folder(root)
-    begun = root / (key + PARTIAL)
-    with _folder_of(root, key, make=True) as (folder, name):
-        _require_no_link(root / key)
-        try:
-            descriptor = _open(begun, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, folder)
-            with os.fdopen(descriptor, "wb") as stream:
-                stream.write(content)
-                stream.flush()
-                os.fsync(stream.fileno())
-            os.replace(begun.name, name, src_dir_fd=folder, dst_dir_fd=folder)
-        except BaseException:
-            remove_file(root, key + PARTIAL)
-            raise
-    sync(begun.parent)
+    folders: dict[str, list[str]] = {}
+    for key in contents:
+        folders.setdefault(key.rpartition("/")[0], []).append(key)
+
+    def replace(keys: Sequence[str]) -> None:
+        with _folder_of(root, keys[0], make=True) as (folder, _):
+            for key in keys:
+                write_file(folder, root / key, contents[key])
+            _sync(folder)
+
+    with ThreadPoolExecutor(THREADS) as threads:
+        list(threads.map(replace, folders.values()))
+
+
+def write_file(folder: int, path: Path, content: bytes) -> None:
+    """Write a file of an open folder beside its place, wait until it is on the disk, rename it."""
+    begun = path.with_name(path.name + PARTIAL)
+    try:
+        descriptor = _open(begun, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, folder)
+        with os.fdopen(descriptor, "wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(begun.name, path.name, src_dir_fd=folder, dst_dir_fd=folder)
+    except BaseException:
+        with suppress(FileNotFoundError):
+            os.unlink(begun.name, dir_fd=folder)
+        raise
 
 
 def remove_file(root: Path, key: str) -> None:
@@ -110,12 +117,18 @@ def make_folder(folder: Path) -> None:
 
 
 def sync(folder: Path) -> None:
-    """Wait until the names in a folder are on the disk, as far as its file system can tell."""
+    """Wait until the names in a folder are on the disk."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
-        os.fsync(descriptor)
+        _sync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _sync(folder: int) -> None:
+    """Wait until the names in an open folder are on the disk, as far as its system can tell."""
+    try:
+        os.fsync(folder)
     except OSError as error:
         if error.errno not in _NO_SYNC:
             raise
-    finally:
-        os.close(descriptor)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.store.schema import PLANE, POINT, SCENE_ID, STEPPED, Variable, is_of_points
+from pipeline.store.schema import PLANE, POINT, SCENE_ID, Variable, is_coordinate, is_of_points
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.station_choice import choose_stations
@@ -25,7 +25,7 @@ Axes = dict[str, list[Any]]
 Slices = tuple[slice, ...]
 
 _LARGEST = 2**22  # bytes of a chunk
-_FEWEST, _MOST = 64, 1024  # points in a chunk
+_FEWEST, _MOST = 4, 1024  # points in a chunk
 _LEAST = {"velocity": 16, POINT: _MOST}  # of a chunk, since others come later
 _ROOM = 2  # reference loads up to which a course has room for its steps
 
@@ -43,11 +43,11 @@ def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
 
 
 def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
-    """Size of a point in the largest variable whose chunks hold several points [B]."""
+    """Size of a point in the largest variable [B]."""
     return max(
         8 * math.prod(len(axes[dim]) for dim in variable.dims if not is_of_points(dim))
         for name, variable in wanted.items()
-        if name in STEPPED
+        if not is_coordinate(name)
     )
 
 

@@ -16,16 +16,13 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.paths import user_path
 from pipeline.store import files
-from pipeline.store.files import THREADS, is_there
 from pipeline.sweep.limits import MOST_BYTES_OF_ROOT
 from tribo import TriboError
 
@@ -83,24 +80,24 @@ class Folder:
     def __str__(self) -> str:
         return str(self.path)
 
-    def zarr(self, read_only: bool) -> Store:
-        """Zarr's view of the folder, whose files are on the disk once they are set."""
-        from pipeline.store.durable import Durable  # with zarr, which workers do not need
+    def zarr(self) -> Store:
+        """Zarr's view of the folder, to read."""
+        from zarr.storage import LocalStore  # which workers do not need
 
-        return Durable(self.path, read_only=read_only)
+        return LocalStore(self.path, read_only=True)
 
     def read(self, key: str) -> bytes | None:
         """Content of a file of no more than a root may have; None if there is none."""
-        if not is_there(self.path, key):
-            return None
-        if (file := self.path / key).stat().st_size > MOST_BYTES_OF_ROOT:
-            raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(file))
-        return file.read_bytes()
+        file = self.path / key
+        with suppress(FileNotFoundError, NotADirectoryError):
+            if file.stat().st_size > MOST_BYTES_OF_ROOT:
+                raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(file))
+            return file.read_bytes()
+        return None
 
     def put(self, contents: Mapping[str, bytes]) -> None:
-        """Replace files side by side; return once they are on the disk."""
-        with ThreadPoolExecutor(THREADS) as threads:
-            list(threads.map(partial(files.replace_file, self.path), contents, contents.values()))
+        """Replace files; return once they are on the disk."""
+        files.replace_files(self.path, contents)
 
     def keys(self) -> set[str]:
         """Names of all files and links below the folder; no link is followed."""
@@ -124,11 +121,11 @@ class Bucket:
     def __str__(self) -> str:
         return self.address
 
-    def zarr(self, read_only: bool) -> Store:
-        """Zarr's view of the objects."""
+    def zarr(self) -> Store:
+        """Zarr's view of the objects, to read."""
         from zarr.storage import FsspecStore
 
-        return FsspecStore.from_url(self.address, read_only=read_only, storage_options=_OPTIONS)
+        return FsspecStore.from_url(self.address, read_only=True, storage_options=_OPTIONS)
 
     def _opened(self) -> tuple[Any, str]:
         """File system of the objects, and what their names begin with."""

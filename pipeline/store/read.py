@@ -79,7 +79,7 @@ def _open_copy(place: StorePlace) -> xr.Dataset | None:
         }
         if "sweep" in document["attributes"] and ABOUT not in metadata and are_plain(metadata):
             whole["metadata"] = bounded(metadata)
-            group = zarr.AsyncGroup.from_dict(StorePath(place.zarr(read_only=True)), document)
+            group = zarr.AsyncGroup.from_dict(StorePath(place.zarr()), document)
             return xr.open_dataset(ZarrStore(zarr.Group(group)), chunks=None)
     return None
 

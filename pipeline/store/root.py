@@ -237,7 +237,7 @@ def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
     if not sizes:
         return {}
     wanted, shape = inputs_variable(sizes), {DIM: sum(sizes.values())}
-    array = open_arrays(place, array_documents(wanted, shape, {}), read_only=True)[INPUTS]
+    array = open_arrays(place.zarr(), array_documents(wanted, shape, {}))[INPUTS]
     with reads(place, INPUTS):
         return split_arrays(array[:], array.attrs)
 

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.store.arrays import encoded
 from pipeline.store.checksum import checksum
 from pipeline.store.files import THREADS
 from pipeline.store.layout import Slices, blocks
@@ -27,7 +28,7 @@ from pipeline.store.place import (
 )
 from pipeline.store.progress import FailedPoint
 from pipeline.store.root import find_root, read_root, require_same_scene
-from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
+from pipeline.store.schema import DONE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.shown import shown
@@ -104,10 +105,9 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
         # First: a point that is done is whole, also after a kill in between.
         store.write({}, dict.fromkeys(damage.points, PENDING))
         with writes(place):
-            for name, block in damage.chunks.values():
-                store.arrays[name][block] = store.arrays[name].fill_value
-            for name, values in damage.coordinates.items():
-                store.arrays[name][...] = values
+            empty = [(*lost, store.arrays[lost[0]].fill_value) for lost in damage.chunks.values()]
+            right = [(name, ..., values) for name, values in damage.coordinates.items()]
+            place.put(encoded(root.arrays, [*empty, *right]))
         return len(damage.points)
 
 
@@ -178,8 +178,8 @@ def _damaged(store: Store, point: Point, fault: str) -> FailedPoint:
 
 
 def read_block(store: Store, block: Slices) -> dict[str, Any]:
-    """Values of variables but fields and marks in a chunk of points, None where damaged."""
-    names = [n for n in store.arrays if not (n in _MARKS or n in AT_END or is_coordinate(n))]
+    """Values of variables but marks in a chunk of points, None where damaged."""
+    names = [name for name in store.arrays if not (name in _MARKS or is_coordinate(name))]
     with ThreadPoolExecutor(THREADS) as threads:  # which an object store answers side by side
         read = threads.map(lambda name: _read(store, name, block), names)
         return dict(zip(names, read, strict=True))
@@ -192,7 +192,6 @@ def stored_entries(
 
     None stands for what is lost.
     """
-    fields = store.arrays.keys() & AT_END.keys()
     for index, point in _points_in(store, block, store.flags != PENDING):
         is_done, within = store.flags[index] == DONE, store.within(index)
         entries: dict[str, Any] = {
@@ -205,7 +204,6 @@ def stored_entries(
             for name in entries.keys() & STEPPED.keys():
                 if steps is not None and entries[name] is not None:
                     entries[name] = entries[name][len(entries[name]) - int(steps) :]
-            entries |= {name: store.place.read(store.key(name, index)) for name in fields}
         yield index, point, entries
 
 

@@ -19,10 +19,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pipeline.store.arrays import chunk_key, open_arrays
+from pipeline.store.arrays import chunk_key, encoded, open_arrays
 from pipeline.store.checksum import packed
 from pipeline.store.files import THREADS
-from pipeline.store.layout import blocks, points_at, slices_of
+from pipeline.store.layout import Slices, blocks, points_at, slices_of
 from pipeline.store.lock import Lock
 from pipeline.store.place import (
     LOCK,
@@ -67,7 +67,7 @@ class Store:
         self.place, self.root, self.lock = place, root, lock
         self.sweep, self.axes = root.sweep, root.axes
         self.simulated = Simulated(root.sweep)
-        self.arrays = open_arrays(place, root.arrays, read_only=lock is None)
+        self.arrays = open_arrays(place.zarr(), root.arrays)
         self.dims = root.variables["status"].dims
         self.block = tuple(root.block[dim] for dim in self.dims)
         shape = [len(self.axes[dim]) for dim in self.dims]
@@ -163,44 +163,43 @@ class Store:
         self, values: Mapping[_Index, Mapping[str, Any]], statuses: Mapping[_Index, int]
     ) -> None:
         """Write values of points by name, and once they are on the disk statuses."""
-        encoded: dict[str, bytes] = {}
         chunks: dict[tuple[str, _Index], dict[_Index, Any]] = {}
         for index, of_point in values.items():
+            chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
             for name, value in of_point.items():
-                if isinstance(value, bytes):
-                    encoded[self.key(name, index)] = value
-                else:
-                    chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
-                    chunks.setdefault((name, chunk), {})[index] = value
+                chunks.setdefault((name, chunk), {})[index] = value
         with self._writes():
-            self.place.put(encoded)
-            with ThreadPoolExecutor(THREADS) as threads:  # which ends when all have
-                list(threads.map(self._put, chunks.keys(), chunks.values()))
+            with ThreadPoolExecutor(THREADS) as threads:  # which an object store answers at once
+                parts = threads.map(self._changed, chunks.keys(), chunks.values())
+                contents = encoded(self.root.arrays, parts)
+            self.place.put(contents)
         flags, changed = self.flags.copy(), np.zeros(self.flags.shape, bool)
         for index, status in statuses.items():
             flags[index], changed[index] = status, True
         self._put_marks("status", flags, changed)
         self.flags = flags
 
-    def _put(self, place: tuple[str, _Index], values: Mapping[_Index, Any]) -> None:
-        """Write values into points of one chunk of a variable, and leave the others as they are."""
+    def _changed(
+        self, place: tuple[str, _Index], values: Mapping[_Index, Any]
+    ) -> tuple[str, Slices, Any]:
+        """A variable, the place of a chunk, and its values with new ones at some points."""
         name, chunk = place
-        array = self.arrays[name]
         block = slices_of(chunk, self.block)
         part = self.read(name, block)
         for index, value in values.items():
+            within = self.within(index)
             if name in STEPPED:
-                part[self.within(index)] = array.fill_value
-                part[self.within(index)][-len(value) :] = value
+                part[within] = self.arrays[name].fill_value
+                part[within][-len(value) :] = value
             else:
-                part[self.within(index)] = value
-        array[block] = part
+                part[within] = value
+        return name, block, part
 
     def _put_marks(self, name: str, values: NDArray[np.int8], changed: Mask) -> None:
         """Write every chunk of a small variable in which a value has changed, whole."""
+        parts = [(name, block, values[block]) for _, block in blocks(changed, self.block)]
         with self._writes():
-            for _, block in blocks(changed, self.block):
-                self.arrays[name][block] = values[block]
+            self.place.put(encoded(self.root.arrays, parts))
 
     @contextmanager
     def _writes(self) -> Iterator[None]:

@@ -113,22 +113,20 @@ def killed_after(monkeypatch, count, since=None):
 
     They count from the one after a file on, if that is given, else from the first.
     """
-    replace, lock, left, was_killed = files.replace_file, threading.Lock(), [count], []
+    replace, lock, left, was_killed = files.write_file, threading.Lock(), [count], []
     counts = [since is None]
 
-    def replace_some(root, key, content):
+    def replace_some(folder, file, content):
         with lock:
             left[0] -= counts[0]
-            counts[0] |= root / key == since
+            counts[0] |= file == since
         if left[0] < 0:
-            file = root / key
-            file.parent.mkdir(parents=True, exist_ok=True)
             file.with_name(file.name + files.PARTIAL).write_bytes(content[: len(content) // 2])
             raise Killed
-        replace(root, key, content)
+        replace(folder, file, content)
 
     with monkeypatch.context() as patch:
-        patch.setattr(files, "replace_file", replace_some)
+        patch.setattr(files, "write_file", replace_some)
         try:
             yield was_killed
         except Killed:

@@ -225,5 +225,5 @@ def test_a_store_s_links_lead_nobody_to_write_elsewhere(strangers, done, irg):
     (store / "about/message").symlink_to(strangers / "message")
     (store / "about/message/zarr.json").write_text("{}")
     said = irg("run", done / "small.toml", "-o", store, code=2)
-    assert f"{store}/about/message cannot be read: it is a link" in said
+    assert "message cannot be read" in said
     assert (strangers / "message/zarr.json").read_text() == "{}"

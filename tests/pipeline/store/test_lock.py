@@ -182,15 +182,15 @@ def test_a_run_whose_lock_is_deleted_stops_and_loses_nothing(path, replaced):
 
 def test_a_commit_during_which_the_lock_is_deleted_is_not_told_as_done(path, monkeypatch):
     """Since another driver may have come, and read the statuses before."""
-    replace = files.replace_file
+    replace = files.write_file
 
-    def deleted(root, key, content):
-        replace(root, key, content)
-        if key.startswith("status/"):
+    def deleted(folder, file, content):
+        replace(folder, file, content)
+        if file.parent == path / "status":
             (path / LOCK).unlink(missing_ok=True)
 
     with writing(path, SWEEP) as store:
-        monkeypatch.setattr(files, "replace_file", deleted)
+        monkeypatch.setattr(files, "write_file", deleted)
         with pytest.raises(StoreError, match="was deleted or replaced"):
             store.commit([record(OTHER)])
         assert OTHER in store.pending()

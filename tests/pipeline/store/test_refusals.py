@@ -252,4 +252,4 @@ def test_the_table_has_every_refusal(refusals):
 
 def test_no_name_leads_out_of_a_store(tmp_path):
     with pytest.raises(OSError, match="names no file within a store"):
-        files.is_there(tmp_path, "../a")
+        files.replace_files(tmp_path, {"../a": b""})

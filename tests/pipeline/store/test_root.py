@@ -188,7 +188,7 @@ def test_a_store_of_an_older_format_is_refused_in_a_line_and_left_as_it_is(forge
     (forged / ROOT).write_text(json.dumps(document))
     before = contents(forged)
     expected = (
-        f"{forged} is of another version of this program: it has format 5, and this one reads 10; "
+        f"{forged} is of another version of this program: it has format 5, and this one reads 11; "
         "run its scene into another store"
     )
     for command in ("status", "verify", "boundary"):
