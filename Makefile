@@ -23,7 +23,7 @@ diagram: .venv/run    ## compute and draw the transition diagram of the paper's 
 	$(BIN)/irg plot results/irg_transition.zarr --kind diagram -o results/irg_transition.png
 
 gallery: .venv/run    ## recompute every figure and table of the paper, and their page
-	$(BIN)/python -m workflows.paper all -o workflows
+	$(BIN)/irg paper all -o workflows
 
 reference: .venv/test ## write the references of the scene file and of the dataset anew
 	sed -i '/^## Top of the file/,$$d' workflows/SCENE.md

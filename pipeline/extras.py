@@ -15,6 +15,8 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "uncertain": ("Ensemble", "critical_temperatures", "posterior", "sensitivity"),
 }
 """Folders in `pipeline` that are asked for their modules, if they are there; and public names."""
+STUDIES = "pipeline.workflows" if find_spec("pipeline.workflows") else "workflows"
+"""Package of the shipped scenes, which has a command: in `pipeline` if that was installed."""
 
 
 @cache
@@ -32,9 +34,10 @@ def absent() -> frozenset[str]:
 
 def modules(part: str) -> Iterator[ModuleType]:
     """Modules of one name, such as ``commands``, of all extras that have one."""
-    for name in present():
-        if find_spec(f"pipeline.{name}.{part}"):
-            yield import_module(f"pipeline.{name}.{part}")
+    packages = [*(f"pipeline.{name}" for name in present()), STUDIES]
+    for name in packages:
+        if find_spec(name) and find_spec(f"{name}.{part}"):
+            yield import_module(f"{name}.{part}")
 
 
 def module(part: str) -> ModuleType:

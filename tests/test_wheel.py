@@ -62,8 +62,10 @@ def test_the_page_of_a_package_index_has_no_link_that_leads_nowhere(installed):
     assert not re.findall(r"\]\((?!https?:)[^)]*\)", text)
 
 
-def test_the_wheel_has_nothing_of_the_paper(installed):
-    assert not list(installed.rglob("paper"))
+def test_the_paper_is_recomputed_from_the_wheel_as_from_the_source(installed, tmp_path):
+    told, _ = run(installed, tmp_path, "-m", "pipeline", "paper", "fig4").split("took")
+    assert run(ROOT, tmp_path, "-m", "workflows.paper", "fig4").startswith(told)
+    assert "half-width" in told
 
 
 def test_the_source_archive_holds_what_is_tracked_and_no_stray_file(tmp_path):

@@ -49,10 +49,10 @@ def help_(options: argparse.Namespace) -> Result:
             titles, ["pages, in the order of reading:", *lines, "a command: irg COMMAND --help"]
         )
     names = [command.name for command in commands()]
-    if topic in names:
-        parse([topic, "--help"])
     page = page_name(Path(topic))
     if page not in held:
+        if topic in names:
+            parse([topic, "--help"])
         near = get_close_matches(topic, [*held, *names], 1)
         meant = f' (did you mean "{near[0]}"?)' if near else ""
         raise InputError(f'no page or command is called "{topic}"{meant}; irg help lists them')

@@ -215,7 +215,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 
 def function_of(options: argparse.Namespace) -> Callable[[argparse.Namespace], Any]:
     """Function of a command, whose module is imported now, for this command alone."""
-    is_whole = options.command.startswith("pipeline.")  # as of an extra
+    is_whole = "." in options.command  # as of an extra
     name = options.command if is_whole else f"pipeline.cli.{options.command}"
     function: Callable[[argparse.Namespace], Any] = pkgutil.resolve_name(name)
     return function

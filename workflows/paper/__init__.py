@@ -16,21 +16,22 @@ from pipeline.figures.style import figure_path, save_figure
 from pipeline.scene.faults import did_you_mean
 from pipeline.sweep.stages import staged
 from tribo import InputError
-from workflows.paper.gallery import page
-from workflows.paper.held_load import fig5
-from workflows.paper.inference import inverse
-from workflows.paper.line_pressure import fig4
-from workflows.paper.load_record import fig8
-from workflows.paper.report import WORDS, Report
-from workflows.paper.resolution import fig6
-from workflows.paper.rivals import rivals
-from workflows.paper.sensitivity import sensitivity
-from workflows.paper.steel import steel
-from workflows.paper.study import Study
-from workflows.paper.surface_band import band
-from workflows.paper.table_4 import table4
-from workflows.paper.table_6 import table6
-from workflows.paper.transition_diagram import fig10
+
+from .gallery import page
+from .held_load import fig5
+from .inference import inverse
+from .line_pressure import fig4
+from .load_record import fig8
+from .report import WORDS, Report
+from .resolution import fig6
+from .rivals import rivals
+from .sensitivity import sensitivity
+from .steel import steel
+from .study import Study
+from .surface_band import band
+from .table_4 import table4
+from .table_6 import table6
+from .transition_diagram import fig10
 
 RESULTS: dict[str, str] = {
     name: words["summary"] for name, words in WORDS.items() if "summary" in words

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from pipeline.analysis.tables import markdown_of
-from workflows.paper.report import WORDS, Report
+
+from .report import WORDS, Report
 
 _PAGE = Path(__file__).parents[1] / "README.md"
 _BEGIN, _END = "<!-- results: written by the command -->\n", "\n<!-- end of results -->"

@@ -18,9 +18,10 @@ from pipeline.figures.style import (
 )
 from tribo import InputError, Ramp
 from tribo.types import Array
-from workflows.paper.report import Report, line, texts
-from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, Wear, history, worn
+
+from .report import Report, line, texts
+from .study import Study
+from .transitions import HIGHEST, Wear, history, worn
 
 _LOOKS: dict[str, tuple[Wear, str, str]] = {
     "no wear": ("unworn", BLACK, "--"),

@@ -17,17 +17,18 @@ from pipeline.scene.written import with_fidelity
 from tribo import InputError, Ramp, Wear
 from tribo.inverse import specific_wear_rate
 from tribo.types import Array
-from workflows.paper.publication import (
+
+from .publication import (
     RIG_HEATING,
     ROOM_CELSIUS,
     SPECIFIC_WEAR_RATE,
     TABLE_4,
     TABLE_6,
 )
-from workflows.paper.report import Report, agree, line, mean, spread, texts
-from workflows.paper.rig import rig_heating
-from workflows.paper.study import Study
-from workflows.paper.transitions import (
+from .report import Report, agree, line, mean, spread, texts
+from .rig import rig_heating
+from .study import Study
+from .transitions import (
     Tested,
     celsius_of,
     end_of,

@@ -15,9 +15,10 @@ from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, house_style
 from tribo import Cylinder, Grid, InputError, contact_modulus, simulate
 from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure, hertz_pressure
 from tribo.types import Array
-from workflows.paper.publication import CYLINDER_HALF_WIDTH, CYLINDER_PEAK_PRESSURE
-from workflows.paper.report import Report, cells, texts
-from workflows.paper.study import Study
+
+from .publication import CYLINDER_HALF_WIDTH, CYLINDER_PEAK_PRESSURE
+from .report import Report, cells, texts
+from .study import Study
 
 _LOOKS = {
     "free": ("a: free ends", VERMILION),

@@ -12,10 +12,11 @@ from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, heating, house_
 from pipeline.quantities import shown_in
 from tribo import InputError, MeasuredLoad
 from tribo.types import Array
-from workflows.paper.publication import LOADING_RATE
-from workflows.paper.report import Report, cells, texts
-from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, celsius_of, end_at, history
+
+from .publication import LOADING_RATE
+from .report import Report, cells, texts
+from .study import Study
+from .transitions import HIGHEST, celsius_of, end_at, history
 
 _RECORD, _FIT = "record", "its linear fit"
 _SAME = 2.0  # K: within what a linear fit serves as well as the record

@@ -146,7 +146,7 @@ class Report:
     Attributes
     ----------
     name : str
-        Name of the result, as in `python -m workflows.paper --list`.
+        Name of the result, as in `irg paper --list`.
     title : str
         One line on what is shown.
     table : DataFrame

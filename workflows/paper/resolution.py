@@ -25,10 +25,11 @@ from pipeline.quantities import shown_in
 from pipeline.scene.written import with_fidelity
 from tribo import ConvergenceError, Fidelity, simulate, warnings
 from tribo.types import Array
-from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Finding, Report, judged, line, mean, spread, texts
-from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, WearPattern, celsius_of, end_at, on_surfaces, worn
+
+from .publication import TABLE_4
+from .report import Finding, Report, judged, line, mean, spread, texts
+from .study import Study
+from .transitions import HIGHEST, WearPattern, celsius_of, end_at, on_surfaces, worn
 
 _BLOCKS = (8, 6, 4, 3, 2, 1)  # pixels along a side of an element
 _INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)

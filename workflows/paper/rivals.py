@@ -25,11 +25,12 @@ from pipeline.figures.style import (
 from pipeline.quantities import shown_in
 from tribo import Cylinder, lubrication_regime
 from tribo.types import Array
-from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Report, cells, mean, texts
-from workflows.paper.smooth import SmoothContact, load_speed_exponent
-from workflows.paper.study import Study
-from workflows.paper.transitions import around_transition, film_parameter, label_of, on_surfaces
+
+from .publication import TABLE_4
+from .report import Report, cells, mean, texts
+from .smooth import SmoothContact, load_speed_exponent
+from .study import Study
+from .transitions import around_transition, film_parameter, label_of, on_surfaces
 
 _SURFACES = 4
 _STEP = 0.05  # of the logarithm of the velocity, to find an exponent

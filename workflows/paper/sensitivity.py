@@ -27,10 +27,11 @@ from pipeline.scene.format import RandomSurface
 from pipeline.scene.written import entries_of
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
-from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Report, agree, cells, mean, spread, texts
-from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, around_transition, celsius_of, on_surfaces, worn
+
+from .publication import TABLE_4
+from .report import Report, agree, cells, mean, spread, texts
+from .study import Study
+from .transitions import HIGHEST, around_transition, celsius_of, on_surfaces, worn
 
 _LENGTHS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # µm
 _LAYS = ((1.0, 1.0), (1.0, 4.0), (4.0, 1.0))  # factors on the length along x and along y

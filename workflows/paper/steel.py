@@ -23,10 +23,11 @@ from pipeline.figures.style import (
 from pipeline.quantities import shown_in
 from tribo.simulation import contacts, heated
 from tribo.types import Array
-from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
-from workflows.paper.report import Report, agree, line, texts
-from workflows.paper.study import Study
-from workflows.paper.transitions import celsius_of, end_at, oil_a, white_oil
+
+from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
+from .report import Report, agree, line, texts
+from .study import Study
+from .transitions import celsius_of, end_at, oil_a, white_oil
 
 _SURFACES = 4
 _CONDUCTIVITIES = (15.0, 21.0, 27.0, 33.0, 39.0, 45.0, 51.0, 60.0, 70.0)  # W/(m K)

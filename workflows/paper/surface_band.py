@@ -8,8 +8,9 @@ from pipeline import at, boundary
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.variants import surfaces
 from tribo import InputError
-from workflows.paper.report import Report, cells, texts
-from workflows.paper.study import Study
+
+from .report import Report, cells, texts
+from .study import Study
 
 _SURFACES = 8
 # Six loads and seven velocities place the boundary on each surface to a few parts in a thousand.

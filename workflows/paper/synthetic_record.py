@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.types import Array
-from workflows.paper.publication import LOADING_RATE
+
+from .publication import LOADING_RATE
 
 _LOAD = 602.0  # at the end [N]
 _ONSET = 0.3  # time at which the pin touches the disk [s]

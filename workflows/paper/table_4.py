@@ -13,10 +13,11 @@ from pipeline.figures.style import GREY, house_style
 from pipeline.quantities import shown_in
 from pipeline.sweep.severity import rise_limit
 from tribo.thermal import Criterion
-from workflows.paper.publication import ROOM_CELSIUS, TABLE_4
-from workflows.paper.report import Report, agree, line, mean, texts
-from workflows.paper.study import Study
-from workflows.paper.transitions import (
+
+from .publication import ROOM_CELSIUS, TABLE_4
+from .report import Report, agree, line, mean, texts
+from .study import Study
+from .transitions import (
     HIGHEST,
     SPREAD,
     celsius_of,

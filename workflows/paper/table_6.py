@@ -13,10 +13,11 @@ from matplotlib.figure import Figure
 from pipeline.figures.style import house_style
 from pipeline.quantities import shown_in
 from tribo.types import Array
-from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
-from workflows.paper.report import Report, agree, line, mean, spread, texts
-from workflows.paper.study import Study
-from workflows.paper.transitions import (
+
+from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
+from .report import Report, agree, line, mean, spread, texts
+from .study import Study
+from .transitions import (
     HIGHEST,
     SPREAD,
     celsius_of,

@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 from pipeline import at, boundary
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import GREEN, HALO
-from workflows.paper.report import Report, texts
-from workflows.paper.study import Study
-from workflows.paper.transitions import worn
+
+from .report import Report, texts
+from .study import Study
+from .transitions import worn
 
 _GOOD = 0.1  # relative, as in report.agree
 

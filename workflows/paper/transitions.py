@@ -19,9 +19,10 @@ from tribo.simulation import moment_of
 from tribo.thermal import Criterion, failed_share
 from tribo.types import Array
 from tribo.wear import Wear as ArchardWear
-from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6
-from workflows.paper.report import mean, spread
-from workflows.paper.study import Study
+
+from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
+from .report import mean, spread
+from .study import Study
 
 HIGHEST = Criterion("highest")
 """The highest temperature of the contact."""

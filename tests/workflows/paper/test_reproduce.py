@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 import tribo
+from pipeline.cli import main
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS
 from workflows import paper
-from workflows.paper.__main__ import main
 from workflows.paper.publication import TABLE_4, TABLE_6
 from workflows.paper.study import Study
 from workflows.paper.synthetic_record import synthetic_record
@@ -346,12 +346,12 @@ def test_the_paper_s_own_choices_are_a_preset_of_its_results_alone():
 
 
 def test_the_command_lists_recomputes_and_names_mistakes(small, monkeypatch, capsys):
-    assert main(["--list"]) == 0
+    assert main(["paper", "--list"]) == 0
     assert "table4" in capsys.readouterr().out
     report = small("fig4")
     with monkeypatch.context() as patched:
         patched.setattr(paper, "reproduce", lambda name, out, **options: report)
-        assert main(["fig4"]) == 0
+        assert main(["paper", "fig4"]) == 0
     assert "agrees" in capsys.readouterr().out
-    assert main(["fig44"]) == 2
+    assert main(["paper", "fig44"]) == 2
     assert 'did you mean "fig4"' in capsys.readouterr().err

@@ -1,0 +1,22 @@
+"""The command of the paper, and its options."""
+
+from __future__ import annotations
+
+from pipeline.cli import options as o
+from pipeline.cli.options import Command, Option
+
+COMMANDS = (
+    Command(
+        "paper", f"{__package__}.paper.answer:recompute",
+        "recompute a figure or table of the paper, beside what it prints",
+        "table4 --surfaces 2 --preset draft",
+        (
+            Option("name", metavar="NAME", nargs="?", help="one of --list, or all"),
+            o.LIST.but(help="list the figures and tables"),
+            o.output("FILE.png", "figure to draw; for all, the folder of their common page"),
+            o.PRESET.but(help="preset of the numerical choices, or as-published"),
+            Option("--surfaces", metavar="N", type=int, help="number of random surfaces"),
+            o.WORKERS.but(help="workers for the diagram"),
+        ),
+    ),
+)  # fmt: skip

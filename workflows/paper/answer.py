@@ -1,0 +1,27 @@
+"""Answer of the command of the paper."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from pipeline.cli.given import values_in
+from pipeline.cli.output import Result, tell
+
+from .. import paper
+
+
+def recompute(options: argparse.Namespace) -> Result:
+    """A figure or table of the paper, all of them, or a list."""
+    if options.list or options.name is None:
+        results, others = paper.RESULTS, paper.NOT_REPRODUCED
+        text = [f"{name:12} {summary}" for name, summary in results.items()]
+        text += ["", "not recomputed", *(f"{name:12} {reason}" for name, reason in others.items())]
+        return Result(results | {"not_recomputed": others}, text)
+    chosen = values_in(options, "preset", "surfaces", "workers")
+    if options.name == "all":
+        reports = paper.write_gallery(options.output or Path("results"), progress=tell, **chosen)
+        text = [line for report in reports for line in (*report.lines(), "")]
+        return Result({report.name: report.as_dict() for report in reports}, text)
+    report = paper.reproduce(options.name, options.output, progress=tell, **chosen)
+    return Result(report.as_dict(), report.lines())
