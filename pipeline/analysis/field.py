@@ -229,6 +229,16 @@ class PointField:
         """Curves over velocities at the loads, by plane."""
         return [Curve(plane.velocities, plane.rises) for plane in self.planes]
 
+    @functools.cached_property
+    def _certain_rises(self) -> list[Array]:
+        """Rises with friction by load and velocity, by plane; where certain, also those to come."""
+        factors = (self.conditions.friction_factor(plane.velocities) for plane in self.planes)
+        rises = [plane.rises * factor for plane, factor in zip(self.planes, factors, strict=True)]
+        return [
+            np.where(np.isfinite(of), of, certain(x := plane.velocities, of, x, self.limit))
+            for plane, of in zip(self.planes, rises, strict=True)
+        ]
+
     def errors(self, loads: Places, velocities: Places) -> list[RiseError]:
         """See `Field`."""
         loads, velocities = places_of(loads, velocities)
@@ -284,8 +294,9 @@ class PointField:
         """A row of the sweep has too few points to go on to a velocity, on any surface."""
         untold = np.zeros(loads.shape, bool)
         for curves in self._curves:
-            for load, x, count in zip(self.planes[0].loads, curves.x, curves.count, strict=True):
-                untold |= (loads == load) & (count < 2) & ~np.isin(velocities, x)
+            for row in np.flatnonzero(curves.count < 2):
+                is_row = loads == self.planes[0].loads[row]
+                untold |= is_row & ~np.isin(velocities, curves.x[row])
         return untold
 
     def lines(
@@ -316,8 +327,8 @@ class PointField:
         elif has_curve:  # how friction goes on beyond the points is no power law
             computed = going_on = Curve(other, rises.T)(place).T
         else:
-            certainly = np.where(np.isfinite(rises), rises, certain(x, rises, x, limit))
-            computed, going_on = (Curve(other, rows.T)(place).T for rows in (rises, certainly))
+            both = rises, self._certain_rises[number]
+            computed, going_on = (Curve(other, rows.T)(place).T for rows in both)
         nearest = np.minimum(np.searchsorted(other, place), len(other) - 1)
         computed, going_on = (
             np.where(is_row[:, None], rises[nearest], part) for part in (computed, going_on)

@@ -98,7 +98,8 @@ class RiseError:
     @property
     def total(self) -> float | None:
         """Root of the sum of the squares of the parts; None where one is not known."""
-        parts = [part for part in astuple(self) if part is not None]
+        every = self.interpolation, self.preset, self.warned, self.counted  # asked a million times
+        parts = [part for part in every if part is not None]
         return math.hypot(*parts) if len(parts) == len(_PARTS) else None
 
     @property
@@ -118,7 +119,7 @@ class RiseError:
         return RiseError(*(None if part is None else factor * part for part in astuple(self)))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class RisePlane:
     """Deciding rises by load and velocity [K], NaN where not done; flags of warnings; times [s]."""
 
@@ -137,18 +138,25 @@ class RisePlane:
     def is_done(self, loads: Array, velocities: Array) -> Mask:
         """True at places (k,) whose very point is done."""
         at_load, at_velocity = loads[:, None] == self.loads, velocities[:, None] == self.velocities
-        done = at_load @ np.isfinite(self.rises)
+        done = at_load @ self._is_done
         return np.asarray((done & at_velocity).any(axis=1))
+
+    @functools.cached_property
+    def _is_done(self) -> Mask:
+        return np.isfinite(self.rises)
+
+    @functools.cached_property
+    def _goes_on(self) -> Mask:
+        return np.asarray(self._is_done.sum(axis=1) >= 2)
 
     def rests_on(self, load: float, velocity: float) -> list[tuple[int, Indices]]:
         """Rows that the rise at a place is taken from: the point itself, or those beside it."""
         own = self.loads == load
-        reached = np.isfinite(self.rises).sum(axis=1) >= 2  # which go on beyond their ends
-        reached |= np.isfinite(self.rises[:, self.velocities == velocity]).any(axis=1)
+        # Rows of two points go on beyond their ends.
+        reached = self._goes_on | self._is_done[:, self.velocities == velocity].any(axis=1)
         beside = _neighbours(self.loads, own if (own & reached).any() else reached, load)
         points = (
-            (int(row), _neighbours(self.velocities, np.isfinite(self.rises[row]), velocity))
-            for row in beside
+            (int(row), _neighbours(self.velocities, self._is_done[row], velocity)) for row in beside
         )
         return [(row, places) for row, places in points if places.size]
 
@@ -211,9 +219,9 @@ def add_counted(
 
     A rise at friction 1 [K] that friction may ignite has no known error, unless it is solved.
     """
-    law, parts = conditions.friction_law, conditions.corrections
-    if parts is None:
+    if (parts := conditions.corrections) is None:
         return error
+    law = conditions.friction_law
     film = _OF_FILM if parts.film_resistance else 0.0
     if is_solved or not (law.by_temperature and law.coefficient):
         return replace(error, counted=film)
@@ -228,7 +236,7 @@ def _preset(velocity_error: float | None) -> float | None:
     return None if velocity_error is None else SHARE * velocity_error
 
 
-def _neighbours(x: Array, is_done: Array, place: float) -> Indices:
+def _neighbours(x: Array, is_done: Mask, place: float) -> Indices:
     """Indices of the done abscissa at a place, of both beside it, or of the last two."""
     (done,) = np.nonzero(is_done)
     same: Indices = done[x[done] == place]
