@@ -132,3 +132,11 @@ def _sync(folder: int) -> None:
     except OSError as error:
         if error.errno not in _NO_SYNC:
             raise
+
+
+def require_no_device(path: Path) -> None:
+    """Raise an `OSError` for a pipe, socket or device."""
+    with suppress(FileNotFoundError, NotADirectoryError):
+        kind = path.stat().st_mode
+        if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind)):
+            raise OSError(errno.EINVAL, "it is not a file", str(path))

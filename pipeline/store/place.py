@@ -82,13 +82,13 @@ class Folder:
 
     def zarr(self) -> Store:
         """Zarr's view of the folder, to read."""
-        from zarr.storage import LocalStore  # which workers do not need
+        from pipeline.store.local import Files  # with Zarr, which workers do not need
 
-        return LocalStore(self.path, read_only=True)
+        return Files(self.path, read_only=True)
 
     def read(self, key: str) -> bytes | None:
         """Content of a file of no more than a root may have; None if there is none."""
-        file = self.path / key
+        files.require_no_device(file := self.path / key)
         with suppress(FileNotFoundError, NotADirectoryError):
             if file.stat().st_size > MOST_BYTES_OF_ROOT:
                 raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(file))
