@@ -301,7 +301,7 @@ def test_friction_that_falls_with_velocity_is_a_fault_of_the_model_and_not_of_a_
     assert crossings[["mild_below", "severe_above"]].to_array().isnull().all()
     assert crossings.attrs["misfit"] == told.misfit
     assert "misfit" not in pipeline.boundary(ds).attrs
-    assert content_of_samples(weighed)["misfit"] == [("wear", told.misfit)]
+    assert content_of_samples(pipeline.results(weighed))["misfit"] == [("wear", told.misfit)]
 
 
 def test_friction_by_velocity_is_known_however_it_bends():
