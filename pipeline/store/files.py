@@ -1,7 +1,7 @@
 """Files of a closed tree, which are on the disk, names included, once they are written.
 
-A file is named by a root and a key, such as ``load/c.0``. The root may be a link. No name below it
-is followed if it is one, and none leads out of it.
+A file is named by a root and a key, such as ``load/c.0``. The root may be a link. Below it, nothing
+is written or locked by way of a link, and no name leads out of it.
 """
 
 from __future__ import annotations
@@ -134,9 +134,16 @@ def _sync(folder: int) -> None:
             raise
 
 
-def require_no_device(path: Path) -> None:
-    """Raise an `OSError` for a pipe, socket or device."""
-    with suppress(FileNotFoundError, NotADirectoryError):
+def require_file(path: Path) -> None:
+    """Raise an `OSError` for what is there and is no file, or a link to what is not there now.
+
+    A pipe would keep a reader waiting, and data on a disk that is not mounted are not missing.
+    """
+    try:
         kind = path.stat().st_mode
-        if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind)):
-            raise OSError(errno.EINVAL, "it is not a file", str(path))
+    except (FileNotFoundError, NotADirectoryError):
+        if path.is_symlink():
+            raise
+        return
+    if not stat.S_ISREG(kind):
+        raise OSError(errno.EINVAL, "it is not a file", str(path))

@@ -25,7 +25,7 @@ Axes = dict[str, list[Any]]
 Slices = tuple[slice, ...]
 
 _LARGEST = 2**22  # bytes of a chunk
-_FEWEST, _MOST = 4, 1024  # points in a chunk
+_FEWEST, _MOST = 1, 1024  # points in a chunk
 _LEAST = {"velocity": 16, POINT: _MOST}  # of a chunk, since others come later
 _ROOM = 2  # reference loads up to which a course has room for its steps
 

@@ -88,7 +88,7 @@ class Folder:
 
     def read(self, key: str) -> bytes | None:
         """Content of a file of no more than a root may have; None if there is none."""
-        files.require_no_device(file := self.path / key)
+        files.require_file(file := self.path / key)
         with suppress(FileNotFoundError, NotADirectoryError):
             if file.stat().st_size > MOST_BYTES_OF_ROOT:
                 raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(file))

@@ -169,9 +169,12 @@ class Store:
             for name, value in of_point.items():
                 chunks.setdefault((name, chunk), {})[index] = value
         with self._writes():
+            contents: dict[str, bytes] = {}
             with ThreadPoolExecutor(THREADS) as threads:  # which an object store answers at once
-                parts = threads.map(self._changed, chunks.keys(), chunks.values())
-                contents = encoded(self.root.arrays, parts)
+                for first in range(0, len(chunks), THREADS):  # so that no more are unpacked
+                    some = [*chunks.items()][first : first + THREADS]
+                    parts = threads.map(self._changed, *zip(*some, strict=True))
+                    contents |= encoded(self.root.arrays, parts)
             self.place.put(contents)
         flags, changed = self.flags.copy(), np.zeros(self.flags.shape, bool)
         for index, status in statuses.items():

@@ -215,13 +215,14 @@ def test_statuses_that_cannot_be_read_are_told_by_who_reads_them(copy, name):
             read(copy)
 
 
+@pytest.mark.parametrize("to", ["itself", "a disk that is not there"])
 @pytest.mark.parametrize(
     "name", ["mean_rise/c.0.0.0", "fields/rise/c.0.0.0.0", "status/c.0.0", "load/c.0"]
 )
-def test_what_cannot_be_read_now_is_named_and_nothing_is_changed(copy, irg, name):
-    """It may be sound: here is a link to itself, which nobody can read for a while."""
+def test_what_cannot_be_read_now_is_named_and_nothing_is_changed(copy, irg, name, to):
+    """It may be sound: here is a link that nobody can read for a while."""
     (copy / name).unlink()
-    (copy / name).symlink_to(copy / name)
+    (copy / name).symlink_to(copy / name if to == "itself" else copy.parent / "disk" / "c.0")
     before = contents(copy)
     assert f"{copy / name} cannot be read: " in irg("verify", copy, code=2)
     with pytest.raises(StoreError, match=f"{name} cannot be read: "):
