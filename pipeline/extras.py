@@ -15,16 +15,20 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "uncertain": ("Ensemble", "critical_temperatures", "posterior", "sensitivity"),
 }
 """Folders in `pipeline` that are asked for their modules, if they are there; and public names."""
-STUDIES = "pipeline.workflows" if find_spec("pipeline.workflows") else "workflows"
+STUDIES = "pipeline.workflows", "workflows"
 """Package of the shipped scenes, which has a command: in `pipeline` if that was installed."""
 
 
 @cache
 def present() -> tuple[str, ...]:
     """Names of the extras whose folders are there."""
-    specs = {name: find_spec(f"pipeline.{name}") for name in EXTRAS}
+    return tuple(name for name in EXTRAS if _is_there(f"pipeline.{name}"))
+
+
+def _is_there(package: str) -> bool:
+    spec = find_spec(package)
     # A folder that was emptied, but for caches, has a spec without an origin.
-    return tuple(name for name, spec in specs.items() if spec is not None and spec.origin)
+    return spec is not None and bool(spec.origin)
 
 
 def absent() -> frozenset[str]:
@@ -33,10 +37,10 @@ def absent() -> frozenset[str]:
 
 
 def modules(part: str) -> Iterator[ModuleType]:
-    """Modules of one name, such as ``commands``, of all extras that have one."""
-    packages = [*(f"pipeline.{name}" for name in present()), STUDIES]
-    for name in packages:
-        if find_spec(name) and find_spec(f"{name}.{part}"):
+    """Modules of one name, such as ``commands``, of all extras and studies that have one."""
+    studies = next((name for name in STUDIES if _is_there(name)), "pipeline")
+    for name in (*(f"pipeline.{name}" for name in present()), studies):
+        if find_spec(f"{name}.{part}"):
             yield import_module(f"{name}.{part}")
 
 

@@ -167,7 +167,8 @@ class Jobs:
                 continue
             del self._gathering[worker]
             gathered: dict[str, Any] = {}
-            with suppress(*GONE):  # a scheduler that may be started again, as the next look tells
+            # A scheduler may be started again, as the next look tells.
+            with self._link.reached(), suppress(CancelledError, OSError):
                 gathered = gathering.result()
             for key, result in gathered.items():
                 job = self.computed.pop(key, None)  # None if it was given up meanwhile

@@ -19,7 +19,7 @@ from typing import Any, Final
 import numpy as np
 
 from tribo import LAWS, PINS, InputError, Rule, Scene
-from tribo.surface import UnknownHeights, array_digest
+from tribo.surface import UnknownHeights
 
 _ROOTS: Final = ("tribo", "pipeline")
 """Packages whose laws ship."""
@@ -148,7 +148,8 @@ def _kept(value: Any) -> Any:
     """A parameter as a store keeps it."""
     if not isinstance(value, np.ndarray):
         return value
-    return f"{' × '.join(map(str, value.shape))} numbers, SHA-256 {array_digest(value)[:16]}…"
+    sha256 = hashlib.sha256(value.tobytes()).hexdigest()  # of numbers of any type
+    return f"{' × '.join(map(str, value.shape))} numbers, SHA-256 {sha256[:16]}…"
 
 
 def _source_sha256(code: Any) -> str:
