@@ -151,7 +151,8 @@ def at(
         # The status alone tells of which scenes a sweep is; all else would be read to be repeated.
         status = ds["status"].expand_dims({path: values})
         ds = ds.assign(status=status).assign_coords({path: axis})
-    for scene in results(ds).scenes if wanted else ():
+    names = ds.drop_vars("step", errors="ignore").isel(step=[-1], missing_dims="ignore")
+    for scene in results(names).scenes if wanted else ():
         _ = scene.plain_conditions  # refuses what the sweep has nothing for
     return ds
 

@@ -185,7 +185,6 @@ _UNITS = {name: variable.units for name, variable in VARIABLES.items()} | {
     path: UNITS.get(name) for name, path in PATHS.items()
 }
 """Units of variables and of conditions."""
-_ORDER = (*PLANE, "step", "bulk_ratio", "cooler_share")
 
 
 def open_sweep(path: PathLike) -> xr.Dataset:

@@ -35,8 +35,9 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep` or `pipeline.at`, a part of it, or the path of a store. The
-        whole of a large sweep takes much memory: select loads and velocities first.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, a part of it that has the status of its
+        points, or the path of a store. The whole of a large sweep takes much memory: select loads
+        and velocities first.
 
     Returns
     -------

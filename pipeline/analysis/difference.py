@@ -172,8 +172,8 @@ def _states(held: Results, has_seeds: bool) -> pd.DataFrame:
     }
     axes = {"load": held.loads, "velocity": held.velocities}
     own = {name: axis for name, axis in axes.items() if name not in held.rows.coords}
-    shape = *held.rows.sizes.values(), *map(len, own.values())
-    dims, in_front = [*held.rows.sizes, *own], [*held.front]
+    shape = *(held.rows.sizes[name] for name in held.front), *map(len, own.values())
+    dims, in_front = [*held.front, *own], [*held.front]
     points = xr.Dataset(
         {name: (dims, np.reshape(one, shape)) for name, one in values.items()},
         {**held.rows.coords, **own},

@@ -82,7 +82,8 @@ class Results:
     shares : ndarray
         Shares of the contact of the quantiles.
     rest : Dataset
-        Variables that no verdict needs, such as fields of the contact, read when they are shown.
+        Variables that no verdict needs, such as fields of the contact, read when they are shown;
+        with attributes and further coordinates of the dataset.
     """
 
     stored: Sweep
@@ -200,12 +201,16 @@ class Results:
             raise InputError(f"realization is {seed}, which the sweep does not hold; {others}")
         return self.take({"realization": held.index(seed)})
 
-    def take_row(self, seed: int | None) -> Results:
-        """The plane of one scene on the surface of a seed, on its first one if None."""
+    def require_plane(self) -> None:
+        """Raise an `InputError` unless these are one scene on a plane, with what is drawn of it."""
         require_kind(self.kind, Kind.PLANE)
         require_one_scene(self.entry_dims)
         self.require_lists(*PLANE)
         self.require("normal_load", "rise_quantile")
+
+    def take_row(self, seed: int | None) -> Results:
+        """The plane of one scene on the surface of a seed, on its first one if None."""
+        self.require_plane()
         row = self.take_surface(seed)
         return row.take(dict.fromkeys(row.front, 0))
 
@@ -238,8 +243,9 @@ class Results:
             return found
         stored = self.keeper.messages()
         axes = {"load": self.loads, "velocity": self.velocities} | dict(self.rows.coords)
-        with suppress(KeyError, ValueError):  # of a dataset with places of its own
+        with suppress(KeyError):  # of a dataset with places of its own
             told = stored.sel({name: axes[name] for name in stored.dims if name in axes})
+            told = told.expand_dims({name: self.rows[name] for name in self.judged_dims})
             told = told.transpose(*self.front, *PLANE, missing_dims="ignore")
             found = np.reshape(told.values, found.shape)
         return found

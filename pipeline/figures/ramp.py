@@ -22,7 +22,7 @@ from pipeline.figures.fields import (
 )
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.quantities import shown_in
-from pipeline.store.schema import MADE, PLANE, STEPPED, VARIABLES
+from pipeline.store.schema import MADE, STEPPED, VARIABLES
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rises_above_colder
 from tribo import InputError
@@ -87,7 +87,7 @@ def ramp(
 def _stored(held: Results, name: str) -> tuple[str, str]:
     """Label and name of a variable at each step."""
     stepped = {*STEPPED, *MADE, "own_grid"} & {*held.columns, *held.rest}
-    names = sorted(one for one in stepped if held.values(one).ndim == len((*PLANE, "step")))
+    names = sorted(one for one in stepped if VARIABLES[one].dims[-1] == "step")
     if name not in names:
         raise InputError(f"show is {name!r}; stored at each step are {', '.join(names)}")
     return f"{name} [{VARIABLES[name].units}]", name
@@ -154,7 +154,7 @@ def temperature(
     """Draw how the temperatures of the contact grow with the velocity at one load."""
     held = held.take_row(realization)
     conditions, velocities = held.shown_conditions, held.velocities
-    (row,) = nearest_indices(held.loads, "load", load) or [-1]
+    row = (nearest_indices(held.loads, "load", load) or [-1])[0]
     load_here = float(held.loads[row])
     figure, axes = style.canvas(ax)
     for judged, look in _judged_looks(conditions):

@@ -16,7 +16,6 @@ import xarray as xr
 
 from pipeline import extras
 from pipeline.analysis.curve import Curve
-from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import (
     laboratory_tests,
@@ -33,7 +32,6 @@ from pipeline.figures.overlays import numbered, reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, coloured, packed_fields
 from pipeline.quantities import shown_in
-from pipeline.store.schema import PLANE
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import (
@@ -67,9 +65,7 @@ _NUMBERS = (
 def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     """What a page shows, as plain data, with the fields of the points nearest to the transition."""
     held = results(ds).take_moving()
-    require_kind(held.kind, Kind.PLANE)
-    held.require_lists(*PLANE)
-    held.require("normal_load", "rise_quantile")
+    held.require_plane()
     sweep, conditions = held.sweep, held.conditions
     require_one_oil(sweep.about)
     unequal = held.rest["bulk_ratio"].values.tolist() if "bulk_ratio" in held.rest.coords else []

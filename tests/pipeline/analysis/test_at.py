@@ -10,6 +10,7 @@ import pipeline
 from pipeline.analysis.at import COLDEST_OIL, HOTTEST_OIL, oil_temperature
 from tests.helpers import synthetic
 from tests.pipeline.conftest import commit_all
+from tribo import InputError
 
 HOT = {"friction": 0.12, "bulk_temperature": "60 degC"}
 FEW = {"sweep.loads": ["400 N"], "sweep.velocities": ["1 m/s", "4 m/s"]}
@@ -117,3 +118,15 @@ def test_what_acts_later_and_is_not_taken_is_refused_with_what_to_run(irg, tmp_p
     assert "the disk, 0.1 m" in irg("boundary", store)
     said = irg("boundary", store, "--at", "model.scatter=0.2", code=2)
     assert "acts after the simulation, but --at does not take it" in said
+
+
+def test_a_part_without_the_end_of_points_is_judged_at_other_conditions():
+    ds = synthetic.sweep()
+    hotter = pipeline.temperatures(pipeline.at(ds, friction=0.12))
+    part = pipeline.temperatures(pipeline.at(ds.sel(step=[-3, -1]), friction=0.12))
+    assert part["max_temperature"].equals(hotter["max_temperature"].sel(step=[-3, -1]))
+
+
+def test_an_entry_is_given_once():
+    with pytest.raises(InputError, match=r"friction\.coefficient is given twice, also as friction"):
+        pipeline.at(synthetic.sweep(), friction=0.1, **{"friction.coefficient": 0.2})

@@ -1,5 +1,6 @@
 """Margins of operating points, on a rise that is known in closed form."""
 
+import itertools
 import json
 import math
 
@@ -15,7 +16,7 @@ from pipeline.analysis.rise_error import RiseError, error_of_point
 from pipeline.analysis.tables import notes_of
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
-from tests.helpers import synthetic
+from tests.helpers import page_sweeps, synthetic
 from tests.pipeline.analysis.test_boundary import falling
 from tribo import WarningKind
 
@@ -246,3 +247,17 @@ def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocit
     nearer = margin(synthetic.sweep(status=far), 425.0, 1.3)
     assert 0 < nearer.error.interpolation < result.error.interpolation < 0.2 * (warm - 298.15)
     assert json.loads(json.dumps(result.as_dict()))["verdict"] == "mild"
+
+
+def test_what_is_continued_tells_its_error():
+    missed = []
+    for seed in range(2):
+        searched = page_sweeps.along_boundary(seed)
+        whole = page_sweeps.one(status={}, rise=page_sweeps.uneven(seed))
+        for load, velocity in itertools.product(searched["load"].values, (0.5, 0.75, 3.0, 4.0)):
+            beyond = pipeline.margin(searched, load, velocity)
+            if beyond.is_continued:
+                true = pipeline.margin(whole, load, velocity).decisive_temperature
+                missed.append((beyond.decisive_temperature - true) / beyond.error.interpolation)
+    assert len(missed) >= 5
+    assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0  # of the error stated, and not six of it

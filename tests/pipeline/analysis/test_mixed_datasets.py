@@ -9,7 +9,7 @@ from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.variants import surfaces
 from tests.helpers import synthetic, tiny
-from tests.helpers.entries import rows
+from tests.helpers.entries import placed_rows, rows
 from tests.helpers.stores import commit
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
@@ -143,3 +143,24 @@ def test_a_dataset_that_plain_zarr_opened_has_the_ids_of_its_store(stores):
     assert crossings(low).shape == (2,)
     with pytest.raises(InputError, match="points at load 600 N are of another one"):
         crossings(joined([low, rubbing]))
+
+
+def test_a_coordinate_in_another_unit_is_refused(parts):
+    (ds,) = parts("low")
+    fast = (ds["velocity"] * 3.6).assign_attrs(units="km/h")
+    with pytest.raises(InputError, match="velocity of the dataset is in km/h; convert it to m/s"):
+        crossings(ds.assign_coords(velocity=fast))
+    spelt = ds.assign_coords(velocity=ds["velocity"].assign_attrs(units="meter / second"))
+    np.testing.assert_array_equal(crossings(spelt), crossings(ds))
+
+
+def test_rises_of_rows_on_surfaces_differ_at_their_own_points(tmp_path):
+    placed = placed_rows((150.0, 1.0), (250.0, 2.0), (250.0, 1.0))
+    commit_all(tmp_path / "a.zarr", tiny.sweep(variants=surfaces((5, 3)) * placed))
+    ds = pipeline.open_sweep(tmp_path / "a.zarr")
+    found = pipeline.diff(ds, ds.assign(max_rise=2 * ds["max_rise"])).points
+    assert len(found) == 6
+    for name, low, high in found[["variant", "rise a [K]", "rise b [K]"]].itertuples(index=False):
+        number, seed = map(int, name.split(", "))
+        here = ds["max_rise"].sel(variant=number, realization=seed).isel(step=-1).item()
+        assert (low, high) == (here, 2 * here)
