@@ -32,11 +32,11 @@ _FEW_PIXELS = 200
 # up to 0.9 % with the number of steps, and by more with the surface, though it is a mean over
 # positions of the disk.
 _FEW_SWEPT = 1000
-# Of heavy wear, whatever the elements: balls that wear by 9 to 64 times the roughness moved by up
-# to 2.5 % from 25 to 100 steps on 1123 to 2172 elements, and by up to 5.0 % with twice the
-# positions; on 2536 to 3076 by at most 1.7 %. `tests.promises.worn` judges others of them.
+# Heavy wear, whatever the elements: balls worn by 9 to 64 times the roughness moved by up to 2.5 %
+# from 25 to 100 steps on 1123 to 2172 elements, by at most 1.7 % on 2536 to 3076.
+# `tests.promises.worn` judges others of them.
 _FEW_WORN = 3000
-_HEAVY = 9.0  # depth of wear, in Ra
+_HEAVY = 9.0  # depth of wear, in Ra of the elements
 FEWEST_PIXELS = 2.0  # in a correlation length, to know the slopes of the roughness
 FEWEST_TURNS = 10  # turns of a rolling pin over which its wear is even around it to about a tenth
 WIDEST = 0.3  # half-width in radii up to which a pin is a parabola and a half-space, about
@@ -289,10 +289,11 @@ def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
         return
     text = f"only {np.count_nonzero(state.pressure)} elements touch at {state.normal_load:g} N; "
     if smallest or is_worn:
+        smaller = "smaller pixels" if smallest else "pixels_per_element = 1"
         text += (
             "the decisive temperature is that of the hottest of these, and differs by several "
-            "percent from surface to surface and with smaller pixels: compute several surfaces, "
-            "or give a larger window or smaller pixels"
+            "percent from surface to surface and with smaller elements: compute several surfaces, "
+            f"or give a larger window or {smaller}"
         )
     else:
         text += (
