@@ -213,7 +213,11 @@ def _line_velocity(pair: Pair, duty: Duty) -> float:
 
 
 def _helical_load(ratio: float) -> float:
-    """KBγ of a total contact ratio, Eq. (5)."""
+    """KBγ of a total contact ratio, Eq. (5).
+
+    >>> [round(_helical_load(ratio), 4) for ratio in (1.5, 2.0, 2.5, 3.5, 4.0)]
+    [1.0, 1.0, 1.2236, 1.3, 1.3]
+    """
     if ratio <= 2:
         return 1.0
     return 1 + 0.2 * math.sqrt((ratio - 2) * (5 - ratio)) if ratio < 3.5 else 1.3
