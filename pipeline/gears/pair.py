@@ -11,6 +11,7 @@ from pipeline.gears.involute import Involutes
 from pipeline.gears.pairfile import PairFile
 from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.caveats import critical_in_words
+from pipeline.sweep.remarks import Remark
 from tribo import Material, Oil
 
 UNTESTED = (
@@ -51,6 +52,7 @@ class Pair:
     duty: Duty
     written: Mapping[str, Any]  #: Its entries with units, those of the library in full.
     sources: tuple[FromLibrary, ...]
+    notes: tuple[Remark, ...] = ()
 
     @property
     def critical(self) -> float | None:

@@ -91,7 +91,7 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     if faults:
         raise SceneFileError(given, [*map(document.line, faults)])
     try:
-        return _make_pair(tables, oil, filled, sources)
+        return replace(_make_pair(tables, oil, filled, sources), notes=tuple(faults.notes))
     except InputError as error:
         raise SceneFileError(given, [str(error)]) from error
 

@@ -114,12 +114,6 @@ def _short_pin(length: Any, pixels: Any, sides: Any) -> Misfits:
         yield from _short_of_window("pin.length", length, pixels, sides, 1)
 
 
-@_check("window.periodic_y", "pin.shape")
-def _unfit_periods(periodic: Any, shape: str) -> Misfits:
-    if periodic and "length" not in sizes_of(shape):
-        yield f"true does not fit a {shape} pin; give false, or leave it out"
-
-
 _SIZES = dict.fromkeys(size for shape in tribo.PINS for size in sizes_of(shape))
 
 

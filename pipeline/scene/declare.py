@@ -140,7 +140,7 @@ class List(Kind):
 
 @dataclass(frozen=True)
 class Range(Kind):
-    """Quantities between two ends, a step apart, or a count at even steps or equal factors."""
+    """Quantities between two ends, a step apart, or a count of them."""
 
     holds = dict
     of: Quantity
@@ -152,9 +152,8 @@ class Range(Kind):
     def ends(self) -> Table:
         """Both ends, and what lies between them."""
         end, step = Entry(self.of, is_needed=True), Entry(replace(self.of, zero=False))
-        count, spacing = Whole(at_least=2, at_most=MOST_ON_AXIS), OneOf(("linear", "log"))
-        between = {"count": Entry(count), "spacing": Entry(spacing)}
-        return Table({"from": end, "to": end, "step": step} | between)
+        count = Entry(Whole(at_least=2, at_most=MOST_ON_AXIS))
+        return Table({"from": end, "to": end, "step": step, "count": count})
 
     @exact_decimals()
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
@@ -167,17 +166,12 @@ class Range(Kind):
         span = f"from {quoted(value['from'])} to {quoted(value['to'])}"
         if first > last:
             raise UnfitError(f"{span} falls, and from is the lower end")
-        step, count, is_log = read["step"], read["count"], read["spacing"] == "log"
+        step, count = read["step"], read["count"]
         if (step is None) == (count is None):
             has = "has neither step nor count" if step is None else "has both step and count"
             raise UnfitError(f"{span} {has}")
-        if is_log and (step or not first):
-            why = "has a step" if step else "begins at 0"
-            raise UnfitError(f'{span} {why}, and spacing = "log" takes count, and from above 0')
         if count:
-            parts = [Decimal(i) / (count - 1) for i in range(count)]
-            if is_log:
-                return tuple(float(first * (last / first) ** part) for part in parts)
+            parts = (Decimal(i) / (count - 1) for i in range(count))
             return tuple(float(first + part * (last - first)) for part in parts)
         step = exact_si(value["step"], like=self.of.example)
         steps = (last - first) / step

@@ -28,8 +28,8 @@ from pipeline.sweep.limits import MOST_BYTES_OF_SCENE
 from pipeline.sweep.tables import entry_at, replace_value
 
 _KEYS = table_of(SceneFile).keys
-_REPLACED = {"count": ("step",), "step": ("count", "spacing")}
-"""Keys of a range that are left out where one is given that says the same."""
+_REPLACED = {"count": "step", "step": "count"}
+"""Key of a range that is left out where another is given that says the same."""
 _LEVELS = 10  # depth of tables in tables, more than the format has
 _BARE_KEY = re.compile("[A-Za-z0-9_-]+")
 
@@ -174,7 +174,7 @@ def _depth(entries: Any, parts: list[str]) -> int:
 
 def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS) -> dict[str, Any]:
     """The entries of `lower` with those of `upper` in their place, down to some levels."""
-    replaced = {other for key in upper for other in _REPLACED.get(key, ())}
+    replaced = {_REPLACED.get(key) for key in upper}
     merged = {key: value for key, value in lower.items() if key not in replaced}
     for key, value in upper.items():
         both = levels and isinstance(value, dict) and isinstance(lower.get(key), dict)

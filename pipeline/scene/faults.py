@@ -49,6 +49,11 @@ class Faults(list[Fault]):
         """Note what is no fault of the entry at a place."""
         self.notes.append(Remark(place, "note", words))
 
+    def warn(self, place: str, words: str) -> None:
+        """Note a probable slip in the entry at a place; nothing without words."""
+        if words:
+            self.notes.append(Remark(place, "warning", words))
+
     @contextmanager
     def at(self, key: str) -> Iterator[None]:
         """Add an error as a fault of the entry at a key path."""

@@ -49,7 +49,6 @@ CRITICAL = Quantity("145 degC", usual=(50, 800))
 CRITICAL_SD = Quantity("8 K", ends=("0.001 K", "200 K"), name="a difference")
 ANY_WEAR_RATE = Quantity("1.2e-6 mm^3/(N m)", zero=True, usual=(1e-11, 1e-2))
 HEAT_TRANSFER = Quantity("50 W/(m^2 K)")
-KINEMATIC = Quantity("32 mm^2/s", usual=(0.5, 1e5))
 SIZE = Quantity("100 mm", usual=(0.1, 1e5))
 FRICTION = Number(at_least=0, usual=(0, 1))
 SEED = Whole(at_least=0)
@@ -225,8 +224,6 @@ class Window:
         "Number of pixels along x and y."]
     pixel_size: A[tuple[float, float], List(Quantity("0.95 um"), length=2),
         "Sides of a pixel along x and y; for a measured surface, those of its pixels."]
-    periodic_y: A[bool | None,
-        "True if the patch repeats along y; by default only for a cylinder."] = None
 
 _REFERENCE_LOAD = (
     "Load that is reached in `fidelity.increments` steps; by default the peak of a record."
@@ -295,19 +292,16 @@ class Oil:
     like: A[str | None,
         "An oil of the library, whose values hold where none is given here.",
         Example("medicinal white oil")] = None
-    temperatures: A[tuple[float, ...], List(TEMPERATURE),
-        "Two temperatures or more at which the viscosity is known, rising.",
+    temperatures: A[tuple[float, float], List(TEMPERATURE, length=2),
+        "Two temperatures at which the viscosity is known, rising.",
         Example(["40 degC", "100 degC"])] = (313.15, 373.15)
-    kinematic_viscosity: A[Any, Either(KINEMATIC, List(KINEMATIC)),
-        "Kinematic viscosity at each of these temperatures; give this or the dynamic one. A line "
-        "of ASTM D341 is fitted to more than two.",
+    kinematic_viscosity: A[tuple[float, float] | None,
+        List(Quantity("32 mm^2/s", usual=(0.5, 1e5)), length=2),
+        "Kinematic viscosity at these temperatures; give this or the dynamic one.",
         Example(["95 mm^2/s", "10.7 mm^2/s"])] = None
-    dynamic_viscosity: A[tuple[float, ...] | None, List(Quantity("28 mPa s", usual=(0.4, 1e5))),
-        "Dynamic viscosity at each of these temperatures.",
-        Example(["83 mPa s", "8.9 mPa s"])] = None
-    viscosity_index: A[float | None,
-        "Viscosity index (ASTM D2270): with it, `kinematic_viscosity` is one value, that at 40 °C, "
-        "or that of a grade of the library (`like`).", Example(95)] = None
+    dynamic_viscosity: A[tuple[float, float] | None,
+        List(Quantity("28 mPa s", usual=(0.4, 1e5)), length=2),
+        "Dynamic viscosity at these temperatures.", Example(["83 mPa s", "8.9 mPa s"])] = None
     density: A[float | None, Quantity("866 kg/m^3", usual=(500, 2000)),
         "Density; needed with a kinematic viscosity."] = None
     pressure_viscosity_coefficient: A[Any,
@@ -413,7 +407,7 @@ Fidelity = _extended(_Fidelity, entries=[
 class _Sweep:
     loads: A[tuple[float, ...], Axis(List(LOAD, distinct=True), Range(LOAD)), "Normal loads."]
     velocities: A[tuple[float, ...], Axis(List(VELOCITY, distinct=True), Range(VELOCITY)),
-        'Sliding velocities; `count` with `spacing = "log"` gives equal ratios.']
+        "Sliding velocities."]
     realizations: A[int | tuple[int, ...] | None,
         Either(Whole(at_least=1, at_most=MOST_SCENES), List(SEED, distinct=True)),
         "Random surfaces: their number, counted from the seed on, or a list of seeds."] = None

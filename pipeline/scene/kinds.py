@@ -9,9 +9,17 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from pipeline.quantities import DIMENSIONS
+from pipeline.quantities import DIMENSIONS, shown_in
 from pipeline.scene.faults import Faults, did_you_mean, quoted
-from pipeline.scene.units import UnitError, exact_si, middle_of_range, share_of, si_unit, to_si
+from pipeline.scene.units import (
+    UnitError,
+    exact_si,
+    middle_of_range,
+    share_of,
+    si_unit,
+    to_si,
+    typeset,
+)
 from tribo import InputError
 
 _SMALLEST, _LARGEST = 1e-15, 1e15  # bounds of a number without a unit
@@ -119,6 +127,7 @@ class Number(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         require(value, (int, float), "is not a plain number")
         self._require_fit(value, _SMALLEST, _LARGEST)
+        faults.warn(place, unusual(value, self.usual, self.unit))
         return float(value)
 
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
@@ -205,7 +214,17 @@ class Quantity(Kind):
         low, high = self.ends or DIMENSIONS[si_unit(self.example)].limits
         if not exact_si(low, self.example) <= exact <= exact_si(high, self.example):
             raise UnfitError(f"{quoted(value)} is out of range, which is from {low} to {high}")
+        faults.warn(place, unusual(float(exact), self.usual, self.unit))
         return float(exact)
+
+
+def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
+    """Say that a value is outside its usual range, which is in a unit; empty if it is within."""
+    (low, high), unit = usual or (-math.inf, math.inf), typeset(unit)
+    shown, of = shown_in(value, unit), f" {unit}" if unit else ""
+    if low <= shown <= high:
+        return ""
+    return f"{shown:.3g}{of}, where {low:g} to {high:g}{of} are usual: check the number and unit"
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,6 @@ Entries = dict[str, Any]
 _NUMBER = re.compile(r"\d+")
 _VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
 """Entries of which one's own leaves out all that the library knows by temperature."""
-_BY_TEMPERATURE = (*_VISCOSITY, "viscosity_index")
 
 
 @functools.cache
@@ -86,8 +85,7 @@ def _filled(
     has_viscosity = any(key in table for key in _VISCOSITY)
     added = {}
     for key, (value, source) in known[like].items():
-        at_temperatures = key in _BY_TEMPERATURE or isinstance(value, list)
-        if key not in table and not (has_viscosity and at_temperatures):
+        if key not in table and not (has_viscosity and isinstance(value, list)):
             added[key] = value
             text = " and ".join(value) if isinstance(value, list) else str(value)
             taken.append(FromLibrary(f"{place}.{key}", text, library()["sources"][source]))

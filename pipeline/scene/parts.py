@@ -28,7 +28,6 @@ from pipeline.scene.format import (
 )
 from pipeline.scene.names import UNITS
 from pipeline.scene.sheet import read_sheet
-from pipeline.scene.viscosity import viscosity_line, warm_viscosity
 from pipeline.sweep.laws import MissingError, MissingSurface
 from pipeline.sweep.tables import entry_at
 from tribo.loading.record import fault as record_fault
@@ -36,12 +35,10 @@ from tribo.surface import array_digest
 from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
-_Ends = tuple[float, float]
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
 DISC = "diameter", "width", "bore", "rim_loss", "face_loss", "shaft_loss"
 """Entries of a body that is a disc."""
 _RECORD = "time", "load"
-_OF_INDEX = 313.15, 373.15  # K, by which ASTM D2270 defines an index
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
@@ -142,48 +139,22 @@ def oil_of(asked: Oil | None, faults: Faults) -> tribo.Oil | None:
     """The lubricant; the equation of ASTM D341 is applied to a dynamic viscosity in mPa s, too."""
     if asked is None or faults.touch("oil"):
         return None
-    coefficient = asked.pressure_viscosity_coefficient
+    coefficient, kinematic = asked.pressure_viscosity_coefficient, asked.kinematic_viscosity
     pair = coefficient if isinstance(coefficient, tuple) else (coefficient, coefficient)
+    dynamic: Any = tuple(value / _NOMINAL for value in asked.dynamic_viscosity or ())
     with faults.at("oil"):
-        temperatures, viscosities = _viscosity_line(asked, faults)
+        if bool(kinematic) == bool(dynamic) or (kinematic and asked.density is None):
+            raise tribo.InputError(
+                "its viscosity is not known; give kinematic_viscosity and density, or "
+                "dynamic_viscosity alone"
+            )
         return tribo.Oil(
-            temperatures,
-            viscosities,
-            asked.density if asked.density and asked.kinematic_viscosity else _NOMINAL,
+            asked.temperatures,
+            kinematic or dynamic,
+            asked.density if kinematic and asked.density else _NOMINAL,
             None if coefficient is None else pair,
         )
     return None
-
-
-def _viscosity_line(asked: Oil, faults: Faults) -> tuple[_Ends, _Ends]:
-    """Two temperatures [K] and the kinematic viscosities there [m²/s]; raises an `InputError`."""
-    kinematic, dynamic = asked.kinematic_viscosity, asked.dynamic_viscosity
-    temperatures, index = asked.temperatures, asked.viscosity_index
-    if (kinematic is None) == (dynamic is None):
-        raise tribo.InputError(
-            f"{'no' if kinematic is None else 'both a kinematic and a dynamic'} viscosity; give "
-            "kinematic_viscosity with a density, or dynamic_viscosity"
-        )
-    if kinematic and asked.density is None:
-        raise tribo.InputError("density is missing; a kinematic viscosity needs one")
-    values = kinematic or tuple(value / _NOMINAL for value in dynamic or ())
-    values = values if isinstance(values, tuple) else (values,)
-    if index is not None and (dynamic or len(values) > 1 or temperatures != _OF_INDEX):
-        raise tribo.InputError(
-            f"viscosity_index is {index:g}; it belongs to one kinematic viscosity, that at 40 °C: "
-            'kinematic_viscosity = "220 mm^2/s", without temperatures'
-        )
-    if index is not None:
-        return _OF_INDEX, (values[0], warm_viscosity(values[0], index))
-    if len(values) != len(temperatures) or len(values) < 2:
-        raise tribo.InputError(
-            f"viscosities: {len(values)}, temperatures: {len(temperatures)}; give one for each of "
-            "two temperatures or more, or that at 40 °C and viscosity_index"
-        )
-    ends, beside = viscosity_line(temperatures, values)
-    if len(values) > 2:
-        faults.note("oil", f"the line of ASTM D341 is up to {beside:.1%} beside the viscosities")
-    return (temperatures[0], temperatures[-1]), ends
 
 
 def corrections_of(scene: Any, pin: tribo.Pin, disk: tribo.Material) -> tribo.Corrections | None:

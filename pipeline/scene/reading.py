@@ -193,16 +193,13 @@ def contents_of(parts: Parts) -> dict[str, str]:
 def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:
     """What is simulated of a sound scene, with parts that were made, or a pin of the user's own."""
     pin, window, friction = scene.pin, scene.window, scene.friction
-    cylinder, periodic_y = pin.shape == "cylinder", window.periodic_y
     kind: Any = tribo.PINS[pin.shape]
     sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}
     return tribo.Scene(
         pin=own_pin or kind(**sizes, material=material_of(scene.materials[pin.material])),
         disk=material_of(scene.materials[scene.disk.material]),
         pixels=tribo.Grid(
-            window.pixels,
-            window.pixel_size,
-            periodic=(False, cylinder if periodic_y is None else periodic_y),
+            window.pixels, window.pixel_size, periodic=(False, pin.shape == "cylinder")
         ),
         motion=motion_of(scene),
         friction_heat=max([friction.coefficient, *(friction.band or [])]) > 0,

@@ -136,8 +136,7 @@ def _entries(name, value, sweep):
             return {"motion": _table(MotionTable, value)}
         case "pixels", _:
             sides = [f"{float(side)!r} m" for side in value.spacing]
-            window = {"pixels": [*map(int, value.shape)], "pixel_size": sides}
-            return {"window": window | {"periodic_y": bool(value.periodic[1])}}
+            return {"window": {"pixels": [*map(int, value.shape)], "pixel_size": sides}}
         case "conditions", _:
             return _conditions(value)
         case "friction_band", _:

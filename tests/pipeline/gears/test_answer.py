@@ -273,7 +273,7 @@ def test_values_of_a_pair_are_doubted_as_those_of_a_scene(irg):
         assert f"warning: {doubt}" in irg("gears", "fzg_a", "--set", setting)
     heavy = "--set", "duty.torque=180 kN m", "--set", "temperature.bulk=90 degC"
     (doubt, *_) = irg("gears", "fzg_a", *heavy, "--json")["caveats"]
-    assert doubt.startswith("warning: duty.torque: highest pressure 35")
+    assert doubt.startswith("warning: duty.torque: highest pressure: 35")
 
 
 def test_teeth_above_the_critical_temperature_are_severe_without_a_simulation():

@@ -73,10 +73,10 @@ REFUSALS = {
     "key": (pair(("title", "colour = 3\ntitle")), "colour: unknown key"),
     "material": (pair(('"bronze CuSn12"', '"bronce"')), '"bronce" is neither a table'),
     "oil": (pair(('like = "ISO VG 46"', 'density = "866 kg/m^3"\ntemperatures = ["40 degC", '
-                  '"100 degC"]')), "oil: no viscosity; give kinematic_viscosity"),
+                  '"100 degC"]')), "oil: its viscosity is not known"),
     "density": (pair(('like = "ISO VG 46"', 'temperatures = ["40 degC", "100 degC"]\n'
                       'kinematic_viscosity = ["46 mm^2/s", "7 mm^2/s"]')),
-                "oil: density is missing; a kinematic viscosity"),
+                "give kinematic_viscosity and density"),
     "temperatures": (partial(gears.read_pair, "fzg_a", {"temperature.oil": "90 degC"}),
                      "temperature: give one of bulk"),
     # the teeth

@@ -18,9 +18,6 @@ from pipeline.sweep.surface import SurfaceFacts
 from tests.helpers.entries import changed
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
 
-HALF_WIDTH = SMOOTH.scene.pin.radius  # as a unit
-JUST_LESS, JUST_MORE = 1 - 1e-6, 1 + 1e-6
-
 
 def with_test(load):
     velocity = max(SMOOTH.plane.velocities)
@@ -83,8 +80,9 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, uni
             entry = [f"{higher!r} {unit}", f"{lower!r} {unit}"]
         scene = load_scene("first_try", overrides={**beside, path: entry})
         key = path.rpartition(".")[2]
-        said = doubts(scene, facts_of(scene))
-        return any(one.place.endswith(key) and "are usual" in one.words for one in said)
+        said = *scene.about.notes, *doubts(scene, facts_of(scene))
+        unusual = (one.place.split("[")[0] for one in said if "are usual" in one.words)
+        return any(place.endswith(key) for place in unusual)
 
     def beyond(end, less):
         return end + less * 1e-3 * abs(end)
@@ -102,64 +100,21 @@ def test_a_test_far_outside_the_sweep_is_doubted(load, is_far):
 
 def test_a_ratio_in_percent_is_doubted_or_read():
     def doubted(ratio):
-        return any("motion.slide_roll_ratio: " in doubt for doubt in said_of(rolling(ratio)))
-
-    def rolling(ratio):
-        return changed(SMOOTH, motion=tribo.Motion(slide_roll_ratio=ratio))
+        rolling = load_scene("twin_disc", overrides={"motion.slide_roll_ratio": ratio})
+        return any(note.place == "motion.slide_roll_ratio" for note in rolling.about.notes)
 
     assert [doubted(ratio) for ratio in (-2.1, -2.0, 0.5, 2.0, 50.0)] == [1, 0, 0, 0, 1]
     read = load_scene("twin_disc", overrides={"motion.slide_roll_ratio": "50 %"})
     assert read.scene.motion.slide_roll_ratio == 0.5
 
 
-def test_a_band_beside_its_own_friction_is_doubted():
-    for band, count in (((0.09, 0.103), 0), ((0.11, 0.13), 1), ((0.05, 0.09), 1)):
-        said = doubts(changed(SMOOTH, friction_band=band), facts_of(SMOOTH))
-        assert sum(doubt.place == "friction.band" for doubt in said) == count
-
-
-@pytest.mark.parametrize(
-    ("motion", "words"),
-    [
-        ({"slide_roll_ratio": 1.0}, None),
-        ({"slide_roll_ratio": 2.0}, None),  # at rest at every velocity
-        ({"entrainment_velocity": 1.0, "track_length": 0.02}, "at 1 of 3 velocities"),
-    ],
-)
-def test_a_pin_that_rolls_has_to_turn_often_enough_if_at_all(motion, words):
-    rolling = changed(SMOOTH, velocities=(0.5, 1.0, 2.0), motion=tribo.Motion(**motion))
-    said = [doubt for doubt in said_of(rolling) if "the pin turns only" in doubt]
-    assert len(said) == bool(words)
-    assert not words or words in said[0]
-    assert not any("turns only" in doubt for doubt in said_of(changed(rolling, wear=None)))
-
-
-@pytest.mark.parametrize(("share", "is_doubted"), [(0.299, 0), (0.31, 1)])
-def test_a_wide_contact_is_beyond_half_spaces_and_the_pin_s_shape(share, is_doubted):
-    wide = Span(0.1 * HALF_WIDTH, 2 * share * HALF_WIDTH)
-    said = said_of(SMOOTH, contact_width=wide, window=(1.0, 1.0))
-    assert sum("no half-spaces" in doubt for doubt in said) == is_doubted
-    if is_doubted:
-        assert "0.31 of the pin's radius" in said[0]
-
-
-@pytest.mark.parametrize(
-    ("base", "across", "is_doubted"),
-    [(SMOOTH, 5.9, True), (BALL, 12.1, False)],
-)
-def test_a_contact_of_few_pixels_is_doubted(base, across, is_doubted):
-    width = across * base.scene.pixels.spacing[0]
-    said = said_of(base, contact_width=Span(width, 2 * width))
-    assert any("pixels wide" in doubt for doubt in said) is is_doubted
-
-
 @pytest.mark.parametrize(
     ("length", "words"),
-    [(1.99, "is 2 pixels; below 2"), (2.0, None), (0.34, "of the window's side")],
+    [(0.33, None), (0.34, "above a third of the window")],
 )
-def test_a_correlation_length_lies_between_pixels_and_window(length, words):
+def test_a_correlation_length_is_small_beside_the_window(length, words):
     nx, dx = SMOOTH.scene.pixels.shape[0], SMOOTH.scene.pixels.spacing[0]
-    length *= nx * dx if length < 1 else dx
+    length *= nx * dx
     ny, dy = SMOOTH.scene.pixels.shape[1], SMOOTH.scene.pixels.spacing[1]
     rough = tribo.SelfAffineRoughness(0.3e-6, 0.8, (length, 0.2 * ny * dy))
     said = said_of(changed(SMOOTH, roughness=rough), surface=surface(measured=False))
@@ -172,8 +127,8 @@ def test_a_correlation_length_lies_between_pixels_and_window(length, words):
     ("half_width", "expected", "said"),
     [
         (49e-6, 99e-6, ()),
-        (50e-6, 99e-6, ("Hertz is 100 µm wide at 600 N, the window 100 µm",)),
-        (49e-6, 100e-6, ("up to 100 µm wide, the window is 100 µm", "at about 1 of 9 points")),
+        (50e-6, 99e-6, ("up to 100 µm wide, the window has room for 100 µm",)),
+        (49e-6, 100e-6, ("up to 100 µm wide, the window has room for 100 µm",)),
     ],
 )
 def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
@@ -189,15 +144,6 @@ def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
     assert all(text in doubts[0] for text in said)
 
 
-def test_the_widest_contact_of_those_that_do_not_fit_is_told():
-    widths = ((90e-6, 110e-6, 130e-6),) * 3
-    said = said_of(
-        SMOOTH,
-        hertz_half_width=Span(1e-6, 2e-6), contact_widths=widths, window=(100e-6, 20e-6),
-    )  # fmt: skip
-    assert any("up to 130 µm wide" in doubt and "about 6 of 9" in doubt for doubt in said), said
-
-
 def test_sharp_ends_turn_severe_at_lower_velocities():
     ((nearest, farthest),) = re.findall(r"(\d+) to (\d+) % lower", note_on_ends(SMOOTH))
     # Rises 4 to 11 % higher, each about a square root of the velocity (PHYSICS.md).
@@ -209,11 +155,10 @@ def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
     contact = {"hertz_half_width": Span(1e-6, 49e-6), "contact_widths": ((80e-6,),)}
     wide, narrow = (1.0, 90e-6), (1.0, 110e-6)
     assert said_of(BALL, **contact, window=narrow) == said_of(BALL)
-    (*_, last) = said_of(BALL, **contact, window=wide)
-    assert "the room for it in the window, by its length along y, 90 µm" in last
+    assert any("room for 90 µm" in doubt for doubt in said_of(BALL, **contact, window=wide))
     ratio = tribo.analytic.hertz_ellipse(1.0, 2e-3, 8e-3, 1e11)
     longer = ratio[1] / ratio[0]
     for room, fits in ((0.97, False), (0.99, True)):  # beside a contact of 98 µm
         window = (1.0, room * 100e-6 * longer)
         doubts = said_of(CROWNED, **contact, window=window)
-        assert any("by its length" in doubt for doubt in doubts) is not fits
+        assert any("room for" in doubt for doubt in doubts) is not fits

@@ -5,7 +5,6 @@ import re
 import pytest
 
 from pipeline.scene.library import library
-from pipeline.scene.viscosity import viscosity_index
 from tests.helpers.scenes import STEEL
 from tests.pipeline.scene.conftest import TEXT as WITH_OIL
 
@@ -15,7 +14,6 @@ NO_TABLE = TEXT.replace(TABLE, "").replace('"steel"', '"AISI 52100"')
 
 
 LINE = 'kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]'
-HEAVY = 'density = "900 kg/m^3"\nkinematic_viscosity = "220 mm^2/s"'
 
 
 def test_a_material_of_the_library_is_the_same_written_in_full(read):
@@ -83,32 +81,9 @@ def test_every_grade_from_32_to_680_has_its_viscosity_at_40_and_100_degrees(read
     oil = read(text=f'oil = "ISO VG {grade}"\n{TEXT}').about.oil
     assert oil.viscosities == pytest.approx((1e-6 * grade, 1e-6 * warm), rel=0.01)
     assert oil.pressure_coefficients[0] > oil.pressure_coefficients[1] > 0
-
-
-def test_an_index_of_ones_own_goes_before_that_of_the_grade(read):
-    thick = read(text=f'{TEXT}[oil]\nlike = "ISO VG 220"\nviscosity_index = 150\n').about.oil
-    own = read(text=f"{TEXT}[oil]\n{HEAVY}\nviscosity_index = 150\n").about.oil
-    line = read(text=f'{TEXT}[oil]\nlike = "ISO VG 220"\n{LINE}\n').about.oil
-    assert thick.viscosities == own.viscosities
-    assert viscosity_index(*thick.viscosities) == pytest.approx(150)
+    line = read(text=f'{TEXT}[oil]\nlike = "ISO VG {grade}"\n{LINE}\n').about.oil
     assert line.viscosities == (32e-6, 5e-6)
     assert line.pressure_coefficients is None  # that of the grade belongs to its temperatures
-
-
-def test_a_line_is_fitted_to_three_viscosities_and_told(read):
-    exact = read(text=f"{TEXT}[oil]\n{HEAVY}\nviscosity_index = 95\n").about.oil
-    middle = exact.viscosity(353.15) / exact.density
-    three = (
-        'density = "900 kg/m^3"\ntemperatures = ["40 degC", "80 degC", "100 degC"]\n'
-        f'kinematic_viscosity = ["220 mm^2/s", "{1e6 * middle} mm^2/s", "18.74932 mm^2/s"]\n'
-    )
-    sweep = read(text=f"{TEXT}[oil]\n{three}")
-    assert sweep.about.oil.viscosities == pytest.approx(exact.viscosities, rel=1e-6)
-    (note,) = [one for one in sweep.about.notes if one.place == "oil"]
-    assert note.words == "the line of ASTM D341 is up to 0.0% beside the viscosities"
-    off = three.replace("18.74932", "21")
-    (note,) = [one for one in read(text=f"{TEXT}[oil]\n{off}").about.notes if one.place == "oil"]
-    assert "up to 6." in note.words
 
 
 def test_gear_steels_are_known_by_their_names_and_numbers(read):

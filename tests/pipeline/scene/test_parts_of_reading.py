@@ -11,8 +11,6 @@ from pipeline.scene.facts import Span
 from pipeline.scene.units import (
     to_si,
 )
-from pipeline.sweep.about import Measurement
-from pipeline.sweep.surface import SurfaceFacts
 from tests.helpers.entries import changed
 from tests.pipeline.scene.test_doubts import said_of, surface
 from tests.pipeline.scene.test_facts import SMOOTH
@@ -70,34 +68,20 @@ def test_the_rate_of_wear_and_the_pressure_coefficient_may_be_pairs():
 
 
 @pytest.mark.parametrize(
-    ("rise", "axes"),
-    [((0.79e-6, -0.79e-6), []), ((0.81e-6, 0.0), ["x"]), ((0.0, -0.81e-6), ["y"])],
-)
-def test_a_surface_that_rises_by_more_than_twice_its_roughness_is_tilted(rise, axes):
-    said = [doubt for doubt in said_of(SMOOTH, surface=surface(rise=rise)) if "tilted" in doubt]
-    assert len(said) == len(axes)
-    for axis, doubt in zip(axes, said, strict=True):
-        assert f"µm along {axis} over the window, beside an Rq of 0.4 µm" in doubt
-    random = SurfaceFacts(False, 0.3e-6, 0.4e-6, rise=(1.0, 1.0))
-    assert not any("tilted" in doubt for doubt in said_of(SMOOTH, surface=random))
-
-
-@pytest.mark.parametrize(
     ("lay", "measured", "pattern", "said"),
     [
-        (30.0, True, "swept", ["pattern", "transpose"]),
-        (30.1, True, "swept", []),
-        (0.0, True, "local", ["transpose"]),
-        (0.0, False, "swept", ["pattern"]),
-        (0.0, False, None, []),
-        (None, True, "swept", []),
+        (30.0, True, "swept", True),
+        (30.1, True, "swept", False),
+        (0.0, True, "local", False),
+        (0.0, False, "swept", True),
+        (0.0, False, None, False),
+        (None, True, "swept", False),
     ],
 )
 def test_grooves_along_sliding_are_doubted(lay, measured, pattern, said):
     scene = changed(SMOOTH, wear=tribo.Wear(1.2e-15, pattern) if pattern else None)
     found = said_of(scene, surface=surface(lay=lay, measured=measured))
-    words = {"pattern": "the grooves lie along sliding, and pattern", "transpose": "with transpose"}
-    assert [name for name, text in words.items() if any(text in one for one in found)] == said
+    assert any("the grooves lie along sliding" in one for one in found) is said
 
 
 @pytest.mark.parametrize(
@@ -119,24 +103,7 @@ def test_conditions_of_a_row_are_doubted_beyond_the_usual(row, words):
     assert all(text in one for text, one in zip(words, said, strict=True))
 
 
-def test_tests_far_outside_are_counted_and_those_in_other_units_named():
-    far = [Measurement(load, 2.0) for load in (1.0, 2.0, 3.0)]
-    sweep = changed(SMOOTH, loads=(200.0, 750.0), velocities=(1.0, 4.0), measured=tuple(far[:1]))
-    one, several = (
-        [d for d in said_of(s) if "far outside the sweep" in d]
-        for s in (sweep, changed(sweep, measured=tuple(far)))
-    )
-    assert one[0].startswith(
-        "the test of 1 N at 2 m/s lies far outside the sweep, 200 to 750 N and 1 to 4 m/s, and"
-    )
-    assert several[0].startswith("the test of 1 N at 2 m/s and 2 more lie far outside the sweep")
-    fast = changed(sweep, measured=(Measurement(300.0, 40.1), Measurement(300.0, 40.0)))
-    assert sum("test of 300 N at 40.1" in d for d in said_of(fast)) == 1
-    slow = changed(sweep, measured=(Measurement(300.0, 0.1), Measurement(7500.0, 1.0)))
-    assert not any("far outside" in d for d in said_of(slow))
-
-
 @pytest.mark.parametrize(("duration", "is_usual"), [(0.051, 1), (0.049, 0), (9.9e5, 1), (1.1e6, 0)])
 def test_a_test_of_unusual_duration_is_doubted(duration, is_usual):
     said = said_of(SMOOTH, duration=Span(duration / 2, duration))
-    assert sum("time until the end" in doubt for doubt in said) == 1 - is_usual
+    assert sum(doubt.startswith("loading: ") for doubt in said) == 1 - is_usual
