@@ -24,7 +24,7 @@ from pipeline.analysis.tables import frame_of, notes_of, short
 from pipeline.quantities import display
 from pipeline.sweep.about import About, Measurement, oils_of, own_tests
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.severity import rise_limit
 from tribo import InputError
 
@@ -46,10 +46,7 @@ def laboratory_tests(ds: xr.Dataset | Results) -> tuple[Measurement, ...]:
 
     All of them where that is not told.
     """
-    return _tests_of(results(ds).sweep.about)
-
-
-def _tests_of(about: About) -> tuple[Measurement, ...]:
+    about = results(ds).sweep.about
     tests = (*about.measured, *about.tested)
     return tests if len(untold_oils(about)) > 1 else own_tests(tests)
 
@@ -73,10 +70,7 @@ def require_one_oil(about: About) -> None:
 def own_conditions(ds: xr.Dataset | Results, test: Measurement) -> Conditions:
     """Conditions of a test: its friction and bulk, or the scene's, not those judged at."""
     held = results(ds)
-    return _tested_conditions(held.sweep.conditions, held.stored.conditions, test)
-
-
-def _tested_conditions(judged: Conditions, scene: Conditions, test: Measurement) -> Conditions:
+    judged, scene = held.sweep.conditions, held.stored.conditions
     bulks = {body: getattr(scene, body) for body in ("bulk_temperature", "disk_temperature")}
     if test.bulk_temperature is not None:
         bulks = {"bulk_temperature": test.bulk_temperature, "disk_temperature": None}
@@ -104,27 +98,6 @@ def untested_error(sweep: Sweep) -> ModelError:
     names = untold_oils(about)
     oil = about.tested_oil or (names[0] if len(names) == 1 else "")
     return ModelError(usual=USUAL if about.model_scatter is None else about.model_scatter, oil=oil)
-
-
-def point_error(sweep: Sweep, place: Point, rise: float) -> ModelError:
-    """The model's own error of a point by itself, by the scene's tests at that very point.
-
-    Its rise [K] grows with the velocity to the power of 1 at most: so distances are the least that
-    they can be, and tests narrow nothing.
-    """
-    plain, conditions, about = untested_error(sweep), sweep.conditions, sweep.about
-    limit, distances = rise_limit(conditions), list[float]()
-    if len(names := untold_oils(about)) > 1:
-        return replace(plain, untold=f"tests of {len(names)} oils do not count: {', '.join(names)}")
-    tests = _tests_of(about)
-    for test in tests if rise > 0 and limit < math.inf else ():
-        is_there = np.allclose((test.normal_load, test.velocity), place[:2], rtol=_SAME, atol=0)
-        own = _tested_conditions(conditions, conditions, test)
-        if is_there and are_near(own, conditions, test.velocity):
-            is_right = test.outcome == ("severe" if rise > limit else "mild")
-            distances.append(0.0 if is_right else math.log(rise / limit))
-    wrong = tuple(distance for distance in distances if distance)
-    return replace(plain, wrong=wrong, untold=AGREED if distances else plain.untold)
 
 
 def _known(held: Results, field: PointField, test: Measurement) -> Comparison | None:

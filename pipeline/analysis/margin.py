@@ -17,10 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.analysis.field import Field, Here, continued_friction, quantile
+from pipeline.analysis.field import Field, Here, quantile
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.rise_error import RiseError
-from pipeline.analysis.transition import Line
 from pipeline.sweep.accuracy import MEASURES
 from pipeline.sweep.caveats import caveats
 from pipeline.sweep.shown import shown
@@ -114,7 +113,17 @@ class Margin:
         """What kind of thing would decide the verdict; None if it is decided."""
         if self.verdict != NOT_DECIDED:
             return None
-        return what_decides(self.error, self.is_open_by_model, self.counts_inputs)
+        if self.is_open_by_model:
+            inputs = "better known inputs, such as the critical temperature, or "
+            return f"{inputs * self.counts_inputs}a test there"
+        measured = f"its numerical error, which {MEASURES} measures"
+        parts = {
+            "more points there": self.error.interpolation,
+            measured if self.error.preset is None else "a finer preset": self.error.preset,
+            "what the warnings ask for": self.error.warned,
+        }
+        sizes = {kind: math.inf if part is None else part for kind, part in parts.items()}
+        return max(sizes, key=lambda kind: sizes[kind])
 
     @property
     def sentence(self) -> str:
@@ -145,21 +154,6 @@ def verdict_between(lowest: float, highest: float) -> str:
     if highest <= DECIDED[0]:
         return "mild"
     return "severe" if lowest >= DECIDED[-1] else NOT_DECIDED
-
-
-def what_decides(error: RiseError, is_open_by_model: bool, counts_inputs: bool = False) -> str:
-    """Say what kind of thing would decide a verdict that is not decided."""
-    if is_open_by_model:
-        inputs = "better known inputs, such as the critical temperature, or "
-        return f"{inputs * counts_inputs}a test there"
-    measured = f"its numerical error, which {MEASURES} measures"
-    parts = {
-        "more points there": error.interpolation,
-        measured if error.preset is None else "a finer preset": error.preset,
-        "what the warnings ask for": error.warned,
-    }
-    sizes = {kind: math.inf if part is None else part for kind, part in parts.items()}
-    return max(sizes, key=lambda kind: sizes[kind])
 
 
 def told(probability: float) -> float:
@@ -274,35 +268,6 @@ def verdict_plane(
         rows.append(np.reshape([lowest, highest], (2, *grid[0].shape)))
     lowest, highest = np.concatenate(rows, axis=1)
     return (0 * lowest, 0 * highest + 1) if field.misfit else (lowest, highest)
-
-
-def probabilities_alone(
-    rise: float,
-    limits: Sequence[float],
-    scatter: Scatter,
-    error: RiseError,
-    friction: Callable[[Array], Array] = np.ones_like,
-) -> tuple[float, float, float]:
-    """The same of a point by itself, whose rise [K] grows with exponent 1 at most.
-
-    The limits of the rise [K] are equally likely. Friction is relative, by the velocity over that
-    of the point, and known at every velocity.
-    """
-    curve = continued_friction(np.ones(1), np.array([rise]), friction)
-
-    def share(shifts: Array) -> Array:
-        if not (curve.count and np.isfinite(limits).all()):
-            return np.zeros(shifts.shape)
-        # Neither a sweep's ends nor its places change where it is severe.
-        lines = (
-            Line(curve, limit, (math.nan, math.nan), np.zeros(0))
-            for limit in np.multiply.outer(np.exp(-shifts.ravel()), limits).ravel()
-        )
-        shares = [line.severe_share(np.array(1.0), scatter) for line in lines]
-        return np.asarray(np.mean(np.reshape(shares, (*shifts.shape, -1)), axis=-1))
-
-    low, middle, high = (float(one[0]) for one in _bounded(share, [error]))
-    return low, middle, high
 
 
 def _bounded(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Container, Iterable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from pipeline.cli.output import tell
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.reference import unit_example
-from pipeline.sweep.conditions import changes_of
+from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
 from pipeline.tradeoff.choose import choose_accuracy, measure_error
@@ -101,16 +100,10 @@ def scene_in(
 ) -> Sweep:
     """The scene with the fidelity and conditions asked for, accurate at points if given."""
     settings = settings_in(options)
-    sweep: Sweep = pipeline.load_scene(options.scene, options.preset, settings)
-    if conditions := conditions_in(options):
-        changed = sweep.conditions.changed(**conditions)
-        if changed.friction > 0 and not sweep.scene.friction_heat:
-            sweep = sweep.changed("friction.coefficient", changed.friction)
-        if "bulk_temperature" in conditions:
-            pin, disk = changed.bulk_temperature, changed.disk_temperature
-            bulks = {"pin": f"{pin!r} K", "disk": f"{disk or pin!r} K"}
-            sweep = sweep.changed("temperature.bulk", bulks)
-        sweep = replace(sweep, judged=changes_of(**conditions))
+    conditions = {PATHS[name]: _entry(name, one) for name, one in conditions_in(options).items()}
+    if "share" in conditions_in(options):
+        conditions[PATHS["criterion"]] = "share"
+    sweep: Sweep = pipeline.load_scene(options.scene, options.preset, settings | conditions)
     if (accuracy := getattr(options, "accuracy", None)) is not None:
         named = ["--preset"] if options.preset else []
         named += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
@@ -124,6 +117,13 @@ def scene_in(
     if sweep.about.selection:
         tell(str(sweep.about.selection))
     return sweep
+
+
+def _entry(name: str, value: Any) -> Any:
+    """A condition [SI] as a scene file has it."""
+    if isinstance(value, dict):
+        return {body: _entry(name, one) for body, one in value.items()}
+    return f"{value!r} K" if name.endswith("temperature") else value
 
 
 def one_scene_in(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:

@@ -165,6 +165,7 @@ PLACE = (
     quantity("--velocity", "V", "1.25 m/s", "sliding velocity", is_signed=True),
 )
 NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
+ALONE = flag("--alone", "simulate the point without the scene's tests elsewhere")
 POINTS = (
     value(
         "--points DUTY.csv",

@@ -73,8 +73,12 @@ COMMANDS = (
         (*o.OF_SCENE, o.OVER, o.FIGURE_OR_TABLE, *o.KEPT),
     ),
     Command(
-        "point", "points:point", "simulate one point", f"scene.toml {_AT}",
-        (*o.OF_SCENE, *o.NEEDED_PLACE, o.REALIZATION, o.CONDITIONS, o.ACCURACY, o.TABLE),
+        "point", "points:point", "simulate one point and the tests of its scene",
+        f"scene.toml {_AT}",
+        (
+            *o.OF_SCENE, *o.NEEDED_PLACE, o.ALONE, o.REALIZATION, o.CONDITIONS, o.OIL, o.ACCURACY,
+            o.TABLE,
+        ),
     ),
     Command(
         "trade", "studies:trade", "measure speed against accuracy",

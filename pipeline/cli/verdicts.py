@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
+from collections.abc import Sequence
 
 import pandas as pd
 
@@ -14,7 +15,8 @@ from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import fields
 from pipeline.analysis.frames import JUDGED, frames_of
 from pipeline.analysis.laboratory import agreement, compared, test_parts
-from pipeline.analysis.margin_frame import LONG, counts_in_words, judged, margin_frame
+from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
+from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import caveats_of
 from pipeline.analysis.scenes import words as entries_in_words
 from pipeline.analysis.tables import notes_of, short, some_rows
@@ -37,17 +39,8 @@ def margin(options: argparse.Namespace) -> Result:
         found = [*judged(held, points)]
     table, caveats = margin_frame(held, found, points), caveats_of(held)
     known = [one.margin for one in found if one.margin]
-    lines: list[str | pd.DataFrame] = []
-    if is_one:
-        if len(found) == 1:
-            found[0].known()
-        for one in found:
-            labels = {name: value for name, value in one.field.shown.items() if name in held.front}
-            lines += [f"{row}:" for row in [entries_in_words(held.rows, labels)] if row]
-            lines += wrapped(words.margin_lines(one.margin) if one.margin else [one.reason])
-        is_molten = any(one.decisive_temperature > MELTS for one in known)
-        lines += remarks("warning", MOLTEN * is_molten)
-    else:
+    lines = place_lines(held, found) if is_one else []
+    if not is_one:
         count = counted(len(table), "operating point", "operating points")
         lines += [points.counted] if points and points.counted else []
         lines += [f"{count}: {counts_in_words(table)}", "", short(table, LONG), ""]
@@ -58,6 +51,19 @@ def margin(options: argparse.Namespace) -> Result:
     rests_on = dict.fromkeys(line for one in found for line in one.field.basis[1])
     lines += [*rests_on, *words.missing_lines(held.missing)]
     return Result(text=[*lines, *caveats], warned=pipeline.warned(held), frames=[table])
+
+
+def place_lines(held: Results, found: Sequence[Judged]) -> list[str | pd.DataFrame]:
+    """The verdict on one place, in each scene; an `InputError` if it has none in the only one."""
+    lines = list[str | pd.DataFrame]()
+    if len(found) == 1:
+        found[0].known()
+    for one in found:
+        labels = {name: value for name, value in one.field.shown.items() if name in held.front}
+        lines += [f"{row}:" for row in [entries_in_words(held.rows, labels)] if row]
+        lines += wrapped(words.margin_lines(one.margin) if one.margin else [one.reason])
+    is_molten = any(one.margin and one.margin.decisive_temperature > MELTS for one in found)
+    return [*lines, *remarks("warning", MOLTEN * is_molten)]
 
 
 def boundary(options: argparse.Namespace) -> Result:

@@ -293,3 +293,12 @@ class Sweep:
                 "not random; leave it out"
             )
         return replace(self.changed(SEED, seed), variants=Variants())
+
+    def take_place(self, load: float, velocity: float, alone: bool = False) -> Self:
+        """The scene at one load [N] and velocity [m/s], and at those of its tests unless alone.
+
+        In a store of it `pipeline.margin` at that place is the verdict of ``irg point``.
+        """
+        tests = () if alone else (*self.about.measured, *self.about.tested)
+        own = (Point(test.normal_load, test.velocity) for test in tests)
+        return replace(self.variant(), chosen=frozenset((Point(load, velocity), *own)))

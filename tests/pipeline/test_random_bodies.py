@@ -153,7 +153,8 @@ def test_the_library_and_the_command_give_one_verdict(seed, capsys):
         assert refusal.split(";")[0].split("\n")[0] in printed.err
         return
     assert code == 0
-    document = json.loads(printed.out, parse_constant=fail)
-    assert document["decisive_temperature"] == pytest.approx(found.decisive_temperature, rel=1e-9)
-    assert document["failed_fraction"] == pytest.approx(found.failed_fraction, abs=1e-9)
+    (row,) = json.loads(printed.out, parse_constant=fail)
+    decisive = row["decisive temperature [°C]"] + 273.15
+    assert decisive == pytest.approx(found.decisive_temperature, rel=1e-9)
+    assert row["failed share [%]"] == pytest.approx(100 * found.failed_fraction, abs=1e-7)
     assert found.decisive_temperature >= found.bulk_temperature

@@ -140,7 +140,8 @@ def test_the_commands_take_both(scene, irg):
     place = ("--load", "600 N", "--velocity", "1 m/s", "--preset", "draft")  # without a probe
     temperatures = []
     for options in ((), option, ("--bulk-temperature", "25 degC")):
-        temperatures.append(irg("point", scene, *place, *options, "--json")["decisive_temperature"])
+        (row,) = irg("point", scene, *place, *options, "--json")
+        temperatures.append(row["decisive temperature [°C]"] + 273.15)
     assert temperatures[2] < temperatures[0] < temperatures[1]
     inferred = irg("infer", scene, *option, *place[-2:], "--json")["mean"]
     assert inferred == pytest.approx(temperatures[1], rel=1e-9)

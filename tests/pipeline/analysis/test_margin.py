@@ -10,9 +10,7 @@ import xarray as xr
 from scipy import integrate, stats
 
 import pipeline
-from pipeline.analysis.margin import probabilities_alone
-from pipeline.analysis.model_error import ModelError
-from pipeline.analysis.rise_error import RiseError, error_of_point
+from pipeline.analysis.rise_error import error_of_point
 from pipeline.analysis.tables import notes_of
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
@@ -90,17 +88,6 @@ def test_the_caveat_of_a_scene_stands_beside_each_verdict():
     assert table["notes"].tolist() == [" | ".join(told)] * 2
     assert notes_of(table) == [*told]
     assert notes_of(table, told[1:]) == [told[0]]
-
-
-def test_a_point_alone_decides_nothing_where_its_error_is_unknown_and_else_within_it():
-    for rise in (300.0, 1100.0, 1200.0, 3000.0):
-        likely = probabilities_alone(rise, [LIMIT], ModelError(), RiseError(0.0, 0.0, 0.0))[1]
-        unknown = probabilities_alone(rise, [LIMIT], ModelError(), RiseError(0.0, None, 0.0))
-        assert unknown == (0.0, likely, 1.0)
-        exact = RiseError(0.0, 0.0, 0.0)
-        hotter = probabilities_alone(1.05 * rise, [LIMIT], ModelError(), exact)[1]
-        known = probabilities_alone(rise, [LIMIT], ModelError(), RiseError(0.0, 0.05, 0.0))
-        assert known[0] < known[1] == likely < known[2] == pytest.approx(hotter)
 
 
 def surfaces(*rises, **told):

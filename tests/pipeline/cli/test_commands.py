@@ -92,17 +92,22 @@ def test_boundary_moves_with_the_conditions_given(store, irg):
 
 
 def test_point_alone_equals_the_point_of_the_sweep(scene, store, irg):
-    alone = irg("point", scene, "--load", "400 N", "--velocity", "2 m/s", "--json")
-    stored = xr.open_zarr(store, chunks=None).sel(load=400.0, velocity=2.0)
-    for name in ("max_rise", "mean_rise", "contact_width", "wear_volume", "max_pressure"):
-        assert alone[name] == float(stored[name].sel(step=0))
+    place = ("--load", "400 N", "--velocity", "2 m/s", "--json")
+    (alone,) = irg("point", scene, *place)
+    (stored,) = irg("margin", store, *place)
+    for head in ("decisive temperature [°C]", "temperature error [K]", "distance [K]"):
+        assert alone[head] == stored[head]
+    end = xr.open_zarr(store, chunks=None).sel(load=400.0, velocity=2.0, step=0)
+    assert alone["contact width [µm]"] == 1e6 * float(end["contact_width"])
+    assert alone["wear volume [mm³]"] == pytest.approx(1e9 * float(end["wear_volume"]), rel=1e-12)
 
 
 def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     out = tmp_path / "point.csv"
     place = ("--load", "600 N", "--velocity", "4 m/s", "--preset", "draft")
     said = irg("point", scene, *place, "--set", "caveat=of no rig", "-o", out)
-    assert all(word in said for word in ("600 N at 4 m/s", "severe", "°C", "its error"))
+    assert said.startswith("Severe: severe wear is ")
+    assert "  numerical error     ± " in said
     (held,) = csv.DictReader(out.read_text(encoding="utf-8").splitlines())
     assert (held["load [N]"], held["verdict"]) == ("600", "severe")
     notes = held["notes"].split(" | ")
@@ -110,9 +115,8 @@ def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     assert said.count("\n".join(notes)) == 1
     width = float(held["contact width [µm]"])
     assert re.search(rf"contact width \[µm\] +{width:.4g}\n", said)
-    small = ("--set", "increments=1", "--set", "window.pixels=[64, 16]")
-    said = irg("point", scene, "--load", "200 N", "--velocity", "-1 m/s", *small)
-    assert "the velocity is negative, so the disk slides towards −x" in said
+    said = irg("point", scene, "--load", "200 N", "--velocity", "-1 m/s", code=2)
+    assert "velocity is -1 m/s; give one above 0" in said
 
 
 def test_a_point_within_its_error_is_not_decided_and_what_would_decide_it_is_said(
@@ -121,28 +125,59 @@ def test_a_point_within_its_error_is_not_decided_and_what_would_decide_it_is_sai
     """By the numerical error alone: the model has none of its own here."""
     place = ["point", scene, "--load", "200 N", "--velocity", "2 m/s", "--preset", "draft"]
     place += ["--set", "model.scatter=0"]
-    temperature = irg(*place, "--json")["decisive_temperature"]
-    critical = f"{temperature + 1:.6g} K"
-    said, near = irg_both(*place, "--critical-temperature", critical)
+    (at_first,) = irg(*place, "--json")
+    temperature = at_first["decisive temperature [°C]"]
+    critical = f"{temperature + 1:.6g} degC"
+    said, (near,) = irg_both(*place, "--critical-temperature", critical)
     assert near["verdict"] == "not decided"
-    assert [warning["kind"] for warning in near["warnings"]] == ["few nodes"]
+    assert "few nodes" in said
     few = int(WarningKind.FEW_NODES)
     relative = error_of_point(few, 4.0, 0.05).total
-    expected = relative * (temperature - 298.15)
-    assert near["temperature_error"] == pytest.approx(expected, rel=1e-6)
+    expected = relative * (temperature - 25)
+    assert near["temperature error [K]"] == pytest.approx(expected, rel=1e-6)
     (stored,) = irg("margin", store, *place[2:6], "--critical-temperature", critical, "--json")
     assert stored["temperature error [K]"] == pytest.approx(expected, rel=1e-6)
-    assert near["decided_by"] == "a finer preset"
-    assert "\nwould decide it: a finer preset\n" in said
-    finer = irg(*place, "--set", "contact_tolerance=0.1", "--json")
-    assert finer["temperature_error"] == pytest.approx(
-        relative * (finer["decisive_temperature"] - 298.15), rel=1e-6
+    assert "\n  would decide it     a finer preset\n" in said
+    (finer,) = irg(*place, "--set", "contact_tolerance=0.1", "--json")
+    assert finer["temperature error [K]"] == pytest.approx(
+        relative * (finer["decisive temperature [°C]"] - 25), rel=1e-6
     )
-    said, coarser = irg_both(*place, "--set", "increments=4")
-    assert coarser["temperature_error"] is None
+    said, (coarser,) = irg_both(*place, "--set", "increments=4")
+    assert coarser["temperature error [K]"] is None
     assert coarser["verdict"] == "not decided"
-    assert "its error not known" in said
+    assert "numerical error     not known" in said
     assert f"{NOT_KNOWN}; irg run SCENE -o STORE --measure measures it\n" in said
+
+
+TESTS = """
+[[tested]]
+load = "200 N"
+velocity = "1 m/s"
+outcome = "severe"
+
+[[tested]]
+load = "600 N"
+velocity = "4 m/s"
+outcome = "severe"
+"""
+
+
+def test_a_point_counts_the_tests_of_its_scene_unless_alone(scene, tmp_path, irg):
+    """The first test is mild by the model, which is then less sure of the point, too."""
+    tested, out = tmp_path / "tested.toml", tmp_path / "tested.zarr"
+    tested.write_text(scene.read_text() + TESTS)
+    point = ("point", tested, "--load", "400 N", "--velocity", "1 m/s")
+    said, alone = irg(*point), irg(*point, "--alone")
+    assert re.search(r"the model's own     −[\d.]+ to \+10 % in velocity, from 1 test and", said)
+    assert "the model's own     ± 10 % in velocity, assumed; no test confirms" in alone
+    assert "tests of the scene at other places are left out, by --alone" in alone
+    assert "left out" not in said
+    pipeline.run_sweep(pipeline.load_scene(tested).take_place(400.0, 1.0), out, workers=1)
+    here = pipeline.margin(out, "400 N", "1 m/s")
+    assert said.startswith(here.sentence[:60])
+    assert here.is_computed
+    (row,) = irg(*point, "--json")
+    assert row["probability"] == pytest.approx(here.probability, rel=1e-9)
 
 
 def test_plot_writes_a_figure(store, tmp_path, irg):
@@ -178,15 +213,13 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
         "temperature.failing_share=0.05",
     )
     by_option, by_setting = (
-        irg(*point, *words) for words in (options, [f"--set={entry}" for entry in same])
+        irg(*point, *words)[0] for words in (options, [f"--set={entry}" for entry in same])
     )
-    for document in (by_option, by_setting):
-        del document["wall_time"]
     assert by_option == by_setting
-    assert by_option["failed_fraction"] > 0.05
-    document = irg(*point, "--friction", 0)
-    assert document["max_temperature"] == document["decisive_temperature"] == 298.15
-    assert (document["failed_fraction"], document["verdict"]) == (0, "mild")
+    assert by_option["failed share [%]"] > 5
+    (document,) = irg(*point, "--friction", 0)
+    assert document["highest temperature [°C]"] == document["decisive temperature [°C]"] == 25
+    assert (document["failed share [%]"], document["verdict"]) == (0, "mild")
 
 
 @pytest.mark.parametrize(

@@ -57,8 +57,9 @@ def test_the_command_finds_temperature_and_wear_rate(tmp_path, irg):
     assert re.search(r"600 +1\.5 +0\.12 ", irg("infer", scene))
 
     place = ["--load", "600 N", "--velocity", "1.5 m/s"]
-    width = irg("point", scene, *place, "--json", "--set", "history_coarsening=1")["contact_width"]
-    arguments = ["infer", str(scene), "--contact-width", f"{width} m", *place]
+    (row,) = irg("point", scene, *place, "--json", "--set", "history_coarsening=1")
+    width = row["contact width [µm]"]
+    arguments = ["infer", str(scene), "--contact-width", f"{width} um", *place]
     rate = irg(*arguments, "--json")
     assert rate["lowest"] < 1.2e-15 < rate["highest"]
     assert "give its --load and --velocity, too" in irg(*arguments[:4], code=2)
