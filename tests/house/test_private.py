@@ -9,7 +9,6 @@ _ALLOWED = {
     "cluster/scaling.py _steps": "steps of a ramp, by which times are divided",
     "cluster/wide.py _one_at_a_time": "points that only wait need no turn",
     "helpers/stores.py _digest": "a forged store has the digest that fits",
-    "pipeline/cli/test_point_words.py _point_lines": "notes that no small scene causes",
     "pipeline/figures/test_fit.py _suptitle": "matplotlib has no public name of it",
     "pipeline/run/test_parts.py _absolute": "percents of entries that are not numbers",
     "pipeline/store/test_s3.py _registry": "fsspec as it is without s3fs",

@@ -77,6 +77,7 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
+    "points.point InputError": "test_commands.py, at rest; test_random_bodies.py, if it fails",
     "sweeps.check InputError": "test_check.py, with the meaning that is printed before",
     "verdicts.boundary InputError": "test_commands.py, of a store without tests",
     "values.setting Refused": "in the table; Python stops tracing where it runs out of stack",
