@@ -45,6 +45,13 @@ def rise(load, velocity, quantile=1.0):
     return FACTOR * load**LOAD_EXPONENT * velocity**VELOCITY_EXPONENT * profile(quantile)
 
 
+def falling(load, velocity, quantile=1.0):
+    """A rise that is severe from 1.1 to 2.4 m/s at any load, and mild below and above."""
+    over = (2 * np.log(velocity) - np.log(1.1 * 2.4)) / np.log(2.4 / 1.1)
+    shape = profile(quantile) / profile(0.9)
+    return limit() * np.exp(0.3 * (1 - over**2)) * shape
+
+
 def limit(friction=0.1, bulk=298.15, critical=418.15):
     return (critical - bulk) / friction
 

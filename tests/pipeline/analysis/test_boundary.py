@@ -7,9 +7,8 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.frames import frames_of
 from pipeline.analysis.words import boundary_lines, next_run_lines
-from pipeline.store.schema import FAILED, PENDING
+from pipeline.store.schema import PENDING
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
 from tests.helpers.sweeps import decisive_rise
@@ -95,18 +94,6 @@ def test_nan_where_the_sweep_does_not_cross(sweep):
         crossings["outcome_at_velocity"].values.tolist()
         == [MILD] * 3 + [CROSSES] * 10 + [SEVERE] * 2
     )
-
-
-def test_missing_points_elsewhere_do_not_matter_and_their_numbers_do_not_count(sweep):
-    # The boundary passes between 1.75 and 2 m/s at 450 N, and below 500 N at 1.75 m/s.
-    status = {(450.0, 3.0): FAILED, (450.0, 0.5): PENDING, (250.0, 1.75): PENDING}
-    ds = synthetic.sweep(status=status)
-    ds["rise_quantile"].loc[{"load": 450.0, "velocity": 0.5}] = 1e5
-    crossings, whole = boundary(ds), boundary(sweep)
-    for name in ("critical_velocity", "critical_load"):
-        np.testing.assert_allclose(crossings[name], whole[name], rtol=1e-13)
-    assert crossings.attrs["missing_points"] == 3
-    assert "3 points are pending or failed and were left out" in boundary_lines(crossings)
 
 
 def test_a_crossing_between_points_that_are_not_done_errs_by_its_gap():
@@ -206,44 +193,6 @@ def test_the_exponent_is_that_of_the_rise_about_the_crossing():
     sweep = synthetic.sweep(rise=rise, loads=loads)
     crossings = boundary(sweep)
     assert crossings["rise_exponent_at_load"].values == pytest.approx(exponents)
-
-
-def falling(load, velocity, quantile=1.0):
-    """Severe from 1.1 to 2.4 m/s at any load, and mild below and above."""
-    over = (2 * np.log(velocity) - np.log(1.1 * 2.4)) / np.log(2.4 / 1.1)
-    shape = synthetic.profile(quantile) / synthetic.profile(0.9)
-    return synthetic.limit() * np.exp(0.3 * (1 - over**2)) * shape
-
-
-def test_wear_that_is_mild_again_turns_at_each_place_and_the_first_is_critical():
-    crossings = boundary(synthetic.sweep(rise=falling)).sel(load=400.0)
-    turns = crossings["turns_at_load"].dropna("turn").values
-    assert turns == pytest.approx([1.1, 2.4], rel=2e-3)
-    assert crossings["critical_velocity"] == crossings["turns_at_load"][0]
-    assert not crossings["begins_severe_at_load"]
-    begun = boundary(synthetic.sweep(rise=falling, velocities=[1.5, 2.0, 3.0, 4.0]))
-    assert begun["begins_severe_at_load"].all()
-    assert (begun["turns_at_load"].count("turn") == 1).all()
-    assert begun["critical_velocity"].isnull().all()
-    (row, *_) = frames_of(boundary(synthetic.sweep(rise=falling)))[0].to_dict("records")
-    assert row["outcome"] == "severe from 1.1 to 2.4 m/s"
-
-
-def test_the_band_of_errors_is_where_margins_begin_to_decide():
-    for ds in (synthetic.sweep(), synthetic.sweep(preset="draft", measured=())):
-        crossings = boundary(ds)
-        for load in (300.0, 600.0):
-            at_load = crossings.sel(load=load)
-            low, high = at_load["mild_below"].item(), at_load["severe_above"].item()
-            assert low < at_load["critical_velocity"] < high
-            said = [
-                pipeline.margin(ds, load, velocity).verdict
-                for velocity in (0.99 * low, 1.01 * low, 0.99 * high, 1.01 * high)
-            ]
-            assert said == ["mild", "not decided", "not decided", "severe"]
-    assert "assumed; no test confirms or contradicts it" in crossings.attrs["model_error"]
-    exact = boundary(synthetic.sweep(model_scatter=0.0, measured=(), preset="reference"))
-    assert (exact["severe_above"] / exact["mild_below"] < 1.2).all()
 
 
 @pytest.mark.parametrize(("friction", "side"), [(0.0, "mild"), (1e6, "severe")])

@@ -128,14 +128,6 @@ def test_a_sweep_is_written_to_netcdf_and_judged_as_before(alone, ds, tmp_path):
     boundary(ds).to_netcdf(tmp_path / "boundary.nc", engine=engine)
 
 
-@pytest.mark.parametrize(("engine", "form"), [("scipy", "NETCDF3_64BIT"), ("h5netcdf", None)])
-def test_plain_xarray_writes_a_store_to_netcdf_and_it_answers(alone, ds, tmp_path, engine, form):
-    with xr.open_zarr(alone) as plain:
-        plain.to_netcdf(tmp_path / "a.nc", engine=engine, format=form)
-    with xr.open_dataset(tmp_path / "a.nc", engine=engine) as back:
-        xr.testing.assert_equal(boundary(back), boundary(ds))
-
-
 @pytest.mark.parametrize(
     "cut",
     [

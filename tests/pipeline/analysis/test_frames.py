@@ -54,19 +54,6 @@ def test_the_tests_that_agree_are_counted():
     assert compared(sweep()) is None
 
 
-def test_tests_are_drawn_open_and_filled_and_those_far_outside_are_said():
-    figure = diagram(
-        sweep(rig("mild", 1.0), rig("severe", 2.0), rig("mild", 1.0, load=9e3, friction=0.1))
-    )
-    drawn = {line.get_gid(): line for line in figure.axes[0].lines}
-    assert drawn["tested-mild"].get_markerfacecolor() == "white"
-    assert drawn["tested-severe"].get_markerfacecolor() != "white"
-    assert len(drawn["tested-mild"].get_xdata()) == 1
-    (legend,) = figure.legends or [figure.axes[0].get_legend()]
-    said = [text.get_text() for text in legend.get_texts()]
-    assert "beyond the figure: test 3" in said
-
-
 def test_other_conditions_for_the_plane_leave_the_tests_at_their_own():
     ds = sweep(rig("severe", 0.7 * CRITICAL, bulk_temperature=400.0), rig("mild", 0.7 * CRITICAL))
     kept = ["friction", "bulk temperature [°C]", "computed", "agrees"]

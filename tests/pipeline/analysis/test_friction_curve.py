@@ -1,6 +1,5 @@
 """Friction that depends on the velocity, between the velocities of a sweep."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -156,17 +155,3 @@ def test_a_coefficient_in_the_scene_and_one_given_afterwards_are_told_apart():
     for conditions, factors in ((scaled, "0.6 to 1.2"), (kept.conditions, "0.5 to 1")):
         said = f"friction by velocity, measured, {factors} times the coefficient"
         assert judged_by([conditions]).endswith(said)
-
-
-def test_a_boundary_has_as_many_turns_as_friction_makes():
-    """Four peaks of friction make wear severe in four ranges, at an almost even heat."""
-    peaks = tuple((v, 2.0 if k % 2 else 0.2) for k, v in enumerate(np.linspace(0.6, 3.8, 9)))
-    ds = swept(tribo.Corrections(friction=tribo.Friction(by_velocity=peaks)))
-    boundaries = pipeline.boundary(ds)
-    for load in (300.0, 600.0):
-        turns = boundaries["turns_at_load"].sel(load=load).dropna("turn").values
-        assert len(turns) == 8
-        outcome = pipeline.margin(ds, load, 1.0).velocity_outcome
-        told = [float(number) for number in re.findall(r"[\d.]+", outcome)]
-        assert told == pytest.approx(turns, rel=5e-3)  # three digits
-    assert boundaries.sizes["turn"] == boundaries["turns_at_load"].count("turn").max()

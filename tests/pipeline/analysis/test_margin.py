@@ -15,7 +15,6 @@ from pipeline.analysis.tables import notes_of
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers import page_sweeps, synthetic
-from tests.pipeline.analysis.test_boundary import falling
 from tribo import WarningKind
 
 LIMIT = synthetic.limit()
@@ -113,7 +112,7 @@ def test_a_median_over_surfaces_some_of_which_never_turn_is_none_and_not_between
 def test_medians_over_surfaces_are_those_of_the_first_turn_of_each():
     """Surface k is severe from 1.1/k to 2.4/k m/s, so that the nearest turn is often to mild."""
     factors = np.array([1.0, 1.05, 0.97, 1.2])
-    several = surfaces(*[lambda F, V, q=1.0, k=k: falling(F, k * V, q) for k in factors])
+    several = surfaces(*[lambda F, V, q=1.0, k=k: synthetic.falling(F, k * V, q) for k in factors])
     for velocity in (1.0, 2.0, 3.0):
         found = pipeline.margin(several, 400.0, velocity)
         first = 1.1 / factors
@@ -126,7 +125,7 @@ def test_medians_over_surfaces_are_those_of_the_first_turn_of_each():
 
 def test_a_surface_that_is_severe_at_the_lowest_velocity_has_no_first_turn():
     """Wear is severe from 1.1 to 2.4 m/s, and the sweep begins at 1.5 m/s."""
-    one = synthetic.sweep(rise=falling, velocities=[1.5, 2.0, 3.0, 4.0])
+    one = synthetic.sweep(rise=synthetic.falling, velocities=[1.5, 2.0, 3.0, 4.0])
     found = pipeline.margin(one, 400.0, 3.0)
     assert np.isnan(found.critical_velocity)
     assert found.velocity_outcome == "severe up to 2.41 m/s"

@@ -121,19 +121,6 @@ def test_what_is_not_decided_says_what_kind_of_thing_would_decide_it(here, error
     assert found.decided_by == found.as_dict()["decided_by"] == kind
 
 
-def test_a_margin_has_its_place_ranges_and_counts(here):
-    assert (here.load, here.velocity) == (400.0, 1.4)
-    assert here.velocity_range == (0.5, 4.0)
-    assert here.load_range == (200.0, 750.0)
-    assert (here.members, here.counts_inputs, here.intervals) == (1, False, {})
-    assert (here.is_computed, here.is_continued) == (False, False)
-    assert pipeline.margin(synthetic.sweep(), 400.0, 1.5).is_computed
-    assert here.critical_temperature == pytest.approx(418.15)
-    critical = synthetic.critical_velocity(400.0, synthetic.limit())
-    assert here.critical_velocity == pytest.approx(critical, rel=1e-9)
-    assert here.lowest < here.probability < here.highest
-
-
 # Tables
 
 

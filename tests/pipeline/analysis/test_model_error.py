@@ -15,13 +15,12 @@ from pipeline.analysis.laboratory import (
     compared,
     model_error,
 )
-from pipeline.analysis.margin import NOT_DECIDED, error_band, percent
+from pipeline.analysis.margin import NOT_DECIDED, error_band
 from pipeline.analysis.model_error import ModelError
 from pipeline.sweep.about import Measurement
 from tests.helpers import synthetic
 from tests.helpers.answers import answer
 from tests.helpers.sweeps import with_fields
-from tests.pipeline.analysis.test_boundary import falling
 from tribo import Corrections, Friction
 
 EXPONENT = synthetic.VELOCITY_EXPONENT
@@ -176,10 +175,10 @@ def test_with_friction_by_velocity_nothing_is_known_beyond_the_velocities(veloci
 
 @pytest.mark.parametrize("velocity", [0.6, 1.0, 1.2, 1.6, 2.2, 2.6, 3.5])
 def test_of_a_band_of_severe_wear_the_runs_within_it_are_counted(velocity):
-    ds = synthetic.sweep(rise=falling, measured=(), preset="reference")
+    ds = synthetic.sweep(rise=synthetic.falling, measured=(), preset="reference")
     found = pipeline.margin(ds, 400.0, velocity)
     runs = velocity * np.exp(0.10 * stats.t(4).ppf((np.arange(20000) + 0.5) / 20000))
-    share = np.mean(falling(400.0, runs, 0.9) > synthetic.limit())
+    share = np.mean(synthetic.falling(400.0, runs, 0.9) > synthetic.limit())
     assert found.probability == pytest.approx(share, abs=4e-3)
     assert found.lowest <= found.probability <= found.highest
     assert found.critical_velocity == pytest.approx(1.1, rel=2e-3)
@@ -200,7 +199,7 @@ def test_a_transition_is_measured_against_a_turn_to_severe_wear(tests, residual)
         Measurement(400.0, velocity, None, outcome=outcome, run=run)
         for velocity, outcome, run in tests
     )
-    ds = synthetic.sweep(rise=falling, measured=(), tested=tested, preset="reference")
+    ds = synthetic.sweep(rise=synthetic.falling, measured=(), tested=tested, preset="reference")
     assert counted(ds) == pytest.approx([residual], abs=5e-3)
 
 
@@ -266,54 +265,3 @@ def test_a_model_that_its_tests_contradict_decides_nothing():
     assert (far.verdict, far.as_dict()["verdict"]) == (NOT_DECIDED, NOT_DECIDED)
     band = error_band(field, np.array([400.0]), np.geomspace(0.3, 6.0, 50), scatter_of(ds))
     assert np.isnan(band).all()
-
-
-def test_no_probability_is_told_that_is_nearer_to_certainty_than_is_known():
-    said = [percent(p) for p in (0.0, 9e-5, 0.004, 0.5, 0.999, 1 - 9e-5)]
-    assert said == [
-        "less than 0.01 %",
-        "less than 0.01 %",
-        "0.4 %",
-        "50 %",
-        "99.9 %",
-        "more than 99.99 %",
-    ]
-    ds = synthetic.sweep(measured=(), model_scatter=0.0)
-    ends = [
-        pipeline.margin(ds, 600.0, velocity).as_dict()["probability"] for velocity in (0.5, 4.0)
-    ]
-    assert ends == [1e-4, 1 - 1e-4]
-    assert pipeline.margin(ds, {"load": [600.0], "velocity": [0.5]})["probability"].item() == 1e-4
-
-
-def test_the_answer_begins_with_a_sentence_for_those_who_decide():
-    found = pipeline.margin(swept_with(), 600.0, 0.8 * CRITICAL)
-    words = found.sentence.split(": ", 1)
-    ends = [percent(p).removesuffix(" %") for p in (found.lowest, found.highest)]
-    likely = f"severe wear is {percent(found.probability)} likely ({ends[0]} to {ends[1]} %)"
-    assert words[0] == found.verdict.capitalize()
-    assert words[1].startswith(f"{likely}, {found.distance:.3g} K below the critical temperature")
-    assert any("conductivity" in one for one in found.caveats)  # inputs that are taken as exact
-
-
-@pytest.mark.parametrize("done", [(0.4, 0.6, 1.0, 1.8, 3.0, 5.0), (1.0, 1.8), (0.6, 3.0)])
-def test_the_band_ends_where_the_verdict_changes_at_the_error_of_that_place(done):
-    """Also where the error is known beyond two points that are far apart, and not between them."""
-    ds = synthetic.sweep(velocities=[0.4, 0.6, 1.0, 1.8, 3.0, 5.0], measured=())
-    ds = ds.where(ds["velocity"].isin(done))
-    ds = ds.isel(load=slice(None, None, 3))
-    found, seen = pipeline.boundary(ds), []
-    for load in ds["load"].values.tolist():
-        for name, verdict, inwards in (
-            ("mild_below", "mild", 0.99),
-            ("severe_above", "severe", 1.01),
-        ):
-            end = float(found[name].sel(load=load))
-            if 0.41 < end < 4.9:
-                inside, outside = (
-                    pipeline.margin(ds, load, end * factor).verdict
-                    for factor in (inwards, 1 / inwards)
-                )
-                assert (inside, outside) == (verdict, NOT_DECIDED)
-                seen.append(name)
-    assert min(map(seen.count, ("mild_below", "severe_above"))) > 1

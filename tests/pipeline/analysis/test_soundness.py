@@ -50,16 +50,6 @@ def test_commands_that_read_write_nothing_into_a_store(copy, irg, tmp_path):
     assert contents(copy) == before
 
 
-def test_a_dataset_of_a_sound_store_can_be_copied_and_written_as_a_file(alone, tmp_path):
-    ds = pipeline.open_sweep(alone)
-    boundary = pipeline.boundary(pipeline.at(ds, **CRITICAL))
-    assert pipeline.boundary(pipeline.at(ds.copy(deep=True), **CRITICAL)).equals(boundary)
-    ds.drop_vars(ds.coords.keys() & {"x", "y"}).to_netcdf(tmp_path / "a.nc")
-    shutil.rmtree(tmp_path / "b.zarr", ignore_errors=True)
-    ds.to_zarr(tmp_path / "b.zarr", consolidated=False)
-    assert pipeline.boundary(pipeline.at(ds, **CRITICAL)).equals(boundary)
-
-
 def test_a_dataset_in_memory_outlives_its_store(copy):
     ds = pipeline.open_sweep(copy).load()
     before = pipeline.boundary(pipeline.at(pipeline.open_sweep(copy), **CRITICAL))

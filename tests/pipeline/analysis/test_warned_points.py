@@ -12,7 +12,6 @@ import pipeline
 from pipeline.analysis.results import results
 from pipeline.analysis.warned_points import Warned, warned, warning_flags
 from pipeline.cli import main
-from pipeline.figures.diagram import diagram
 from pipeline.sweep.model import Point
 from tests.helpers import synthetic, tiny
 from tests.helpers.stores import fail
@@ -74,13 +73,6 @@ def test_warnings_of_two_sweeps_add_up_and_the_first_is_the_example():
 
 def replace_rises(ds, factor):
     return ds.assign(rise_quantile=ds["rise_quantile"] * factor)
-
-
-def test_the_diagram_rings_the_points_with_a_warning():
-    flags, axes = {(400.0, 2.0): EDGE, (200.0, 0.5): WEAR}, ([200.0, 400.0], [0.5, 2.0])
-    ds = with_flags(flags, loads=axes[0], velocities=axes[1])
-    (ring,) = (line for line in diagram(ds).axes[0].lines if line.get_gid() == "carries a warning")
-    assert sorted(zip(*ring.get_data(), strict=True)) == [(0.5, 200.0), (2.0, 400.0)]
 
 
 COOL = replace(tiny.sweep().conditions, critical_temperature=330.0)

@@ -7,12 +7,11 @@ import pytest
 from matplotlib.legend import Legend
 from matplotlib.text import Text
 
-import pipeline
 from pipeline.figures.diagram import diagram
 from pipeline.figures.plot import KINDS, plot
 from tests.helpers import synthetic
 from tests.helpers.sweeps import with_fields
-from tests.pipeline.figures.test_plot import contour, lines
+from tests.pipeline.figures.test_plot import contour
 
 
 @pytest.fixture(scope="module")
@@ -55,15 +54,3 @@ def test_a_logarithmic_diagram_has_the_same_boundary(sweep):
     assert labels == ["1", "2", "3", "4"]
     names = {text.get_text() for text in log.texts if text.get_gid() == "region"}
     assert names == {"mild wear\n(I and II)", "severe adhesive wear\n(III* and III)"}
-
-
-def test_one_load_alone_has_its_transition_marked_or_says_that_there_is_none():
-    one = synthetic.sweep(loads=(400.0,), velocities=(0.5, 1.0, 2.0, 4.0))
-    plane = diagram(synthetic.sweep(loads=(399.0, 400.0), velocities=(0.5, 1.0, 2.0, 4.0)))
-    (place,) = lines(diagram(one).axes[0])["boundary"]
-    top = contour(plane.axes[0], "boundary")[0]
-    assert place == pytest.approx(top[top[:, 1].argmax()], rel=1e-3)
-    words = [
-        text.get_text() for text in diagram(pipeline.at(one, friction=0.001)).legends[0].get_texts()
-    ]
-    assert "no transition: mild throughout" in words

@@ -46,21 +46,6 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     assert far == "beyond the figure: tests 4, 5"
 
 
-@pytest.mark.parametrize("axis", ["velocity", "load"])
-def test_a_sweep_of_one_line_marks_its_transition_across_the_line(axis):
-    loads, velocities = ((400.0,), NARROW[1]) if axis == "velocity" else (NARROW[0], (2.0,))
-    figure = diagram(synthetic.sweep(loads, velocities, measured=()))
-    (place,) = lines(figure.axes[0])["boundary"]
-    if axis == "velocity":
-        expected = (synthetic.critical_velocity(400.0, synthetic.limit()), 400.0)
-    else:
-        expected = (2.0, synthetic.critical_load(2.0, synthetic.limit()))
-    assert place == pytest.approx(expected, rel=1e-3)
-    assert "computed transition" in labels(figure.legends[0])
-    (mark,) = (line for line in figure.axes[0].lines if line.get_gid() == "boundary")
-    assert mark.get_marker() == {"velocity": "|", "load": "_"}[axis]
-
-
 LIFTS = np.array([1.0, 1.1, 0.9, 1.05])
 
 

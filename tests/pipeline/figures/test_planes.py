@@ -55,57 +55,6 @@ def test_the_boundary_of_a_diagram_is_that_of_the_closed_form():
     assert (left, right) == pytest.approx((1.0 - 0.04 * 3, 4.0 + 0.04 * 3))
 
 
-REGIONS = {"mild region": "mild", "severe region": "severe", "not decided": "not decided"}
-SWEPT = {
-    "whole": {},
-    "a friction band": {"friction_band": (0.08, 0.12)},
-    "tests": {"measured": synthetic.MEASURED},
-    "half done": {
-        "status": {(load, v): PENDING for load in LOADS[:2] for v in VELOCITIES[2:]}
-        | {(500.0, v): FAILED for v in VELOCITIES}
-    },
-    "hardly begun": {"status": {(load, v): PENDING for load in LOADS[2:] for v in VELOCITIES}},
-    "no known error": {"preset": None},
-    "an uncertain critical temperature": {"critical_sd": 8.0},
-}
-
-
-def drawn_verdicts(axes, load, velocity):
-    """Verdicts whose regions hold a place."""
-    return [
-        REGIONS[area.get_gid()]
-        for area in axes.collections
-        if area.get_gid() in REGIONS
-        and any(path.contains_point((velocity, load)) for path in area.get_paths())
-    ]
-
-
-@pytest.mark.parametrize("ds", [*SWEPT, "surfaces"])
-def test_each_place_of_a_diagram_has_the_verdict_of_its_margin(ds):
-    """But for places where a probability lies within 0.01 of its limit."""
-    if ds == "surfaces":
-        ds = surfaces(0.9, 1.0, 1.1)
-    else:
-        told = dict(SWEPT[ds])
-        judged = {"critical_sd": told.pop("critical_sd", None)}
-        ds = sweep(conditions=synthetic.CONDITIONS | judged, **told)
-    axes, words, _ = drawn(ds)
-    random, kinds = np.random.default_rng(7), set()
-    for _ in range(60):
-        place = float(random.uniform(200.0, 600.0)), float(random.uniform(1.0, 4.0))
-        try:
-            margin = pipeline.margin(ds, *place)
-        except InputError:
-            assert not drawn_verdicts(axes, *place)
-            continue
-        limits = (margin.highest, 0.05), (margin.lowest, 0.95)
-        if min(abs(probability - limit) for probability, limit in limits) > 0.01:
-            assert drawn_verdicts(axes, *place) == [margin.verdict]
-            kinds.add(margin.verdict)
-    assert ("next run not decided" in words) == ("not decided" in kinds)
-    assert kinds
-
-
 def test_the_frictions_measured_have_a_line_each():
     axes, words, _ = drawn(sweep(friction_band=(0.08, 0.12)))
     assert "transition at friction 0.08 and 0.12" in words

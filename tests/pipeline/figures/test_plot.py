@@ -9,7 +9,6 @@ import pytest
 from matplotlib.figure import Figure
 
 import pipeline
-from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.cli.options import OF_PLOT
 from pipeline.figures import plot as live
@@ -91,19 +90,6 @@ def test_diagram_says_its_conditions(drawn):
         "pending",
         "measured transition",
     ]
-
-
-def test_boundary_in_the_diagram_is_the_known_one(drawn):
-    (curve,) = contour(drawn, "boundary")
-    expected = synthetic.critical_velocity(curve[:, 1], synthetic.limit())
-    # straight between 48 loads and 96 velocities
-    np.testing.assert_allclose(curve[:, 0], expected, rtol=1e-3)
-    assert curve[:, 1].min() == pytest.approx(200.0, rel=1e-4)
-    assert curve[:, 1].max() == pytest.approx(750.0, rel=1e-4)
-    for kind, side in (("mild", 1), ("severe", -1)):
-        (area,) = contour(drawn, f"{kind} region")
-        beside = synthetic.critical_velocity(area[:, 1], synthetic.limit())
-        assert (side * (beside - area[:, 0]) > 0).all()
 
 
 def test_every_point_is_marked_as_what_it_is(sweep, drawn):
@@ -247,25 +233,6 @@ def unknown():
         {"normal_load": 750.0, "velocity": 1.0, "friction": None},
     ]
     return samples.dataset(samples.ensemble(tests=measured))
-
-
-def test_given_the_measurements_the_diagram_is_that_of_their_probability(unknown, monkeypatch):
-    samples.fewer_draws(monkeypatch)
-    weighed = at(unknown, given_measured=True, scatter=0.1)
-    axes = diagram(weighed, log=True).axes[0]
-    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-    assert axes.get_title().endswith("given 2 measured transitions")
-    assert lines(axes)["measured"][:, 1].tolist() == [400.0, 750.0]
-    expected = boundary(weighed)["critical_velocity_quantile"].sel(load=400.0).values
-    # The three lines of 5, 50 and 95 %, where they pass 400 N.
-    drawn = next(contours for contours in axes.collections if len(contours.get_linewidth()) == 3)
-    passed = [path.vertices for path in drawn.get_paths()]
-    velocities = [np.interp(-400.0, -line[:, 1], line[:, 0]) for line in map(_upwards, passed)]
-    assert sorted(velocities) == pytest.approx(expected, rel=0.01)
-
-
-def _upwards(line):
-    return line if line[0, 1] > line[-1, 1] else line[::-1]
 
 
 def test_a_ramp_shows_any_stored_variable_and_names_them(alone):

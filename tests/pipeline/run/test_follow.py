@@ -82,14 +82,6 @@ def test_the_store_is_one_like_any_other(followed):
     assert ds["velocity"].max() <= 5.0
 
 
-def test_its_diagram_shows_the_points_that_were_chosen_and_both_regions(followed):
-    (axes,) = pipeline.plot(pipeline.open_sweep(followed), "diagram").axes
-    ids = {line.get_gid() for line in axes.lines}
-    assert {"mild wear, computed", "severe wear, computed"} <= ids
-    assert "pending" not in ids
-    assert "boundary" in {artist.get_gid() for artist in axes.collections}
-
-
 def test_it_ends_at_once_where_the_boundary_is_known(followed):
     again = follow(SWEEP, followed)
     assert again.computed == 0

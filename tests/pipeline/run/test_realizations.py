@@ -125,15 +125,6 @@ def test_boundary_mode_follows_the_boundary_of_each_surface(tmp_path):
     )
 
 
-def test_the_diagram_draws_a_band_of_surfaces():
-    figure = pipeline.plot(ensemble(friction_band=None), "diagram")
-    (axes,) = figure.axes
-    artists = {artist.get_gid() for artist in axes.collections}
-    assert {"boundary", "surface band", "surface band edge"} <= artists
-    assert "severe on some surfaces" in {line.get_gid() for line in axes.lines}
-    assert any("4 surfaces" in text.get_text() for text in figure.legends[0].get_texts())
-
-
 def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):
     scene = tmp_path / "scene.toml"
     scene.write_text(SCENE.replace("fields = true", "realizations = 2"))

@@ -10,19 +10,9 @@ from pipeline.store.place import StoreError
 from pipeline.sweep.model import Point
 from pipeline.sweep.stages import Progress
 from tests.helpers import tiny
-from tests.helpers.stores import commit, fail, make
+from tests.helpers.stores import commit, make
 
 SWEEP, POINT = tiny.full(), Point(250.0, 1.0)
-
-
-def test_states_of_points_are_counted_by_what_the_scene_asks_for(path):
-    commit(path, SWEEP, [POINT, Point(600.0, 1.0)])
-    fail(path, SWEEP, Point(150.0, 0.5), "it diverged")
-    make(path, tiny.full(loads=(150.0, 250.0), velocities=(0.5, 1.0)))
-    found = pipeline.summary(path)
-    assert (found.name, found.title) == ("tiny", "A tiny sweep")
-    assert (found.total, found.done, found.pending, found.earlier) == (4, 1, 2, 1)
-    assert [str(point) for point in found.failed] == ["150 N, 0.5 m/s: it diverged"]
 
 
 def test_progress_of_a_verification_counts_points_that_are_done(path):

@@ -437,13 +437,6 @@ def test_a_path_or_address_that_leads_to_no_store_is_refused_in_a_line(path, irg
         commit("nowhere://a.zarr", SWEEP, ())
 
 
-def test_a_place_that_cannot_be_written_is_refused(tmp_path):
-    (tmp_path / "file").touch()
-    for below in ("tiny.zarr", "a/tiny.zarr"):
-        with pytest.raises(StoreError, match="cannot be written: File exists"):
-            commit(tmp_path / "file" / below, SWEEP, ())
-
-
 def test_the_names_of_new_folders_are_on_the_disk_too(tmp_path, monkeypatch):
     synced, fsync = [], os.fsync
 
