@@ -157,11 +157,9 @@ def _of_temperatures(critical: dict[str, Array]) -> dict[str, Any]:
         "mean": mean(on_surfaces),
         "spread": spread(on_surfaces),
         "of_transition": of_transition,
-        "farthest": abs(of_transition - mean(on_surfaces)).max(),
         "of_oil_a": of_oil_a,
         "oil_a_mean": mean(of_oil_a),
         "oil_a_spread": spread(of_oil_a),
-        "printed_spread": spread(TABLE_6.max_celsius),
     }
 
 
@@ -182,7 +180,6 @@ def _of_oil_a(rates: Sequence[float], transitions: Sequence[Tested]) -> dict[str
         "hot_rates": hot,
         "pair_means": pair_means,
         "scene_rates": [f"{rate:.2f}" for rate in in_scenes],
-        "scenes_off": abs(in_scenes / pair_means - 1).max(),
     }
 
 

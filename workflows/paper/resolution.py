@@ -92,7 +92,7 @@ def fig6(study: Study) -> Report:
         verdicts={},
         findings=(
             _on_elements(by_elements),
-            *(_on_increments(n, by_increments[n], unstable[n], neighbours) for n in _SCHEMES),
+            _on_increments(by_increments, unstable, counts),
         ),
         table=_table(by_elements, by_increments),
         data={
@@ -180,31 +180,23 @@ def _on_elements(by_elements: Mapping[str, _Row]) -> Finding:
 
 
 def _on_increments(
-    name: str, row: _Row, unstable: Mapping[int, str], neighbours: Mapping[str, float]
+    by_increments: Mapping[str, _Row], unstable: Mapping[str, Any], counts: Sequence[int]
 ) -> Finding:
-    if not row:
-        return judged("fig6", "no_contact", False, {"name": name})
-    first, last = min(row), max(row)
-    base = _PUBLISHED if _PUBLISHED in row else first
-    moved = _difference(row, base, last)
-    values: dict[str, Any] = {
-        "name": name,
-        "base": base,
-        "first": first,
-        "last": last,
-        "moved": _signed(moved),
-        "first_moved": _signed(_difference(row, first, last)),
+    """Judge all schemes: whether more increments than the published number move a temperature."""
+    base, last = _PUBLISHED if _PUBLISHED in counts else counts[0], counts[-1]
+    moved = {
+        name: _difference(row, last, base)
+        for name, row in by_increments.items()
+        if {base, last} <= set(row)
     }
-    if unstable:
-        values |= {
-            "why": "why_checkerboard" if name in neighbours else "why_unstable",
-            "least": min(unstable),
-            "most": max(unstable),
-            "warning": unstable[max(unstable)],
-            "neighbours": neighbours.get(name),
-            "neighbours_implicit": neighbours.get("implicit, local"),
-        }
-    return judged("fig6", "increments", abs(moved) < _NO_EFFECT, values)
+    values = {
+        "base": base,
+        "last": last,
+        "moved": "; ".join(f"{_signed(kelvin)} K {name}" for name, kelvin in moved.items()),
+        "unstable": "; ".join(name for name, found in unstable.items() if found) or "none",
+    }
+    is_still = len(moved) == len(by_increments) and max(map(abs, moved.values())) < _NO_EFFECT
+    return judged("fig6", "increments", is_still, values)
 
 
 def _difference(row: _Row, number: int, other: int) -> float:

@@ -65,10 +65,9 @@ class _Criterion:
         return float(abs(_off(self.alike, self.exponents)).max())
 
 
-def _off(values: Array, exponents: Array | float, limit: float | None = None) -> Array:
-    """Relative errors of the velocities at which a number is at a limit, its mean if not given."""
-    level = _mean(values) if limit is None else limit
-    errors: Array = (level / values) ** (1 / exponents) - 1
+def _off(values: Array, exponents: Array | float) -> Array:
+    """Relative errors of the velocities at which a number is at its mean."""
+    errors: Array = (_mean(values) / values) ** (1 / exponents) - 1
     return errors
 
 
@@ -88,17 +87,12 @@ def rivals(study: Study) -> Report:
     )
     criteria = _criteria(sweep, mean(ends["rise"]), mean(ends["exponent"]))
     critical = mean(velocities[:, None] * (1 + ends["velocity_off"]))
-    limit = conditions.known_critical_temperature() - conditions.bulk_temperature
     film = np.array([film_parameter(sweep, row) for row in TABLE_4])
     regimes = dict.fromkeys(map(lubrication_regime, sorted(film)))
     values = {
-        "share": conditions.failing_share,
-        "limit": limit,
         **criteria,
-        **{f"{name}_off": _off(its.values, its.exponents, limit) for name, its in criteria.items()},
         **_constancy(criteria),
         "regimes": ", ".join(regimes),
-        "place": label_of(TABLE_4[np.argmax(film)]),
     }
     return Report.of(
         "rivals",

@@ -87,7 +87,7 @@ def sensitivity(study: Study) -> Report:
         "hurst": rough.hurst_exponent,
         "good": _GOOD,
         **_of_velocities(outcomes, by_surface[rough]),
-        **_of_widths(widths, outcomes["Ra"][_SMOOTHER]),
+        **_of_widths(widths),
     }
     return Report.of(
         "sensitivity",
@@ -162,16 +162,12 @@ def _of_velocities(outcomes: _Outcomes, usual: _Outcome) -> dict[str, Any]:
     }
 
 
-def _of_widths(widths: Mapping[str, Array], smoother: _Outcome) -> dict[str, Any]:
+def _of_widths(widths: Mapping[str, Array]) -> dict[str, Any]:
     """Errors of the unworn contact widths by Ra, and the Ra with the smallest error."""
-    off = {name: _width_off(row) for name, row in widths.items()}
-    of_ra = {name: value for name, value in off.items() if name != _SMOOTHER}
+    of_ra = {name: _width_off(row) for name, row in widths.items() if name != _SMOOTHER}
     return {
         "widths": ", ".join(f"{100 * value:+.0f} % with {name}" for name, value in of_ra.items()),
         "nearest": min(of_ra, key=lambda name: abs(of_ra[name])),
-        "smoother": _SMOOTHER,
-        "smoother_off": off[_SMOOTHER],
-        "smoother_velocities": 100 * mean(smoother[_OFF]),
     }
 
 

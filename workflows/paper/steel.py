@@ -62,8 +62,6 @@ def steel(study: Study) -> Report:
         "critical": printed,
         "white_soft": white[_SOFT],
         "white_hard": white[_HARD],
-        "oil_soft": of_a[_SOFT],
-        "oil_hard": of_a[_HARD],
         "apart_soft": _apart(of_a[_SOFT]),
         "apart_hard": _apart(of_a[_HARD]),
         "changes": boundary["change"],

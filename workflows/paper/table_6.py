@@ -15,7 +15,7 @@ from pipeline.quantities import shown_in
 from tribo.types import Array
 
 from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
-from .report import Report, agree, line, mean, spread, texts
+from .report import Report, agree, line, mean, texts
 from .study import Study
 from .transitions import (
     HIGHEST,
@@ -53,16 +53,16 @@ def table6(study: Study) -> Report:
     tenths = mean(exceeded["swept"])
     values = {
         "surfaces": at_room.shape[1],
-        "share": conditions.failing_share,
         "room": ROOM_CELSIUS,
-        **_bulk_of_hot_rows(),
+        "hot_bulk": TABLE_6[-1].bulk_celsius,
+        "misfit_hot": misfit["100"],
+        "misfit_room": misfit["25"],
         **_levels(mean(at_room)),
         "printed_interval": np.ptp(TABLE_6.max_celsius),
         "maxima": mean(highest["swept"]),
         "interval": np.ptp(tenths),
         "interval_of_maxima": np.ptp(mean(highest["swept"])),
         "mean": mean(tenths),
-        "deviation": spread(tenths),
     }
     names = [f"{label_of(row)}, {row.bulk_celsius:g} °C" for row in TABLE_6]
     share = f"{100 * conditions.failing_share:g} %"
@@ -78,24 +78,6 @@ def table6(study: Study) -> Report:
         data=data,
         figure=_draw(data, names, share),
     )
-
-
-def _bulk_of_hot_rows() -> dict[str, Any]:
-    """The bulk temperature that the printed temperatures of the hot rows are those of."""
-    # The two tables at one velocity and nearly one load: the rise is proportional to friction, and
-    # between loads so near it lies between unchanged and in proportion to them.
-    white, other = TABLE_4[0], TABLE_6[2]
-    rise = (white.max_celsius - ROOM_CELSIUS) / white.friction * other.friction
-    ends = rise * other.normal_load / white.normal_load, rise
-    return {
-        "hot_bulk": other.bulk_celsius,
-        "misfit_hot": _misfit(TABLE_6[-1].bulk_celsius),
-        "misfit_room": _misfit(ROOM_CELSIUS),
-        "white": white,
-        "oil_a": other,
-        "from_room": [end + ROOM_CELSIUS for end in ends],
-        "from_hot": [end + other.bulk_celsius for end in ends],
-    }
 
 
 def _misfit(bulk_celsius: float) -> float:

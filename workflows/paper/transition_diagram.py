@@ -52,10 +52,6 @@ def fig10(study: Study) -> Report:
     values = {
         "friction": sweep.conditions.friction,
         "off": off,
-        "low": sum(value < 0 for value in off),
-        "number": len(off),
-        "loads": len(sweep.plane.loads),
-        "velocities": len(sweep.plane.velocities),
         "failed": f"{failed} points failed and are left out." if failed else "",
     }
     columns = ("load [N]", "measured [m/s]", f"friction {sweep.conditions.friction:g}", "off")
