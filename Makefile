@@ -34,8 +34,7 @@ reference: .venv/test ## write the references of the scene file and of the datas
 notebooks: .venv/test ## run the three notebooks, and store what their cells show, in 2 minutes
 	OMP_NUM_THREADS=1 $(BIN)/python -m workflows.notebooks
 
-docs: .venv/test      ## build the site of all pages into results/docs, figures of its gallery drawn anew
-	rm -rf results/gallery.zarr  # of the last build, perhaps by other code
+docs: .venv/test      ## build the site of all pages into results/docs
 	$(BIN)/sphinx-build -W --keep-going -q -c workflows workflows results/docs
 	@echo "results/docs/index.html"
 

@@ -20,16 +20,14 @@ smartquotes = False  # the dashes of options are two
 
 myst_heading_anchors = 4
 myst_enable_extensions = ["amsmath", "dollarmath"]
-nb_execution_excludepatterns = ["*.ipynb"]  # shown as `make notebooks` stored them
-nb_execution_timeout = 600  # [s]
-nb_execution_raise_on_error = True
+nb_execution_mode = "off"  # notebooks are shown as `make notebooks` stored them
 
 default_role = "py:obj"  # names in backticks link to their entries
 autodoc_member_order = "bysource"
+autodoc_default_options = {"members": True}
 autodoc_typehints = "none"  # types stand in the docstrings
 autosummary_generate = False
 numpydoc_show_class_members = False
 suppress_warnings = [
     "myst.domains",  # that of the commands cannot be searched for references
-    "myst-nb.lexer",  # known once cells are executed
 ]

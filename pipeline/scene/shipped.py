@@ -30,7 +30,7 @@ def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
     return path if shipped is None or path.exists() else shipped
 
 
-_OF_SITE = {"index", "API", "COMMANDS", "GALLERY"}  # no text of their own to print
+_OF_SITE = {"index", "API", "COMMANDS"}  # no text of their own to print
 _READING_ORDER = (
     "first-hour", "your-system", "your-gears", "your-tests", "choosing", "model", "physics",
     "scene", "dataset", "own-laws", "cluster", "measured", "paper",
