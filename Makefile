@@ -60,7 +60,7 @@ lowest:               ## install the lowest versions that are declared, and run 
 	    .venv-lowest/bin/python -m pytest -W ignore::DeprecationWarning \
 	    --numprocesses 2 --dist loadfile --no-loadscope-reorder --durations=10
 
-slow: .venv/test      ## the long checks: random scenes, workers that die, promised accuracies
+slow: .venv/test      ## the long checks: workers that die, promised accuracies, the site of pages
 	$(BIN)/python -m pytest tests -m slow
 
 promises: .venv/test  ## judge --accuracy, presets and stated errors on random scenes, in two hours

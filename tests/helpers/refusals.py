@@ -10,6 +10,8 @@ from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import pytest
+
 import pipeline
 from pipeline.cli import main
 from tribo import TriboError
@@ -38,7 +40,8 @@ class Refusals:
         folder: Path,
         stores: dict[str, Path] | None = None,
     ) -> None:
-        self.room, self.table, self.folder, self.stores = ROOT / room, table, folder, stores or {}
+        self.room, self.table = (ROOT / room).resolve(), table
+        self.folder, self.stores = folder, stores or {}
         self.outcomes: dict[str, Outcome] = {}
 
     def outcome(self, name: str) -> Outcome:
@@ -142,6 +145,26 @@ def _refusal(node: ast.AST) -> str | None:
         case ast.Call(func=ast.Attribute(attr="refuse")):
             return "fault"
     return None
+
+
+def refusal_tests(
+    room: str, table: dict[str, Any], elsewhere: Collection[str] = (), **stores: str
+) -> tuple[Any, Any, Any]:
+    """The fixture and the tests of a room's table; fixtures of stores by the names of these."""
+
+    @pytest.fixture(scope="module")
+    def refusals(request: Any, tmp_path_factory: Any) -> Refusals:
+        made = {f"{name}.zarr": request.getfixturevalue(one) for name, one in stores.items()}
+        return Refusals(room, table, tmp_path_factory.mktemp("refusals"), made)
+
+    @pytest.mark.parametrize("name", table)
+    def test_what_is_refused_is_named(refusals: Refusals, name: str) -> None:
+        refusals.check(name)
+
+    def test_the_table_has_every_refusal(refusals: Refusals) -> None:
+        refusals.check_all(elsewhere)
+
+    return refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal
 
 
 def command(*arguments: Any) -> str:

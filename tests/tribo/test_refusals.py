@@ -1,15 +1,12 @@
 """All refusals of tribo: what causes each, and what its message says."""
 
-import ast
 import math
-from collections import defaultdict
 from dataclasses import fields, replace
-from pathlib import Path
 
 import numpy as np
-import pytest
 
 import tribo
+from tests.helpers.refusals import refusal_tests
 from tests.helpers.scenes import STEEL, small_scene
 from tribo import (
     Ball,
@@ -31,7 +28,6 @@ from tribo import (
     RunningIn,
     Stem,
     Track,
-    TriboError,
     Wear,
     simulate,
 )
@@ -351,73 +347,10 @@ ELSEWHERE = {
     "partition.partition_heat ConvergenceError": "thermal/test_partition.py",
     "inverse._crossing InputError": "no width within the window needs so high a rate",
     "judge.judge InputError": "a point always touches; for the type checker",
-    "errors.law_errors": "an error of tribo, passed on as it is",
 }
 """Refusals, by function and class, that are not in the table: where they are tested, or why not."""
 
 
-@pytest.mark.parametrize("name", REFUSALS)
-def test_what_is_refused_is_named(name):
-    build, said = REFUSALS[name]
-    with pytest.raises(TriboError) as caught:
-        build()
-    assert said in str(caught.value)
-
-
-def raised(build):
-    """Places in the code, as file and line, that an error and its causes have passed."""
-    try:
-        build()
-    except TriboError as error:
-        cause = error
-        while cause is not None:
-            step = cause.__traceback__
-            while step is not None:
-                yield (Path(step.tb_frame.f_code.co_filename).resolve(), step.tb_lineno), str(cause)
-                step = step.tb_next
-            cause = cause.__context__
-
-
-@pytest.fixture(scope="module")
-def said():
-    """The messages of the errors that have passed each place in the code."""
-    messages = defaultdict(list)
-    for build, _ in REFUSALS.values():
-        for place, message in raised(build):
-            messages[place].append(message)
-    return messages
-
-
-def statements(kind):
-    """Each statement or call of a kind, with its places in the code and its function."""
-    for file in sorted(Path(tribo.__file__).resolve().parent.rglob("*.py")):
-        for function in ast.walk(ast.parse(file.read_text("utf-8"))):
-            if isinstance(function, ast.FunctionDef):
-                for node in ast.walk(function):
-                    if isinstance(node, kind):
-                        lines = range(node.lineno, node.end_lineno + 1)
-                        yield node, [(file, line) for line in lines], f"{file.stem}.{function.name}"
-
-
-def test_the_table_has_every_refusal(said):
-    def named(statement, function):
-        error = getattr(statement.exc, "func", None)
-        return f"{function} {ast.unparse(error)}" if error else function
-
-    missing = {
-        named(statement, function): places[0]
-        for statement, places, function in statements(ast.Raise)
-        if not any(place in said for place in places)
-    }
-    assert missing.keys() == ELSEWHERE.keys(), missing
-
-
-def test_the_table_has_every_value_that_must_be_positive_or_an_integer(said):
-    missing = [
-        f"{places[0]}: {keyword.arg}"
-        for call, places, _ in statements(ast.Call)
-        if getattr(call.func, "id", None) in {"require_positive", "require_integer"}
-        for keyword in call.keywords
-        if not any(f"{keyword.arg or ''} is " in text for place in places for text in said[place])
-    ]
-    assert missing == []
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "../tribo", REFUSALS, ELSEWHERE
+)

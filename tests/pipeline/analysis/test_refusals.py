@@ -16,7 +16,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import Law
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import placed_rows, rows
-from tests.helpers.refusals import Refusals
+from tests.helpers.refusals import refusal_tests
 from tests.helpers.samples import dataset, ensemble
 from tests.helpers.sweeps import with_fields
 from tests.helpers.unknowns import ALL
@@ -207,15 +207,6 @@ REFUSALS = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def refusals(tmp_path_factory):
-    return Refusals("analysis", REFUSALS, tmp_path_factory.mktemp("refusals"))
-
-
-@pytest.mark.parametrize("name", REFUSALS)
-def test_what_is_refused_is_named(refusals, name):
-    refusals.check(name)
-
-
-def test_the_table_has_every_refusal(refusals):
-    refusals.check_all()
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "analysis", REFUSALS
+)

@@ -140,7 +140,7 @@ def chances(tests):
     return margin(ds, PLACES)["probability"].values
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(8))
 def test_no_wrong_outcome_narrows_the_error_or_makes_the_other_outcome_likelier(seed):
     rng = np.random.default_rng(seed)
     held = [drawn_test(rng, rng.choice([None, "mild", "severe"]))[0] for _ in range(seed % 8)]

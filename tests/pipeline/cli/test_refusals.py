@@ -3,9 +3,7 @@
 from functools import partial
 from pathlib import Path
 
-import pytest
-
-from tests.helpers.refusals import Refusals, command
+from tests.helpers.refusals import command, refusal_tests
 
 
 def irg(*arguments):
@@ -77,7 +75,7 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
-    "points.point InputError": "test_commands.py, at rest; test_random_bodies.py, if it fails",
+    "points.point InputError": "test_commands.py, at rest",
     "sweeps.check InputError": "test_check.py, with the meaning that is printed before",
     "verdicts.boundary InputError": "test_commands.py, of a store without tests",
     "values.setting Refused": "in the table; Python stops tracing where it runs out of stack",
@@ -85,16 +83,6 @@ ELSEWHERE = {
 """Refusals that are not in the table: where they are tested, or why not."""
 
 
-@pytest.fixture(scope="module")
-def refusals(tmp_path_factory, alone):
-    folder = tmp_path_factory.mktemp("refusals")
-    return Refusals("cli", REFUSALS, folder, {"tiny.zarr": alone})
-
-
-@pytest.mark.parametrize("name", REFUSALS)
-def test_what_is_refused_is_named(refusals, name):
-    refusals.check(name)
-
-
-def test_the_table_has_every_refusal(refusals):
-    refusals.check_all(ELSEWHERE)
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "cli", REFUSALS, ELSEWHERE, tiny="alone"
+)

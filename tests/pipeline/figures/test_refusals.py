@@ -2,7 +2,6 @@
 
 from functools import cache
 
-import pytest
 from matplotlib.figure import Figure
 
 import pipeline
@@ -13,7 +12,7 @@ from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import Measurement
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import placed_rows
-from tests.helpers.refusals import Refusals
+from tests.helpers.refusals import refusal_tests
 from tests.helpers.samples import dataset, ensemble
 from tests.helpers.unknowns import ALL
 
@@ -96,15 +95,6 @@ REFUSALS = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def refusals(tmp_path_factory):
-    return Refusals("figures", REFUSALS, tmp_path_factory.mktemp("refusals"))
-
-
-@pytest.mark.parametrize("name", REFUSALS)
-def test_what_is_refused_is_named(refusals, name):
-    refusals.check(name)
-
-
-def test_the_table_has_every_refusal(refusals):
-    refusals.check_all()
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "figures", REFUSALS
+)

@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import pipeline
 import pipeline.gears as gears
 from pipeline.gears.contact import buttressing, flash_rise, load_share
-from tribo import Material, Oil, SelfAffineRoughness, analytic, contact_modulus
+from tribo import Material, analytic, contact_modulus
 
 FZG = "fzg_a"
 STEEL = Material(206e9, 0.3, 50.0, 7850.0, 3.8e6 / 7850)  # of ISO/TR 13989-2, clause 5.3
@@ -216,27 +215,6 @@ def test_the_mean_flash_has_no_jump_where_the_standard_takes_another_formula():
     assert np.less(ends[0], (1, 2)).all()
     assert np.greater(ends[-1], (1, 2)).all()
     assert np.abs(np.diff(factors, 2)).max() < 0.001
-
-
-def test_a_scene_of_the_mesh_says_the_same_in_its_own_words(fzg, mesh, tmp_path):
-    (tmp_path / "mesh.toml").write_text(gears.scene_toml([mesh]), encoding="utf-8")
-    sweep = pipeline.load_scene(tmp_path / "mesh.toml")
-    sliding = [place for place in mesh.places if place.sliding]
-    for name, place in zip(sweep.variants.names, sliding, strict=True):
-        scene = sweep.variant(name).scene
-        velocities = scene.motion.velocities(abs(place.sliding))
-        assert velocities == pytest.approx((place.rolling_1, place.rolling_2), rel=1e-5)
-        assert scene.pin.radius == pytest.approx(place.reduced_radius, rel=1e-6)
-        turns = velocities.pin / scene.motion.track_length
-        assert turns == pytest.approx(2170 / 60, rel=1e-5)
-        width = 2 * math.sqrt(
-            place.load / scene.pin.length * scene.pin.radius
-            / (math.pi * contact_modulus(scene.pin.material, scene.disk))
-        )  # fmt: skip
-        assert width == pytest.approx(place.half_width, rel=1e-5)
-    assert isinstance(sweep.scene.roughness, SelfAffineRoughness)
-    assert sweep.scene.roughness.ra == pytest.approx(math.hypot(0.35e-6, 0.35e-6))
-    assert isinstance(sweep.about.oil, Oil)
 
 
 def test_a_spur_pair_is_that_of_another_program():

@@ -56,13 +56,6 @@ def test_the_test_gears_of_fzg_by_hand():
     assert gears.contact_ratio == pytest.approx((e + 3.3177) / pitch, abs=2e-4)
 
 
-@pytest.mark.parametrize("teeth", [20, 37, 80])
-def test_equal_gears_mesh_symmetrically(teeth):
-    a, b, d, e = plain(teeth, teeth).path
-    assert a == pytest.approx(-e)
-    assert b == pytest.approx(-d)
-
-
 def test_a_wheel_of_very_many_teeth_is_a_rack():
     """On a rack the path beyond the pitch point on its side is m/sin α, its radius infinite."""
     gears = plain(24, 1_000_000)
@@ -70,20 +63,6 @@ def test_a_wheel_of_very_many_teeth_is_a_rack():
     assert gears.radii(0.0)[1] > 1e5
     first, second = gears.radii(0.3)
     assert first * second / (first + second) == pytest.approx(12 * math.sin(TWENTY) + 0.3, rel=1e-4)
-
-
-def test_neighbouring_teeth_are_a_base_pitch_apart():
-    gears = pair()
-    assert gears.path.e - gears.path.b == pytest.approx(gears.base_pitch)
-    assert gears.path.d - gears.path.a == pytest.approx(gears.base_pitch)
-    both = [radius * 2 * math.pi / z for radius, z in zip(gears.base_radii, (16, 24), strict=True)]
-    assert both[0] == pytest.approx(both[1])
-
-
-def test_radii_add_up_to_the_distance_between_the_base_circles():
-    gears = pair()
-    for place in gears.path:
-        assert sum(gears.radii(place)) == pytest.approx(91.5e-3 * math.sin(gears.working_angle))
 
 
 def test_a_worked_example_of_a_helical_pair():

@@ -15,7 +15,7 @@ from pipeline.gears.rules import stage_torque, warm_duty
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import read_spectrum
 from pipeline.scene.faults import SceneFileError
-from tests.helpers.refusals import Refusals, command
+from tests.helpers.refusals import command, refusal_tests
 from tests.pipeline.gears.test_answer import CRITICAL, OWN
 from tests.pipeline.gears.test_involute import pair as toothed
 from tests.pipeline.gears.test_involute import plain
@@ -159,15 +159,6 @@ def test_hours_and_factors_of_a_spectrum_are_in_range():
     assert "row 1, load_factor: 0 is out of range; give a number" in str(caught.value)
 
 
-@pytest.fixture(scope="module")
-def refusals(tmp_path_factory):
-    return Refusals("gears", REFUSALS, tmp_path_factory.mktemp("refusals"))
-
-
-@pytest.mark.parametrize("name", REFUSALS)
-def test_what_is_refused_is_named(refusals, name):
-    refusals.check(name)
-
-
-def test_the_table_has_every_refusal(refusals):
-    refusals.check_all(ELSEWHERE)
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "gears", REFUSALS, ELSEWHERE
+)

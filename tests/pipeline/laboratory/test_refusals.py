@@ -18,7 +18,7 @@ from pipeline.scene.along import OperatingPoints
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
 from tests.helpers.instruments import gwy, sur, x3p
-from tests.helpers.refusals import Refusals, command
+from tests.helpers.refusals import command, refusal_tests
 from tests.pipeline.laboratory.test_surfaces import FakeTopography
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
 
@@ -293,15 +293,6 @@ REFUSALS = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def refusals(tmp_path_factory):
-    return Refusals("laboratory", REFUSALS, tmp_path_factory.mktemp("refusals"))
-
-
-@pytest.mark.parametrize("name", REFUSALS)
-def test_what_is_refused_is_named(refusals, name):
-    refusals.check(name)
-
-
-def test_the_table_has_every_refusal(refusals):
-    refusals.check_all()
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "laboratory", REFUSALS
+)

@@ -13,7 +13,7 @@ from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.cluster import client_of
 from tests.helpers import tiny
 from tests.helpers.entries import changed
-from tests.helpers.refusals import Refusals
+from tests.helpers.refusals import refusal_tests
 
 SWEEP = tiny.sweep()
 COLD = changed(SWEEP, conditions=replace(SWEEP.conditions, friction=0.0))
@@ -81,15 +81,6 @@ ELSEWHERE = {
 """Refusals that are not in the table: where they are tested, or why not."""
 
 
-@pytest.fixture(scope="module")
-def refusals(tmp_path_factory):
-    return Refusals("run", REFUSALS, tmp_path_factory.mktemp("refusals"))
-
-
-@pytest.mark.parametrize("name", REFUSALS)
-def test_what_is_refused_is_named(refusals, name):
-    refusals.check(name)
-
-
-def test_the_table_has_every_refusal(refusals):
-    refusals.check_all(ELSEWHERE)
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "run", REFUSALS, ELSEWHERE
+)

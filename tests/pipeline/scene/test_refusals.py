@@ -5,7 +5,6 @@ from dataclasses import dataclass, make_dataclass
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 import tribo
 from pipeline.scene.along import OperatingPoints
@@ -15,7 +14,7 @@ from pipeline.scene.reference import new_scene
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.units import difference_in_si, in_si, require_count, share_of, to_si
 from tests.helpers import tiny
-from tests.helpers.refusals import Refusals
+from tests.helpers.refusals import refusal_tests
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
 
 BALL_TABLE = {"without": "pin.length", "pin.shape": "ball"}
@@ -359,15 +358,6 @@ ELSEWHERE = {}
 """Refusals that are not in the table: where they are tested, or why not."""
 
 
-@pytest.fixture(scope="module")
-def refusals(tmp_path_factory):
-    return Refusals("scene", REFUSALS, tmp_path_factory.mktemp("refusals"))
-
-
-@pytest.mark.parametrize("name", REFUSALS)
-def test_what_is_refused_is_named(refusals, name):
-    refusals.check(name)
-
-
-def test_the_table_has_every_refusal(refusals):
-    refusals.check_all(ELSEWHERE)
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "scene", REFUSALS, ELSEWHERE
+)

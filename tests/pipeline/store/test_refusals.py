@@ -18,7 +18,7 @@ from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from tests.helpers import entries, tiny
 from tests.helpers.entries import placed_rows
-from tests.helpers.refusals import Refusals
+from tests.helpers.refusals import refusal_tests
 from tests.helpers.stores import commit, forge
 
 SWEEP = tiny.full()
@@ -230,19 +230,9 @@ ELSEWHERE = {
 """Refusals that are not in the table: where they are tested, or why not."""
 
 
-@pytest.fixture(scope="module")
-def refusals(tmp_path_factory, alone):
-    folder = tmp_path_factory.mktemp("refusals")
-    return Refusals("store", REFUSALS, folder, {"tiny.zarr": alone})
-
-
-@pytest.mark.parametrize("name", REFUSALS)
-def test_what_is_refused_is_named(refusals, name):
-    refusals.check(name)
-
-
-def test_the_table_has_every_refusal(refusals):
-    refusals.check_all(ELSEWHERE)
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "store", REFUSALS, ELSEWHERE, tiny="alone"
+)
 
 
 def test_no_name_leads_out_of_a_store(tmp_path):

@@ -15,7 +15,7 @@ from pipeline.sweep.severity import require_bulks
 from pipeline.sweep.variants import Column, Row, Variants, surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import placed_rows, rows
-from tests.helpers.refusals import Refusals
+from tests.helpers.refusals import refusal_tests
 
 OIL = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
@@ -86,15 +86,6 @@ REFUSALS = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def refusals(tmp_path_factory):
-    return Refusals("sweep", REFUSALS, tmp_path_factory.mktemp("refusals"))
-
-
-@pytest.mark.parametrize("name", REFUSALS)
-def test_what_is_refused_is_named(refusals, name):
-    refusals.check(name)
-
-
-def test_the_table_has_every_refusal(refusals):
-    refusals.check_all()
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "sweep", REFUSALS
+)

@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import pytest
-
 import pipeline
 from pipeline.store.create import writing
 from pipeline.sweep.model import Point
@@ -11,7 +9,7 @@ from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity
 from pipeline.tradeoff.trade import trade
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import changed
-from tests.helpers.refusals import Refusals
+from tests.helpers.refusals import refusal_tests
 
 PAPER = pipeline.load_scene("irg_transition")
 COLD = changed(PAPER, conditions=replace(PAPER.conditions, friction=0.0))
@@ -50,15 +48,6 @@ ELSEWHERE = {
 """Refusals that are not in the table: where they are tested, or why not."""
 
 
-@pytest.fixture(scope="module")
-def refusals(tmp_path_factory):
-    return Refusals("tradeoff", REFUSALS, tmp_path_factory.mktemp("refusals"))
-
-
-@pytest.mark.parametrize("name", REFUSALS)
-def test_what_is_refused_is_named(refusals, name):
-    refusals.check(name)
-
-
-def test_the_table_has_every_refusal(refusals):
-    refusals.check_all(ELSEWHERE)
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "tradeoff", REFUSALS, ELSEWHERE
+)

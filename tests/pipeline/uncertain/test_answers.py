@@ -13,7 +13,6 @@ from tests.helpers.samples import (
     critical_velocity,
     dataset,
     ensemble,
-    fewer_draws,
     limit,
     margin,
     rise,
@@ -26,16 +25,6 @@ from tests.helpers.unknowns import ALL, CRITICAL, FRICTION, JOINT, LENGTH, RATE
 @pytest.fixture(scope="module")
 def samples():
     return ensemble()
-
-
-@pytest.mark.parametrize(("load", "velocity"), [(400.0, 1.6), (300.0, 2.4)])
-def test_the_probability_is_that_of_2000_direct_samples_within_its_error(load, velocity):
-    found = margin(ensemble(noise=0.01), load, velocity).probability
-    direct = drawn(ALL, 99, 2000)
-    noise = np.exp(0.01 * np.random.default_rng(1).standard_normal(2000))
-    severe = rise(direct, load, velocity) * noise > limit(direct)
-    error = math.sqrt(severe.mean() * (1 - severe.mean()) / 2000)
-    assert abs(found - severe.mean()) < 2.5 * math.hypot(error, 0.01)
 
 
 def test_the_probability_counts_with_what_is_correlated(samples):
@@ -138,14 +127,3 @@ def test_conditions_of_a_row_judge_its_samples_as_options_would():
     (row,) = pipeline.margin(judged, HERE | {"friction": [0.09]}).to_dict("records")
     both = pipeline.at(ds, friction=0.09, bulk_temperature="30 degC")
     assert row["probability"] == pytest.approx(pipeline.margin(both, 400.0, 2.0).probability)
-
-
-def test_samples_are_given_by_their_dataset_too(samples, monkeypatch):
-    fewer_draws(monkeypatch)
-    ds = dataset(samples)
-    read = pipeline.Ensemble.of(ds)
-    assert pipeline.Ensemble.of(read) is read
-    first, second = (pipeline.sensitivity(one).total for one in (ds, read))
-    np.testing.assert_array_equal(first, second)
-    first, second = (pipeline.posterior(one).prior.inputs for one in (ds, read))
-    np.testing.assert_array_equal(first, second)

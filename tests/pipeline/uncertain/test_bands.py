@@ -4,12 +4,10 @@ import dataclasses
 import math
 
 import numpy as np
-import pytest
 
 from pipeline.uncertain.unknown import drawn
 from tests.helpers.samples import ensemble, rise
 from tests.helpers.unknowns import ALL
-from tests.promises.rigs import boundary_near
 
 
 def test_bands_hold_nine_of_ten_runs_at_the_loads_and_between_them_and_of_places_left_out():
@@ -43,13 +41,3 @@ def test_bands_of_few_contacts_hold_waves_between_them_and_are_not_said_to_suffi
             missed = excess.values[0] + samples.log_limit(row[None])[0] - run
             held.append(abs(missed) < 1.645 * excess.error[0])
     assert np.mean(held) > 0.82  # 0.74 with the constants of all rows
-
-
-@pytest.mark.parametrize("place", [-0.4, 0.299, 0.9])
-def test_a_boundary_is_found_where_the_rise_jumps(place):
-    def excess(log_velocity):
-        return 0.7 * (log_velocity - 0.3) + math.copysign(0.005, log_velocity - 0.3)
-
-    assert boundary_near(excess, place, (-1.0, 1.0)) == pytest.approx(0.3, abs=2e-3)
-    assert boundary_near(excess, -0.4, (-1.0, 0.2)) is None
-    assert boundary_near(excess, 0.9, (0.4, 1.0)) is None

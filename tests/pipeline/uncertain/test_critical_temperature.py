@@ -14,7 +14,6 @@ from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
-from tribo import InputError
 
 
 def test_the_critical_temperature_comes_back_from_the_boundary_that_it_made(tmp_path):
@@ -38,11 +37,6 @@ def test_the_critical_temperature_comes_back_from_the_boundary_that_it_made(tmp_
     assert [row[1] for row in both.temperatures] == list(result.means)
     assert both.mean == pytest.approx(np.mean(both.temperatures))
     assert both.spreads[0] == pytest.approx(np.std(both.temperatures[0], ddof=1))
-
-
-def test_without_a_measured_transition_there_is_nothing_to_find():
-    with pytest.raises(InputError, match=r"no measured transition; give it a \[\[measured\]\]"):
-        critical_temperatures(tiny.sweep(measured=()))
 
 
 def test_the_command_finds_temperature_and_wear_rate(tmp_path, irg):

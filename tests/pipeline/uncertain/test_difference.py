@@ -12,8 +12,6 @@ from pipeline.uncertain.answer_posterior import _word_contrast
 from pipeline.uncertain.posterior import contrasts
 from tests.helpers.samples import EXPONENT, LOADS, critical_velocity, ensemble
 from tests.helpers.unknowns import CRITICAL, LENGTH
-from tests.promises.laboratories import oils_held
-from tests.promises.stages import closed_form
 
 WIDE = dataclasses.replace(CRITICAL, parameters=(418.15, 20.0))
 LONG = dataclasses.replace(LENGTH, parameters=(1e-6, 9e-6))
@@ -49,8 +47,3 @@ def test_the_scene_s_oil_is_that_of_tests_without_one_else_the_first_by_name():
     assert own_tests((a, plain, b)) == (plain,)
     assert own_tests((b, a, b)) == (a,)
     assert own_tests(()) == ()
-
-
-def test_intervals_of_the_difference_between_oils_hold():
-    with closed_form():
-        assert oils_held(12)["right"]

@@ -3,7 +3,6 @@
 import pytest
 
 import pipeline
-from pipeline.scene.faults import SceneFileError
 from pipeline.scene.resume import join, misfits
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain.samples import Draw
@@ -25,12 +24,6 @@ def scene(tmp_path, unknown=UNKNOWN, samples=8, text=SCENE):
     sampled = "[sweep]" if samples is None else f"[sweep]\nsamples = {samples}"
     (tmp_path / "scene.toml").write_text(text.replace("[sweep]", sampled) + unknown)
     return tmp_path / "scene.toml"
-
-
-def faults(path, overrides=None):
-    with pytest.raises(SceneFileError) as caught:
-        pipeline.load_scene(path, overrides=overrides)
-    return caught.value.faults
 
 
 def test_friction_and_temperatures_are_not_simulated(tmp_path):

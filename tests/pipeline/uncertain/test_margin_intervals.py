@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.margin import percent
 from pipeline.analysis.rise_error import error_of_point
 from pipeline.uncertain.unknown import drawn
 from tests.helpers.samples import (
@@ -45,22 +44,6 @@ def test_medians_and_intervals_are_those_of_the_closed_form():
         assert getattr(found, name) == pytest.approx(np.median(direct), **error)
     assert found.probability == pytest.approx(np.mean(hot > DIRECT[:, 0]), abs=0.01)
     assert found.members >= 1024
-
-
-def test_a_dataset_of_samples_answers_like_a_plane():
-    ds = dataset(ensemble(), model_scatter=0.05, measured=(), tested=())
-    found = pipeline.margin(ds, "400 N", "2 m/s")
-    assert found.intervals.keys() == {
-        "decisive_temperature", "distance", "critical_velocity", "critical_load",
-    }  # fmt: skip
-    (row,) = pipeline.margin(ds, {"load": [400.0], "velocity": [2.0]}).to_dict("records")
-    assert (row["verdict"], row["distance [K]"]) == (found.verdict, found.distance)
-    assert (row["distance low [K]"], row["distance high [K]"]) == found.intervals["distance"]
-    ends = percent(found.lowest).removesuffix(" %"), percent(found.highest)
-    assert f"severe wear is {percent(found.probability)} likely ({ends[0]} to {ends[1]})" in (
-        found.sentence
-    )
-    assert not any("conductivity" in one for one in found.caveats)
 
 
 @pytest.mark.parametrize("place", [(400.0, 1.3), (400.0, 2.0), (750.0, 1.4)])

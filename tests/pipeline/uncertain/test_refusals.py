@@ -12,7 +12,7 @@ from pipeline.store.create import writing
 from pipeline.uncertain import critical_temperature, entries
 from pipeline.uncertain.unknown import Unknown
 from tests.helpers import synthetic
-from tests.helpers.refusals import Refusals, command
+from tests.helpers.refusals import command, refusal_tests
 from tests.helpers.samples import LOADS, dataset, ensemble, field
 from tests.helpers.scenes import SCENE
 from tests.helpers.unknowns import ALL, LENGTH, RATE
@@ -280,15 +280,6 @@ REFUSALS = {
 }
 
 
-@pytest.fixture(scope="module")
-def refusals(tmp_path_factory):
-    return Refusals("uncertain", REFUSALS, tmp_path_factory.mktemp("refusals"))
-
-
-@pytest.mark.parametrize("name", REFUSALS)
-def test_what_is_refused_is_named(refusals, name):
-    refusals.check(name)
-
-
-def test_the_table_has_every_refusal(refusals):
-    refusals.check_all()
+refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
+    "uncertain", REFUSALS
+)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tests.tribo.contact.influence import elastic_influence
-from tribo import Grid, InputError
+from tribo import Grid
 from tribo.contact import ElasticHalfSpace
 
 REFERENCES = json.loads(
@@ -69,11 +69,3 @@ def test_nearest_image_kernel_is_the_element_and_its_image_one_period_back(order
     for i, j in ((0, 0), (0, 1), (3, 5), (6, 9), (2, 7)):
         place, nearest, image = (pair[axes] for pair in ((i, j), (i, j), (i, ny - j)))
         assert near[place] == pytest.approx(alone[nearest] + alone[image], rel=1e-12)
-
-
-@pytest.mark.parametrize("periodic", [(False, False), (True, True)])
-def test_one_image_needs_one_periodic_axis(periodic):
-    with pytest.raises(InputError, match="periodic along one axis"):
-        elastic_influence(Grid((4, 4), (1.0, 1.0), periodic), UNIT, "nearest-image")
-    with pytest.raises(InputError, match="allowed are periodic, nearest-image"):
-        elastic_influence(Grid((4, 4), (1.0, 1.0)), UNIT, "leakage")

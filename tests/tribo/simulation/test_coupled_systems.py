@@ -1,4 +1,4 @@
-"""Friction by temperature on 14 systems of the campaigns, beside a plain iteration with damping."""
+"""Friction by temperature on systems of the campaigns, beside a plain iteration with damping."""
 
 import dataclasses
 
@@ -13,9 +13,8 @@ from tribo.thermal import contact_quantiles, partition_heat
 
 SYSTEMS = {
     case.name: case
-    for case in cases(range(6))
-    if case.family == "coarse pixels"
-    or (case.number < 2 and case.family in ("lay", "twin disc", "local", "wide summits"))
+    for case in cases([0])
+    if case.family in ("coarse pixels", "lay", "twin disc", "local", "wide summits")
 }
 _CLOSE = 0.3  # K, as promised
 _STEP, _STILL, _MOST = 0.3, 1e-2, 200  # share of a change that is taken, its end [K], and rounds
@@ -57,7 +56,7 @@ def iterated(scene, state, velocity, law, bulk):
     return quantiles[tribo.QUANTILES.index(0.9)]
 
 
-@pytest.mark.parametrize("slope", [0.002, -0.002, -0.005])
+@pytest.mark.parametrize("slope", [0.002, -0.005])
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_straight_lines_are_solved_on_all_systems(states, name, slope):
     scene, velocity, bulk, state = states[name]

@@ -15,7 +15,6 @@ from tribo import (
     Crowned,
     Fidelity,
     Grid,
-    InputError,
     MeasuredLoad,
     Motion,
     Ramp,
@@ -213,14 +212,6 @@ def test_a_ball_that_rolls_is_swept_over_and_wears_around():
     volume = measures(scene, state)["wear_volume"]
     assert volume == pytest.approx(1.2e-15 * 200.0 * 200.0 / 150.0 / 2, rel=1e-10)
     assert np.allclose(state.wear_depth, state.wear_depth[:1], rtol=1e-9)
-
-
-def test_pins_that_cannot_be_are_refused():
-    with pytest.raises(InputError, match="crown_radius is -1"):
-        Crowned(5e-3, -1.0, STEEL)
-    periodic = Grid((160, 160), (4e-6, 4e-6))
-    with pytest.raises(InputError, match="under a crowned pin both axes must be free"):
-        replace(ball(), pin=Crowned(5e-3, 0.1, STEEL), pixels=periodic)
 
 
 def test_a_smooth_pin_wears_swept_as_it_wears_locally():

@@ -25,13 +25,6 @@ def assert_told(words, scene, state, kind):
     assert not words or words in messages[0]
 
 
-def test_contact_at_the_window_s_edge_warns():
-    scene = replace(small_scene(), pixels=Grid((12, 16), (8e-6, 8e-6)))
-    kind = WarningKind.CONTACT_AT_EDGE
-    assert "x edge" in texts(scene, last(scene, 750.0, 1.25), kind)[0]
-    assert not texts(small_scene(), last(small_scene(), 400.0, 1.25), kind)
-
-
 def test_kinds_keep_the_bits_that_stores_have():
     assert {kind.label: kind.value for kind in WarningKind} == {
         "unstable wear": 1,

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tribo import QUANTILES, InputError
+from tribo import QUANTILES
 from tribo.errors import InvariantError
-from tribo.thermal import BULK_RATIOS, Criterion, Rule, add_bulk_ratio
+from tribo.thermal import Criterion, Rule
 
 EVEN = 100.0 * np.array(QUANTILES)
 """Rises spread evenly over the contact from 0 to 100 K."""
@@ -80,23 +80,3 @@ def test_a_rise_of_ones_own_lies_within_its_contact(rises, fault):
 def test_a_mean_of_ones_own_has_no_quantiles_to_lie_within():
     own = Criterion("own", rule=Rule("mean_rise", lambda mean, *_: 3 * mean, "own", "own"))
     assert own.rise({"mean_rise": np.array([40.0, np.nan])})[0] == 120.0
-
-
-def test_a_warmer_disk_raises_quantiles_maximum_and_mean():
-    """By 0.8 K for each kelvin at all elements, and at friction 1."""
-    kept = np.array([EVEN + 0.8 * ratio for ratio in BULK_RATIOS])
-    columns = COLUMNS | {"max_rise": 100.0, "bulk_rise_quantile": kept, "mean_bulk_response": 0.8}
-    for ratio in (200.0, -300.0, 40.0):
-        warm = add_bulk_ratio(columns, ratio)
-        assert warm["rise_quantile"] == pytest.approx(EVEN + 0.8 * ratio)
-        assert warm["max_rise"] == pytest.approx(100.0 + 0.8 * ratio)
-        assert warm["mean_rise"] == pytest.approx(40.0 + 0.8 * ratio)
-        assert warm["bulk_rise_quantile"] is kept
-    assert add_bulk_ratio(columns, 0.0) is columns
-    for name in ("rise_quantile", "mean_rise"):
-        needed = {"rise_quantile": "bulk_rise_quantile", "mean_rise": "mean_bulk_response"}[name]
-        alone = add_bulk_ratio({name: columns[name], needed: columns[needed]}, 200.0)
-        assert alone.keys() == {name, needed}
-    with pytest.raises(InputError, match=r"temperatures differ, .* with equal ones"):
-        add_bulk_ratio(COLUMNS, 1.0)
-    assert add_bulk_ratio(COLUMNS, 0.0) is COLUMNS

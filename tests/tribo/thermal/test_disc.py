@@ -11,21 +11,18 @@ from tribo.thermal.track import track_warming
 DIFFUSIVITY, CAPACITY = 1.2275e-5, 3.666e6
 CONDUCTIVITY = DIFFUSIVITY * CAPACITY
 PLAIN = {"diameter": 0.1, "width": 10e-3}
-OTHER = {"diameter": 0.06, "width": 15e-3}
 SPEED, RAMP, POWER = 200.0, 10.0, 400.0
+RIM = np.pi * PLAIN["diameter"] * PLAIN["width"]
 DISCS = {
-    f"{1e3 * size['diameter']:g} mm, {words}": Disc(**size, **more)
-    for size in (PLAIN, OTHER)
+    words: Disc(**PLAIN, **more)
     for words, more in {
         "no loss": {},
-        "5 W/K evenly": {"shaft_loss": 5.0},
         "20 W/K evenly": {"shaft_loss": 20.0},
-        "5 W/K at the rim": {"rim_loss": 5.0 / (np.pi * size["diameter"] * size["width"])},
-        "20 W/K at the rim": {"rim_loss": 20.0 / (np.pi * size["diameter"] * size["width"])},
+        "5 W/K at the rim": {"rim_loss": 5.0 / RIM},
+        "20 W/K at the rim": {"rim_loss": 20.0 / RIM},
         "faces": {"face_loss": 500.0},
-        "ring": {"bore": 0.6 * size["diameter"]},
-        "ring on a shaft of 5 W/K": {"bore": 0.3 * size["diameter"], "shaft_loss": 5.0},
-        "ring on a shaft of 20 W/K": {"bore": 0.3 * size["diameter"], "shaft_loss": 20.0},
+        "ring": {"bore": 0.06},
+        "ring on a shaft of 20 W/K": {"bore": 0.03, "shaft_loss": 20.0},
     }.items()
 }
 
@@ -77,7 +74,7 @@ def by_turns(disc, hold):
 
 
 @pytest.mark.parametrize("name", DISCS)
-@pytest.mark.parametrize("hold", [0.0, 60.0, 600.0])
+@pytest.mark.parametrize("hold", [0.0, 600.0])
 def test_the_rim_warms_as_rings_that_conduct(name, hold):
     disc = DISCS[name]
     assert by_turns(disc, hold) == pytest.approx(by_rings(disc, hold), rel=0.01)
