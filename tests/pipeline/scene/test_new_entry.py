@@ -1,66 +1,92 @@
-"""A new entry is a line of the format and a field in `tribo`: all else follows from the two."""
+"""A new entry touches two files, by a line each beside its use: all else follows from these."""
 
-from dataclasses import dataclass, make_dataclass
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
-import pipeline
-import tribo
-from pipeline.scene.declare import Entry, table_of
-from pipeline.scene.format import RandomSurface
+ROOT = Path(__file__).parents[3]
+LINES = {
+    "pipeline/scene/format.py": (
+        '    seed: A[int, SEED, "Seed of the random surface."] = 0\n',
+        '    waviness: A[float, Quantity("1 um", usual=(0.1, 9)), "Height of the waves."] = 0.0\n',
+    ),
+    "tribo/surface/roughness.py": ("    seed: int = 0\n", "    waviness: float = 0.0\n"),
+}
+"""Files that the entry touches: a line that is there, and the line after it."""
+USE = "        return self_affine(pixels, ", "        return self.waviness + self_affine(pixels, "
+ASKED = """
+import json, pipeline
 from pipeline.scene.kept import sweep_text, text_sweep
-from pipeline.scene.kinds import Quantity
 from pipeline.scene.reference import all_keys
 from pipeline.scene.resume import misfits
-from pipeline.scene.written import differing
 from pipeline.sweep.identity import scene_ids
 
 PATH = "disk.roughness.waviness"
-VALUES = {"2 um": 2e-6, "0.003 mm": 3e-6}
+
+def load(value, path=PATH):
+    return pipeline.load_scene("first_try", overrides={path: value})
+
+def fault():
+    try:
+        load(2)
+    except pipeline.SceneFileError as error:
+        return str(error)
+
+one, other = load("2 um"), load("0.003 mm")
+over = load({PATH: ["2 um", "3 um"]}, "sweep.over")
+pipeline.new_scene("full.toml", full=True)
+print(json.dumps({
+    "height": one.scene.roughness.heights(one.scene.pixels).mean(),
+    "is told": PATH in dict(all_keys()) and "#waviness" in open("full.toml").read(),
+    "fault": fault(),
+    "doubt": str(load("20 um").about.notes[0]),
+    "is kept": text_sweep(sweep_text(one), {}) == one != other,
+    "is another scene": scene_ids(one, {}) != scene_ids(other, {}),
+    "misfits": [*misfits(one, other)],
+    "rows": [over.variant(name).scene.roughness.waviness for name in over.variants.names],
+}))
+"""
 
 
-@dataclass(frozen=True)
-class Wavy(tribo.SelfAffineRoughness):
-    """The line in `tribo`."""
-
-    waviness: float = 0.0
-
-
-Wavy.__module__ = "tribo"  # as a class that ships
-
-
-@pytest.fixture
-def scenes(monkeypatch):
-    """Scenes with each value of an entry of which only its two lines are there."""
-    table = table_of(RandomSurface)
-    line = Entry(Quantity("1 um"), "Height of the waves.", default=0.0)
-    monkeypatch.setitem(table.keys, "waviness", line)
-    asked = make_dataclass(
-        "RandomSurface", [("waviness", float)], bases=(RandomSurface,), frozen=True, kw_only=True
-    )
-    monkeypatch.setitem(table.__dict__, "make", asked)
-    monkeypatch.setattr(tribo, "SelfAffineRoughness", Wavy)
-    return [pipeline.load_scene("first_try", overrides={PATH: text}) for text in VALUES]
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """The source with the entry."""
+    folder = tmp_path_factory.mktemp("source")
+    for name in ("pipeline", "tribo", "workflows"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name, (above, line) in LINES.items():
+        text = (file := folder / name).read_text()
+        assert text.count(above) == 1, f"{name} has no such line any more"
+        file.write_text(text.replace(above, above + line).replace(*USE))
+    return folder
 
 
-def test_it_is_read_simulated_and_told(scenes):
-    assert [scene.scene.roughness.waviness for scene in scenes] == [*VALUES.values()]
-    assert PATH in dict(all_keys())
-    with pytest.raises(pipeline.SceneFileError, match="2 has no unit; give a length above 0"):
-        pipeline.load_scene("first_try", overrides={PATH: 2})
+def test_it_touches_two_files(copy):
+    files = [
+        str(file.relative_to(copy))
+        for file in copy.rglob("*.py")
+        if file.read_bytes() != (ROOT / file.relative_to(copy)).read_bytes()
+    ]
+    assert sorted(files) == [*LINES]
 
 
-def test_a_store_keeps_it_and_tells_its_values_apart(scenes):
-    one, other = scenes
-    assert text_sweep(sweep_text(one), {}) == one != other
-    assert scene_ids(one, {}) != scene_ids(other, {})
-    assert [*differing(one, other)] == [(PATH, "2 µm", "0.003 mm")]
-    assert [*misfits(one, other)] == [f"{PATH}: 2 µm in the store, 0.003 mm in the scene"]
-
-
-def test_it_takes_several_values_and_a_row_reads_its_table_alone(scenes):
-    over = {"sweep.over": {PATH: [*VALUES]}}
-    sweep = pipeline.load_scene("first_try", overrides=over)
-    rows = [sweep.variant(name) for name in sweep.variants.names]
-    assert [row.scene.roughness.waviness for row in rows] == [*VALUES.values()]
-    assert rows[1].parts().declared.pin is sweep.parts().declared.pin
+def test_it_is_read_told_doubted_kept_compared_and_varied(copy):
+    command = [sys.executable, "-W", "error", "-c", ASKED]
+    done = subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    answers = json.loads(done.stdout)
+    assert answers.pop("height") == pytest.approx(2e-6)
+    path = "disk.roughness.waviness"
+    assert answers == {
+        "is told": True,
+        "fault": f'first_try: {path}: 2 has no unit; give a length above 0, such as "1 um"',
+        "doubt": f"warning: {path}: 20 µm, where 0.1 to 9 µm are usual: check the number and unit",
+        "is kept": True,
+        "is another scene": True,
+        "misfits": [f"{path}: 2 µm in the store, 0.003 mm in the scene"],
+        "rows": [2e-6, 3e-6],
+    }
