@@ -39,6 +39,12 @@ Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
 DISC = "diameter", "width", "bore", "rim_loss", "face_loss", "shaft_loss"
 """Entries of a body that is a disc."""
 _RECORD = "time", "load"
+_WRONG_SIZE = (
+    "the surface has {} × {} heights along x and y, window.pixels is [{}, {}]; give both the same "
+    "size: cut out a patch (disk.roughness.crop), exchange x and y (disk.roughness.transpose = "
+    "true, since x is along the columns of the file), or go on beyond the ends "
+    '(disk.roughness.repeat = "mirror")'
+)
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
@@ -179,7 +185,7 @@ def corrections_of(scene: Any, pin: tribo.Pin, disk: tribo.Material) -> tribo.Co
         film_resistance=film.thickness / film.thermal_conductivity if film else 0.0,
         pin_bulk=_bulk_of(scene.pin, pin.material),
         disk_bulk=_bulk_of(scene.disk, disk),
-        motion=motion_of(scene) if _around(scene.pin) or _around(scene.disk) else None,
+        motion=motion_of(scene) if around(scene.pin) or around(scene.disk) else None,
     )
     return corrections if corrections != tribo.Corrections() else None
 
@@ -189,16 +195,12 @@ def motion_of(scene: Any) -> tribo.Motion | None:
     asked = scene.motion
     if asked is None:
         return None
-    return tribo.Motion(**vars(asked) | {"track_length": asked.track_length or _around(scene.pin)})
+    return tribo.Motion(**vars(asked) | {"track_length": asked.track_length or around(scene.pin)})
 
 
-def track_of(diameter: float | None, length: float | None) -> float | None:
+def around(body: Body) -> float | None:
     """Length of the track around a body [m]: the rim of a disc, or as given."""
-    return math.pi * diameter if diameter else length
-
-
-def _around(body: Body) -> float | None:
-    return track_of(body.diameter, body.track_length)
+    return math.pi * body.diameter if body.diameter else body.track_length
 
 
 def _ring_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:
@@ -206,7 +208,7 @@ def _ring_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Trac
     if body.diameter:
         sizes = {name: getattr(body, name) for name in DISC if getattr(body, name) is not None}
         return tribo.Track.under(pin, material, tribo.Disc(**sizes))
-    length = _around(body)
+    length = around(body)
     return tribo.Track.under(pin, material, length) if length else None
 
 
@@ -257,10 +259,15 @@ def roughness_of(scene: Any, contents: Contents, faults: Faults) -> Roughness | 
             scans = extras.module("surfaces")
             window = vars(scene.window) if scene.window else {}
             heights = scans.window_heights(vars(asked), window, path, faults)
-            if heights is not None:
+            if heights is not None and (pixels := window.get("pixels", heights.shape)):
+                if heights.shape != pixels:
+                    raise tribo.InputError(_WRONG_SIZE.format(*heights.shape, *pixels))
                 contents.keep(made := tribo.MeasuredRoughness(heights).array)
                 return tribo.MeasuredRoughness(made)
         return None
+    if scene.window and scene.window.pixels == (1, 1):
+        problem = "[1, 1] cannot be rough; give more pixels, or no disk.roughness"
+        faults.refuse("window.pixels", problem)
     length = asked.correlation_length
     pair = length if isinstance(length, tuple) else (length, length)
     return tribo.SelfAffineRoughness(**vars(asked) | {"correlation_length": pair})

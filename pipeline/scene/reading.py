@@ -87,8 +87,7 @@ class SceneReader:
             ("loading", scene.loading, stops),
             lambda: loading_of(scene.loading, self.contents, faults, stops),
         ) or (None, None)
-        made = {"fidelity": fidelity, "surface": roughness}
-        check_tables(vars(scene) | made, changed, faults)
+        check_tables(replace(scene, fidelity=fidelity), changed, faults)
         oil = self._once(("oil", scene.oil), lambda: oil_of(scene.oil, faults))
         wear = laws.get("wear") or wear_of(scene.wear, faults)
         if faults or loading is None:
