@@ -110,6 +110,19 @@ def si_of(value: float, unit: str) -> float:
     return round(value + zero, 9) if zero else value / _FACTORS.get(unit, 1.0)
 
 
+def as_written(value: Any, unit: str | None) -> Any:
+    """A number [SI] as an entry of a scene, which reads as the same number.
+
+    Examples
+    --------
+    >>> as_written(0.002, "m"), as_written(3.0, "1")
+    ('0.002 m', 3)
+    """
+    if unit in DIMENSIONS:
+        return f"{value!r} {next(iter(DIMENSIONS[unit].units))}"
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
 def snap(value: float, low: float, high: float) -> float:
     """A value, or the end of a range that it exceeds by rounding alone.
 

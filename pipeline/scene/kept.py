@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -33,16 +33,11 @@ def sweep_text(sweep: Sweep) -> str:
     """JSON of a sweep."""
     table, selection = sweep.variants, sweep.selection
     columns = {one.name: asdict(one) for one in table.columns}
-    keys = {one.name: one.key for one in table.columns}
-    rows = [
-        {name: label for name, label in labels.items() if keys[name] not in values} | {**values}
-        for labels, values in table.rows
-    ]
     text = {
         "name": sweep.name,
         "entries": sweep.entries,
         "columns": {k: {n: v for n, v in one.items() if v} for k, one in columns.items()},
-        "rows": (_packed(rows, table) if table.draw else rows) if columns else (),
+        "rows": _rows(table) if columns else (),
         "notes": sweep.notes,
         "sources": sweep.sources,
         "selection": selection and asdict(replace(selection, choices=(), points=())),
@@ -54,16 +49,23 @@ def sweep_text(sweep: Sweep) -> str:
     return json.dumps(told, ensure_ascii=False)
 
 
-def _packed(rows: Sequence[Mapping[str, Any]], table: Variants) -> Any:
-    """Rows of samples by columns: numbers [SI] with a unit, or values as they are."""
-    if len({tuple(row) for row in rows}) > 1:
-        return rows
-    packed: dict[str, Any] = {key: [row[key] for row in rows] for key in rows[0]}
-    for key, values in packed.items():
-        unit, numbers = str(values[0]).partition(" ")[2], table.labels(key)
-        if numbers and values == [f"{number!r} {unit}" for number in numbers]:
-            packed[key] = {"unit": unit, "values": numbers}
-    return packed
+def _rows(table: Variants) -> Any:
+    """Rows; those of samples by columns, and numbers with their units."""
+    first = table.rows[0].values
+    if not table.draw or any(row.values.keys() != first.keys() for row in table.rows):
+        keys = {one.name: one.key for one in table.columns}
+        pairs = ((row.labels, table.values(name)) for name, row in table.by_name.items())
+        return [
+            {name: label for name, label in labels.items() if keys[name] not in values} | {**values}
+            for labels, values in pairs
+        ]
+    columns: dict[str, Any] = {path: [row.values[path] for row in table.rows] for path in first}
+    for one in table.columns:
+        if one.key not in first:
+            labels = table.labels(one.name)
+            is_number = "." in one.name
+            columns[one.name] = {"unit": one.unit, "values": labels} if is_number else labels
+    return columns
 
 
 def _unpacked(rows: Any) -> Iterator[tuple[Mapping[str, Any], Mapping[str, float]]]:
@@ -72,13 +74,10 @@ def _unpacked(rows: Any) -> Iterator[tuple[Mapping[str, Any], Mapping[str, float
         yield from ((row, {}) for row in rows)
         return
     known = {key: one["values"] for key, one in rows.items() if isinstance(one, dict)}
-    written = {
-        key: [f"{x!r} {rows[key]['unit']}" for x in known[key]] if key in known else one
-        for key, one in rows.items()
-    }
-    for number, row in enumerate(zip(*written.values(), strict=True)):
+    others = {key: one for key, one in rows.items() if key not in known}
+    for number, row in enumerate(zip(*others.values(), strict=True)):
         labels = {key: values[number] for key, values in known.items()}
-        yield dict(zip(written, row, strict=True)), labels
+        yield dict(zip(others, row, strict=True)), labels
 
 
 def files_of(sweep: Sweep) -> dict[str, Array]:

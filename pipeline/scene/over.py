@@ -113,7 +113,7 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
 
     A row has values of the library, and the digests of what was read of its files.
     """
-    rows, reader, base = [], sweep.reader, sweep.parts()
+    rows, reader, base, read = [], sweep.reader, sweep.parts(), []
     for row in table.rows:
         written = replace_values(sweep.written, row.values)
         given = {path: one for path, one in row.values.items() if one is not None}
@@ -127,9 +127,13 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
         before = {path: sweep.entries.get(path) for path in full}
         added = {path: one for path, one in changes(before, full) if path not in given}
         contents = contents_of(parts).items()
-        read = {path: one for path, one in contents if entry_at(written, path) != one}
-        rows.append(row._replace(values=given | added | read))
-    return replace(sweep, variants=replace(table, rows=tuple(rows)) * sweep.variants)
+        files = {path: one for path, one in contents if entry_at(written, path) != one}
+        rows.append(row._replace(values=given | added | files))
+        read.append(parts)
+    made = replace(sweep, variants=replace(table, rows=tuple(rows)) * sweep.variants)
+    if not sweep.variants.columns:
+        made.keep_parts(read)
+    return made
 
 
 def _require_alike(row: Parts, base: Parts) -> None:

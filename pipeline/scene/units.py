@@ -255,11 +255,15 @@ def _split_hardness(text: str) -> tuple[str, str]:
         pressure = hardness_pressure(Decimal(number), unit)
     except InputError as error:
         raise UnitError(f"{_quoted(text)} {error}") from error
-    if pressure is not None:
-        return str(pressure), "Pa"
+    return (number, _typed(unit)) if pressure is None else (str(pressure), "Pa")
+
+
+@functools.lru_cache(maxsize=256)
+def _typed(unit: str) -> str:
+    """A unit as data sheets print it, as pint reads it."""
     for pattern, read in _PRINTED:
         unit = pattern.sub(read, unit)
-    return number, unit
+    return unit
 
 
 def middle_of_range(text: str) -> str | None:

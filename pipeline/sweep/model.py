@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
@@ -243,6 +243,11 @@ class Sweep:
             written = replace_values(self.written, values)
             self._alone[name] = replace(self, written=written, variants=Variants())
         return self._alone[name]
+
+    def keep_parts(self, parts: Iterable[Parts]) -> None:
+        """Keep what the rows of the table read as, which takes 0.2 ms a row."""
+        for name, one in zip(self.variants.names, parts, strict=True):
+            vars(self.variant(name))["_parts"] = one
 
     def below(self, name: Variant) -> Self:
         """The sweep at labels that are not drawn, on the rows that are drawn for them."""

@@ -148,13 +148,12 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> tuple[Task, ...]:
     base = functools.cache(sweep.variants.base)  # samples of a scene have its steps
     increment = functools.cache(lambda name, load: sweep.variant(name).scene.trunk(load))
 
-    def place(point: Point) -> tuple[Any, ...]:
+    def placed(point: Point) -> tuple[Any, ...]:
         velocity, lead = sweep.contact_of(point)
-        return lead, velocity, increment(base(lead), point.load), point.load
+        return lead, velocity, increment(base(lead), point.load), point.load, point.variant, point
 
-    ordered = sorted(todo, key=lambda point: (*place(point), point.variant))
-    groups = itertools.groupby(ordered, key=place)
-    return tuple(Task(tuple(points), tuple(ramp)) for (*ramp, _), points in groups)
+    groups = itertools.groupby(sorted(map(placed, todo)), key=lambda one: one[:4])
+    return tuple(Task(tuple(one[-1] for one in ones), ramp[:3]) for ramp, ones in groups)
 
 
 def step_count(scene: Scene, load: float) -> int:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from textwrap import shorten
 from typing import Any, NamedTuple
 
 from pipeline import extras
+from pipeline.quantities import as_written
 from tribo import InputError
 
 VARIANT = "variant"
@@ -31,7 +32,10 @@ _LONGEST = 100  # letters of the labels that a message lists
 
 
 class Row(NamedTuple):
-    """Labels of a row by column [SI], and the entries of the scene that it replaces by path."""
+    """Labels of a row by column [SI], and the entries of the scene that it replaces by path.
+
+    A column that is called by a path, and has no such entry, gives it by the label.
+    """
 
     labels: Mapping[str, Label]
     values: Mapping[str, Any]  # as a scene file has them
@@ -144,7 +148,8 @@ class Variants:
     def values(self, name: Variant) -> Mapping[str, Any]:
         """Entries that a row replaces, or that all rows do which are drawn for given labels."""
         if name in self.by_name:
-            return self.by_name[name].values
+            row = self.by_name[name]
+            return {**dict(self._numbers(row)), **row.values}
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
         if not own or len(name) != len(self.chosen):
             asked = " and ".join(f"{key} {value}" for key, value in name)
@@ -153,6 +158,12 @@ class Variants:
             raise InputError(f"the sweep has no {asked}; it has {held}")
         drawn = {one.key for one in self._drawn}
         return {key: one for key, one in own[0].values.items() if key not in drawn}
+
+    def _numbers(self, row: Row) -> Iterator[tuple[str, Any]]:
+        """Entries that a row gives by its labels alone, as samples do."""
+        for one in self.columns:
+            if "." in one.key and one.key not in row.values:
+                yield one.key, as_written(row.labels[one.name], one.unit)
 
     @property
     def _drawn(self) -> tuple[Column, ...]:
@@ -195,8 +206,9 @@ class Variants:
         self, name: Variant, loads: tuple[float, ...], velocities: tuple[float, ...]
     ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         """Loads and velocities of a row: its own place, or those of the plane."""
-        own = {axis: (label,) for axis, label in self.by_name[name].labels.items()}
-        return own.get("load", loads), own.get("velocity", velocities)
+        own = self.by_name[name].labels
+        load, velocity = own.get("load"), own.get("velocity")
+        return loads if load is None else (load,), velocities if velocity is None else (velocity,)
 
 
 def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.quantities import DIMENSIONS
+from pipeline.quantities import DIMENSIONS, as_written
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend, Reading
 from pipeline.scene.faults import Faults, did_you_mean, quoted
@@ -232,7 +232,7 @@ def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
     key, highest = f"unknown.{quoted(one.path)}", max(sweep.plane.loads)
     is_simulated, is_judged, is_heat_alone = False, False, True
     for value in _tried(one):
-        text = one.entry(value) if one.unit == "1" else one.text(value)
+        text = as_written(value, "1") if one.unit == "1" else one.text(value)
         try:
             other = _with_value(sweep, one.path, text)
         except InputError as error:

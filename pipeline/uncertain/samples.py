@@ -159,10 +159,7 @@ def drawn_rows(draw: Draw, count: int) -> Variants:
     )
     paths = [one.path for one in inputs]
     rows = (
-        Row(
-            {"sample": k, **dict(zip(paths, row, strict=True)), "velocity": velocity},
-            {one.path: one.entry(x) for one, x in zip(inputs, row, strict=True)},
-        )
+        Row({"sample": k, **dict(zip(paths, row, strict=True)), "velocity": velocity}, {})
         for k, (row, velocity) in enumerate(zip(values.tolist(), velocities.tolist(), strict=True))
     )
     return numbered_rows(columns, rows, draw.as_dict())

@@ -13,7 +13,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
-from pipeline.quantities import DIMENSIONS, ZERO, display
+from pipeline.quantities import ZERO, display
 from tribo import InputError
 from tribo.types import Array
 
@@ -81,13 +81,6 @@ class Unknown:
             return np.asarray(first + (rest[0] - first) * share)
         values = np.array(self.parameters)
         return np.asarray(values[np.minimum((share * len(values)).astype(int), len(values) - 1)])
-
-    def entry(self, value: float) -> str | float:
-        """A value as an entry of the scene, which reads as the same number."""
-        if self.unit != "1":
-            return f"{value!r} {next(iter(DIMENSIONS[self.unit].units))}"
-        is_whole = self.kind == "list" and all(map(float.is_integer, self.parameters))
-        return round(value) if is_whole else value
 
     @property
     def is_relative(self) -> bool:
