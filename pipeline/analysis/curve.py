@@ -101,10 +101,11 @@ class Curve:
         """
         places = np.broadcast_to(places, (*self.count.shape, np.shape(places)[-1]))
         (first, _), (last, _) = self.end(0), self.end(-1)
-        later = self.x[..., None, 1:]
-        pieces = np.minimum(
-            (places[..., None] >= later).sum(axis=-1), np.maximum(self.count - 2, 0)[..., None]
-        )
+        rows = self._numbers[..., None]
+        later = _keys(rows, np.where(np.isnan(self.x), np.inf, self.x)[..., 1:])
+        found = np.searchsorted(later.ravel(), _keys(rows, places), side="right")
+        most = np.maximum(self.count - 2, 0)[..., None]
+        pieces = np.clip(found - rows * later.shape[-1], 0, most)
         begins = np.take_along_axis(self._cubics[0], pieces, -1)
         inside = (places >= first[..., None]) & (places <= last[..., None])
         inside &= (self.count > 1)[..., None]
@@ -144,26 +145,50 @@ class Curve:
         is_told = np.isfinite(places) & (places > 0) & (self.count > 1) & (low > 0)
         return np.where(is_told, slope, np.nan)
 
-    def crossings(self, limit: Array | float) -> Array:
-        """Places (..., n) at which y passes the limit of its row, ascending; NaN elsewhere."""
-        limit = np.broadcast_to(limit, self.count.shape)
-        severe = Criterion.is_severe(self.y, limit[..., None])
-        turns = (severe[..., 1:] != severe[..., :-1]) & np.isfinite(self.y[..., 1:])
-        found: Array = np.full(self.x.shape, np.nan)
-        at = np.nonzero(turns)
-        found[at] = self._crossings(at[:-1], at[-1], limit[at[:-1]])
-        x, y = self.end(-1)
-        touches = ((y == limit) & ~severe.any(axis=-1))[..., None]
-        is_last = np.arange(found.shape[-1]) == self.ends[1][..., None]
-        return np.where(is_last & touches, x[..., None], found)
+    @property
+    def _numbers(self) -> Indices:
+        """Numbers of the rows, of their shape."""
+        return np.arange(self.count.size).reshape(self.count.shape)
 
-    def _crossings(self, rows: tuple[Indices, ...], pieces: Indices, limit: Array) -> Array:
+    def crossings(self, limit: Array | float, rows: Any = ...) -> Array:
+        """Places (..., n) at which y passes limits, ascending, and NaN behind them.
+
+        The limits are of the rows in their order, or each of one of some rows.
+        """
+        limit, rows = np.broadcast_arrays(limit, self._numbers[rows])
+        limits, of_limit = limit.ravel(), rows.ravel()
+        y = self.y.reshape(-1, self.y.shape[-1])
+        low, high = (which(y[:, :-1], y[:, 1:]) for which in (np.minimum, np.maximum))
+        row, piece = np.nonzero(low < high)
+        # All limits from the lower end of a piece to below its higher one are passed there.
+        keys = _keys(of_limit, limits)
+        order = np.argsort(keys)
+        begin, end = (
+            np.searchsorted(keys[order], _keys(row, level[row, piece])) for level in (low, high)
+        )
+        turns = np.repeat(np.arange(len(row)), end - begin)
+        behind = np.arange(len(turns)) - np.repeat(np.cumsum(end - begin), end - begin)
+        passed = order[behind + end[turns]]
+        first = np.lexsort((piece[turns], passed))
+        turns, passed = turns[first], passed[first]
+        number = np.arange(len(turns)) - np.searchsorted(passed, passed)
+        found: Array = np.full((len(limits), number.max(initial=0) + 1), np.nan)
+        found[passed, number] = self._crossings(row[turns], piece[turns], limits[passed])
+        x, last = (part.ravel()[of_limit] for part in self.end(-1))
+        touches = (last == limits) & Criterion.is_mild(np.fmax.reduce(y, axis=1)[of_limit], limits)
+        found[touches, 0] = x[touches]
+        return found.reshape(*limit.shape, -1)
+
+    def _crossings(self, rows: Indices, pieces: Indices, limit: Array) -> Array:
         """Places at which y passes limits between some points and the next ones."""
-        u, v, low, bend, twist = (part[*rows, pieces] for part in self._cubics)
-        ends = u, self._cubics[0][*rows, pieces + 1]
-        is_log = self.is_log[*rows]
+        x, y, *cubics = (
+            part.reshape(-1, part.shape[-1]) for part in (self.x, self.y, *self._cubics)
+        )
+        u, v, low, bend, twist = (part[rows, pieces] for part in cubics)
+        ends = u, cubics[0][rows, pieces + 1]
+        is_log = self.is_log.ravel()[rows]
         target = np.where(is_log, np.log(np.where(is_log & (limit > 0), limit, 1.0)), limit) - v
-        starts_above = self.y[*rows, pieces] > limit
+        starts_above = y[rows, pieces] > limit
         near, far = np.zeros_like(u), ends[1] - u
         for _ in range(_HALVINGS):
             middle = (near + far) / 2
@@ -172,8 +197,15 @@ class Curve:
             near, far = np.where(stays, middle, near), np.where(stays, far, middle)
         found = np.where(is_log, np.exp(np.where(is_log, u + far, 0.0)), u + far)
         for number in (pieces, pieces + 1):  # without rounding
-            found = np.where(self.y[*rows, number] == limit, self.x[*rows, number], found)
-        return np.asarray(np.clip(found, self.x[*rows, pieces], self.x[*rows, pieces + 1]))
+            found = np.where(y[rows, number] == limit, x[rows, number], found)
+        return np.asarray(np.clip(found, x[rows, pieces], x[rows, pieces + 1]))
+
+
+def _keys(rows: Indices, values: Array) -> Array:
+    """Numbers that are in order of the rows, and within a row of the values."""
+    keys = np.empty(np.broadcast_shapes(rows.shape, values.shape), complex)
+    keys.real, keys.imag = rows, values
+    return keys
 
 
 def _end_slope(h: Array, next_h: Array, m: Array, next_m: Array) -> Array:

@@ -22,7 +22,7 @@ from pipeline.analysis.curve import Curve, certain
 from pipeline.analysis.dataset import Kind
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results, results
-from pipeline.analysis.rise_error import RiseError, RisePlane, add_counted, planes_of, rise_errors
+from pipeline.analysis.rise_error import RisePlane, counted_error, planes_of, rise_errors, totals
 from pipeline.analysis.transition import LEAST_SLOPE, Line, Transitions, range_of
 from pipeline.quantities import UNITS
 from pipeline.store.place import PathLike
@@ -35,6 +35,7 @@ from tribo.types import Array, Mask
 
 _FAR, _PLACES = 30.0, 1024  # ratio to which a line goes on with its friction, and places of it
 _PARTS = 64  # parts of an interval of velocities, in each of which friction is taken as it is there
+_POINTS = 2_000_000  # of lines at once
 
 
 Places = Array | float
@@ -98,8 +99,11 @@ class Field(Protocol):
     def temperatures(self, loads: Places, velocities: Places) -> Here:
         """Deciding temperatures at places, and where they are from."""
 
-    def errors(self, loads: Places, velocities: Places) -> list[RiseError]:
-        """Numerical errors there, relative to the rise: of the member that errs most."""
+    def errors(self, loads: Places, velocities: Places) -> Array:
+        """Numerical errors there by part and place, relative to the rise; NaN where not known.
+
+        They are of the member that errs most, and the parts are those of `RiseError`.
+        """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
         """Where wear first turns severe along an axis through places."""
@@ -145,7 +149,12 @@ class PointField:
     misfit: str = ""
     basis: tuple[Mapping[str, Any], Sequence[str]] = ({}, ())
     counts_inputs = False
-    at_once = 1000  # lines of 1000 places take some 100 MB where friction depends on the velocity
+
+    @property
+    def at_once(self) -> int:
+        """See `Field`; so many lines take some 200 MB."""
+        parts = _PARTS if self.conditions.has_friction_curve else 1
+        return 1 + _POINTS // (parts * len(self.planes[0].velocities))
 
     @property
     def weights(self) -> Array:
@@ -230,32 +239,31 @@ class PointField:
         return [Curve(plane.velocities, plane.rises) for plane in self.planes]
 
     @functools.cached_property
-    def _certain_rises(self) -> list[Array]:
-        """Rises with friction by load and velocity, by plane; where certain, also those to come."""
-        factors = (self.conditions.friction_factor(plane.velocities) for plane in self.planes)
-        rises = [plane.rises * factor for plane, factor in zip(self.planes, factors, strict=True)]
-        return [
-            np.where(np.isfinite(of), of, certain(x := plane.velocities, of, x, self.limit))
-            for plane, of in zip(self.planes, rises, strict=True)
-        ]
+    def _load_curves(self) -> list[tuple[Curve, Curve]]:
+        """Curves over loads at the velocities, by plane: as computed, and where certain."""
+        curves = []
+        for plane in self.planes:
+            x = plane.velocities
+            rises = plane.rises * self.conditions.friction_factor(x)
+            going_on = np.where(np.isfinite(rises), rises, certain(x, rises, x, self.limit))
+            curves.append((Curve(plane.loads, rises.T), Curve(plane.loads, going_on.T)))
+        return curves
 
-    def errors(self, loads: Places, velocities: Places) -> list[RiseError]:
+    def errors(self, loads: Places, velocities: Places) -> Array:
         """See `Field`."""
         loads, velocities = places_of(loads, velocities)
-        by_plane = [rise_errors(plane, loads, velocities, self.promised) for plane in self.planes]
-        worst = [
-            max(errors, key=lambda one: math.inf if one.total is None else one.total)
-            for errors in zip(*by_plane, strict=True)
-        ]
-        counted = functools.cache(lambda one, *rest: add_counted(one, self.conditions, *rest))
-        if not self.conditions.friction_law.by_temperature:
-            return [counted(one) for one in worst]
-        rises = np.max([self._rise(k, loads, velocities)[0] for k in range(len(self.planes))], 0)
-        solved = (
-            all(plane.rests_on_solved(load, velocity) for plane in self.planes)
-            for load, velocity in zip(loads.tolist(), velocities.tolist(), strict=True)
+        by_plane = np.array(
+            [rise_errors(plane, loads, velocities, self.promised) for plane in self.planes]
         )
-        return [*map(counted, worst, rises.tolist(), solved)]
+        worst = np.nan_to_num(totals(by_plane.swapaxes(0, 1)), nan=math.inf).argmax(axis=0)
+        errors: Array = by_plane[worst, :, np.arange(len(loads))].T
+        if not self.conditions.friction_law.by_temperature:
+            errors[-1] = counted_error(self.conditions)
+            return errors
+        rises = np.max([self._rise(k, loads, velocities)[0] for k in range(len(self.planes))], 0)
+        is_solved = [plane.rests_on_solved(loads, velocities) for plane in self.planes]
+        errors[-1] = counted_error(self.conditions, rises, np.all(is_solved, axis=0))
+        return errors
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
         """See `Field`."""
@@ -271,24 +279,14 @@ class PointField:
         is_row = np.isin(loads, self.planes[0].loads) & ~untold
         keys = np.stack([loads, np.where(is_row, -1.0, velocities)])
         _, first, rows = np.unique(keys, axis=1, return_index=True, return_inverse=True)
-        lines = self.lines("velocity", loads[first], velocities[first], untold[first])
-        limits = rise_limits(self.conditions)[:, None]
-
-        def shifted(shift: Array) -> Array:
-            # Many places may share a line and its limit.
-            keys = np.stack([rows.ravel(), shift])
-            (numbers, shifts), places = np.unique(keys, axis=1, return_inverse=True)
-            shares = [
-                [
-                    replace(line, limit=limit).severe_share(velocities, scatter, places.ravel())
-                    for limit in limits * np.exp(-shifts)
-                ]
-                for line in (line[numbers.astype(int)] for line in lines)
-            ]
-            return np.asarray(self.weights @ np.mean(shares, axis=1))
-
-        shifts = np.broadcast_to(shift, np.broadcast_shapes(loads.shape, np.shape(shift)))
-        return np.apply_along_axis(shifted, -1, shifts)
+        shares = [
+            replace(line, limit=limit * np.exp(-np.asarray(shift)), rows=rows.ravel())
+            for line in self.lines("velocity", loads[first], velocities[first], untold[first])
+            for limit in rise_limits(self.conditions)
+        ]
+        return np.asarray(
+            np.mean([one.severe_share(velocities, scatter) for one in shares], axis=0)
+        )
 
     def _is_untold(self, loads: Array, velocities: Array) -> Mask:
         """A row of the sweep has too few points to go on to a velocity, on any surface."""
@@ -325,10 +323,9 @@ class PointField:
             computed, here = self._load_rises(number, velocities), factor(velocities)
             going_on = (certain(other, plane.rises, velocities, limit / here) * here).T
         elif has_curve:  # how friction goes on beyond the points is no power law
-            computed = going_on = Curve(other, rises.T)(place).T
+            computed = going_on = self._load_curves[number][0](place).T
         else:
-            both = rises, self._certain_rises[number]
-            computed, going_on = (Curve(other, rows.T)(place).T for rows in both)
+            computed, going_on = (curve(place).T for curve in self._load_curves[number])
         nearest = np.minimum(np.searchsorted(other, place), len(other) - 1)
         computed, going_on = (
             np.where(is_row[:, None], rises[nearest], part) for part in (computed, going_on)

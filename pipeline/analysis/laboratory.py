@@ -19,6 +19,7 @@ from pipeline.analysis.field import Field, Here, PointField, places_of, point_fi
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import AGREED, USUAL, ModelError, Scatter
 from pipeline.analysis.results import Results, results
+from pipeline.analysis.rise_error import totals
 from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import frame_of, notes_of, short
 from pipeline.quantities import display
@@ -274,12 +275,12 @@ def _answer(test: Measurement, field: PointField, found: Comparison) -> tuple[st
     The numerical error and the scatter of the measurement count, and not the model's own error,
     which the tests have made.
     """
-    here, (error,) = found.here, [one.total for one in field.errors(*found.place)]
+    here, error = found.here, totals(field.errors(*found.place)).item()
     values, critical = (part[:, 0] for part in (here.values, here.critical))
     is_severe = here.is_severe[:, 0]
     temperature = float(quantile(values, field.weights, 0.5))
     rises = np.array([*map(field.conditions.temperature_error, values.tolist())])
-    known = error is not None and np.abs(critical - values) > error * rises
+    known = np.abs(critical - values) > error * rises
     verdict = NOT_DECIDED
     if np.all(known) and len({*is_severe.tolist()}) == 1:
         verdict = "severe" if is_severe[0] else "mild"
@@ -294,7 +295,7 @@ def _answer(test: Measurement, field: PointField, found: Comparison) -> tuple[st
     said = f"at {found.turn:.3g} m/s" if 0 < found.turn < math.inf else verdict
     if not found.is_known:
         return said, temperature, NOT_KNOWN
-    if error is None:
+    if math.isnan(error):
         return said, temperature, NOT_DECIDED
     away = NOT_DECIDED if verdict == NOT_DECIDED else "no"
     return said, temperature, "yes" if near else away

@@ -19,7 +19,7 @@ import numpy as np
 
 from pipeline.analysis.field import Field, Here, quantile
 from pipeline.analysis.model_error import Scatter
-from pipeline.analysis.rise_error import RiseError
+from pipeline.analysis.rise_error import RiseError, totals
 from pipeline.sweep.accuracy import MEASURES
 from pipeline.sweep.caveats import caveats
 from pipeline.sweep.shown import shown
@@ -209,7 +209,7 @@ def _columns(
     """Values of the margins at places that are known, by the names of `Margin`."""
     weights, errors = field.weights, field.errors(loads, velocities)
     values, critical = here.values[:, is_known], here.critical[:, is_known]
-    chances = probabilities(field, loads, velocities, scatter, errors)
+    chances = probabilities(field, loads, velocities, scatter, totals(errors))
     along = {axis: field.transitions(axis, loads, velocities) for axis in ("velocity", "load")}
     spread = {"decisive_temperature": values, "distance": critical - values}
     spread |= {f"critical_{axis}": one.first for axis, one in along.items()}
@@ -228,7 +228,8 @@ def _columns(
     columns["is_computed"] = here.is_computed[is_known].tolist()
     columns["is_continued"] = here.is_continued[is_known].tolist()
     scales = map(field.conditions.temperature_error, columns["decisive_temperature"])
-    columns["error"] = [error.times(scale) for error, scale in zip(errors, scales, strict=True)]
+    pairs = zip(errors.T, scales, strict=True)
+    columns["error"] = [RiseError.of(parts).times(scale) for parts, scale in pairs]
     for axis, one in along.items():
         columns[f"{axis}_outcome"] = [*one.worded(axis)]
         columns[f"{axis}_range"] = [*zip(*(end.tolist() for end in one.computed), strict=True)]
@@ -239,15 +240,11 @@ def _columns(
 
 
 def probabilities(
-    field: Field,
-    loads: Array,
-    velocities: Array,
-    scatter: Scatter,
-    errors: Sequence[RiseError],
+    field: Field, loads: Array, velocities: Array, scatter: Scatter, errors: Array
 ) -> tuple[Array, Array, Array]:
     """Probability of a severe next run by place, with colder, the same and hotter rises.
 
-    The numerical errors are those at each place, or one at all of them.
+    The numerical errors are relative, by place (k,) or one for all; NaN where not known.
     """
     return _bounded(functools.partial(field.probability, loads, velocities, scatter), errors)
 
@@ -263,20 +260,17 @@ def verdict_plane(
     for begin in range(0, len(loads), step):
         grid = np.meshgrid(loads[begin : begin + step], velocities, indexing="ij")
         at_load, at_velocity = (axis.ravel() for axis in grid)
-        errors = field.errors(at_load, at_velocity)
+        errors = totals(field.errors(at_load, at_velocity))
         lowest, _, highest = probabilities(field, at_load, at_velocity, scatter, errors)
         rows.append(np.reshape([lowest, highest], (2, *grid[0].shape)))
     lowest, highest = np.concatenate(rows, axis=1)
     return (0 * lowest, 0 * highest + 1) if field.misfit else (lowest, highest)
 
 
-def _bounded(
-    at: Callable[[Array], Array], errors: Sequence[RiseError]
-) -> tuple[Array, Array, Array]:
+def _bounded(at: Callable[[Array], Array], errors: Array) -> tuple[Array, Array, Array]:
     """What is so at colder, the same and hotter rises, by the shift of their logarithm."""
-    totals = np.array([math.nan if one.total is None else one.total for one in errors])
-    is_known = np.isfinite(totals)
-    shift = np.where(is_known, np.log1p(totals), 0.0)
+    is_known = np.isfinite(errors)
+    shift = np.where(is_known, np.log1p(errors), 0.0)
     low, middle, high = at(np.stack([-shift, 0 * shift, shift]))
     return np.where(is_known, low, 0.0), middle, np.where(is_known, high, 1.0)
 

@@ -15,10 +15,10 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.results import Results
@@ -95,12 +95,21 @@ class RiseError:
     warned: float | None
     counted: float | None = 0.0  # after the simulation: a film, friction by temperature
 
+    @classmethod
+    def of(cls, parts: Array) -> RiseError:
+        """The error by its parts (4,), of which NaN is not known."""
+        return cls(*(None if math.isnan(part) else part for part in parts.tolist()))
+
+    @property
+    def parts(self) -> Array:
+        """The parts (4,); NaN where one is not known."""
+        return np.array(astuple(self), float)
+
     @property
     def total(self) -> float | None:
         """Root of the sum of the squares of the parts; None where one is not known."""
-        every = self.interpolation, self.preset, self.warned, self.counted  # asked a million times
-        parts = [part for part in every if part is not None]
-        return math.hypot(*parts) if len(parts) == len(_PARTS) else None
+        total = float(totals(self.parts))
+        return None if math.isnan(total) else total
 
     @property
     def worded(self) -> str:
@@ -119,6 +128,11 @@ class RiseError:
         return RiseError(*(None if part is None else factor * part for part in astuple(self)))
 
 
+def totals(errors: Array) -> Array:
+    """Roots of the sums of the squares of parts, which come first; NaN where one is not known."""
+    return np.asarray(np.sqrt(np.square(errors).sum(axis=0)))
+
+
 @dataclass(frozen=True, eq=False)
 class RisePlane:
     """Deciding rises by load and velocity [K], NaN where not done; flags of warnings; times [s]."""
@@ -130,10 +144,10 @@ class RisePlane:
     durations: Array
     is_solved: Mask  # friction by temperature is, for the conditions
 
-    def rests_on_solved(self, load: float, velocity: float) -> bool:
-        """True if friction by temperature is solved at all points that a rise is taken from."""
-        rests_on = self.rests_on(load, velocity)
-        return all(self.is_solved[row, places].all() for row, places in rests_on)
+    def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
+        """True at places (k,) if friction by temperature is solved at all points beneath."""
+        rows, columns = self.rests_on(loads, velocities)
+        return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
 
     def is_done(self, loads: Array, velocities: Array) -> Mask:
         """True at places (k,) whose very point is done."""
@@ -145,20 +159,32 @@ class RisePlane:
     def _is_done(self) -> Mask:
         return np.isfinite(self.rises)
 
-    @functools.cached_property
-    def _goes_on(self) -> Mask:
-        return np.asarray(self._is_done.sum(axis=1) >= 2)
+    def rests_on(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
+        """Rows (k, 2) and columns (k, 2, 2) of the points that rises at places are taken from.
 
-    def rests_on(self, load: float, velocity: float) -> list[tuple[int, Indices]]:
-        """Rows that the rise at a place is taken from: the point itself, or those beside it."""
-        own = self.loads == load
-        # Rows of two points go on beyond their ends.
-        reached = self._goes_on | self._is_done[:, self.velocities == velocity].any(axis=1)
-        beside = _neighbours(self.loads, own if (own & reached).any() else reached, load)
-        points = (
-            (int(row), _neighbours(self.velocities, self._is_done[row], velocity)) for row in beside
-        )
-        return [(row, places) for row, places in points if places.size]
+        They are the point itself, or those beside it, and -1 where there is none.
+        """
+        along = _slots(self.velocities, velocities)
+        rows = self._rows[along, _slots(self.loads, loads)]
+        return rows, self._columns[rows, along[:, None]]
+
+    @functools.cached_property
+    def _rows(self) -> Indices:
+        """Rows beside each slot of loads, by the slot of the velocity."""
+        goes_on = self._is_done.sum(axis=1) >= 2  # beyond its ends
+        reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
+        reached[1::2] |= self._is_done.T
+        return _neighbours(reached)
+
+    @functools.cached_property
+    def _columns(self) -> Indices:
+        """Columns beside each slot of velocities, by row."""
+        return _neighbours(self._is_done)
+
+    @functools.cached_property
+    def warned(self) -> Array:
+        """Errors that the warnings of the points stand for; NaN if unknown."""
+        return warned_errors(self.flags, self.durations)
 
 
 def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
@@ -175,156 +201,127 @@ def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
 
 def rise_errors(
     grid: RisePlane, loads: Array, velocities: Array, velocity_error: float | None
-) -> list[RiseError]:
-    """Relative errors of the rise at places (k,), by the error of its preset in velocity.
-
-    Places between the same points rest on the same ones.
-    """
-    slots = np.stack([_slots(grid.loads, loads), _slots(grid.velocities, velocities)])
-    _, first, alike = np.unique(slots, axis=1, return_index=True, return_inverse=True)
-    errors = np.empty(len(loads), dtype=object)
-    for number, place in enumerate(first.tolist()):
-        (here,) = np.nonzero(alike.ravel() == number)
-        load = float(loads[place])
-        rows = grid.rests_on(load, float(velocities[place]))
-        preset = _preset(velocity_error) if rows else None
-        warned = warned_error(
-            (int(grid.flags[row, place]), float(grid.durations[row, place]))
-            for row, places in rows
-            for place in places
-        )
-        between = _interpolation(grid, rows, load, velocities[here])
-        parts = np.broadcast_to(np.nan if between is None else between, here.shape).tolist()
-        errors[here] = [
-            RiseError(None if math.isnan(part) else part, preset, warned) for part in parts
-        ]
-    return errors.tolist()
+) -> Array:
+    """Relative errors of the rise at places by part (4, k), without what is counted afterwards."""
+    rows, columns = grid.rests_on(loads, velocities)
+    warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
+    between = _interpolation(grid, rows, columns, loads, velocities)
+    preset = math.nan if velocity_error is None else SHARE * velocity_error
+    return np.stack(np.broadcast_arrays(between, preset, warned, 0.0))
 
 
 def _slots(points: Array, places: Array) -> Indices:
-    """Numbers of the points, and of the intervals between them, in which places lie."""
-    slots: Indices = 2 * np.searchsorted(points, places) - ~np.isin(places, points)
+    """Numbers of the points (odd), and of the intervals between them (even), at places."""
+    slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
     return slots
 
 
-def error_of_point(flags: int, duration: float, velocity_error: float | None) -> RiseError:
-    """Relative error of the rise of a point by itself."""
-    return RiseError(0.0, _preset(velocity_error), warned_error([(flags, duration)]))
-
-
-def add_counted(
-    error: RiseError, conditions: Conditions, rise: float | None = None, is_solved: bool = False
+def error_of_point(
+    flags: int, duration: float, velocity_error: float | None, counted: Array | float = 0.0
 ) -> RiseError:
-    """The error with that of what is counted after the simulation: a film, friction when warm.
+    """Relative error of the rise of a point by itself."""
+    warned = warned_errors(np.array(flags), np.array(duration))
+    preset = math.nan if velocity_error is None else SHARE * velocity_error
+    return RiseError.of(np.array([0.0, preset, warned, counted]))
 
-    A rise at friction 1 [K] that friction may ignite has no known error, unless it is solved.
+
+def counted_error(
+    conditions: Conditions, rises: Array | float = 0.0, is_solved: Mask | bool = False
+) -> Array:
+    """Error of what is counted after the simulation: a film, friction by temperature.
+
+    Rises at friction 1 [K] that friction may ignite have no known error, unless it is solved.
     """
     if (parts := conditions.corrections) is None:
-        return error
+        return np.array(0.0)
     law = conditions.friction_law
     film = _OF_FILM if parts.film_resistance else 0.0
-    if is_solved or not (law.by_temperature and law.coefficient):
-        return replace(error, counted=film)
-    if rise is not None and conditions.may_ignite(rise):
-        return replace(error, counted=None)
+    if not (law.by_temperature and law.coefficient):
+        return np.array(film)
     bulk = conditions.coldest_bulk_temperature
     change = law.spread(bulk, conditions.critical_temperature or bulk)
-    return replace(error, counted=math.hypot(film, _OF_FRICTION * change))
+    may_ignite = np.vectorize(conditions.may_ignite, otypes=[bool])(np.nan_to_num(rises))
+    unsolved = np.where(may_ignite, math.nan, math.hypot(film, _OF_FRICTION * change))
+    return np.where(is_solved, film, unsolved)
 
 
-def _preset(velocity_error: float | None) -> float | None:
-    return None if velocity_error is None else SHARE * velocity_error
+def _neighbours(is_done: Mask) -> Indices:
+    """Columns of the done points beside each slot (r, 2 n + 1, 2) of rows (r, n); see `_slots`.
 
-
-def _neighbours(x: Array, is_done: Mask, place: float) -> Indices:
-    """Indices of the done abscissa at a place, of both beside it, or of the last two."""
-    (done,) = np.nonzero(is_done)
-    same: Indices = done[x[done] == place]
-    if same.size:
-        return same
-    above = int(np.clip(np.searchsorted(x[done], place), 1, max(len(done) - 1, 1)))
-    either_side: Indices = done[above - 1 : above + 1]
-    return either_side
+    They are the slot's own point twice, those on both sides, or the last two. A row with a single
+    point has it twice; one without has -1.
+    """
+    order = np.argsort(~is_done, axis=1, kind="stable")
+    count = is_done.sum(axis=1)[:, None]
+    in_front = np.pad(np.cumsum(is_done, axis=1), ((0, 0), (1, 0))).repeat(2, axis=1)[:, :-1]
+    first = np.clip(in_front - 1, 0, np.maximum(count - 2, 0))
+    either_side = first, np.minimum(first + 1, count - 1)
+    found = np.stack([np.take_along_axis(order, side, axis=1) for side in either_side], axis=-1)
+    own = np.arange(is_done.shape[1])[:, None]
+    found[:, 1::2] = np.where(is_done[..., None], own, found[:, 1::2])
+    return np.where(count[..., None] > 0, found, -1)
 
 
 def _interpolation(
-    grid: RisePlane, rows: list[tuple[int, Indices]], load: float, velocities: Array
-) -> Array | float | None:
-    """Error of interpolating, or of continuing beyond the points; None if that is unknown.
-
-    Velocities lie between the same points.
-    """
-    gaps = [grid.velocities[places] for _, places in rows if len(places) > 1]
-    if not rows or any(gap[0] < 0 for gap in gaps):
-        return None
-    parts: list[Array | float | None] = []
-    loads = grid.loads[[row for row, _ in rows]]
-    if not loads[0] <= load <= loads[-1]:  # no rise is known beyond the loads
-        return None
-    if len(loads) > 1:
-        parts.append(_gap_error(grid, "load", loads))
-    if gaps and all(0 < gap[0] < velocities[0] < gap[-1] for gap in gaps):
-        parts.append(_gap_error(grid, "velocity", max(gaps, key=lambda gap: gap[-1] / gap[0])))
-    elif gaps:
-        beyond = [_extrapolation_errors(grid, gap, velocities) for gap in gaps]
-        parts.append(np.max(beyond, axis=0))
-    squares = [part**2 for part in parts if part is not None]
-    return np.sqrt(sum(squares)) if len(squares) == len(parts) else None
+    grid: RisePlane, rows: Indices, columns: Indices, loads: Array, velocities: Array
+) -> Array:
+    """Errors of interpolating, or of continuing beyond the points; NaN where unknown."""
+    (lowest, highest), places = grid.loads[rows].T, velocities[:, None]
+    first, last = np.moveaxis(grid.velocities[columns], -1, 0)
+    gaps = np.log(last / first)
+    way = np.maximum(np.log(first / places), np.log(places / last))
+    further = np.hypot(_slope_spread(grid), BEYOND * (way + gaps))
+    beyond = np.where((gaps > 0) & (way > 0), way * further, 0.0).max(axis=1)
+    along = np.where(beyond > 0, beyond, _gap_errors(grid, "velocity", gaps.max(axis=1)))
+    errors = np.hypot(along, _gap_errors(grid, "load", np.log(highest / lowest)))
+    # No rise is known beyond the loads.
+    is_known = (rows[:, 0] >= 0) & (lowest <= loads) & (loads <= highest)
+    return np.where(is_known, errors, math.nan)
 
 
-def _gap_error(grid: RisePlane, axis: str, gap: Array) -> float | None:
-    """Error of interpolating in a gap along an axis, by what leaving out points has missed."""
-    missed = _missed(grid, axis)
-    return None if missed is None else BETWEEN * missed * math.log(gap[-1] / gap[0])
+def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
+    """Errors of interpolating in gaps of ln along an axis, by what it misses left-out points by."""
+    return np.where(gaps > 0, BETWEEN * _missed(grid, axis) * gaps, 0.0)
 
 
 @functools.lru_cache(maxsize=1024)  # many places lie between the same points
-def _missed(grid: RisePlane, axis: str) -> float | None:
+def _missed(grid: RisePlane, axis: str) -> float:
     """Root mean square of what interpolation misses left-out points by, over ln of the gap."""
     lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)
-    missed = [np.empty(0)]
-    for x, y in _powers(*lines):
-        for place in range(1, len(x) - 1):
-            others = np.delete(np.arange(len(x)), place)
-            found = np.log(Curve(np.exp(x[others]), np.exp(y[:, others]))(np.exp(x[[place]])))
-            missed.append((found[:, 0] - y[:, place]) / (x[place + 1] - x[place - 1]))
-    every = np.concatenate(missed)
-    return float(np.sqrt(np.mean(every**2))) if every.size else None
-
-
-def _extrapolation_errors(grid: RisePlane, nearest: Array, velocities: Array) -> Array:
-    """Errors of extrapolating from the nearest velocities: the exponent changes with distance."""
-    way = np.maximum(np.log(nearest[0] / velocities), np.log(velocities / nearest[-1]))
-    further = way + math.log(nearest[-1] / nearest[0])
-    return np.asarray(way * np.hypot(_slope_spread(grid), BEYOND * further))
+    room = (0, 0), (1, 1)
+    # The cubic through a place rests on two points on either side.
+    x, y = (
+        sliding_window_view(np.pad(part, room, constant_values=math.nan), 5, axis=1)
+        for part in _powers(*lines)
+    )
+    curves = Curve(*(np.exp(np.delete(part, 2, axis=-1)) for part in (x, y)))
+    missed = (np.log(curves(np.exp(x[..., [2]]))[..., 0]) - y[..., 2]) / (x[..., 3] - x[..., 1])
+    every = missed[np.isfinite(missed)]
+    return float(np.sqrt(np.mean(every**2))) if every.size else math.nan
 
 
 @functools.lru_cache(maxsize=1024)  # many places lie beyond the same points
 def _slope_spread(grid: RisePlane) -> float:
     """Standard deviation of the exponent of the velocity between neighbouring points."""
-    lines = _powers(grid.velocities, grid.rises)
-    slopes = np.concatenate([(np.diff(y) / np.diff(x)).ravel() for x, y in lines])
+    x, y = _powers(grid.velocities, grid.rises)
+    slopes = np.diff(y) / np.diff(x)
+    slopes = slopes[np.isfinite(slopes)]
     return float(np.std(slopes)) if slopes.size else 0.0
 
 
-def _powers(x: Array, rows: Array) -> Iterator[tuple[Array, Array]]:
-    """Logarithms of abscissae and of the lines whose rises are known at the same ones."""
+def _powers(x: Array, rows: Array) -> tuple[Array, Array]:
+    """Logarithms of abscissae and of rises by row, where both are positive; NaN behind them."""
     is_known = np.isfinite(rows) & (rows > 0) & (x > 0)
-    for mask in np.unique(is_known, axis=0):
-        yield np.log(x[mask]), np.log(rows[(is_known == mask).all(axis=1)][:, mask])
+    curves = Curve(np.where(is_known, x, math.nan), rows)
+    return np.log(curves.x), np.log(curves.y)
 
 
-def warned_error(points: Iterable[tuple[int, float]]) -> float | None:
-    """Error that warnings of points stand for, by flags and durations [s]; None if unknown."""
-    errors = [0.0]
-    for flags, duration in points:
-        if not flags:
-            continue
-        kinds = {kind for kind in WarningKind if kind & flags}
-        if WarningKind.PRESENT_HEAT in kinds:
-            errors.append(float(np.interp(math.log(duration), np.log(_DURATIONS), _TOO_WARM)))
-            kinds.remove(WarningKind.PRESENT_HEAT)
-        if kinds - _OF_WARNED.keys():
-            return None
-        errors += [_OF_WARNED[kind] for kind in kinds]
-    return max(errors)
+def warned_errors(flags: Indices, durations: Array) -> Array:
+    """Errors that warnings of points stand for, by flags and durations [s]; NaN if unknown."""
+    is_warm = (flags & int(WarningKind.PRESENT_HEAT)) > 0
+    warm = np.interp(np.log(np.where(is_warm, durations, 1.0)), np.log(_DURATIONS), _TOO_WARM)
+    errors = np.where(is_warm, warm, 0.0)
+    for kind in {*WarningKind} - {WarningKind.PRESENT_HEAT}:
+        is_kind = (flags & int(kind)) > 0
+        errors = np.where(is_kind, np.maximum(errors, _OF_WARNED.get(kind, math.nan)), errors)
+    return errors

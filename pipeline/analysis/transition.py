@@ -16,7 +16,7 @@ from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results, results
 from pipeline.quantities import UNITS
 from tribo import Criterion
-from tribo.types import Array, Indices, Mask
+from tribo.types import Array, Mask
 
 CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL = range(7)
 """Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
@@ -44,7 +44,8 @@ LEAST_SLOPE = 0.05
 class Line:
     """Rises of a member of a field along velocities or loads, and where wear turns.
 
-    It stands for a line, or for rows of lines. Then arrays have the rows first.
+    It stands for a line, or for rows of lines. Then arrays have the rows first. Several limits may
+    be asked of a row.
     """
 
     #: Rises [K] over velocities [m/s] or loads [N]. It may go on beyond the places that are done,
@@ -55,25 +56,17 @@ class Line:
     done: Array  # places that are done (..., n), ascending; NaN where not
     #: The curve far beyond its ends, where it is no power law: friction by velocity is known there.
     continued: Curve | None = None
-
-    def __getitem__(self, rows: Indices) -> Line:
-        """Some of the rows, or all in another order."""
-        if np.array_equal(rows, np.arange(len(self.done))):
-            return self
-        limit = np.broadcast_to(self.limit, self.curve.count.shape)[rows]
-        curve, far = Curve(self.curve.x[rows], self.curve.y[rows]), self.continued
-        continued = None if far is None else Curve(far.x[rows], far.y[rows])
-        return Line(curve, limit, self.ends, self.done[rows], continued)
+    rows: Any = ...  # row of each limit; all in their order
 
     @functools.cached_property
     def places(self) -> Array:
         """Velocities [m/s] or loads [N] at which wear turns (..., n), ascending; NaN elsewhere."""
-        return self.curve.crossings(self.limit)
+        return self.curve.crossings(self.limit, self.rows)
 
     @functools.cached_property
     def begins_severe(self) -> Mask:
         """Wear is severe below the first of these places."""
-        return np.asarray(Criterion.is_severe(self.curve.end(0)[1], self.limit))
+        return np.asarray(Criterion.is_severe(self.curve.end(0)[1][self.rows], self.limit))
 
     @property
     def computed(self) -> tuple[Array, Array]:
@@ -141,8 +134,8 @@ class Line:
         """
         if self.continued is not None:
             return replace(self, curve=self.continued, continued=None)._all_turns
-        has_law = self.curve.is_log & (self.curve.count > 0) & np.isfinite(self.limit)
-        has_law &= self.limit > 0
+        has_law = (self.curve.is_log & (self.curve.count > 0))[self.rows]
+        has_law = has_law & np.isfinite(self.limit) & (self.limit > 0)
         is_severe = self.begins_severe ^ (np.isfinite(self.places).sum(axis=-1) % 2 == 1)
         first, last = (
             np.where(has_law & goes_on, self._continued_end(end), math.nan)[..., None]
@@ -160,12 +153,12 @@ class Line:
         )
         return places, turns_severe, has_law | is_severe
 
-    def severe_share(self, velocities: Array, scatter: Scatter, rows: Any = ...) -> Array:
-        """Probability that a run is severe, by velocity on the line of some rows, or of all.
+    def severe_share(self, velocities: Array, scatter: Scatter) -> Array:
+        """Probability that a run is severe, by velocity on the line of each limit.
 
         A run at V behaves like the model at V·exp(ε), where ε has the scatter.
         """
-        places, turns_severe, is_severe = (np.asarray(part)[rows] for part in self._all_turns)
+        places, turns_severe, is_severe = self._all_turns
         below = scatter.below(np.log(places / np.asarray(velocities)[..., None]))
         shares = np.where(turns_severe, -below, below)
         shares = np.where(np.isnan(places), 0.0, shares).sum(axis=-1)
@@ -173,9 +166,9 @@ class Line:
 
     def _continued_end(self, end: int) -> Array:
         """Place beyond an end at which wear turns by the power law there."""
-        x, y = self.curve.end(end)
         slope = np.maximum(self.curve.end_exponent(end), LEAST_SLOPE)
         slope = np.where(self.curve.count > 1, slope, 1.0)  # at most, of a point by itself
+        x, y, slope = (part[self.rows] for part in (*self.curve.end(end), slope))
         with np.errstate(all="ignore"):
             turn: Array = x * (self.limit / y) ** (1 / slope)
         return np.asarray(np.minimum(turn, x) if end == 0 else np.maximum(turn, x))

@@ -189,9 +189,9 @@ def exponents(x: Array, y: Array) -> Array:
     (known,) = np.nonzero((x > 0) & np.isfinite(y) & (y > 0))
     log_x, log_y = np.log(x[known]), np.log(y[known])
     least = math.log(_APART)
-    for place, here in zip(known, log_x, strict=True):
-        low = max(int(np.searchsorted(log_x, here - least, "right")) - 1, 0)
-        high = min(int(np.searchsorted(log_x, here + least)), len(known) - 1)
-        if log_x[high] - log_x[low] >= least:
-            result[place] = (log_y[high] - log_y[low]) / (log_x[high] - log_x[low])
+    low = np.maximum(np.searchsorted(log_x, log_x - least, "right") - 1, 0)
+    high = np.minimum(np.searchsorted(log_x, log_x + least), len(known) - 1)
+    ways = log_x[high] - log_x[low]
+    is_apart = ways >= least
+    result[known[is_apart]] = (log_y[high] - log_y[low])[is_apart] / ways[is_apart]
     return result

@@ -27,6 +27,7 @@ from pipeline.analysis.laboratory import (
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import AGREED, WORTH, ModelError
 from pipeline.analysis.results import Results, results
+from pipeline.analysis.rise_error import totals
 from pipeline.analysis.transition import LEAST_SLOPE, outcomes, range_of
 from pipeline.figures.overlays import numbered, reachable_tests
 from pipeline.page.controls import controls
@@ -284,8 +285,8 @@ def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
     """Relative numerical error of the rise at nodes: by surface, load and velocity."""
     nodes = [axis.ravel() for axis in np.meshgrid(loads, velocities, indexing="ij")]
     planes = (replace(field, planes=(plane,)) for plane in field.planes)
-    totals = [[error.total for error in plane.errors(*nodes)] for plane in planes]
-    return np.array(totals, float).reshape(-1, len(loads), len(velocities))
+    errors = [totals(plane.errors(*nodes)) for plane in planes]
+    return np.reshape(errors, (-1, len(loads), len(velocities)))
 
 
 def _model_facts(held: Results) -> dict[str, Any]:

@@ -97,7 +97,7 @@ def exact_decimals() -> Iterator[None]:
         yield
 
 
-@functools.lru_cache(maxsize=4096)  # samples repeat nearly all of their entries
+@functools.lru_cache(maxsize=65536)  # samples repeat nearly all of their entries
 @exact_decimals()
 def exact_si(text: str, like: str) -> Decimal:
     """Value in SI of a quantity such as ``"0.27 um"``, without rounding; hardness is a pressure."""

@@ -15,7 +15,7 @@ from scipy.special import ndtr
 from pipeline.analysis.field import Here, Places, places_of
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results, results
-from pipeline.analysis.rise_error import RiseError, add_counted, error_of_point
+from pipeline.analysis.rise_error import counted_error, error_of_point
 from pipeline.analysis.transition import (
     CROSSES,
     LEAST_SLOPE,
@@ -178,10 +178,11 @@ class SampleField:
         critical = np.broadcast_to(critical, excess.shape)
         return Here(temperatures, excess > 0, critical, nowhere, nowhere, reasons)
 
-    def errors(self, loads: Places, velocities: Places) -> list[RiseError]:
+    def errors(self, loads: Places, velocities: Places) -> Array:
         """See `Field`: that of the preset."""
-        error = error_of_point(0, 1.0, self.ensemble.velocity_error)
-        return [add_counted(error, self.conditions)] * len(places_of(loads, velocities)[0])
+        counted = counted_error(self.conditions)
+        error = error_of_point(0, 1.0, self.ensemble.velocity_error, counted)
+        return np.tile(error.parts[:, None], len(places_of(loads, velocities)[0]))
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
         """See `Field`."""

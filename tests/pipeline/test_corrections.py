@@ -8,7 +8,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.analysis.laboratory import compared
-from pipeline.analysis.rise_error import RiseError, add_counted
+from pipeline.analysis.rise_error import counted_error
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.plan import run_point
@@ -150,8 +150,7 @@ def test_each_command_has_the_friction_of_the_temperature_itself(store):
     slope = (page[1] - page[0]) * conditions.limit(margin.decisive_temperature)
     assert scale == pytest.approx(slope, rel=0.01)
     change = np.log(np.interp([298.15, 345.0], nodes, factors))
-    counted = add_counted(RiseError(0.03, 0.0, 0.0), conditions)
-    assert counted.counted == pytest.approx(0.3 * abs(change[1] - change[0]))
+    assert counted_error(conditions) == pytest.approx(0.3 * abs(change[1] - change[0]))
 
 
 def test_a_friction_that_a_test_measured_stands_in_place_of_the_friction_by_velocity(store):

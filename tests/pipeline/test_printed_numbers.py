@@ -22,7 +22,7 @@ from pipeline.analysis.field import point_field
 from pipeline.analysis.frames import frames_of
 from pipeline.analysis.laboratory import compared
 from pipeline.analysis.margin_frame import judged
-from pipeline.analysis.rise_error import error_of_point
+from pipeline.analysis.rise_error import error_of_point, totals
 from pipeline.analysis.scenes import attribute_values
 from pipeline.analysis.tables import as_dict, records
 from pipeline.analysis.transition import outcomes
@@ -408,8 +408,8 @@ def test_the_band_of_a_boundary_is_that_of_both_errors(ask, stores):
         for name, sign, scale in zip(("mild_below", "severe_above"), (-1, 1), scales, strict=True):
             far = math.exp(scale * stats.t.ppf(0.95, DEGREES))
             end = document[name][place]  # with the error there, which grows beyond the points
-            (error,) = point_field(opened(stores("plane"))).errors(load, end)
-            off = (1 + error.total) ** (1 / exponent)
+            error = totals(point_field(opened(stores("plane"))).errors(load, end)).item()
+            off = (1 + error) ** (1 / exponent)
             assert end == pytest.approx(critical * (off * far) ** sign, rel=NEAR)
 
 

@@ -22,7 +22,7 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 import pipeline
-from pipeline.analysis.rise_error import BETWEEN, RisePlane, rise_errors
+from pipeline.analysis.rise_error import BETWEEN, RiseError, RisePlane, rise_errors
 from pipeline.analysis.warned_points import exponents
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_points
@@ -204,7 +204,8 @@ def plane_of(row, preset, share):
 
 def error_at(plane, load, velocity, velocity_error):
     """Relative error of the rise at one place."""
-    return rise_errors(plane, np.array([load]), np.array([velocity]), velocity_error)[0]
+    errors = rise_errors(plane, np.array([load]), np.array([velocity]), velocity_error)
+    return RiseError.of(errors[:, 0])
 
 
 def interpolated(x, y, place):
@@ -224,8 +225,8 @@ def places(row, preset, share):
             if is_point and preset == "fine":
                 continue
             beneath = np.zeros(plane.rises.shape, bool)
-            for number, columns in plane.rests_on(load, velocity):
-                beneath[number, columns] = True
+            (rows,), (columns,) = plane.rests_on(np.array([load]), np.array([velocity]))
+            beneath[rows[:, None], columns] = True
             column = interpolated(plane.velocities, plane.rises.T, velocity)
             yield {
                 "scene": f"{row['family']} {row['number']}",
