@@ -8,12 +8,11 @@ velocities, which is halved where need be.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
 
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
@@ -28,20 +27,25 @@ _TREND = -0.8  # exponent of the boundary's velocity over load, until it is know
 _CURVATURE = 0.5  # κ until it is known
 _LEAST_CURVATURE = 0.2  # known from a few points, it may be less by chance
 _WIDEST = 0.35  # largest h
-_NEAR = 0.1  # share of h: how near to a node a crossing must be expected to ask beyond it
+_STEEPER = 5.0  # factor by which exponents beyond known points may differ from these
 _FINEST = 12  # halvings of the axis
 _ROUNDING = 1e-5  # relative, of a velocity in round figures, and more
 _CLOSER = 10.0  # divides the tolerance where friction by velocity may nearly balance the heat
 _EXPECTED = 512  # velocities among which turns are expected
 
-Row = list[tuple[float, float]]
-"""Velocities and rises at a load."""
-Rows = Mapping[float, Row]
+
+class _Turn(NamedTuple):
+    """Where wear is expected to turn, between velocities that are known, by their logarithms."""
+
+    place: float
+    low: float = -math.inf  # infinite where none is known
+    high: float = math.inf
+    bends: Sequence[float] = ()  # κ by three velocities about it
 
 
 @dataclass(frozen=True, slots=True)
 class BoundarySearch:
-    """A search for the velocity, divided by `scale`, of a rise [K] at each of several loads."""
+    """A search for the velocities, divided by `scale`, of a rise [K] at each of several loads."""
 
     loads: Sequence[float]
     lowest: float
@@ -50,7 +54,7 @@ class BoundarySearch:
     tolerance: float
     scale: float = 1.0
     #: Factor of the friction by velocity, with which wear may turn several times.
-    factor: Callable[[Array], Array] | None = None
+    factor: Callable[[Array], Array] = np.ones_like
 
     def __post_init__(self) -> None:
         if not 0 < self.tolerance < 1:
@@ -72,170 +76,125 @@ class BoundarySearch:
                 f"there is no boundary to look for where sweep.velocities are {listed} m/s; give "
                 "two or more above 0"
             )
-        factor = sweep.conditions.friction_factor if sweep.conditions.has_friction_curve else None
-        tolerance /= _CLOSER if factor else 1.0
-        return cls(sweep.plane.loads, moving[0], moving[-1], limit, tolerance, scale, factor)
+        tolerance /= _CLOSER if sweep.conditions.has_friction_curve else 1.0
+        ends, factor = (moving[0], moving[-1]), sweep.conditions.friction_factor
+        return cls(sweep.plane.loads, *ends, limit, tolerance, scale, factor)
 
     def wanted(
         self, rises: Mapping[Point, float], hopeless: Iterable[Point] = ()
     ) -> tuple[Point, ...]:
         """Points to compute next by known rises [K], but failed ones; none once all is known."""
-        rows = {load: self._row(rises, load) for load in self.loads}
-        past = set(rises) | set(hopeless)
-        asked = self._asked_turns(rows, past) if self.factor else self._asked(rows)
-        fresh = asked - past
-        return tuple(sorted(fresh, key=lambda point: (point.velocity, point.load)))
+        past, asked = {*rises, *hopeless}, set[Point]()
+        turns = {load: self._turns(*row) for load in self.loads if (row := self._row(rises, load))}
+        bends = [bend for found in turns.values() for turn in found for bend in turn.bends]
+        curvature = _CURVATURE
+        if bends:
+            curvature = min(max(_LEAST_CURVATURE, 1.5 * max(bends)), 100.0)
+        for load, expected in (turns | self._first_turns(turns)).items():
+            here = {Point(load, v) for turn in expected for v in self._next(turn, curvature)}
+            if load not in turns and here <= past:
+                here = {Point(load, self.lowest), Point(load, self.highest)}
+            asked |= here
+        return tuple(sorted(asked - past, key=lambda point: (point.velocity, point.load)))
 
-    def _asked(self, rows: Rows) -> set[Point]:
-        """Points about the one transition of each load."""
-        guesses = self._guesses(rows)
-        if not guesses:
-            ends = (self.loads[0], self.loads[len(self.loads) // 2], self.loads[-1])
-            return {Point(load, self._first_node(load)) for load in ends}
-        curvature, asked = self._curvature(rows), set()
-        for load, guess in guesses.items():
-            asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature)}
-        return asked
-
-    def _asked_turns(self, rows: Rows, past: Set[Point]) -> set[Point]:
-        """Points about all turns of each load, or at its ends.
-
-        The heat, which is all that points tell, passes at each the one value that turns wear there.
-        """
-        asked = set()
-        for load, row in rows.items():
-            first = Point(load, self._first_node(load))
-            if not row and first not in past:
-                asked.add(first)
-                continue
-            turns = self._turns(row) if row else {}
-            for turn, heat in turns.items():
-                search = replace(self, limit=heat, factor=None)
-                nodes = search._next(row, turn, search._curvature(rows))
-                asked |= {Point(load, velocity) for velocity in nodes}
-            if not turns:
-                asked |= {Point(load, self.lowest), Point(load, self.highest)}
-        return asked
-
-    def _turns(self, row: Row) -> dict[float, float]:
-        """Logarithms of the velocities at which wear is expected to turn, with the heat there."""
-        assert self.factor  # for the type checker
-        x, y = np.log(np.array(row)).T
-        fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
-        limits = self.limit / self.factor(np.exp(fine))
-        is_severe = _line(x, y, _EXPONENT)(fine) > np.log(limits)
-        before = np.flatnonzero(is_severe[1:] != is_severe[:-1])
-        return dict(zip(fine[before].tolist(), limits[before].tolist(), strict=True))
-
-    def _first_node(self, load: float) -> float:
-        """The velocity of the axis to begin with: in its middle at the middle load."""
-        above = _TREND * math.log(load / self.loads[len(self.loads) // 2])
-        number = round(self._intervals() / 2 + (above + math.log(self.scale)) / self._span())
-        return self._node(number, 0)
-
-    def _row(self, rises: Mapping[Point, float], load: float) -> Row:
-        """Velocities and rises that are known at a load, in the range, without their friction."""
-        return sorted(
-            (
-                point.velocity,
-                rise / (float(self.factor(np.array(point.velocity))) if self.factor else 1.0),
-            )
+    def _row(self, rises: Mapping[Point, float], load: float) -> tuple[Array, Array] | None:
+        """Logarithms of velocities in the range, and of rises there without their friction."""
+        known = sorted(
+            (point.velocity, rise)
             for point, rise in rises.items()
             if point.load == load and self.lowest <= point.velocity <= self.highest and rise > 0
         )
+        if not known:
+            return None
+        velocities, values = np.array(known).T
+        return np.log(velocities), np.log(values / self.factor(velocities))
 
-    def _bracket(self, row: Row) -> tuple[float | None, float | None]:
-        """Velocities next to the first crossing: mild and severe, None where there is none."""
-        high = next((velocity for velocity, rise in row if rise >= self.limit), None)
-        mild = [velocity for velocity, _ in row if high is None or velocity < high]
-        return (mild[-1] if mild else None), high
+    def _turns(self, x: Array, y: Array) -> list[_Turn]:
+        """Turns by the straight lines through known points."""
+        fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
+        fine = np.union1d(fine, x)
+        excess = _line(x, y, _EXPONENT, fine) + np.log(self.factor(np.exp(fine)) / self.limit)
+        before = np.flatnonzero((excess[1:] >= 0) != (excess[:-1] >= 0))
+        if not before.size:
+            is_mild = excess[0] < 0
+            return [_Turn(fine[-1], low=x[-1]) if is_mild else _Turn(fine[0], high=x[0])]
+        shares = excess[before] / (excess[before] - excess[before + 1])
+        places = fine[before] + shares * (fine[before + 1] - fine[before])
+        known = np.concatenate([[-math.inf], x, [math.inf]])
+        turns = []
+        for place, number in zip(places, np.searchsorted(x, fine[before], "right"), strict=True):
+            turns.append(_Turn(place, known[number], known[number + 1], [*_bends(x, y, number)]))
+        return turns
 
-    def _curvature(self, rows: Rows) -> float:
-        """The greatest κ by three velocities about a crossing, with a margin."""
-        curvatures = []
-        for row in rows.values():
-            low, high = self._bracket(row)
-            if low is None or high is None or len(row) < 3:
-                continue
-            x, y = np.log(np.array(row)).T
-            first = [velocity for velocity, _ in row].index(low)
-            for k in (first - 1, first):
-                if 0 <= k < len(row) - 2 and x[k + 2] - x[k] < 3 * _WIDEST:
-                    slopes = np.diff(y[k : k + 3]) / np.diff(x[k : k + 3])
-                    slope = (y[k + 2] - y[k]) / (x[k + 2] - x[k])
-                    bend = 2 * (slopes[1] - slopes[0]) / (x[k + 2] - x[k])
-                    curvatures.append(abs(bend / slope) if slope > 0 else math.inf)
-        if not curvatures:
-            return _CURVATURE
-        return min(max(_LEAST_CURVATURE, 1.5 * max(curvatures)), 100.0)
+    def _first_turns(self, turns: Mapping[float, Sequence[_Turn]]) -> dict[float, list[_Turn]]:
+        """Turns at loads without points: by those of others, or of three loads by their trend."""
+        middle = self.loads[len(self.loads) // 2]
+        loads = self.loads if turns else (self.loads[0], middle, self.loads[-1])
+        known = {math.log(load): found[0].place for load, found in turns.items() if found}
+        first = {}
+        for load in {*loads} - turns.keys():
+            if known:
+                x, y = np.array([*known.items()]).T
+                place = _line(x, y, _TREND, math.log(load))
+            else:  # a node
+                above = _TREND * math.log(load / middle) + math.log(self.scale)
+                number = round(self._intervals / 2 + above / self._span)
+                place = math.log(self.lowest / self.scale) + number * self._span
+            first[load] = [_Turn(float(place))]
+        return first
 
-    def _guesses(self, rows: Rows) -> dict[float, float]:
-        """Logarithm of the critical velocity at each load, as far as can be told."""
-        by_load = {load: self._guess(row) for load, row in rows.items() if row}
-        if not by_load:
-            return {}
-        line = _line(np.log(list(by_load)), np.array(list(by_load.values())), _TREND)
-        return {load: by_load.get(load, float(line(math.log(load)))) for load in self.loads}
-
-    def _guess(self, row: Row) -> float:
-        """Logarithm of the critical velocity, by the straight line through the nearest two."""
-        x, y = np.log(np.array(row)).T
-        y = y - math.log(self.limit)
-        if len(row) == 1:
-            return float(x[0] - y[0] / _EXPONENT)
-        k = int(np.clip(np.searchsorted(y >= 0, True), 1, len(row) - 1))
-        slope = (y[k] - y[k - 1]) / (x[k] - x[k - 1])
-        return float(x[k] - y[k] / min(max(slope, 0.2), 3.0))
-
-    def _next(self, row: Row, guess: float, curvature: float) -> Iterable[float]:
-        """Velocities to look at next at one load."""
-        low, high = self._bracket(row)
-        log_ends = math.log(low or self.lowest), math.log(high or self.highest)
-        if low is not None and high is not None:
-            span = log_ends[1] - log_ends[0]
-            if curvature * span**2 / 8 <= self.tolerance:
-                return []
-        elif (low == self.highest) or (high == self.lowest):
-            return []
-        # Nodes about the guess, on the coarsest axis that has one in between.
-        guess = min(max(guess, log_ends[0]), log_ends[1])
+    def _next(self, turn: _Turn, curvature: float) -> set[float]:
+        """Velocities to look at next: nodes about a turn, on the coarsest axis that has one."""
+        if curvature * (turn.high - turn.low) ** 2 / 8 <= self.tolerance:
+            return set()
         for level in range(_FINEST):
-            span = self._span() / 2**level
+            span = self._span / 2**level
             if level and curvature * (2 * span) ** 2 / 8 <= self.tolerance:
-                return []
-            k = (guess + math.log(self.scale / self.lowest)) / span
-            below, above = math.floor(k), math.ceil(k)
-            nodes = {below, above} | ({below + 1} if below == above else set())
-            if not (low and high):
-                nodes |= {below - 1} if k - below < _NEAR else set()
-                nodes |= {above + 1} if above - k < _NEAR else set()
-            asked = {self._node(node, level) for node in nodes}
-            inside = {v for v in asked if (low is None or v > low) and (high is None or v < high)}
-            if inside:
+                break
+            number = round((turn.place + math.log(self.scale / self.lowest)) / span, 9)
+            nodes = {self._node(whole(number), level) for whole in (math.floor, math.ceil)}
+            low, high = turn.low + _ROUNDING, turn.high - _ROUNDING
+            if inside := {velocity for velocity in nodes if low < math.log(velocity) < high}:
                 return inside
-        return []
+        return set()
 
+    @property
     def _intervals(self) -> int:
         widest = min(_WIDEST, math.sqrt(8 * self.tolerance / _CURVATURE))
         return max(2, math.ceil(math.log(self.highest / self.lowest) / widest))
 
+    @property
     def _span(self) -> float:
-        return math.log(self.highest / self.lowest) / self._intervals()
+        return math.log(self.highest / self.lowest) / self._intervals
 
     def _node(self, number: int, level: int) -> float:
         """A velocity of the axis, in round figures but for the scale; the nearer end beyond it."""
-        along = self.lowest * math.exp(number * self._span() / 2**level)
+        along = self.lowest * math.exp(number * self._span / 2**level)
         velocity = float(f"{along:.6g}") / self.scale
         if velocity <= self.lowest * (1 + _ROUNDING):
             return self.lowest
         return self.highest if velocity >= self.highest * (1 - _ROUNDING) else velocity
 
 
-def _line(x: Array, y: Array, slope: float) -> BSpline:
-    """Straight lines through points, also beyond their ends; of this slope through a single one."""
+def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
+    """Straight lines through points; beyond their ends slopes are near the usual one."""
     if len(x) == 1:
-        x, y = np.append(x, x + 1.0), np.append(y, y + slope)
-    return make_interp_spline(x, y, k=1)
+        return y[0] + slope * (at - x[0])
+    slopes = np.diff(y)[[0, -1]] / np.diff(x)[[0, -1]]
+    least, most = sorted((slope / _STEEPER, slope * _STEEPER))
+    low, high = np.clip(slopes, least, most)
+    beyond = low * np.minimum(at - x[0], 0.0) + high * np.maximum(at - x[-1], 0.0)
+    return np.interp(at, x, y) + beyond
+
+
+def _bends(x: Array, y: Array, number: int) -> Iterator[float]:
+    """κ by three points about a turn in front of the point of this number."""
+    for k in (number - 2, number - 1) if 0 < number < len(x) else ():
+        if 0 <= k < len(x) - 2 and x[k + 2] - x[k] < 3 * _WIDEST:
+            slopes = np.diff(y[k : k + 3]) / np.diff(x[k : k + 3])
+            slope = (y[k + 2] - y[k]) / (x[k + 2] - x[k])
+            bend = 2 * (slopes[1] - slopes[0]) / (x[k + 2] - x[k])
+            yield abs(bend / slope) if slope > 0 else math.inf
 
 
 def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
