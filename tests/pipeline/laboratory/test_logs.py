@@ -357,17 +357,6 @@ def test_a_sheet_of_a_workbook_is_read_as_the_same_csv(tmp_path, irg):
     )
 
 
-def test_the_lines_that_are_printed_make_the_scene_read_the_log(tmp_path, irg):
-    log = "Normalkraft F_N / N;v in m/s;Ergebnis\n400;1,75;ok\n400;2,75;Fresser\n"
-    (tmp_path / "log.csv").write_text(log, encoding="utf-8")
-    said = irg("tests", tmp_path / "log.csv")
-    assert "2 tests: 1 mild, 1 severe" in said
-    scene = f'extends = "first_try"\nwithout = ["measured"]\n{said[said.index("[[tested]]") :]}'
-    (tmp_path / "lab.toml").write_text(scene, encoding="utf-8")
-    tested = pipeline.load_scene(tmp_path / "lab.toml").about.tested
-    assert [(test.velocity, test.outcome) for test in tested] == [(1.75, "mild"), (2.75, "severe")]
-
-
 def test_what_is_understood_of_a_log_is_printed(tmp_path, irg):
     log = "Öl;Last [N];v [m/s];Befund;Prüfer\nA;400;2;ok;M\nA;500;2;Fresser;M\n"
     (tmp_path / "log.csv").write_text(log, encoding="utf-8")

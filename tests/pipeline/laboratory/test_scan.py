@@ -11,7 +11,7 @@ from pipeline.scene.faults import SceneFileError
 from pipeline.scene.units import to_si
 from pipeline.sweep.areal import areal_roughness
 from pipeline.sweep.surface import surface_facts
-from tribo import Grid, InputError
+from tribo import Grid
 from tribo.surface import self_affine
 
 GRID = Grid((240, 192), (0.8e-6, 0.9e-6))
@@ -44,17 +44,6 @@ def test_the_tilt_is_taken_off_and_the_printed_table_makes_the_same(scan):
     # Of eight such surfaces the lengths scatter by 12 %, the exponents by 6 %; pairs by √2 of it.
     assert other.fit.correlation_length == pytest.approx(statistics.fit.correlation_length, rel=0.5)
     assert other.fit.hurst_exponent == pytest.approx(statistics.fit.hurst_exponent, rel=0.25)
-
-
-def test_the_command_prints_the_table_and_says_what_is_missing(scan, irg):
-    sides = ["--pixel-size", "0.8 um,0.9 um"]
-    document = irg("surface", scan, "--height-unit", "um", *sides, "--json")
-    assert document["toml"].startswith("[disk.roughness]")
-    assert "no size of a pixel; give pixel_size" in irg(
-        "surface", scan, "--height-unit", "um", code=2
-    )
-    with pytest.raises(InputError, match='"1 kg" cannot be converted'):
-        surface_statistics(scan, "kg")
 
 
 def test_a_scene_turns_its_scan_and_answers_a_narrow_one_with_mirror(scan):
@@ -107,19 +96,6 @@ def test_noise_between_pixels_and_their_size_are_doubted(tmp_path):
     assert any("hardly depend on each other" in doubt for doubt in noise.warnings)
     coarse = surface_statistics(tmp_path / "noise.npy", "um", ("1 m", "1 m"))
     assert any("check the size of the pixels" in doubt for doubt in coarse.warnings)
-
-
-def test_a_scene_says_which_way_x_goes(scan):
-    turned = {
-        "without": "disk.roughness",
-        "disk.roughness.file": str(scan),
-        "disk.roughness.height_unit": "mm",
-        "disk.roughness.level": True,
-        "disk.roughness.transpose": True,
-        "window.pixels": [192, 240],
-    }
-    notes = [str(note) for note in load_scene("first_try", overrides=turned).about.notes]
-    assert any("x, the sliding direction, is along the rows of the file" in one for one in notes)
 
 
 def likely(seed, lengths=(6e-6, 6e-6), ra=0.3e-6, hurst=0.8, shape=(384, 384)):

@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Variants
@@ -95,30 +94,6 @@ def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(
     assert np.array_equal(
         stored_values(sampled / "out.zarr", point, "max_rise"), again, equal_nan=True
     )
-
-
-def test_another_friction_needs_no_new_point(sampled):
-    other = load(sampled, unknown=UNKNOWN.replace("mean = 0.13", "mean = 0.15"))
-    assert pipeline.run_sweep(other, sampled / "out.zarr", workers=1).computed == 0
-    moved = pipeline.Ensemble.of(pipeline.open_sweep(sampled / "out.zarr"))
-    assert moved.unknown[1].parameters == (0.15, 0.01)
-    pipeline.run_sweep(load(sampled), sampled / "out.zarr", workers=1)
-
-
-def test_another_distribution_of_what_is_simulated_is_another_scene(sampled):
-    other = load(sampled, unknown=UNKNOWN.replace("factor = 1.5", "factor = 1.4"))
-    with pytest.raises(StoreMismatchError, match=r'unknown."wear.specific_wear_rate": '):
-        pipeline.run_sweep(other, sampled / "out.zarr", workers=1)
-    fixed = {"wear.specific_wear_rate": "1e-6 mm^3/(N m)"}
-    with pytest.raises(StoreMismatchError):
-        pipeline.run_sweep(
-            pipeline.load_scene(sampled / "scene.toml", overrides=fixed),
-            sampled / "out.zarr",
-            workers=1,
-        )
-    with pytest.raises(StoreMismatchError, match="variant in the store, none in the scene"):
-        pipeline.run_sweep(load(sampled, unknown="", text=SCENE), sampled / "out.zarr", workers=1)
-    load(sampled)
 
 
 def test_the_rise_of_a_sample_left_out_is_within_the_stated_error(sampled):
