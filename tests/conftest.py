@@ -25,7 +25,7 @@ def pytest_configure(config):
 
 
 # What takes minutes begins first, so that no process is left alone with it in the end.
-LONG = {"workflows", "run", "uncertain", "figures", "test_pages.py"}
+LONG = {"workflows", "run", "uncertain", "page", "test_pages.py", "test_verify.py"}
 
 
 def pytest_collection_modifyitems(config, items):

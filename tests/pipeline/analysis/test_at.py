@@ -36,25 +36,9 @@ def test_every_answer_is_at_the_conditions_that_the_dataset_carries(sweep):
     assert pipeline.results(sweep).conditions == synthetic.conditions()  # which stays as it is
 
 
-def test_what_is_given_by_its_name_or_by_its_path_is_the_same(sweep):
-    paths = {"friction.coefficient": 0.12, "temperature.bulk": "60 degC"}
-    by_path, by_name = pipeline.at(sweep, **paths), pipeline.at(sweep, **HOT)
-    xr.testing.assert_identical(by_path, by_name)
-    assert json.loads(by_path.attrs["at"]) == {
-        "friction.coefficient": 0.12,
-        "temperature.bulk": 333.15,
-    }
-
-
 def test_an_oil_works_at_the_coldest_and_hottest_that_are_allowed():
     for kelvin in (COLDEST_OIL, HOTTEST_OIL):
         assert oil_temperature("bulk_temperature", kelvin) == kelvin
-
-
-@pytest.mark.parametrize("kind", [np.float32, np.array, xr.DataArray])
-def test_values_may_be_of_numpy_or_xarray(sweep, kind):
-    found = pipeline.at(sweep, friction=kind(0.125), share=kind(0.25))
-    xr.testing.assert_identical(found, pipeline.at(sweep, friction=0.125, share=0.25))
 
 
 def test_conditions_are_added_to_those_given_before_and_replace_them(sweep):

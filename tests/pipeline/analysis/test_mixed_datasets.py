@@ -67,14 +67,6 @@ def test_points_of_another_scene_are_refused_with_their_loads(parts):
     assert crossings(both.sel(load=[150.0, 250.0])).shape == (2,)
 
 
-def test_one_point_of_another_scene_is_named_by_its_velocity_too(parts):
-    (ds,) = parts("low")
-    is_other = (ds["load"] == 250) & (ds["velocity"] == 1.5)
-    other = ds["scene_id"].where(~is_other, 7).assign_attrs(ds["scene_id"].attrs)
-    with pytest.raises(InputError, match=r"at load 250 N, velocity 1\.5 m/s are of another"):
-        crossings(ds.assign_coords(scene_id=other))
-
-
 def test_rows_of_a_table_are_told_apart(parts):
     (pins,) = parts("pins")
     one, other = pins.isel(pin=0, load=[0, 1]), pins.isel(pin=1, load=[2])
@@ -136,13 +128,6 @@ def test_a_scene_without_simulation_is_told_by_its_conditions_alone(parts):
     high, rubbing = parts("high", "rubbing")
     same = pipeline.at(high, friction=0.2)
     np.testing.assert_array_equal(same["scene_id"], rubbing["scene_id"])
-
-
-def test_a_dataset_that_plain_zarr_opened_has_the_ids_of_its_store(stores):
-    low, rubbing = (xr.open_zarr(stores / f"{k}.zarr", chunks=None) for k in ("low", "rubbing"))
-    assert crossings(low).shape == (2,)
-    with pytest.raises(InputError, match="points at load 600 N are of another one"):
-        crossings(joined([low, rubbing]))
 
 
 def test_a_coordinate_in_another_unit_is_refused(parts):

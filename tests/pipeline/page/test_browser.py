@@ -16,7 +16,7 @@ from selenium.webdriver.support.select import Select
 
 import pipeline
 from pipeline.analysis.field import fields
-from pipeline.analysis.laboratory import agreement, compared, model_error
+from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import percent
 from pipeline.sweep.about import Measurement
 from tests.helpers import page_sweeps as sweeps
@@ -252,15 +252,6 @@ def test_another_value_of_an_entry_keeps_the_conditions_that_were_changed(page):
         assert driver.find_element(By.ID, "title").text.endswith(f"pin.radius {1e3 * radius:g} mm")
 
 
-def test_a_sweep_without_a_critical_temperature_awaits_one(page):
-    conditions = synthetic.CONDITIONS | {"critical_temperature": None}
-    driver = page(synthetic.sweep(conditions=conditions))
-    assert not driver.find_elements(By.CSS_SELECTOR, "#diagram .boundary")
-    assert not driver.find_element(By.ID, "sign-boundary").is_displayed()
-    typed(driver, "critical_temperature", "145")
-    assert driver.find_elements(By.CSS_SELECTOR, "#diagram .boundary")
-
-
 def test_an_operating_point_gets_the_verdict_of_the_nearest_node(page):
     ds = synthetic.sweep()
     driver = page(ds)
@@ -285,22 +276,6 @@ def test_an_operating_point_gets_the_verdict_of_the_nearest_node(page):
     assert expected.model_error in text
     typed(driver, "at-load", "0")
     assert "within the sweep" in driver.find_element(By.ID, "margin").text
-
-
-def test_each_test_has_its_own_transition_and_the_verdict_of_the_command(page):
-    driver = page(synthetic.sweep())
-    driver.execute_script("chosen.conditions.friction = 0.14; update();")
-    script = "return judgedTests().map(({ expected }) => expected);"
-    for own, test in zip(driver.execute_script(script), synthetic.MEASURED, strict=True):
-        limit = synthetic.limit(friction=test.friction or 0.1)
-        same(own, synthetic.critical_velocity(test.normal_load, limit), rtol=0.001)
-    last = ".wide:last-of-type tbody tr"
-    rows = [row.text for row in driver.find_elements(By.CSS_SELECTOR, last) if row.text]
-    expected = compared(synthetic.sweep())
-    assert len(rows) == len(expected)
-    for text, said in zip(rows, expected["computed"], strict=True):
-        assert said in text
-    assert agreement(expected) in driver.find_element(By.TAG_NAME, "body").text
 
 
 DUTIES = {

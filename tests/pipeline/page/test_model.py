@@ -54,7 +54,7 @@ return argument.map(({ conditions, places }) => {
 """
 
 
-def random_conditions(ds, count=5):
+def random_conditions(ds, count=4):
     """Conditions of all kinds; the sweep's come first."""
     draw = np.random.default_rng(ds.sizes["velocity"])
     yield {}
@@ -108,7 +108,7 @@ def test_the_boundary_is_that_of_the_command(kind):
 def test_the_verdict_at_a_node_is_that_of_the_command(kind):
     ds = sweeps.KINDS[kind]()
     draw = np.random.default_rng(3)
-    places = [[float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))] for _ in range(8)]
+    places = [[float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))] for _ in range(6)]
     asked = [
         {"conditions": conditions, "places": places}
         for conditions in random_conditions(ds)
