@@ -56,28 +56,28 @@ def gears(options: argparse.Namespace) -> Result:
         found.append(_simulated(options, critical_temperature, pair, options.failure_stage))
         value, sd, *_ = found[0].iloc[0]
         pair = pair.with_critical(si_of(value, "°C"), sd)
-    one, said = mesh(pair), list[str]()
+    found_mesh, sentences = mesh(pair), list[str]()
     if options.stages:
         table = _simulated(options, predict_stages, pair)
-        said = [first_failure(table)]
+        sentences = [first_failure(table)]
     elif options.points:
         table = _simulated(options, judge_spectrum, pair, options.points, options.sheet)
-        said = [conclusion(table), *table.attrs["remarks"]]
+        sentences = [conclusion(table), *table.attrs["remarks"]]
     else:
-        table = frame_of(_PLACES, map(astuple, one.places))
-        found.append(_facts(one))
+        table = frame_of(_PLACES, map(astuple, found_mesh.places))
+        found.append(_facts(found_mesh))
     for row in found:
         document |= {name: value for name, (value,) in as_dict(row).items()}
     if options.new_scene:
-        document["scene"] = str(write_text(scene_toml([one]), options.new_scene))
-        said.append(f"scene: {options.new_scene}")
+        document["scene"] = str(write_text(scene_toml([found_mesh]), options.new_scene))
+        sentences.append(f"scene: {options.new_scene}")
     text = [part for row in found for part in (upright(row), "")]
     if "notes" not in table:
-        table["notes"] = joined(map(str, (*doubts(one), *pair.caveats)))
+        table["notes"] = joined(map(str, (*doubts(found_mesh), *pair.caveats)))
     caveats = parted(table["notes"])
     return Result(
-        {"title": pair.title, "caveats": caveats, "said": said} | document | as_dict(table),
-        [pair.title, "", *text, *said, "", short(table, _WIDE), "", *caveats],
+        {"title": pair.title, "caveats": caveats, "said": sentences} | document | as_dict(table),
+        [pair.title, "", *text, *sentences, "", short(table, _WIDE), "", *caveats],
         frames=[table],
         draw=lambda: pipeline.gears.draw_mesh(mesh(pair, _DRAWN)),
     )

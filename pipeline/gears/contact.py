@@ -112,19 +112,19 @@ def mesh(pair: Pair, places: int = 25, duty: Duty | None = None) -> Mesh:
 def _place(
     pair: Pair, duty: Duty, friction: float, normal: float, position: float, letter: str
 ) -> MeshPlace:
-    gears, lean = pair.gears, math.cos(pair.gears.base_helix_angle)
+    gears, cosine = pair.gears, math.cos(pair.gears.base_helix_angle)
     radius_1, radius_2 = gears.radii(position)
     reduced_radius = radius_1 * radius_2 / (radius_1 + radius_2)
     # Radii in the transverse section, in which the gears turn.
-    rolling = duty.speed * radius_1 * lean, duty.speed / gears.ratio * radius_2 * lean
+    rolling = duty.speed * radius_1 * cosine, duty.speed / gears.ratio * radius_2 * cosine
     # At the pitch point 0 exactly, where the difference of both would be one of rounding.
     sliding = position * duty.speed * (1 + 1 / gears.ratio)
     share = load_share(gears, position, pair.file.mesh.quality)
-    line, modulus = share * normal * lean / gears.face_width, contact_modulus(*pair.materials)
+    line, modulus = share * normal * cosine / gears.face_width, contact_modulus(*pair.materials)
     half_width = analytic.hertz_line_half_width(line, reduced_radius, modulus)
     pressure = analytic.hertz_line_peak_pressure(line, reduced_radius, modulus)
-    efforts = pair.materials[0].thermal_effusivity, pair.materials[1].thermal_effusivity
-    flash = flash_rise(friction, line, half_width, rolling, efforts) if sliding else 0.0
+    effusivities = pair.materials[0].thermal_effusivity, pair.materials[1].thermal_effusivity
+    flash = flash_rise(friction, line, half_width, rolling, effusivities) if sliding else 0.0
     film = parameter = None
     if pair.oil is not None and pair.oil.pressure_coefficients is not None:
         thick = pair.oil.viscosity(duty.bulk), pair.oil.pressure_coefficient(duty.bulk)

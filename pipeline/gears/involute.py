@@ -178,19 +178,19 @@ class Involutes:
         contact that lies at βb to the axis they are longer by 1/cos βb.
         """
         first, second = self.tangents
-        lean = math.cos(self.base_helix_angle)
-        return (first + place) / lean, (second - place) / lean
+        cosine = math.cos(self.base_helix_angle)
+        return (first + place) / cosine, (second - place) / cosine
 
     def _faults(self) -> Iterator[str]:
         """Why the gears cannot run; each reason supposes that there is none before it."""
-        apart, room = self.centre_distance, _MISFIT * self.module
+        distance, tolerance = self.centre_distance, _MISFIT * self.module
         fitting = fitting_distance(
             self.module, self.pressure_angle, self.helix_angle, self.teeth, self.profile_shifts
         )
-        if abs(apart - fitting) > room or apart <= sum(self.base_radii):
+        if abs(distance - fitting) > tolerance or distance <= sum(self.base_radii):
             yield (
-                f"mesh.centre_distance is {_mm(apart)}, and the profile shifts fit {_mm(fitting)}; "
-                f"give one within {_mm(room)} of that, or other shifts"
+                f"mesh.centre_distance is {_mm(distance)}, and the profile shifts fit "
+                f"{_mm(fitting)}; give one within {_mm(tolerance)} of that, or other shifts"
             )
         for name, tip, base in zip(_GEARS, self.tip_diameters, self.base_radii, strict=True):
             if tip <= 2 * base:

@@ -68,8 +68,8 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     named = {body: entry_at(entries, f"{gear}.material") for body, gear in _BODIES.items()}
     bodies = {body: {"material": name} for body, name in named.items()}
     filled, sources = resolve_library(entries | bodies, faults)
-    asked = {k: v for k, v in filled.items() if k not in _BODIES}
-    tables: PairFile = table_of(PairFile).read(asked, "", faults)
+    own = {k: v for k, v in filled.items() if k not in _BODIES}
+    tables: PairFile = table_of(PairFile).read(own, "", faults)
     materials = tables.materials or {}
     for body, gear in _BODIES.items():
         if isinstance(named[body], str) and (why := unknown_material(named[body], materials)):
@@ -106,14 +106,14 @@ def _make_pair(
     mesh, (first, second) = tables.mesh, (tables.pinion, tables.wheel)
     toothing = mesh.module, mesh.pressure_angle, mesh.helix_angle
     teeth, shifts = (first.teeth, second.teeth), (first.profile_shift, second.profile_shift)
-    apart = mesh.centre_distance or fitting_distance(*toothing, teeth, shifts)
-    clear = [tip_diameter(*toothing[::2], teeth, shifts, apart, gear) for gear in (0, 1)]
+    distance = mesh.centre_distance or fitting_distance(*toothing, teeth, shifts)
+    clear = [tip_diameter(*toothing[::2], teeth, shifts, distance, gear) for gear in (0, 1)]
     tips = first.tip_diameter or clear[0], second.tip_diameter or clear[1]
     materials, duty, warm = tables.materials or {}, tables.duty, tables.temperature
     pair = Pair(
         title=tables.title or f"{teeth[0]} and {teeth[1]} teeth",
         file=tables,
-        gears=Involutes(*toothing, teeth, shifts, apart, tips, mesh.face_width),
+        gears=Involutes(*toothing, teeth, shifts, distance, tips, mesh.face_width),
         materials=(material_of(materials[first.material]), material_of(materials[second.material])),
         oil=oil,
         duty=Duty(duty.torque, duty.speed, warm.bulk or warm.oil or math.nan, duty.load_factor),
@@ -142,5 +142,5 @@ def tip_diameter(
     '0.04484'
     """
     transverse = module / math.cos(helix_angle)
-    apart = centre_distance - transverse * sum(teeth) / 2
-    return transverse * teeth[gear] + 2 * (module + apart - profile_shifts[1 - gear] * module)
+    extension = centre_distance - transverse * sum(teeth) / 2
+    return transverse * teeth[gear] + 2 * (module + extension - profile_shifts[1 - gear] * module)

@@ -39,7 +39,7 @@ _UNITS = {"torque": "N m", "speed": "rpm", "hours": "", "bulk_temperature": "K",
           "oil_temperature": "K", "load_factor": ""}  # fmt: skip
 _DUTY = "torque", "speed", "bulk_temperature", "load_factor", "oil_temperature"
 _FIRST_LINE = "torque [N m],speed [rpm],hours"
-_SAID = {"mild": "No scuffing", NOT_DECIDED: "Scuffing is not decided", "severe": "Scuffing"}
+_OPENINGS = {"mild": "No scuffing", NOT_DECIDED: "Scuffing is not decided", "severe": "Scuffing"}
 
 
 def read_spectrum(
@@ -110,8 +110,8 @@ def conclusion(table: pd.DataFrame) -> str:
     """The verdict on a spectrum in a sentence: scuffing has no memory, so the worst row decides."""
     decisive = worst(table)
     is_same = table["verdict"] == decisive["verdict"]
-    said = f"{_SAID[decisive['verdict']]} in {is_same.sum()} of {len(table)} rows"
+    sentence = f"{_OPENINGS[decisive['verdict']]} in {is_same.sum()} of {len(table)} rows"
     hours = table["hours"]
     if hours.notna().all() and hours.sum():
-        said += f", {hours[is_same].sum():.6g} of {hours.sum():.6g} h"
-    return f"{said}. Row {decisive['row']} decides. {decisive['sentence']}."
+        sentence += f", {hours[is_same].sum():.6g} of {hours.sum():.6g} h"
+    return f"{sentence}. Row {decisive['row']} decides. {decisive['sentence']}."

@@ -58,7 +58,7 @@ def expect_contacts(
 
 def _course(scene: Scene, load: float) -> tuple[float, float]:
     """Time until a point's end [s], and the load integrated over it [N s]."""
-    stations = list(scene.way(load))
+    stations = list(scene.all_stations(load))
     times = np.array([0.0, *(station.time for station in stations)])
     loads = np.array([0.0, *(station.normal_load for station in stations)])
     return float(times[-1]), float(np.trapezoid(loads, times))

@@ -28,7 +28,7 @@ class Stations:
 
         The load is reached, and the loading ends, with a temperature in any case.
         """
-        way = list(scene.way(load))
+        way = list(scene.all_stations(load))
         held = [step for step in way if step.holding]
         if self.steps == "course":
             is_own = isinstance(scene.loading, MeasuredLoad) or not scene.remembers_steps

@@ -120,8 +120,8 @@ def _searched(sweep: Sweep) -> Sweep:
     loads = sweep.plane.loads
     velocities = sweep.plane.velocities[: len(loads) + 1]
     low = tuple(load for load in loads if load <= np.median(loads))
-    asked = {"loads": (low, "N"), "velocities": (velocities, "m/s")}
-    for name, (values, unit) in asked.items():
+    plane = {"loads": (low, "N"), "velocities": (velocities, "m/s")}
+    for name, (values, unit) in plane.items():
         sweep = sweep.changed(f"sweep.{name}", [f"{value!r} {unit}" for value in values])
     return sweep
 
@@ -192,10 +192,10 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
             continue
         of_contacts.append(time.process_time() - began)
         began = time.process_time()
-        if state.is_asked and state.heat is None:
+        if state.is_requested and state.heat is None:
             heat(sweep.scene, state, velocity)
             of_heat.append(time.process_time() - began)
-        if state.is_asked and sum(of_contacts) + sum(of_heat) > _PATIENCE:
+        if state.is_requested and sum(of_contacts) + sum(of_heat) > _PATIENCE:
             break
         began = time.process_time()
     return float(np.mean(of_contacts)), float(np.mean(of_heat or 0.0)), state
@@ -203,13 +203,15 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
     """Increments below a load that points share, own steps, and those with a temperature."""
-    asked = choose_stations(sweep).asked(sweep.scene, load)
-    steps = list(sweep.scene.stations(load, asked))
+    requested = choose_stations(sweep).asked(sweep.scene, load)
+    steps = list(sweep.scene.stations(load, requested))
     shared = sum(
-        step.on_trunk and step.normal_load < load and step.index not in asked for step in steps
+        step.on_trunk and step.normal_load < load and step.index not in requested for step in steps
     )
     shown = sum(
-        step is steps[-1] or step.index in asked or (step.normal_load == load and not step.holding)
+        step is steps[-1]
+        or step.index in requested
+        or (step.normal_load == load and not step.holding)
         for step in steps
     )
     return shared, len(steps) - shared, shown

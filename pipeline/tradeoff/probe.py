@@ -73,11 +73,11 @@ def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
 
 def _run(sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None) -> State:
     """Simulate a point: its hottest state under full load."""
-    hot: list[tuple[float, State]] = []
+    under_load: list[tuple[float, State]] = []
     for state in simulate(sweep.scene, load, velocity, trunks):
         if state.heat is not None and state.normal_load >= load:
-            hot.append((momentary_rise(sweep.scene, state, sweep.conditions), state))
-    return max(hot, key=lambda reading: reading[0])[1] if hot else state
+            under_load.append((momentary_rise(sweep.scene, state, sweep.conditions), state))
+    return max(under_load, key=lambda reading: reading[0])[1] if under_load else state
 
 
 def _reading(sweep: Sweep, scene: Scene, state: State) -> Reading:
@@ -89,14 +89,14 @@ def _reading(sweep: Sweep, scene: Scene, state: State) -> Reading:
     )
 
 
-def dividing_pixels(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
+def with_dividing_elements(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
     """A fidelity whose elements divide the scene's pixels."""
     nx, ny = sweep.scene.pixels.shape
     fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
     return replace(fidelity, pixels_per_element=next(fits))
 
 
-def some_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
+def spread_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
     """Some of a sweep's loads, both ends among them, and its variants in turn."""
     loads, variants = sweep.plane.loads, sweep.variants.names
     chosen = sorted({round((len(loads) - 1) * k / max(number - 1, 1)) for k in range(number)})
@@ -105,14 +105,14 @@ def some_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
     return tuple(dict.fromkeys(places))
 
 
-def near_the_boundary(
+def points_near_boundary(
     sweep: Sweep, places: Sequence[Target]
 ) -> tuple[tuple[Point, ...], tuple[float, ...]]:
     """Points near which wear turns severe at ``standard``, and d ln(rise)/d ln(velocity) there.
 
     Without a transition from half the lowest to twice the highest velocity, the nearer end.
     """
-    scene = with_fidelity(sweep, dividing_pixels(sweep, PRESETS["standard"]))
+    scene = with_fidelity(sweep, with_dividing_elements(sweep, PRESETS["standard"]))
     points, exponents = [], []
     moving = [abs(velocity) for velocity in sweep.plane.velocities if velocity]
     if not moving:

@@ -30,11 +30,11 @@ from pipeline.tradeoff.forecast import as_computed
 from pipeline.tradeoff.probe import (
     Probe,
     Target,
-    dividing_pixels,
-    near_the_boundary,
+    points_near_boundary,
     probe,
-    some_places,
+    spread_places,
     velocity_errors,
+    with_dividing_elements,
 )
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
@@ -167,7 +167,7 @@ def measure(
     places = [*dict.fromkeys(places or _usual_places(sweep))]
     candidates = _candidates(sweep, presets)
     progress(Progress(f"{len(candidates)} choices at {len(places)} places"))
-    near, exponents = near_the_boundary(sweep, places)
+    near, exponents = points_near_boundary(sweep, places)
     if points:
         near, slopes = tuple(points), dict(zip(places, exponents, strict=True))
         exponents = tuple(slopes[Target(point.load, point.variant)] for point in points)
@@ -211,7 +211,7 @@ def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
 
 def _usual_places(sweep: Sweep) -> tuple[Target, ...]:
     """Places of the boundary that are measured at if none is given."""
-    return some_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
+    return spread_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
 
 
 def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
@@ -222,7 +222,7 @@ def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
     past: dict[str, Any] = {"heat_model": "history", "history_coarsening": 1}
     changes = past if sweep.scene.remembers_heat else {}
     named = {
-        name: dividing_pixels(sweep, replace(PRESETS[name], **changes))
+        name: with_dividing_elements(sweep, replace(PRESETS[name], **changes))
         for name in ("reference", *presets)
     }
     named.setdefault(sweep.about.preset or OWN, sweep.scene.fidelity)

@@ -90,18 +90,19 @@ def _bounds_result(
     high = min((mean for outcome, mean in judged if outcome == "severe"), default=None)
     above, below = (end and display(end, "°C", 4) for end in (low, high))
     if low is None or high is None:
-        said = f"the critical temperature is {'below' if low is None else 'above'} {above or below}"
+        side = "below" if low is None else "above"
+        bounds = f"the critical temperature is {side} {above or below}"
     elif low < high:
-        said = f"the critical temperature is between {above} and {below}"
+        bounds = f"the critical temperature is between {above} and {below}"
     else:
-        said = f"the tests contradict each other: mild up to {above}, severe from {below} on"
+        bounds = f"the tests contradict each other: mild up to {above}, severe from {below} on"
     frame.insert(3, "outcome", outcomes)
     frame = frame.rename(columns={"critical temperature [°C]": "temperature [°C]"})
     text = [
         f"temperature of {counted(len(outcomes), 'test', 'tests')}, below the critical "
         "temperature where wear stayed mild, above it where wear turned severe:",
         short(frame),
-        said,
+        bounds,
         "for the probability of each value give temperature.critical a range under [unknown], and "
         "samples under [sweep]: irg help your-tests",
     ]
@@ -133,7 +134,7 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     if options.load is None or options.velocity is None:
         raise InputError("--contact-width is that of a test; give its --load and --velocity, too")
     sweep = _slid_for(sweep, options.load, options.duration)
-    *_, end = sweep.scene.way(options.load)
+    *_, end = sweep.scene.all_stations(options.load)
     with working("seeking the wear rate, one simulation after the other"):
         rate = specific_wear_rate(
             sweep.scene, options.contact_width, options.load, options.velocity

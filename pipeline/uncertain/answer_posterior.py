@@ -32,7 +32,7 @@ def posterior(options: argparse.Namespace, store: Path) -> Result:
     with working("comparing the oils"):
         compared = list(contrasts(weighed))
     document["differences"] = [one._asdict() for one in compared]
-    text += map(_word_contrast, compared)
+    text += map(_describe_contrast, compared)
     draw = partial(pipeline.plot, weighed)
     return Result(document, text, pipeline.warned(ds), [_summary_frame(weighed)], draw)
 
@@ -86,7 +86,7 @@ def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
     return frame_of(heads, rows)
 
 
-def _word_contrast(one: Contrast) -> str:
+def _describe_contrast(one: Contrast) -> str:
     """Difference of two oils, in a line."""
     size, unit = (1.0, "K") if one.unit == "K" else (0.01, "%")
     mean, sd, low, high = (

@@ -20,15 +20,15 @@ from tribo import InputError
 
 def read_rule(draw: Any) -> Rule:
     """What the rest asks of a rule: samples depend on no correlation, and on no unit."""
-    told = json.loads(json.dumps(draw), object_hook=_without_unit)
-    unknown, fixed, design = (told[key] for key in ("unknown", "fixed", "design"))
+    plain = json.loads(json.dumps(draw), object_hook=_drop_unit)
+    unknown, fixed, design = (plain[key] for key in ("unknown", "fixed", "design"))
     inputs = [{**one, "correlated": None} for one in design["inputs"]]
     paths, movable = (one["path"] for one in unknown), Draw.of(draw).open_inputs
     rows = design | {"inputs": inputs}
     return Rule(tuple(paths), tuple(movable), (unknown, fixed), rows, design["per_contact"])
 
 
-def _without_unit(table: dict[str, Any]) -> dict[str, Any]:
+def _drop_unit(table: dict[str, Any]) -> dict[str, Any]:
     return {key: one for key, one in table.items() if key != "written"}
 
 

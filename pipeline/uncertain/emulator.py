@@ -123,7 +123,7 @@ def fitted(
         fits = [data, *((features[one], dimensions, contacts[one], data[3][one]) for one in rests)]
         return np.array([_fit_constants(*fit) for fit in fits])
 
-    constants, *without = kept_or_found(keeper, data, leave_out)
+    constants, *without = load_or_compute(keeper, data, leave_out)
     solve = functools.partial(_solved, features, dimensions, contacts, outputs - mean)
     whitener, weights = solve(constants)
     check = _check(groups, parts, map(solve, without or [constants] * len(parts)))
@@ -259,7 +259,7 @@ def _check(
     for rows, (whitener, weights) in folds:
         inverse = whitener.T @ whitener
         for one in np.unique(groups[rows]):
-            scores[groups == one] = _missed(inverse, weights, groups == one)
+            scores[groups == one] = _left_out_errors(inverse, weights, groups == one)
     factors = _factors(scores, count)
     spread = np.maximum(np.sqrt(np.mean(scores**2, axis=0)), _LEAST_SCORE)
     together = np.mean((scores / spread)[:, :, None] * (scores / spread)[:, None], axis=0)
@@ -267,7 +267,7 @@ def _check(
     limits = OF_90 * np.array([_factors(scores[groups != one], count - 1) for one in range(count)])
     held = np.abs(scores) <= limits[groups]
     at_ends = [
-        _missed(whitener.T @ whitener, weights, rows) / factors
+        _left_out_errors(whitener.T @ whitener, weights, rows) / factors
         for rows, (whitener, weights) in (low, high)
         if rows.any()
     ]
@@ -283,7 +283,7 @@ def _factors(scores: Array, count: int) -> Array:
     return np.maximum([band_factor(one, count) for one in scores.T], _LEAST_SCORE)
 
 
-def _missed(inverse: Array, weights: Array, rows: Mask) -> Array:
+def _left_out_errors(inverse: Array, weights: Array, rows: Mask) -> Array:
     """What rows that are left out together miss, over the error predicted, (n_row, n_output).
 
     With the inverse C of the kernel they miss by C_II⁻¹ (C y)_I, with the covariance C_II⁻¹
@@ -313,11 +313,11 @@ def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]
         rough[near] = _spline(x[near], place, 2)
     off = np.log(rises) @ (weights - rough)
     # A run between two loads also has something of its own, of which they tell nothing.
-    own = _own_of_a_load(x, np.log(rises)) * math.sqrt(2 * max(1 - np.sum(linear**2), 0.0))
+    own = _spread_between_nodes(x, np.log(rises)) * math.sqrt(2 * max(1 - np.sum(linear**2), 0.0))
     return weights, float(np.hypot(np.sqrt(np.mean(off**2)), own))
 
 
-def _own_of_a_load(x: Array, values: Array) -> float:
+def _spread_between_nodes(x: Array, values: Array) -> float:
     """Standard deviation of what the values at a load have of their own, by loads left out."""
     found = []
     for number in range(1, len(x) - 1):
@@ -336,14 +336,14 @@ def _spline(x: Array, place: float, degree: int) -> Array:
 _RULE = b"2"  # by which the numbers are found; another one finds others
 
 
-def kept_or_found(
+def load_or_compute(
     keeper: Keeper | None, data: Sequence[Array | Any], find: Callable[[], Array]
 ) -> Array:
     """Numbers found from data, or those kept when they were found from the same data."""
     if keeper is None:
         return find()
     name = f"fit-{_hash(_RULE, *(np.ascontiguousarray(one).tobytes() for one in data))[:16]}"
-    numbers = recalled(keeper, name)
+    numbers = load_numbers(keeper, name)
     if numbers is None:
         numbers = find().tolist()
         document = {"numbers": numbers, "hash": _hash(json.dumps(numbers).encode())}
@@ -351,7 +351,7 @@ def kept_or_found(
     return np.array(numbers, float)
 
 
-def recalled(keeper: Keeper, name: str) -> Any:
+def load_numbers(keeper: Keeper, name: str) -> Any:
     """Numbers that are kept; None if there are none, or if they were cut short or damaged."""
     with suppress(ValueError, KeyError, TypeError, RecursionError):
         document = json.loads(keeper.kept(name) or b"")

@@ -43,7 +43,7 @@ from pipeline.uncertain.unknown import (
 from tribo import InputError, Wear
 from tribo.simulation import inseparable, mechanics
 
-_TRIED = 1000  # samples that are read at once; others when they are computed
+_CHECKED_AT_ONCE = 1000  # samples that are read at once; others when they are computed
 _FACTOR = 1.25  # factor of a known wear rate by which samples of a contact differ all the same
 _FIXED = (
     "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
@@ -195,7 +195,7 @@ def _drawn(draw: Draw, count: int, sweep: Sweep) -> Sweep:
     """The sweep with samples of each of its rows; raises if one is not a sound scene."""
     made = replace(sweep, variants=sweep.variants * drawn_rows(draw, count))
     try:
-        for name in made.variants.names[:_TRIED]:
+        for name in made.variants.names[:_CHECKED_AT_ONCE]:
             made.variant(name).parts()
     except InputError as error:
         raise InputError(
@@ -231,7 +231,7 @@ def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
     """Layer of a point that an input enters; it is tried out at its ends."""
     key, highest = f"unknown.{quoted(one.path)}", max(sweep.plane.loads)
     is_simulated, is_judged, is_heat_alone = False, False, True
-    for value in _tried(one):
+    for value in _values_to_try(one):
         text = as_written(value, "1") if one.unit == "1" else one.text(value)
         try:
             other = _with_value(sweep, one.path, text)
@@ -266,7 +266,7 @@ def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
     return other
 
 
-def _tried(one: Unknown) -> list[float]:
+def _values_to_try(one: Unknown) -> list[float]:
     """Values to try an input at: all of a list, else the median and the outermost of samples."""
     shares = scipy.special.ndtr(np.array([0.0, -REACH, REACH]))
     return [*one.parameters] if one.kind == "list" else one.quantile(shares).tolist()

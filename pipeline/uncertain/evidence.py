@@ -23,7 +23,7 @@ from pipeline.analysis.transition import LEAST_SLOPE
 from pipeline.uncertain.answers import line_turns, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, prior
-from pipeline.uncertain.rig import join_oils, join_rig, learnt
+from pipeline.uncertain.rig import acting_friction, join_oils, join_rig
 from pipeline.uncertain.unknown import Unknown
 from tribo import InputError
 from tribo.types import Array
@@ -102,7 +102,7 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths
         if rig is not None:
             limit = ensemble.values(CRITICAL, inputs) if critical is None else critical
             factor = np.interp(log_velocity, x, table) + ensemble.log_friction_factor(limit)
-            acted, by_friction, by_rig = learnt(rig, test, factor)
+            acted, by_friction, by_rig = acting_friction(rig, test, factor)
             friction = np.exp(acted)
         place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, count - 2))
         slope = (rise[:, place + 1] - rise[:, place]) / (x[place + 1] - x[place])

@@ -27,12 +27,12 @@ _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
 def shown_test(tests: Sequence[Test]) -> int:
     """Number of the test of a run that stands for it: the first severe one, else the last mild."""
 
-    def hardness(number: int) -> tuple[bool, float]:
+    def severity(number: int) -> tuple[bool, float]:
         is_mild = tests[number].get("outcome") == "mild"
-        hardness = tests[number]["normal_load"] * tests[number]["velocity"]
-        return is_mild, -hardness if is_mild else hardness
+        power = tests[number]["normal_load"] * tests[number]["velocity"]
+        return is_mild, -power if is_mild else power
 
-    return min(range(len(tests)), key=hardness)
+    return min(range(len(tests)), key=severity)
 
 
 class Judged(NamedTuple):
@@ -246,8 +246,8 @@ def explains(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> bool:
     """True if the model fits as soon as a test is left out; arguments are those without it."""
-    pressed = faults(unknown, draws, scatter, (0.0, *inferred[1:]))
-    return inferred[1] <= _EXPLAINED * scatter and not pressed
+    at_ends = faults(unknown, draws, scatter, (0.0, *inferred[1:]))
+    return inferred[1] <= _EXPLAINED * scatter and not at_ends
 
 
 def _is_outer(unknown: Unknown, column: Array) -> Array:

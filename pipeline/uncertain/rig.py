@@ -29,13 +29,13 @@ OTHER = "friction.rig"
 _ROUNDED = 0.005  # least relative error of a measured friction, as logs have two or three digits
 
 
-def learnt(rig: Array, test: Mapping[str, Any], log_factor: Array) -> tuple[Array, Array, Array]:
-    """Logarithm of the friction that acted in a test, its variance, and what it tells.
+def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple[Array, ...]:
+    """Logarithm of the friction that acted in a test, its variance, and a log-likelihood.
 
-    The last is the logarithm of the likelihood of the measured friction. Draws of a rig (n, 2) are
-    its friction and its scatter; the factor is that of friction at the velocity of the test, (n,).
+    This is the likelihood of the measured friction. Draws of a rig, (n, 2), are its friction and
+    the scatter of its friction. The change of ln(friction) at the velocity of the test is (n,).
     """
-    of_rig = np.log(np.maximum(rig[:, 0], LEAST_FRICTION)) + log_factor
+    of_rig = np.log(np.maximum(rig[:, 0], LEAST_FRICTION)) + change
     by_test = rig[:, 1] ** 2
     if test.get("friction") is None:
         return of_rig, by_test, np.zeros(1)

@@ -67,12 +67,12 @@ def effective_share(log_weights: Array) -> float:
 def _next_power(likelihood: Array, over: Array, power: float) -> float:
     """Largest power of the likelihood, from that of before on, that leaves enough draws."""
 
-    def spare(other: float) -> float:
+    def excess(other: float) -> float:
         return effective_share(other * likelihood + over) - _AT_LEAST
 
-    if spare(1.0) >= 0:
+    if excess(1.0) >= 0:
         return 1.0
-    return float(brentq(spare, power, 1.0)) if spare(power) > 0 else power
+    return float(brentq(excess, power, 1.0)) if excess(power) > 0 else power
 
 
 class Mixture(NamedTuple):

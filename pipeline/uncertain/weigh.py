@@ -146,12 +146,12 @@ def _probability(low: Array, high: Array, weights: Array) -> float:
     Single runs are off by more than a normal scatter allows. So the tails are those of Student's t
     of 4 degrees of freedom with the same standard deviation.
     """
-    below, above = (float(np.sum(weights * _long_tailed(z))) for z in (high, -low))
+    below, above = (float(np.sum(weights * _student_share(z))) for z in (high, -low))
     is_within = math.isfinite(low.flat[0]) and math.isfinite(high.flat[0])
     return min(1.0, 2 * min(below, above)) if is_within else min(below, above)
 
 
-def _long_tailed(z: Array) -> Array:
+def _student_share(z: Array) -> Array:
     """Probability below z standard deviations of Student's t of 4 degrees: (1 + s)² (2 − s)/4.
 
     s = t/√(4 + t²) with t = √2 z.

@@ -34,11 +34,11 @@ def _constants_are_found_once(tmp_path_factory):
         yield
         return
     (path := root_of_all(tmp_path_factory) / "fits").mkdir(exist_ok=True)
-    found, folder = emulator.kept_or_found, Folder(path)
+    found, folder = emulator.load_or_compute, Folder(path)
 
-    def kept_or_found(keeper, *fit):
+    def load_or_compute(keeper, *fit):
         return found(keeper if getattr(keeper, "may_keep", False) else folder, *fit)
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(emulator, "kept_or_found", kept_or_found)
+        patched.setattr(emulator, "load_or_compute", load_or_compute)
         yield

@@ -17,7 +17,7 @@ _ALLOWED = {
     "pipeline/store/test_writer.py _pause": "the pause without waiting for it",
     "pipeline/sweep/test_refusals.py _hidden": "that it is refused",
     "pipeline/tradeoff/test_forecast.py _increment_values": "temperatures are counted where solved",
-    "pipeline/uncertain/test_difference.py _word_contrast": "the sentence without a second run",
+    "pipeline/uncertain/test_difference.py _describe_contrast": "the sentence without a second run",
     "promises/rigs.py _FIRST": "more draws of the prior than usual",
     "promises/rigs.py _rise": "scenes of one campaign share their fit of the rise",
     "promises/seeds.py _rise": "scenes of one campaign share their fit of the rise",

@@ -43,13 +43,13 @@ def active_set_step(
     iterate: Iterate,
     judged: Judgement,
     active: ActiveSet,
-    enough: float,
+    gap_goal: float,
     most: float,
 ) -> tuple[Iterate, ActiveSet]:
     """Solve for the nodes that are free, all others held at their bounds.
 
-    A gap of at most `enough` [m] at these nodes needs no further reduction; `most` is the number of
-    convolutions that may still be spent.
+    A gap of at most `gap_goal` [m] at these nodes needs no further reduction. At most `most`
+    convolutions may still be spent.
     """
     nodes = judged.nodes
     stencil = problem.near.on(nodes)
@@ -58,13 +58,13 @@ def active_set_step(
         iterate.pressure.take(nodes),
         judged,
         _preconditioner(problem, nodes, stencil),
-        (active.reduction(nodes), enough),
+        (active.reduction(nodes), gap_goal),
         int(min(active.iterations, most)),
     )
     if pressure.min() < 0 or pressure.max() > problem.hardness:
         metric = problem.metric_on(nodes)
         if not metric:
-            pressure = _clipped(problem, pressure, stencil)
+            pressure = _clip(problem, pressure, stencil)
         pressure = problem.bounded_pressure(pressure, nodes, iterate.pressure, metric)
     whole = iterate.pressure.copy()
     whole.reshape(-1)[nodes] = pressure
@@ -83,14 +83,14 @@ def _conjugate_gradients(
 
     `goals` are the factor by which to reduce the residual, and the gap that is small enough [m].
     """
-    nodes, (reduction, enough) = judged.nodes, goals
+    nodes, (reduction, gap_goal) = judged.nodes, goals
     residual = judged.gap.take(nodes)
     residual -= residual.mean()
     # Residuals in units of the first residual, and directions in units of the stencil's middle,
     # are near 1, which single precision can hold.
     scale = largest(residual) or 1.0
     residual /= scale
-    goal = max(reduction, enough / scale)
+    goal = max(reduction, gap_goal / scale)
     direction, square = np.zeros(nodes.size), math.inf
     field = np.zeros(problem.heights.shape)
     response_field = np.empty(problem.heights.shape)
@@ -128,7 +128,7 @@ def _preconditioner(problem: Problem, nodes: Nodes, stencil: Stencil) -> Precond
     return Preconditioner(inverse, rows, problem.coupling * middle)
 
 
-def _clipped(problem: Problem, pressure: Array, stencil: Stencil) -> Array:
+def _clip(problem: Problem, pressure: Array, stencil: Stencil) -> Array:
     """Clip the pressure on the nodes of `stencil`; neighbours make up for what that changes."""
     clipped = pressure.clip(0.0, problem.hardness)
     between = (clipped > 0) & (clipped < problem.hardness)

@@ -23,7 +23,7 @@ class Gradient(NamedTuple):
 
 def first_length(problem: Problem) -> float:
     """Length of the first step: that of an element on its own."""
-    return 1.0 if problem.soft.matter else 1 / problem.solid.self_influence
+    return 1.0 if problem.soft.is_needed else 1 / problem.solid.self_influence
 
 
 def gradient_step(
@@ -37,7 +37,7 @@ def gradient_step(
     metric = problem.metric_on(nodes)
     if metric:
         old = pressure.take(nodes)
-        goal = old - gradient.length * metric.raised(gap.take(nodes))
+        goal = old - gradient.length * metric.solve(gap.take(nodes))
         step = np.zeros(pressure.shape)
         step.reshape(-1)[nodes] = problem.bounded_pressure(goal, nodes, pressure, metric) - old
     else:

@@ -20,7 +20,7 @@ from tribo.contact.active_set import ActiveSet, active_set_step
 from tribo.contact.correction import corrected
 from tribo.contact.gradient import Gradient, first_length, gradient_step
 from tribo.contact.problem import Iterate, Judgement, Problem, judge
-from tribo.contact.rounding import LowestResidual, lost_by_transform, restored
+from tribo.contact.rounding import LowestResidual, restore_digits, transform_error
 from tribo.contact.simplex import scaled_to_load
 from tribo.numerics import largest
 from tribo.types import Array
@@ -28,7 +28,7 @@ from tribo.types import Array
 _SETTLED = 0.3  # share of the contact's nodes on the wrong side at which active-set steps start
 _PATIENCE = 3  # active-set steps without progress before gradient steps take over
 _FIRST_GRADIENT_STEPS = 8  # then; twice as many each time
-_ENOUGH = 0.5  # share of the tolerance that active-set steps aim at
+_GOAL = 0.5  # share of the tolerance that active-set steps aim at
 
 
 class Limits(NamedTuple):
@@ -55,7 +55,7 @@ class IterationResult:
     stalled: bool  # the residual does not fall any further
 
 
-class Turns(NamedTuple):
+class StepCounters(NamedTuple):
     """Counters that decide the kind of the next step."""
 
     gradient_steps: float = math.inf  # before the next active-set step
@@ -63,15 +63,15 @@ class Turns(NamedTuple):
     best: float = math.inf  # residual since the kind of steps last changed
     without_progress: int = 0  # steps since that residual
 
-    def after(self, residual: float, has_settled: bool) -> Turns:
-        """Turns at an iterate; it has settled if few of its nodes are at a wrong bound."""
-        left, following, best, waited = self
-        if left == math.inf and has_settled:
-            left = 0
+    def after(self, residual: float, has_settled: bool) -> StepCounters:
+        """Count an iterate; it has settled if few of its nodes are at a wrong bound."""
+        steps, next_steps, best, waited = self
+        if steps == math.inf and has_settled:
+            steps = 0
         best, waited = (residual, 0) if residual < 0.9 * best else (best, waited + 1)
-        if left <= 0 and waited >= _PATIENCE:
-            return Turns(following, 2 * following, residual, 0)
-        return Turns(left, following, best, waited)
+        if steps <= 0 and waited >= _PATIENCE:
+            return StepCounters(next_steps, 2 * next_steps, residual, 0)
+        return StepCounters(steps, next_steps, best, waited)
 
 
 def iterate(
@@ -86,44 +86,46 @@ def iterate(
     Where the displacement under the guess is known [m], the guess has to carry the load, but may
     exceed the bounds. `spent` are the convolutions that the guess took.
     """
-    state = _begun(problem, guess, displacement, spent)
-    turns, progress, change = Turns(), LowestResidual(), math.inf
+    state = _first_iterate(problem, guess, displacement, spent)
+    counters, progress, change = StepCounters(), LowestResidual(), math.inf
     active, gradient = ActiveSet(), Gradient(first_length(problem))
     while True:
         judged = judge(problem, state)
         progress = progress.after(judged.residual, state.convolutions)
-        stuck = not judged.nodes.size  # all in contact is at the hardness, and rightly so
-        stalled = stuck or progress.has_stalled(problem, state, judged, gradient.idle)
+        is_saturated = not judged.nodes.size  # all in contact is at the hardness, and rightly so
+        stalled = is_saturated or progress.has_stalled(problem, state, judged, gradient.idle)
         exhausted = state.convolutions >= limits.convolutions or not math.isfinite(judged.residual)
         error, slack = judged.residual, limits.tolerance - judged.residual
         if limits.by_change:
             error, slack = change if judged.residual else 0.0, math.inf
         if error <= limits.tolerance or stalled or exhausted:
-            better = restored(problem, state, judged, slack, exhausted)
+            better = restore_digits(problem, state, judged, slack, exhausted)
             if better is not None:
                 if better.shifts > state.shifts:  # residuals from another datum do not compare
                     progress = progress._replace(lowest=math.inf)
                 state = better
                 continue
-            judged = _doubted(problem, state, judged)
+            judged = _add_rounding(problem, state, judged)
             error = error if limits.by_change else judged.residual
             converged = error <= limits.tolerance
             if converged or stalled or exhausted:
                 return _outcome(problem, state, judged, error, converged, stalled)
-        turns = turns.after(judged.residual, judged.wrong <= _SETTLED * judged.touching)
+        counters = counters.after(judged.residual, judged.wrong <= _SETTLED * judged.touching)
         before = state.pressure
-        if turns.gradient_steps > 0:
+        if counters.gradient_steps > 0:
             state, gradient = gradient_step(problem, state, judged, gradient)
-            turns = turns._replace(gradient_steps=turns.gradient_steps - 1)
+            counters = counters._replace(gradient_steps=counters.gradient_steps - 1)
         else:
-            left = limits.convolutions - state.convolutions
-            enough = _ENOUGH * limits.tolerance * judged.unit
-            state, active = active_set_step(problem, state, judged, active, enough, left)
+            remaining = limits.convolutions - state.convolutions
+            gap_goal = _GOAL * limits.tolerance * judged.unit
+            state, active = active_set_step(problem, state, judged, active, gap_goal, remaining)
         if limits.by_change:
             change = float(np.abs(state.pressure - before).sum()) / problem.total
 
 
-def _begun(problem: Problem, guess: Array, displacement: Array | None, spent: float) -> Iterate:
+def _first_iterate(
+    problem: Problem, guess: Array, displacement: Array | None, spent: float
+) -> Iterate:
     """The first iterate: a guess that carries the load within the bounds."""
     # Heights count from a datum near the contact: far from 0 they would have few digits.
     datum = float(problem.heights.min())
@@ -134,9 +136,9 @@ def _begun(problem: Problem, guess: Array, displacement: Array | None, spent: fl
     return Iterate(pressure, problem.solid(pressure), datum, separation, spent + 1)
 
 
-def _doubted(problem: Problem, state: Iterate, judged: Judgement) -> Judgement:
+def _add_rounding(problem: Problem, state: Iterate, judged: Judgement) -> Judgement:
     """The judgement with what rounding may hide of the residual added to it."""
-    hidden = lost_by_transform(problem.solid.rounding, largest(state.displacement))
+    hidden = transform_error(problem.solid.rounding, largest(state.displacement))
     return judged._replace(residual=judged.residual + hidden / judged.unit)
 
 

@@ -45,7 +45,7 @@ class Problem:
     @property
     def coupling(self) -> float:
         """Displacement that nodes of a row add to each other [m/Pa]; 0 where that is little."""
-        return self.soft.coupling if self.soft.matter else 0.0
+        return self.soft.coupling if self.soft.is_needed else 0.0
 
     def rows_of(self, nodes: Nodes) -> Nodes:
         """Number of the row in which each node lies."""
@@ -53,7 +53,7 @@ class Problem:
 
     def metric_on(self, nodes: Nodes) -> RowMetric | None:
         """The metric of the rows on some nodes; None where rows are not soft."""
-        if not self.soft.matter:
+        if not self.soft.is_needed:
             return None
         return RowMetric(self.solid.self_influence, self.soft.coupling, self.rows_of(nodes))
 
@@ -80,7 +80,7 @@ def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
 def _prepared(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
     """What a problem takes from its solid alone."""
     soft, unit = SoftRows.of(solid), solid.self_influence
-    coupling = soft.coupling if soft.matter else 0.0
+    coupling = soft.coupling if soft.is_needed else 0.0
     fast = solid.faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid
     return soft, Neighbourhood(solid, soft.axis, coupling), fast
 

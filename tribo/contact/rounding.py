@@ -15,26 +15,26 @@ from tribo.numerics import largest
 
 # What updates may cost of the displacement, once and each, in rounding errors of its largest
 # value: observed are 8 for all updates of a solution together, and 70 where it began far off.
-_LOST_AT_ONCE, _LOST_A_STEP = 100.0, 10.0
+_UPDATE_ERROR, _ERROR_PER_UPDATE = 100.0, 10.0
 _AT_ROUNDING = 32.0  # the same, of a residual that rounding keeps from falling
-_LOST_BY_TRANSFORM = 3.0  # the same for what no update of the pressure can restore; observed are 2
+_TRANSFORM_ERROR = 3.0  # the same for what no update of the pressure can restore; observed are 2
 _STALLED = 40  # iterations without progress at the level of rounding after which to give up
-_LOST, _MOST_IDLE = 1000, 20  # the same at any level, and gradient steps without a way down
+_MOST_WAITED, _MOST_IDLE = 1000, 20  # the same at any level, and gradient steps without a way down
 _FARTHEST_DATUM = 4.0  # largest displacements from the surface, beyond which heights lose digits
 _MOST_SHIFTS = 3  # moves of the datum; one does unless heights have no digits left
 
 
-def lost_by_updates(updates: int, rounding: float, displacement: float) -> float:
+def update_error(updates: int, rounding: float, displacement: float) -> float:
     """Largest error that updates leave in a displacement [m], given its largest value [m]."""
-    return (_LOST_AT_ONCE + _LOST_A_STEP * updates) * rounding * displacement
+    return (_UPDATE_ERROR + _ERROR_PER_UPDATE * updates) * rounding * displacement
 
 
-def lost_by_transform(rounding: float, displacement: float) -> float:
+def transform_error(rounding: float, displacement: float) -> float:
     """Largest error of a displacement that has just been computed [m]."""
-    return _LOST_BY_TRANSFORM * rounding * displacement
+    return _TRANSFORM_ERROR * rounding * displacement
 
 
-def restored(
+def restore_digits(
     problem: Problem, iterate: Iterate, judged: Judgement, slack: float, exhausted: bool
 ) -> Iterate | None:
     """The iterate with its digits restored; None where nothing that matters has been lost.
@@ -51,9 +51,9 @@ def restored(
     if not exhausted and iterate.load_error(problem.total) > LOAD_ERROR:
         pressure = scaled_to_load(iterate.pressure, problem.total, problem.hardness)
         return iterate.pressed(problem, pressure)
-    lost = lost_by_updates(iterate.updates, problem.solid.rounding, displacement)
-    # Not `lost > …`: a displacement that is no number is computed again, too.
-    if iterate.updates and not lost <= slack * judged.unit:
+    error = update_error(iterate.updates, problem.solid.rounding, displacement)
+    # Not `error > …`: a displacement that is no number is computed again, too.
+    if iterate.updates and not error <= slack * judged.unit:
         return iterate.pressed(problem, iterate.pressure)
     return None
 
@@ -75,4 +75,4 @@ class LowestResidual(NamedTuple):
             return False
         size = largest(iterate.displacement) + abs(judged.level)
         at_rounding = self.lowest * judged.unit <= _AT_ROUNDING * problem.solid.rounding * size
-        return at_rounding or waited > _LOST or idle > _MOST_IDLE
+        return at_rounding or waited > _MOST_WAITED or idle > _MOST_IDLE

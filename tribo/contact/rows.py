@@ -35,7 +35,7 @@ class SoftRows:
 
     axis: int  # along which the rows lie
     coupling: float  # c/n of Eq. (1): what waves across the rows yield beyond an element [m/Pa]
-    matter: bool  # the coupling is large enough to need the metric
+    is_needed: bool  # the coupling is large enough to need the metric
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace) -> SoftRows:
@@ -74,7 +74,7 @@ class RowMetric:
     >>> metric = RowMetric(1.0, 2.0, rows=np.array([3, 3]))
     >>> metric.square(np.array([1.0, 3.0]))
     42.0
-    >>> metric.raised(np.array([1.0 + 2 * 4, 3.0 + 2 * 4]))
+    >>> metric.solve(np.array([1.0 + 2 * 4, 3.0 + 2 * 4]))
     array([1., 3.])
     """
 
@@ -98,7 +98,7 @@ class RowMetric:
         rows = self._sums(step)
         return self._d * float((step * step).sum()) + self._k * float((rows * rows).sum())
 
-    def raised(self, gradient: Array) -> Array:
+    def solve(self, gradient: Array) -> Array:
         """M⁻¹ gradient: the direction in which the energy falls fastest."""
         mean = self._sums(gradient) / self._count
         return np.asarray(
@@ -137,20 +137,20 @@ class RowMetric:
             clipped = field.clip(0.0, highest)
             carried = self._sums(clipped)
             excess = d * shift + k * (carried - sums) - mu
-            too_much = float(carried.sum()) - total
-            if abs(too_much) <= 10 * _ROUNDING * total:
+            excess_load = float(carried.sum()) - total
+            if abs(excess_load) <= 10 * _ROUNDING * total:
                 size = d * np.abs(shift) + k * (carried + np.abs(sums)) + abs(mu)
                 if (np.abs(excess) <= _ROUNDING * size).all():
                     return clipped, shift, carried
             moving = self._moving(field, highest)
-            pliancy = 1 / (d + k * moving)
-            weight = moving * pliancy
+            row_compliance = 1 / (d + k * moving)
+            weight = moving * row_compliance
             stiffness = float(weight.sum())
             if not stiffness:
                 break
-            change = (float((weight * excess).sum()) - too_much) / stiffness
+            change = (float((weight * excess).sum()) - excess_load) / stiffness
             mu += change
-            shift += (change - excess) * pliancy
+            shift += (change - excess) * row_compliance
         return None
 
     def _moving(self, field: Array, highest: float) -> Array:

@@ -14,7 +14,7 @@ from tribo.loading.ramp import Ramp, Station
 from tribo.types import Array
 
 _NOISE = 0.02  # share of the reference load by which a load at rest may read wrong
-_EVEN = 0.2  # share of its way that a load may be ahead or behind, to take equal steps
+_EVEN = 0.2  # share of its travel that a load may be ahead or behind, to take equal steps
 _FITTED = (0.1, 0.9)  # shares of the reference load: the part of the rise without rounded ends
 _MOST_OF_COURSE = 500  # points, so that a store holds them in some 20 kB
 
@@ -25,7 +25,7 @@ class MeasuredLoad:
 
     That stretch is cut into as many steps as the scene has increments. They are equal in time where
     the load grows about evenly. Otherwise each has an equal sum of two shares: that of the
-    duration, and that of the total way of the load, up and down, without noise below 2 % of the
+    duration, and that of the total travel of the load, up and down, without noise below 2 % of the
     reference load. So a jump has half of the steps, however short it is. A point of another load
     has the same times, and all loads scaled in proportion. So no two points share a trunk: each
     follows the record from its start. Where the record falls, so does the load; below 0, where only
@@ -118,7 +118,7 @@ class MeasuredLoad:
         """
         require_positive(normal_load=normal_load)
         begin, scale = float(self.times[0]), normal_load / self.peak
-        times = self._cut(increments)
+        times = self._step_ends(increments)
         loads = scale * np.maximum(0.0, np.interp(begin + times, self.times, self.loads))
         loads[-1] = normal_load
         impulses = scale * self._impulses(begin + times)
@@ -140,22 +140,22 @@ class MeasuredLoad:
         """
         return _course(self)
 
-    def _cut(self, number: int) -> Array:
+    def _step_ends(self, number: int) -> Array:
         """Ends of so many steps, from the record's first row on [s]."""
         begin, end = float(self.times[0]), self.time_at(1.0)
         shares = np.arange(1, number + 1) / number
-        if (pace := _pace(self)) is None:
+        if (unequal := _step_times(self)) is None:
             return (end - begin) * shares
-        times: Array = np.interp(shares, *pace) - begin
+        times: Array = np.interp(shares, *unequal) - begin
         times[-1] = end - begin
         return times
 
     def _impulses(self, moments: Array) -> Array:
         """Integral of the record's load from its first row to each of the moments [N s]."""
         t, F = self.times, self.loads
-        crossed = np.flatnonzero(F[:-1] * F[1:] < 0)  # between these rows and the next, F is 0
-        zeros = t[crossed] - F[crossed] * (t[crossed + 1] - t[crossed]) / (
-            F[crossed + 1] - F[crossed]
+        before_zeros = np.flatnonzero(F[:-1] * F[1:] < 0)  # between these rows and the next, F is 0
+        zeros = t[before_zeros] - F[before_zeros] * (t[before_zeros + 1] - t[before_zeros]) / (
+            F[before_zeros + 1] - F[before_zeros]
         )
         times = np.union1d(np.concatenate((t, zeros)), moments)
         load = np.maximum(0.0, np.interp(times, t, F))
@@ -194,7 +194,7 @@ def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
     rows = record.times < end
     times, loads = record.times[rows] - begin, np.maximum(0.0, record.loads[rows])
     if len(times) > _MOST_OF_COURSE:
-        edges = np.append(0.0, record._cut(_MOST_OF_COURSE))
+        edges = np.append(0.0, record._step_ends(_MOST_OF_COURSE))
         times = (edges[1:] + edges[:-1]) / 2
         loads = np.diff(record._impulses(begin + edges)) / np.diff(edges)
     shares = (loads / record.peak).tolist()
@@ -202,35 +202,35 @@ def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
 
 
 @functools.lru_cache(maxsize=4)  # a sweep asks for the stations of every point
-def _pace(record: MeasuredLoad) -> tuple[Array, Array] | None:
+def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
     """Shares of the steps that a record has taken, and when [s]; None if they are equal in time.
 
-    The load's way is that of a hand which the readings push and pull with some play.
+    The load's travel is that of a follower with backlash.
     """
     begin, end = float(record.times[0]), record.time_at(1.0)
     rows = record.times < end
     times = np.append(record.times[rows], end)
     loads = np.maximum(0.0, np.append(record.loads[rows], record.peak))
-    play = _NOISE * record.peak
-    hand, way = loads[0], [0.0]
+    backlash = _NOISE * record.peak
+    follower, travel = loads[0], [0.0]
     for load in loads[1:].tolist():
-        moved = min(max(hand, load - play), load + play)
-        way.append(way[-1] + abs(moved - hand))
-        hand = moved
-    gone, passed = np.array(way) / way[-1], (times - begin) / (end - begin)
-    if np.abs(gone - passed).max() < _EVEN:  # equal steps, whose heat takes fewer kernels
+        position = min(max(follower, load - backlash), load + backlash)
+        travel.append(travel[-1] + abs(position - follower))
+        follower = position
+    travelled, elapsed = np.array(travel) / travel[-1], (times - begin) / (end - begin)
+    if np.abs(travelled - elapsed).max() < _EVEN:  # equal steps, whose heat takes fewer kernels
         return None
-    return (gone + passed) / 2, times
+    return (travelled + elapsed) / 2, times
 
 
 def fault(times: Array, loads: Array) -> tuple[int, str] | None:
     """First row that cannot be part of a record, and why."""
     broken = np.flatnonzero(~(np.isfinite(times) & np.isfinite(loads)))
-    sound = int(broken[0]) if broken.size else len(times)
-    backwards = np.flatnonzero(np.diff(times[:sound]) <= 0)
+    first = int(broken[0]) if broken.size else len(times)
+    backwards = np.flatnonzero(np.diff(times[:first]) <= 0)
     if backwards.size:
         row = int(backwards[0]) + 1
         return row, f"time {times[row]:g} s after {times[row - 1]:g} s; it must increase"
     if broken.size:
-        return sound, f"{times[sound]:g} s, {loads[sound]:g} N; both must be finite"
+        return first, f"{times[first]:g} s, {loads[first]:g} N; both must be finite"
     return None

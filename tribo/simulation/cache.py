@@ -29,14 +29,14 @@ _MOST_BYTES = 2**28  # for thermal kernels, and as many for contacts
 Value = TypeVar("Value")
 
 
-class Kept(Generic[Value]):
+class Cache(Generic[Value]):
     """A cache of values by what they are computed from, up to a sum of their sizes.
 
     The least recently used go first; the last one stays, whatever its size.
 
     Examples
     --------
-    >>> words = Kept(size_of=len, limit=6)
+    >>> words = Cache(size_of=len, limit=6)
     >>> [words.get(n, lambda: "o" * n) for n in (3, 2, 3, 3)]
     ['ooo', 'oo', 'ooo', 'ooo']
     >>> words.get(4, lambda: "four"), words.get(2, lambda: "computed again")
@@ -76,17 +76,17 @@ class ElasticBodies(NamedTuple):
     yielding: float = 0.0  # Σ u·z of the displacement u by z · 1 Pa/m, z these heights [m²]
 
 
-_bodies = Kept[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
-_heights = Kept[Array | None](size_of=lambda _: 1, limit=1)  # all grids of a scene
-_summits = Kept[Any](size_of=lambda _: 1, limit=_MOST_BODIES)
-_spectra = Kept[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MOST_BYTES)
-_maps = Kept[Convolution](size_of=lambda _: 1, limit=_MOST_MAPS)
-_contacts = Kept[State](
+_bodies = Cache[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
+_heights = Cache[Array | None](size_of=lambda _: 1, limit=1)  # all grids of a scene
+_summits = Cache[Any](size_of=lambda _: 1, limit=_MOST_BODIES)
+_spectra = Cache[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MOST_BYTES)
+_maps = Cache[Convolution](size_of=lambda _: 1, limit=_MOST_MAPS)
+_contacts = Cache[State](
     size_of=lambda state: (4 + len(state.passing)) * state.pressure.nbytes, limit=_MOST_BYTES
 )
 
 
-def kept_summits(scene: Scene, compute: Callable[[], Value]) -> Value:
+def cached_summits(scene: Scene, compute: Callable[[], Value]) -> Value:
     """Summits of a scene's surface, which are the same for all fidelities."""
     found: Value = _summits.get((scene.roughness, scene.pixels), compute)
     return found

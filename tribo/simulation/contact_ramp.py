@@ -107,7 +107,7 @@ def contacts(
     normal_load: float,
     velocity: float,
     trunks: Trunks | None = None,
-    asked: Container[int] = (),
+    requested: Container[int] = (),
     note: Note | None = None,
 ) -> Iterator[State]:
     """Contact states along the way to `normal_load` and through its hold, without temperatures.
@@ -124,8 +124,8 @@ def contacts(
     Yields
     ------
     State
-        State after every step. `State.is_asked` marks the states whose temperature is requested,
-        which `heat` computes. If it depends on the heat of earlier steps, these have it.
+        State after every step. `State.is_requested` marks the states whose temperature `heat`
+        computes. If it depends on the heat of earlier steps, these have it.
 
     Examples
     --------
@@ -143,33 +143,35 @@ def contacts(
     trunks = Trunks() if trunks is None else trunks
     scene = suited(scene, normal_load)
     levels = tuple(scene.levels())
-    stations = list(scene.stations(normal_load, asked))
+    stations = list(scene.stations(normal_load, requested))
     if not scene.remembers_steps:
         for station in stations:
             yield _unworn(levels, normal_load, velocity, station)
         return
-    way = list(
+    shared = list(
         itertools.takewhile(
-            lambda one: one.on_trunk and one.normal_load < normal_load and one.index not in asked,
+            lambda one: (
+                one.on_trunk and one.normal_load < normal_load and one.index not in requested
+            ),
             stations,
         )
     )
     key = scene, velocity, scene.trunk(normal_load)
     advanced = partial(_advanced, levels, velocity)
-    new = trunks.reach(key, start(scene), way, advanced, note)
+    new = trunks.reach(key, start(scene), shared, advanced, note)
     state, course = yield from new
     is_worn, reached = velocity != 0, None
-    for station in stations[len(way) :]:
+    for station in stations[len(shared) :]:
         if station.holding and reached and not (is_worn or scene.remembers_heat):
-            is_asked = station is stations[-1] or station.index in asked
-            yield replace(_still(reached, station, velocity), is_asked=is_asked)
+            is_requested = station is stations[-1] or station.index in requested
+            yield replace(_later(reached, station, velocity), is_requested=is_requested)
             continue
         before, state = _last_part(levels, velocity, state, station)
         is_reached = station.normal_load == normal_load and not station.holding
-        if station is stations[-1] or is_reached or station.index in asked:
-            shown = _shown(levels, before, state, station, velocity, course)
-            reached = shown if is_reached else reached
-            yield shown
+        if station is stations[-1] or is_reached or station.index in requested:
+            finished = _finished(levels, before, state, station, velocity, course)
+            reached = finished if is_reached else reached
+            yield finished
         else:
             yield state
 
@@ -205,7 +207,7 @@ def _last_part(
     return begin, replace(after, iterations=iterations)
 
 
-def _shown(
+def _finished(
     levels: tuple[Scene, ...],
     before: State,
     after: State,
@@ -217,8 +219,8 @@ def _shown(
     if not after.pressure.any():
         return after
     finest = refine_step(levels, before, after, station, velocity)
-    shown = position_means(levels[-1], before, finest, velocity)
-    return replace(shown, course=course, is_asked=True)
+    finished = position_means(levels[-1], before, finest, velocity)
+    return replace(finished, course=course, is_requested=True)
 
 
 def _unworn(
@@ -231,17 +233,17 @@ def _unworn(
     scene = levels[-1]
 
     def compute() -> State:
-        # From the start at each station: not even a first guess may remember the way, or results
+        # From the start at each station: not even a first guess may remember the steps, or results
         # would depend on the stations at which a temperature is requested.
         ends = _last_part(levels, velocity, start(scene), station)
-        return _shown(levels, *ends, station, velocity)
+        return _finished(levels, *ends, station, velocity)
 
     # What bears a load is the same whenever it does.
     contact = unworn_contact((mechanics(scene), station.normal_load, normal_load), compute)
-    return _still(contact, station, velocity)
+    return _later(contact, station, velocity)
 
 
-def _still(contact: State, station: Station, velocity: float) -> State:
+def _later(contact: State, station: Station, velocity: float) -> State:
     """A contact that nothing has worn since, at a later station of its load."""
     return replace(
         contact,

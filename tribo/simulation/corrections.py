@@ -196,8 +196,8 @@ class Corrections:
         """The corrections in words."""
         film = f"{self.film_resistance:.3g} m² K/W" if self.film_resistance else ""
         parts = {
-            "friction by velocity": _worded_curve(self.friction.by_velocity),
-            "friction by temperature": _worded_curve(self.friction.by_temperature),
+            "friction by velocity": _describe_curve(self.friction.by_velocity),
+            "friction by temperature": _describe_curve(self.friction.by_temperature),
             **{
                 f"{'disc of' if track and track.disc else 'earlier turns of'} the {body}": track
                 for body, track in (("pin", self.pin_track), ("disk", self.track))
@@ -335,7 +335,7 @@ class _Moment(NamedTuple):
         )
 
 
-def _worded_curve(curve: Curve) -> str:
+def _describe_curve(curve: Curve) -> str:
     """A measured friction in words, with its factors, which may rest on another coefficient."""
     ends = (f"{end(factor for _, factor in curve):.3g}" for end in (min, max) if curve)
     factors = " to ".join(dict.fromkeys(ends))

@@ -26,7 +26,7 @@ import numpy as np
 
 from tribo.loading import Ramp
 from tribo.material import contact_modulus
-from tribo.simulation.cache import kept_summits
+from tribo.simulation.cache import cached_summits
 from tribo.simulation.disk_positions import positions
 from tribo.simulation.scene import Scene
 from tribo.surface import rms_slope
@@ -141,7 +141,7 @@ def _expected(scene: Scene, summits: Summits, normal_load: float) -> _Expected:
 
 
 def _kept_summits(scene: Scene) -> Summits:
-    return kept_summits(scene, lambda: _summits(scene))
+    return cached_summits(scene, lambda: _summits(scene))
 
 
 def _summits(scene: Scene) -> Summits:

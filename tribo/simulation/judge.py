@@ -133,13 +133,13 @@ def judge(
         if parts.stem and scene.velocities_at(velocity).pin:
             raise InputError("corrections.stem holds a pin that turns; leave out one of them")
     conditions = replace(conditions, corrections=parts)
-    asked: list[int] = []
+    requested: list[int] = []
     if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):
-        way = scene.way(load)
-        asked = [station.index for station in way if station.holding]
+        stations = scene.all_stations(load)
+        requested = [station.index for station in stations if station.holding]
     states = [
         state
-        for state in simulate(scene, load, velocity, trunks, asked)
+        for state in simulate(scene, load, velocity, trunks, requested)
         if state.heat is not None and state.normal_load >= load
     ]
     if not states:

@@ -23,7 +23,7 @@ def simulate(
     normal_load: float,
     velocity: float,
     trunks: Trunks | None = None,
-    asked: Container[int] = (),
+    requested: Container[int] = (),
 ) -> Iterator[State]:
     """Bring the load up to `normal_load` at constant `velocity`, and through its hold.
 
@@ -38,14 +38,14 @@ def simulate(
     trunks : Trunks, optional
         Ramps of other points, which this point continues and lengthens. The result is the same
         as from the start, bit for bit.
-    asked : container of int, optional
+    requested : container of int, optional
         Indices of stations whose temperature is computed, too, see `Station`.
 
     Yields
     ------
     State
         State after every step that no ramp had yet. The state that reaches `normal_load`, the
-        last state and the states of `asked` have their temperature.
+        last state and the states of `requested` have their temperature.
 
     Raises
     ------
@@ -62,8 +62,8 @@ def simulate(
     10 N after 1 s
     10 N after 61 s
     """
-    for state in contacts(scene, normal_load, velocity, trunks, asked):
-        if state.is_asked and state.heat is None:
+    for state in contacts(scene, normal_load, velocity, trunks, requested):
+        if state.is_requested and state.heat is None:
             yield replace(state, heat=heat(scene, state, velocity))
         else:
             yield state
@@ -85,6 +85,6 @@ def heated(scene: Scene, contact: State, velocity: float) -> State:
     >>> heated(scene, contact, 0.13).heat.max_rise == state.heat.max_rise
     True
     """
-    temperature = heat(scene, contact, velocity) if contact.is_asked else None
+    temperature = heat(scene, contact, velocity) if contact.is_requested else None
     distance = abs(velocity) * contact.time
     return replace(contact, sliding_distance=distance, heat=temperature)

@@ -62,7 +62,7 @@ def excess_of_present_heat(scene: Scene, state: State) -> float:
 
 def stations_so_far(scene: Scene, state: State) -> list[Station]:
     """Stations of the loading up to a state."""
-    stations = scene.way(state.normal_load)
+    stations = scene.all_stations(state.normal_load)
     return [station for station in stations if station.time <= state.time * (1 + 1e-12)]
 
 

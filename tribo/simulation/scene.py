@@ -169,14 +169,14 @@ class Scene:
         """True if each point of the pin wears by its own pressure on one patch."""
         return self.contact_pattern == "local" and not self.sweeps_over
 
-    def wear_at(self, sliding: float, way: tuple[float, float]) -> Wear | None:
+    def wear_at(self, sliding: float, distances: tuple[float, float]) -> Wear | None:
         """Wear of the pin by one contact at a sliding velocity [m/s]; None if it does not wear.
 
-        A user's own law may depend on the distances slid at both ends of the step, `way` [m].
+        A user's own law may depend on the distances slid at both ends of the step, `distances` [m].
         """
         if self.wear is None or self.contact_pattern is None:
             return None
-        wear = replace(wear_over(self.wear, *way), pattern=self.contact_pattern)
+        wear = replace(wear_over(self.wear, *distances), pattern=self.contact_pattern)
         windows = self.windows_worn(sliding) if self.motion else 1.0
         if windows == 1:
             return wear
@@ -254,8 +254,8 @@ class Scene:
     @property
     def contact_tolerance(self) -> float:
         """Residual at which the contact's solver stops: the fidelity's, or less with local wear."""
-        asked = self.fidelity.contact_tolerance
-        return min(asked, _LOCAL_TOLERANCE) if self.wears_locally else asked
+        tolerance = self.fidelity.contact_tolerance
+        return min(tolerance, _LOCAL_TOLERANCE) if self.wears_locally else tolerance
 
     def heights(self) -> Array | None:
         """Heights of the disk on the pixels [m], shape ``pixels.shape``; None if it is smooth."""
@@ -276,13 +276,13 @@ class Scene:
         coarsened = block_sample if self.fidelity.averaging == "sample" else block_average
         return profile - coarsened(heights, self.fidelity.pixels_per_element)
 
-    def stations(self, normal_load: float, asked: Container[int] = ()) -> Iterator[Station]:
+    def stations(self, normal_load: float, requested: Container[int] = ()) -> Iterator[Station]:
         """Steps that lead to a load [N] and through its hold, as many as the physics needs.
 
         All steps if a state depends on the steps before. Otherwise only the last step, the step
-        at which a hold begins, and the steps with the indices `asked`.
+        at which a hold begins, and the steps with the indices `requested`.
         """
-        stations = self.way(normal_load)
+        stations = self.all_stations(normal_load)
         if self.remembers_steps:
             yield from stations
             return
@@ -290,13 +290,13 @@ class Scene:
         for station in stations:
             # Where a hold begins, too: how warm the bodies are depends on the load until then.
             reaches = is_ramp and station.normal_load == normal_load and not station.holding
-            if station.index in asked or reaches:
-                yield replace(station, on_trunk=station.on_trunk and station.index in asked)
+            if station.index in requested or reaches:
+                yield replace(station, on_trunk=station.on_trunk and station.index in requested)
                 shown = station.index
         if station.index != shown:
             yield replace(station, on_trunk=False)
 
-    def way(self, normal_load: float) -> Iterator[Station]:
+    def all_stations(self, normal_load: float) -> Iterator[Station]:
         """All steps that lead to a load [N] and through its hold."""
         fidelity = self.fidelity
         return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)

@@ -101,7 +101,7 @@ class State:
         The load at that station [N].
     displacement, previous_displacement : ndarray, shape (nx, ny), or None
         Elastic ones under both pressures [m], from the datum of the solid, where they are known.
-    is_asked : bool
+    is_requested : bool
         True to solve for the temperature of the contact.
     heat : Heat or None
         Temperature of the contact, where it was requested.
@@ -139,7 +139,7 @@ class State:
     previous_load: float
     displacement: Array | None = None
     previous_displacement: Array | None = None
-    is_asked: bool = False
+    is_requested: bool = False
     heat: Heat | None = None
     history: State | None = None
     heat_history: HeatHistory | None = None

@@ -103,7 +103,7 @@ def settling_time(grid: Grid, material: Material, velocity: float) -> float:
     """
     kappa = material.thermal_diffusivity
     # The rest is for rounding.
-    return _gone(grid, abs(velocity) / (4 * kappa)) ** 2 / (4 * kappa) * 1.001
+    return _leaving_length(grid, abs(velocity) / (4 * kappa)) ** 2 / (4 * kappa) * 1.001
 
 
 def flux_history_spectrum(
@@ -148,7 +148,7 @@ def flux_history_spectrum(
     v = abs(velocity) / (4 * kappa)
     # Earlier no heat has crossed half an element: both factors are 2 on the element, 0 off it.
     confined = diffusion_length(REACH, v, min(dx, dy) / 2)
-    gone = _gone(grid, v)
+    leaving = _leaving_length(grid, v)
 
     rule = _gauss(quadrature_nodes)
     # Modes along y first: so the products below are of long rows.
@@ -156,7 +156,7 @@ def flux_history_spectrum(
     columns = 0 if ages[0] > 0 else my // 2 + 1
     filon_start = x.series_start(v) if v else math.inf
     for stretch in _stretches(kappa, ages, strengths):
-        end = min(stretch.end, gone)
+        end = min(stretch.end, leaving)
         middle = max(stretch.begin, min(confined, end))
         if middle > stretch.begin:
             half += 4 * stretch.integral(middle)
@@ -217,7 +217,7 @@ def _check(velocity: float, ages: Sequence[float], quadrature_nodes: int) -> Non
         raise InputError(f"quadrature_nodes is {quadrature_nodes!r}; it must be at least 1")
 
 
-def _gone(grid: Grid, drift: float) -> float:
+def _leaving_length(grid: Grid, drift: float) -> float:
     """Diffusion length at which the source has left the patch, from end to end [m].
 
     From then on its heat does not come back against the motion. Infinite at rest, and where the

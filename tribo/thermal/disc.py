@@ -66,7 +66,7 @@ class Disc:
             parts += [f"{place} {loss:.3g} {unit}"] if loss else []
         return ", ".join(parts)
 
-    def rim_left(self, age: Array, diffusivity: float, heat_capacity: float) -> Array:
+    def rim_response(self, age: Array, diffusivity: float, heat_capacity: float) -> Array:
         """Warming of the rim by heat that was laid around it, per heat per area over ρc [1/m].
 
         The temperature of the rim, r = a, an age t after heat was spread evenly over it, is a sum
@@ -93,7 +93,7 @@ class Disc:
         A disc of 100 × 10 mm, after a tenth of a second and when it has one temperature:
 
         >>> disc = Disc(diameter=0.1, width=0.01)
-        >>> disc.rim_left(np.array([0.1, 600.0]), 1.2275e-5, 3.666e6).round(1).tolist()
+        >>> disc.rim_response(np.array([0.1, 600.0]), 1.2275e-5, 3.666e6).round(1).tolist()
         [519.4, 40.0]
         """
         radius, conductivity = self.diameter / 2, diffusivity * heat_capacity

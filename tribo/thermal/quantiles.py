@@ -82,7 +82,7 @@ def combine_bulks(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: floa
     ratios = np.insert(BULK_RATIOS, len(_RATIOS), 0.0)
     above = int(np.clip(np.searchsorted(ratios, ratio), 1, len(ratios) - 1))
 
-    def kept(place: int) -> Array:
+    def quantiles_at(place: int) -> Array:
         if place == len(_RATIOS):
             return rise_quantiles
         quantiles: Array = bulk_rise_quantiles[..., place - (place > len(_RATIOS)), :]
@@ -90,7 +90,7 @@ def combine_bulks(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: floa
 
     low, high = ratios[above - 1], ratios[above]
     weight = (ratio - low) / (high - low)
-    between: Array = (1 - weight) * kept(above - 1) + weight * kept(above)
+    between: Array = (1 - weight) * quantiles_at(above - 1) + weight * quantiles_at(above)
     return between
 
 

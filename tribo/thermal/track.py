@@ -33,7 +33,7 @@ def track_warming(
         θ = F/(B ρc √(πκt)) erf(B/(4√(κt)))
 
     A disc of a width W, insulated at its sides and with the track in its middle, has mirror images
-    of the strip beside it; with W = B the last factor is 1. Its own `Disc.rim_left` stands for
+    of the strip beside it; with W = B the last factor is 1. Its own `Disc.rim_response` stands for
     1/√(πκt), with which it begins: heat that has spread around and through the disc is kept.
 
     The sum runs over passes at t = nT, n = 1, 2 …, T the time of one round [s], with the load F
@@ -61,33 +61,33 @@ def track_warming(
         return 0.0
     knots = np.append(0.0, loads[0]), np.append(0.0, loads[1])
 
-    def left(passed: Array) -> Array:
+    def remaining_rise(rounds: Array) -> Array:
         """Warming that a pass of some rounds ago has left."""
-        age = passed * round_trip
+        age = rounds * round_trip
         load = np.interp(time - age, *knots)
         spread = np.sqrt(diffusivity * age)
-        strip = strip_left(width, max(width, disc.width) if disc else math.inf, spread)
+        strip = strip_response(width, max(width, disc.width) if disc else math.inf, spread)
         if disc:
-            strip = strip * disc.rim_left(age, diffusivity, heat_capacity)
+            strip = strip * disc.rim_response(age, diffusivity, heat_capacity)
             return np.asarray(load * strip / (width * heat_capacity))
         warming: Array = load * strip / (width * heat_capacity * math.sqrt(math.pi) * spread)
         return warming
 
-    warming = float(left(np.arange(1.0, min(count, _SINGLE) + 1)).sum())
+    warming = float(remaining_rise(np.arange(1.0, min(count, _SINGLE) + 1)).sum())
     if count > _SINGLE:
         first, last = _SINGLE + 0.5, count + 0.5
-        # In panels that end where the load bends, and have much the same age throughout.
-        bends = (time - loads[0]) / round_trip
+        # In panels that end where the load kinks, and have much the same age throughout.
+        kinks = (time - loads[0]) / round_trip
         even = np.geomspace(first, last, 2 + math.ceil(math.log(last / first) / math.log(_PANEL)))
-        ends = np.union1d(even, bends[(bends > first) & (bends < last)])
+        ends = np.union1d(even, kinks[(kinks > first) & (kinks < last)])
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
         halves = np.diff(ends)[:, None] / 2
-        passed = np.minimum(ends[:-1, None] + halves * (nodes + 1), time / round_trip)
-        warming += float((halves * weights * left(passed)).sum())
+        rounds = np.minimum(ends[:-1, None] + halves * (nodes + 1), time / round_trip)
+        warming += float((halves * weights * remaining_rise(rounds)).sum())
     return warming
 
 
-def strip_left(width: float, body_width: float, spread: Array) -> Array:
+def strip_response(width: float, body_width: float, spread: Array) -> Array:
     """Warming in the middle of a strip that has spread by √(κt), over that of an endless plane.
 
     In a body of a width W the strip of width B has images at a distance W, or in Fourier space
@@ -96,9 +96,9 @@ def strip_left(width: float, body_width: float, spread: Array) -> Array:
 
     Examples
     --------
-    >>> strip_left(2e-3, np.inf, np.array([1e-4, 1e-2])).round(4).tolist()
+    >>> strip_response(2e-3, np.inf, np.array([1e-4, 1e-2])).round(4).tolist()
     [1.0, 0.0564]
-    >>> strip_left(2e-3, 4e-3, np.array([1e-4, 1e-2])).round(4).tolist()
+    >>> strip_response(2e-3, 4e-3, np.array([1e-4, 1e-2])).round(4).tolist()
     [1.0, 0.5]
     """
     if math.isinf(body_width):

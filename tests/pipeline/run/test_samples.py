@@ -12,7 +12,7 @@ from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain import inputs, sensitivity
-from pipeline.uncertain.emulator import recalled
+from pipeline.uncertain.emulator import load_numbers
 from pipeline.uncertain.ensemble import Ensemble
 from tests.helpers.entries import changed
 from tests.helpers.samples import fewer_draws
@@ -59,9 +59,9 @@ def test_the_fit_of_samples_is_kept_by_a_run_and_by_nobody_who_reads(sampled, tm
     assert all(name.startswith("status/kept-fit-") for name in kept)
     keeper = pipeline.open_sweep(path)["status"].encoding["keeper"]
     names = [name.removeprefix("status/kept-") for name in kept]
-    assert None not in [recalled(keeper, name) for name in names]
+    assert None not in [load_numbers(keeper, name) for name in names]
     (path / "status" / f"kept-{names[0]}").write_text("[" * 10**5)
-    assert recalled(keeper, names[0]) is None
+    assert load_numbers(keeper, names[0]) is None
 
 
 def test_a_dataset_has_the_inputs_and_the_velocity_of_each_sample(sampled):

@@ -32,7 +32,7 @@ class Rig:
         self.err, self.nodes = lambda fidelity, number: 0.02, 5000
         self.exponents, self.said, self.tried = {}, [], []
 
-    def near_the_boundary(self, sweep, places):
+    def points_near_boundary(self, sweep, places):
         points = tuple(Point(place.load, 1.0, place.variant) for place in places)
         return points, tuple(self.exponents.get(place.load, 1.0) for place in places)
 
@@ -52,7 +52,7 @@ class Rig:
 @pytest.fixture
 def rig(monkeypatch):
     rig = Rig()
-    for name in ("near_the_boundary", "probe"):
+    for name in ("points_near_boundary", "probe"):
         monkeypatch.setattr(trade, name, getattr(rig, name))
     return rig
 

@@ -34,7 +34,7 @@ def counted(sweep, monkeypatch):
         nonlocal steps, temperatures
         for state in contacts(*arguments):
             steps += 1
-            temperatures += state.is_asked or state.heat is not None
+            temperatures += state.is_requested or state.heat is not None
             yield state
 
     def noting(*arguments):

@@ -8,7 +8,7 @@ import pytest
 
 import pipeline
 from pipeline.sweep.about import Measurement, own_tests
-from pipeline.uncertain.answer_posterior import _word_contrast
+from pipeline.uncertain.answer_posterior import _describe_contrast
 from pipeline.uncertain.posterior import contrasts
 from tests.helpers.samples import EXPONENT, LOADS, critical_velocity, ensemble
 from tests.helpers.unknowns import CRITICAL, LENGTH
@@ -37,7 +37,7 @@ def test_two_oils_differ_by_less_than_either_is_known():
     assert kelvins.probability > 0.99
     expected = math.log((425.15 - 298.15) / (413.15 - 298.15)) / EXPONENT
     assert velocity.mean == pytest.approx(expected, abs=0.02)
-    assert "B withstands more than A with a probability of 1" in _word_contrast(kelvins)
+    assert "B withstands more than A with a probability of 1" in _describe_contrast(kelvins)
     assert posterior.unknown[-1].path == f"{CRITICAL.path} of B"
     assert len(pipeline.plot(posterior).axes) >= 4
 

@@ -8,7 +8,7 @@ import numpy as np
 from tests.helpers.scenes import small_scene
 from tribo import simulate
 from tribo.simulation import forget_kernels
-from tribo.simulation.cache import Kept
+from tribo.simulation.cache import Cache
 
 
 def test_threads_simulate_points_of_one_scene_at_the_same_time_bit_for_bit():
@@ -26,7 +26,7 @@ def test_threads_simulate_points_of_one_scene_at_the_same_time_bit_for_bit():
 
 
 def test_a_thread_that_wants_what_another_computes_waits_for_it():
-    kept = Kept(size_of=lambda _: 1, limit=8)
+    kept = Cache(size_of=lambda _: 1, limit=8)
 
     def slowly():
         time.sleep(0.05)

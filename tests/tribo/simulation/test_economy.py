@@ -89,7 +89,7 @@ def test_a_hold_in_which_nothing_wears_has_no_contact_of_its_own(wear, velocity,
         forget_contacts()
         scene = replace(small_scene(), wear=wear, loading=Ramp(150.0, 750.0, hold=hold))
         solved.clear()
-        *_, end = simulate(scene, 600.0, velocity, asked=range(9, 12) if hold else ())
+        *_, end = simulate(scene, 600.0, velocity, requested=range(9, 12) if hold else ())
         counts.append(len(solved))
         ends.append(end)
     assert counts[0] == counts[1] > 0

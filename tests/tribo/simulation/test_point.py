@@ -81,7 +81,7 @@ def test_in_a_hold_the_worn_contact_cools_and_wears_on_at_full_load():
     """Fig. 5: with wear the temperature falls as soon as the load no longer grows."""
     scene = small_scene()
     held = replace(scene, loading=replace(scene.loading, hold=4.0))
-    states = list(simulate(held, 600.0, 1.25, asked=range(100)))
+    states = list(simulate(held, 600.0, 1.25, requested=range(100)))
     rises = [state.heat.mean_rise for state in states]
     assert len(states) == 8 + 2
     assert np.argmax(rises) == 7
@@ -91,6 +91,6 @@ def test_in_a_hold_the_worn_contact_cools_and_wears_on_at_full_load():
     # Implicit wear at a constant load is exact: k·F·V·t.
     assert volumes[-1] - volumes[7] == pytest.approx(1.2e-15 * 600.0 * 1.25 * 4.0, rel=1e-9)
     unworn = replace(held, wear=None)
-    states = simulate(unworn, 600.0, 1.25, asked=range(100))
+    states = simulate(unworn, 600.0, 1.25, requested=range(100))
     rises = [state.heat.mean_rise for state in states]
     assert (np.diff(rises) >= 0).all()

@@ -151,7 +151,7 @@ def test_translation_along_the_period_translates_everything(drawn, velocity, pla
 @given(scenes(wear=False))
 def test_more_load_never_means_less_contact(drawn):
     load, scene = drawn
-    states = list(simulate(scene, load, 1.0, asked=range(10_000)))
+    states = list(simulate(scene, load, 1.0, requested=range(10_000)))
     nodes = [np.count_nonzero(state.pressure) for state in states]
     saturated = [measures(scene, state)["saturated_fraction"] for state in states]
     assert nodes == sorted(nodes)

@@ -82,7 +82,7 @@ def test_the_rim_warms_as_rings_that_conduct(name, hold):
 
 def test_a_disc_is_a_half_space_at_first_and_of_one_temperature_at_last():
     disc = Disc(**PLAIN)
-    early, late = disc.rim_left(np.array([1e-6, 1e4]), DIFFUSIVITY, CAPACITY)
+    early, late = disc.rim_response(np.array([1e-6, 1e4]), DIFFUSIVITY, CAPACITY)
     assert early == pytest.approx(1 / np.sqrt(np.pi * DIFFUSIVITY * 1e-6), rel=1e-3)
     assert late == pytest.approx(2 / 0.05, rel=1e-9)
 
@@ -92,7 +92,7 @@ def test_the_half_space_and_the_series_meet(name):
     disc = DISCS[name]
     wall = (disc.diameter - disc.bore) / 2
     at = 4e-4 * wall**2 / DIFFUSIVITY * np.array([1 - 1e-9, 1 + 1e-9])
-    before, after = disc.rim_left(at, DIFFUSIVITY, CAPACITY)
+    before, after = disc.rim_response(at, DIFFUSIVITY, CAPACITY)
     assert before == pytest.approx(after, rel=3e-4)
 
 
