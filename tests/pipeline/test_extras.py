@@ -2,7 +2,6 @@
 
 import ast
 import json
-import os
 import re
 import shutil
 import subprocess
@@ -15,11 +14,9 @@ import pytest
 import pipeline
 from pipeline.extras import EXTRAS
 from tests import core
-from tests.helpers.scenes import SCENE
 
 ROOT = Path(__file__).parents[2]
 SMALL = ["--set", 'sweep.loads=["600 N"]', "--workers", "1"]
-FEWER = ["--set", 'sweep.velocities=["1 m/s", "4 m/s"]']
 PLACE = ["--load", "600 N", "--velocity", "2.2 m/s"]
 
 
@@ -29,24 +26,14 @@ def store(folder_with_results):
     return folder_with_results / "results/first_try.zarr"
 
 
-class Copy:
-    """A copy of the packages without some extras, run in a folder of its own."""
-
-    def __init__(self, folder, left_out):
-        # Python's compiled files come along, but for those that are just being written.
-        ignored = shutil.ignore_patterns(*left_out, "*.pyc.*", "*.png")
-        for package in ("tribo", "pipeline", "workflows"):
-            shutil.copytree(ROOT / package, folder / package, ignore=ignored)
-        for name in left_out:  # as git leaves them
-            (folder / "pipeline" / name / "__pycache__").mkdir(parents=True)
-        self.folder = folder
-
-    def python(self, *words):
-        return subprocess.run(
-            [sys.executable, *map(str, words)],
-            cwd=self.folder, env=os.environ | {"PYTHONPATH": str(self.folder)},
-            capture_output=True, text=True, check=False,
-        )  # fmt: skip
+def copy_without(left_out, folder):
+    """Copy the packages into a folder, but for some extras, as git leaves them."""
+    # Python's compiled files come along, but for those that are just being written.
+    ignored = shutil.ignore_patterns(*left_out, "*.pyc.*", "*.png")
+    for package in ("tribo", "pipeline", "workflows"):
+        shutil.copytree(ROOT / package, folder / package, ignore=ignored)
+    for name in left_out:
+        (folder / "pipeline" / name / "__pycache__").mkdir(parents=True)
 
 
 def listed(text):
@@ -78,7 +65,6 @@ def said(folder, store, names, commands):
     return pipeline.__file__, len(pipeline.__all__), left, answers
 """
 """A function that tells which names are left, and what commands say, all in one process."""
-_ALONE = f"{_SAID}\nprint(json.dumps(said(*json.loads(sys.argv[1]))))"
 _FORKING = f"""{_SAID}
 import distributed, matplotlib.pyplot, pandas, pint, scipy.stats, xarray, zarr
 
@@ -124,7 +110,7 @@ NEEDS = {
 
 @pytest.mark.parametrize("left_out", [*([name] for name in EXTRAS), [*EXTRAS]], ids="-".join)
 def test_without_its_folder_the_rest_works(left_out, store, ask, tmp_path):
-    Copy(tmp_path, left_out)
+    copy_without(left_out, tmp_path)
     gone = {
         one.name for name in left_out for one in import_module(f"pipeline.{name}.commands").COMMANDS
     }
@@ -157,27 +143,6 @@ def test_without_its_folder_the_rest_works(left_out, store, ask, tmp_path):
     assert not gone & there
     for extra, (_, words) in zip(needing.values(), said[len(asked) - len(needing) :], strict=True):
         assert "unknown key" in words or ("put back" in words and f"pipeline/{extra}" in words)
-
-
-def test_without_all_extras_a_sweep_runs_and_is_resumed(store, tmp_path):
-    copy = Copy(tmp_path, [*EXTRAS])
-    run = ["run", "first_try", *SMALL, *FEWER, "-o", "first.zarr"]
-    (tmp_path / "duty.csv").write_text("load [N],velocity [m/s],shift\n600,2.2,early\n")
-    smaller = SCENE.replace("increments = 10", "").replace("pixels_per_element = 1", "")
-    (tmp_path / "smaller.toml").write_text(smaller)
-    asked = [
-        run,
-        run,
-        ["boundary", "first.zarr"],
-        ["margin", "first.zarr", "--points", "duty.csv", "--json"],
-        ["trade", "smaller.toml", *SMALL[:2], *FEWER],
-    ]
-    done = copy.python("-c", _ALONE, json.dumps([str(tmp_path), str(store), [], asked]))
-    assert done.returncode == 0, done.stderr
-    *_, said = json.loads(done.stdout.splitlines()[-1])
-    assert [code for code, _ in said] == [0, 0, 0, 0, 0], said
-    rows, _ = json.JSONDecoder().raw_decode(said[3][1])  # notes stand below
-    assert rows[0]["shift"] == "early"
 
 
 def test_tests_of_the_core_need_no_extra():

@@ -52,16 +52,6 @@ def test_pressures_of_the_load_stages_are_those_of_the_tables_of_the_test(fzg):
         assert alone == pytest.approx(printed, rel=0.01)
 
 
-def test_the_load_lies_along_the_line_of_action(mesh, fzg):
-    tangential = fzg.duty.torque / (73.2e-3 / 2)
-    assert mesh.normal_load == pytest.approx(
-        tangential / math.cos(fzg.gears.working_angle), rel=1e-4
-    )
-    for place in mesh.places:
-        assert place.load == pytest.approx(place.share * mesh.normal_load)
-        assert place.load_per_length * 20e-3 == pytest.approx(place.load)
-
-
 @pytest.mark.parametrize("quality", [3, 7])
 def test_two_pairs_carry_all_of_the_load_wherever_two_are_in_mesh(fzg, quality):
     path, pitch = fzg.gears.path, fzg.gears.base_pitch
