@@ -7,7 +7,7 @@ was computed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +16,7 @@ import xarray as xr
 
 from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.decisive import attributes_by
-from pipeline.analysis.field import Field, PointField, fields, point_field
+from pipeline.analysis.field import Field, PointField, fields, places_of, point_field
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import DECIDED, error_band
 from pipeline.analysis.results import Results, results
@@ -72,7 +72,6 @@ def boundary(ds: xr.Dataset | PathLike | Results) -> xr.Dataset:
           ``begins_severe``.
         - ``computed_from``, ``computed_to``: ends of what was computed [m/s, N].
         - ``film_parameter`` at the crossing, if the scene gives an oil.
-        - ``rise_exponent`` (at loads alone): d ln(rise) over d ln(velocity) at the crossing.
 
         Attributes are the conditions, with units in ``units_of_attributes``; ``model_error``, what
         the model's own error rests on; ``caveats``, what a reader must know; ``missing_points``,
@@ -136,20 +135,22 @@ def boundary_under(ds: xr.Dataset | Results, conditions: Conditions | None = Non
         "load": axis_of("load", held.loads), "velocity": axis_of("velocity", held.velocities)
     }  # fmt: skip
     result = xr.Dataset(coords=coords, attrs=_condition_attributes(found.conditions))
+    if held.front:
+        shares = ("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
+        result = result.assign_coords(quantile=shares)
     for axis, line in (("velocity", "load"), ("load", "velocity")):
         result = result.assign(_transitions(found, axis, line))
-    if oil := find_lubrication(held.sweep):
-        for axis, line in (("velocity", "load"), ("load", "velocity")):
+        if oil := find_lubrication(held.sweep):
             places = {line: result[line].values, axis: result[f"critical_{axis}"].values}
-            film = oil.film_parameter(
-                places["load"], places["velocity"], found.conditions.mean_bulk_temperature
-            )
-            dims = result[f"critical_{axis}"].dims
+            bulk, dims = found.conditions.mean_bulk_temperature, result[f"critical_{axis}"].dims
+            film = oil.film_parameter(places["load"], places["velocity"], bulk)
             words = "film parameter at the crossing"
-            result[f"film_parameter_at_{line}"] = dims, film, {"units": "1", "long_name": words}
-    if "realization" in result.dims:
-        result = add_band(result)
+            result[f"film_parameter_at_{line}"] = _described(dims, film, "1", words)
     return _add_errors(result, found)
+
+
+def _described(dims: Any, values: Any, units: str, words: str) -> xr.Variable:
+    return xr.Variable(dims, values, {"units": units, "long_name": words})
 
 
 def axis_of(name: str, values: Array) -> xr.Variable:
@@ -174,58 +175,55 @@ _TURNS = 64  # turns of a line that are told; more are waves between points
 
 def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
     """Transitions along the velocity at each load, or along the load at each velocity."""
-    plane, by_load = field.planes[0], line == "load"
-    others = plane.loads if by_load else plane.velocities
-    here = np.full(others.shape, (plane.velocities if by_load else plane.loads)[-1])
-    members = field.lines(axis, *((others, here) if by_load else (here, others)))
+    places, others = (field.loads, field.velocities[-1:]), field.loads
+    if line == "velocity":
+        places, others = (field.loads[-1:], field.velocities), field.velocities
+    found = field.lines(axis, *places_of(*places))
     noun, unit = "velocity" if axis == "velocity" else "normal load", UNITS[axis]
     dims = [*field.source.front, line]
-    shape = *(field.source.rows.sizes[name] for name in field.source.front), len(others)
-
-    def each(take: Callable[[Line], Any]) -> Any:
-        return np.array([take(member) for member in members])
-
-    first = each(lambda one: one.first)
-    critical = np.where(np.isfinite(first), first, math.nan)
+    shape = (len(field.planes),) * len(field.source.front) + others.shape
+    room = np.full((*found.places.shape[:-1], _TURNS), math.nan)
+    turns = np.append(found.places, room, axis=-1)[..., :_TURNS]
     columns: dict[str, tuple[Any, str, str]] = {
         f"critical_{axis}": (
-            critical, unit, f"{noun} at the transition to severe wear"
+            np.where(np.isfinite(found.first), found.first, math.nan), unit,
+            f"{noun} at the transition to severe wear",
         ),
         f"computed_from_at_{line}": (
-            each(lambda one: one.computed[0]), unit, f"{axis} computed from at this {line}"
+            found.computed[0], unit, f"{axis} computed from at this {line}"
         ),
         f"computed_to_at_{line}": (
-            each(lambda one: one.computed[1]), unit, f"{axis} computed to at this {line}"
+            found.computed[1], unit, f"{axis} computed to at this {line}"
         ),
         f"begins_severe_at_{line}": (
-            each(lambda one: one.begins_severe), "1", f"wear is severe at the lowest {axis} known"
+            found.begins_severe, "1", f"wear is severe at the lowest {axis} known"
         ),
     }  # fmt: skip
     result: dict[str, Any] = {
-        name: (dims, values.reshape(shape), {"units": units, "long_name": words})
+        name: _described(dims, values.reshape(shape), units, words)
         for name, (values, units, words) in columns.items()
     }
-    padded = each(lambda one: _padded(one.places))
-    attrs = {"units": unit, "long_name": f"{noun} at which wear turns"}
-    result[f"turns_at_{line}"] = [*dims, "turn"], padded.reshape(*shape, _TURNS), attrs
-    if axis == "velocity":
-        slopes = each(lambda one: one.curve.exponent(one.first)).reshape(shape)
-        attrs = {"units": "1", "long_name": "d ln(rise) / d ln(velocity) at the crossing"}
-        result["rise_exponent_at_load"] = dims, slopes, attrs
+    result[f"turns_at_{line}"] = _described(
+        [*dims, "turn"], np.sort(turns).reshape(*shape, -1), unit, f"{noun} at which wear turns"
+    )
     meanings = {
         "long_name": "why there is no crossing",
         "flag_values": np.array(list(outcomes(axis)), dtype=np.int8),
         "flag_meanings": " ".join(word.replace(" ", "_") for word in outcomes(axis).values()),
     }
-    codes = each(lambda one: one.outcome).reshape(shape)
+    codes = found.outcome.reshape(shape)
     result[f"outcome_at_{line}"] = dims, codes.astype(np.int8), meanings
+    if field.source.front:
+        result[f"critical_{axis}_quantile"] = _described(
+            ["quantile", line], _band(found), unit, "that a share of the surfaces stays below"
+        )
+        for name, kinds, words in (
+            ("crossing", [CROSSES], "surfaces that cross"),
+            ("known", [CROSSES, MILD, SEVERE, SEVERAL], "surfaces whose outcome is known"),
+        ):
+            count = np.isin(codes, kinds).sum(axis=0)
+            result[f"{name}_at_{line}"] = _described(line, count, "1", words)
     return result
-
-
-def _padded(places: Array) -> Array:
-    """Turns by line, of which the first ones are kept, and NaN behind them."""
-    room = np.full((len(places), _TURNS), math.nan)
-    return np.sort(np.append(places, room, axis=1), axis=1)[:, :_TURNS]
 
 
 _STEPS = 241  # velocities among which the ends of a band are sought
@@ -246,7 +244,7 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
         ("mild_below", bands[:, 0], "below this velocity the next run is mild"),
         ("severe_above", bands[:, 1], "above this velocity the next run is severe"),
     ):
-        boundaries[name] = "load", ends, {"units": "m/s", "long_name": words}
+        boundaries[name] = _described("load", ends, "m/s", words)
     misfit = {"misfit": field.misfit} if field.misfit else {}
     notes = joined(caveats(held.sweep, field.conditions, field.counts_inputs))
     return boundaries.assign_attrs(model_error=scatter.worded, caveats=notes, **misfit)
@@ -266,8 +264,9 @@ def _band_alone(scene: Results) -> xr.Dataset:
         attrs=_condition_attributes(field.conditions, scene.sweep.variants.rule.unknown),
     )
     words = "velocity at which the next run is severe with a probability"
-    attrs = {"units": "m/s", "long_name": words}
-    result["critical_velocity_quantile"] = ("quantile", "load"), np.transpose(lines), attrs
+    result["critical_velocity_quantile"] = _described(
+        ["quantile", "load"], np.transpose(lines), "m/s", words
+    )
     return _add_errors(result, field)
 
 
@@ -275,62 +274,23 @@ BAND = (0.1, 0.5, 0.9)
 """Shares of the surfaces whose transition lies lower: lower end, middle and upper end."""
 
 
-def add_band(boundaries: xr.Dataset) -> xr.Dataset:
-    """Add quantiles over several surfaces, and counts of the surfaces."""
-    shares = ("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
-    with_quantiles = boundaries.assign_coords(quantile=shares)
-    for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
-        outcome, unit = boundaries[f"outcome_at_{axis}"], boundaries[name].attrs["units"]
-        quantiles = xr.apply_ufunc(
-            _band_of,
-            boundaries[name],
-            outcome,
-            boundaries[f"computed_from_at_{axis}"],
-            boundaries[f"computed_to_at_{axis}"],
-            input_core_dims=[["realization"]] * 4,
-            output_core_dims=[["quantile"]],
-            vectorize=True,
-        )
-        crossing = (outcome == CROSSES).sum("realization")
-        certain = outcome.isin((CROSSES, MILD, SEVERE, SEVERAL)).sum("realization")
-        quantiles = quantiles.transpose(..., "quantile", axis)
-        columns = {
-            f"{name}_quantile": (quantiles, unit, "that a share of the surfaces stays below"),
-            f"crossing_at_{axis}": (crossing, "1", "surfaces that cross"),
-            f"known_at_{axis}": (certain, "1", "surfaces whose outcome is known"),
-        }
-        for column, (values, units, words) in columns.items():
-            attrs = {"units": units, "long_name": words}
-            with_quantiles[column] = values.dims, values.values, attrs
-    return with_quantiles
+@np.errstate(invalid="ignore")
+def _band(line: Line) -> Array:
+    """Quantiles of the transitions of several surfaces by place, linear between ranks.
 
-
-def _band_of(places: Array, outcomes: Array, first: Array, last: Array) -> Array:
-    """Quantiles of the transitions of several surfaces along one line."""
-    low, high = _ends(places, outcomes, first, last)
-    return np.array([quantile(low, high, share) for share in BAND])
-
-
-def _ends(places: Array, outcomes: Array, first: Array, last: Array) -> tuple[Array, Array]:
-    """Least and greatest place of each transition that has any."""
-    is_kind = [np.isfinite(places), *(outcomes == kind for kind in (MILD, SEVERE, ABOVE))]
+    They are NaN where they lie among transitions that are not known exactly.
+    """
+    begin, end = line.computed
+    is_kind = [np.isfinite(line.first), *(line.outcome == kind for kind in (MILD, SEVERE, ABOVE))]
     # Wear that is severe at the lowest place computed turns severe below it.
-    is_kind.append(np.isin(outcomes, (BELOW, SEVERAL)))
-    low = np.select(is_kind, [places, np.inf, -np.inf, last, -np.inf], math.nan)
-    high = np.select(is_kind, [places, np.inf, -np.inf, np.inf, first], math.nan)
-    is_known = ~np.isnan(low)
-    return (low[is_known], high[is_known]) if is_known.any() else (np.array([math.nan]),) * 2
-
-
-def quantile(low: Array, high: Array, share: float) -> float:
-    """Quantile of values from `low` to `high`, linear between ranks; NaN if it is not known."""
-    place = share * (len(low) - 1)
-    below, above = math.floor(place), math.ceil(place)
-    ranked, greatest = np.sort(low), np.sort(high)
-    ends = ranked[[below, above]]
-    if not np.isfinite(ends).all() or (ends != greatest[[below, above]]).any():
-        return math.nan
-    return float(ends[0] + (place - below) * (ends[1] - ends[0]))
+    is_kind.append(np.isin(line.outcome, (BELOW, SEVERAL)))
+    least = np.select(is_kind, [line.first, np.inf, -np.inf, end, -np.inf], math.nan)
+    most = np.select(is_kind, [line.first, np.inf, -np.inf, np.inf, begin], math.nan)
+    rank = np.multiply.outer(BAND, np.maximum((~np.isnan(least)).sum(axis=0) - 1, 0))
+    ranks = np.stack([np.floor(rank), np.ceil(rank)]).astype(int)
+    low, high = (np.sort(ends, axis=0)[ranks, np.arange(rank.shape[1])] for ends in (least, most))
+    found = low[0] + (rank - ranks[0]) * (low[1] - low[0])
+    return np.where((np.isfinite(low) & (low == high)).all(axis=0), found, math.nan)
 
 
 def turns_left_out(ds: xr.Dataset | Results, crossings: xr.Dataset) -> str | None:

@@ -20,7 +20,6 @@ import numpy as np
 from tribo import Criterion
 from tribo.types import Array, Indices
 
-_NEAR = 1.01  # ratio of abscissae over which an exponent is taken
 _FEWEST = 3  # columns of points, of which the last may not be known
 _HALVINGS = 60  # of an interval, which leave nothing of it in double precision
 
@@ -133,17 +132,6 @@ class Curve:
         other = np.clip(number + (1 if end == 0 else -1), first, last)
         rise, run = (self._at(part, number) - self._at(part, other) for part in self._cubics[1::-1])
         return np.where(self.is_log, rise / run, np.nan)
-
-    @np.errstate(divide="ignore", invalid="ignore")
-    def exponent(self, places: Array) -> Array:
-        """Exponent d ln(y)/d ln(x) at one place of each row; NaN where it is NaN or infinite."""
-        (first, _), (last, _) = self.end(0), self.end(-1)
-        steps = np.stack([places / _NEAR, places * _NEAR], axis=-1)
-        ends = np.clip(steps, first[..., None], last[..., None])
-        low, high = np.moveaxis(self(ends), -1, 0)
-        slope = np.log(high / low) / np.log(ends[..., 1] / ends[..., 0])
-        is_told = np.isfinite(places) & (places > 0) & (self.count > 1) & (low > 0)
-        return np.where(is_told, slope, np.nan)
 
     @property
     def _numbers(self) -> Indices:

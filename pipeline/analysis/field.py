@@ -154,7 +154,7 @@ class PointField:
     def at_once(self) -> int:
         """See `Field`; so many lines take some 200 MB."""
         parts = _PARTS if self.conditions.has_friction_curve else 1
-        return 1 + _POINTS // (parts * len(self.planes[0].velocities))
+        return 1 + _POINTS // (parts * self._rises[:, 0].size)
 
     @property
     def weights(self) -> Array:
@@ -180,9 +180,8 @@ class PointField:
     def temperatures(self, loads: Places, velocities: Places) -> Here:
         """See `Field`."""
         loads, velocities = places_of(loads, velocities)
-        found = [self._rise(k, loads, velocities) for k in range(len(self.planes))]
-        rises = np.array([rise for rise, _ in found])
-        is_known = np.isfinite(rises).all(axis=0)
+        rises, is_within = self._rise(loads, velocities)
+        is_known = np.all(np.isfinite(rises), axis=0)
         reasons = [
             self._reason(load, velocity, known)
             for load, velocity, known in zip(
@@ -195,13 +194,13 @@ class PointField:
             rises > self.limit,
             np.full(rises.shape, self.conditions.known_critical_temperature()),
             np.all([plane.is_done(loads, velocities) for plane in self.planes], axis=0),
-            ~np.all([is_within for _, is_within in found], axis=0),
+            ~np.all(is_within, axis=0),
             reasons,
         )
 
     def _reason(self, load: float, velocity: float, is_known: bool) -> str:
         """Why a place is not known; empty where it is."""
-        axes = self.planes[0].loads, self.planes[0].velocities
+        axes = self.loads, self.velocities
         for name, x, value in zip(PLANE, axes, (load, velocity), strict=True):
             lowest, highest = min(x[0], self.ends[name][0]), max(x[-1], self.ends[name][1])
             lowest = 0.0 if self.from_rest and name == "velocity" else lowest
@@ -217,37 +216,50 @@ class PointField:
             "sweep to its end, or add points there"
         )
 
-    def _rise(self, number: int, loads: Array, velocities: Array) -> tuple[Array, Mask]:
-        """Rise of a member at places [K], and whether it lies between computed points."""
+    def _rise(self, loads: Array, velocities: Array) -> tuple[Array, Mask]:
+        """Rises at places by member (m, k) [K], and whether they lie between computed points."""
         within, continued = (
-            Curve(self.planes[number].loads, by_load)(loads[:, None])[:, 0]
-            for by_load in (
-                self._load_rises(number, velocities, continued) for continued in (False, True)
-            )
+            Curve(self.loads, self._load_rises(velocities, beyond))(loads[:, None])[..., 0]
+            for beyond in (False, True)
         )
         is_within = np.isfinite(within)
         return np.where(is_within, within, continued), is_within
 
-    def _load_rises(self, number: int, velocities: Array, continued: bool = False) -> Array:
-        """Rises of a member by place and load (k, n) [K], with the friction at the place."""
-        rises = self._curves[number](velocities, continued).T
+    def _load_rises(self, velocities: Array, continued: bool = False) -> Array:
+        """Rises by member, place and load (m, k, n) [K], with the friction at the place."""
+        rises = self._curves(velocities, continued).swapaxes(-1, -2)
         return np.asarray(rises * self.conditions.friction_factor(velocities)[:, None])
 
-    @functools.cached_property
-    def _curves(self) -> list[Curve]:
-        """Curves over velocities at the loads, by plane."""
-        return [Curve(plane.velocities, plane.rises) for plane in self.planes]
+    @property
+    def loads(self) -> Array:
+        """Loads of the points [N]."""
+        return self.planes[0].loads
+
+    @property
+    def velocities(self) -> Array:
+        """Velocities of the points [m/s]."""
+        return self.planes[0].velocities
 
     @functools.cached_property
-    def _load_curves(self) -> list[tuple[Curve, Curve]]:
-        """Curves over loads at the velocities, by plane: as computed, and where certain."""
-        curves = []
-        for plane in self.planes:
-            x = plane.velocities
-            rises = plane.rises * self.conditions.friction_factor(x)
-            going_on = np.where(np.isfinite(rises), rises, certain(x, rises, x, self.limit))
-            curves.append((Curve(plane.loads, rises.T), Curve(plane.loads, going_on.T)))
-        return curves
+    def _rises(self) -> Array:
+        """Rises by member, load and velocity [K], at one friction."""
+        return np.array([plane.rises for plane in self.planes])
+
+    @functools.cached_property
+    def _curves(self) -> Curve:
+        """Curves over velocities by member and load."""
+        return Curve(self.velocities, self._rises)
+
+    @functools.cached_property
+    def _load_curves(self) -> tuple[Curve, Curve]:
+        """Curves over loads by member and velocity: as computed, and where certain."""
+        x = self.velocities
+        rises = self._rises * self.conditions.friction_factor(x)
+        going_on = np.where(np.isfinite(rises), rises, certain(x, rises, x, self.limit))
+        computed, continued = (
+            Curve(self.loads, rows.swapaxes(-1, -2)) for rows in (rises, going_on)
+        )
+        return computed, continued
 
     def errors(self, loads: Places, velocities: Places) -> Array:
         """See `Field`."""
@@ -260,14 +272,14 @@ class PointField:
         if not self.conditions.friction_law.by_temperature:
             errors[-1] = counted_error(self.conditions)
             return errors
-        rises = np.max([self._rise(k, loads, velocities)[0] for k in range(len(self.planes))], 0)
+        rises = self._rise(loads, velocities)[0].max(axis=0)
         is_solved = [plane.rests_on_solved(loads, velocities) for plane in self.planes]
         errors[-1] = counted_error(self.conditions, rises, np.all(is_solved, axis=0))
         return errors
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
         """See `Field`."""
-        return Transitions.of(self.lines(axis, *places_of(loads, velocities)))
+        return self.lines(axis, *places_of(loads, velocities)).transitions
 
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
@@ -276,62 +288,57 @@ class PointField:
         loads, velocities = places_of(loads, velocities)
         untold = self._is_untold(loads, velocities)
         # Places on a row of the sweep share its line.
-        is_row = np.isin(loads, self.planes[0].loads) & ~untold
+        is_row = np.isin(loads, self.loads) & ~untold
         keys = np.stack([loads, np.where(is_row, -1.0, velocities)])
         _, first, rows = np.unique(keys, axis=1, return_index=True, return_inverse=True)
+        line = self.lines("velocity", loads[first], velocities[first], untold[first])
+        shape = np.broadcast_shapes(loads.shape, np.shape(shift))
+        factors = np.exp(-np.broadcast_to(shift, shape))[..., None, :]
+        asked = slice(None), rows.ravel()
         shares = [
-            replace(line, limit=limit * np.exp(-np.asarray(shift)), rows=rows.ravel())
-            for line in self.lines("velocity", loads[first], velocities[first], untold[first])
+            replace(line, limit=limit * factors, rows=asked).severe_share(velocities, scatter)
             for limit in rise_limits(self.conditions)
         ]
-        return np.asarray(
-            np.mean([one.severe_share(velocities, scatter) for one in shares], axis=0)
-        )
+        return np.asarray(np.mean(shares, axis=(0, -2)))
 
     def _is_untold(self, loads: Array, velocities: Array) -> Mask:
         """A row of the sweep has too few points to go on to a velocity, on any surface."""
         untold = np.zeros(loads.shape, bool)
-        for curves in self._curves:
-            for row in np.flatnonzero(curves.count < 2):
-                is_row = loads == self.planes[0].loads[row]
-                untold |= is_row & ~np.isin(velocities, curves.x[row])
+        for member, row in np.argwhere(self._curves.count < 2).tolist():
+            is_row = loads == self.loads[row]
+            untold |= is_row & ~np.isin(velocities, self._curves.x[member, row])
         return untold
 
     def lines(
         self, axis: str, loads: Array, velocities: Array, is_filled: Mask | bool = False
-    ) -> list[Line]:
-        """Lines along an axis through places, by member; the places are their rows.
+    ) -> Line:
+        """Lines along an axis through places, by member and place.
 
         Between loads or velocities of the sweep, rises go on where wear is certainly mild or
         severe. A row of the sweep has its own points alone, unless those of other rows are asked to
         stand in for points that it lacks.
         """
-        members = range(len(self.planes))
-        return [self._lines(number, axis, loads, velocities, is_filled) for number in members]
-
-    def _lines(
-        self, number: int, axis: str, loads: Array, velocities: Array, is_filled: Mask | bool
-    ) -> Line:
-        plane, factor, limit = self.planes[number], self.conditions.friction_factor, self.limit
-        x, other, place, along = plane.velocities, plane.loads, loads, velocities
-        rises = plane.rises * factor(x)
+        factor, limit = self.conditions.friction_factor, self.limit
+        x, other, place, along = self.velocities, self.loads, loads, velocities
+        rises = self._rises * factor(x)
         if axis == "load":
-            x, other, place, along, rises = other, x, velocities, loads, rises.T
+            x, other, place, along, rises = other, x, velocities, loads, rises.swapaxes(-1, -2)
         is_row = np.isin(place, other) & np.logical_not(is_filled)
         has_curve = self.conditions.has_friction_curve
         if axis == "load":
-            computed, here = self._load_rises(number, velocities), factor(velocities)
-            going_on = (certain(other, plane.rises, velocities, limit / here) * here).T
-        elif has_curve:  # how friction goes on beyond the points is no power law
-            computed = going_on = self._load_curves[number][0](place).T
+            computed, here = self._load_rises(velocities), factor(velocities)
+            going_on = certain(other, self._rises, velocities, limit / here) * here
+            going_on = going_on.swapaxes(-1, -2)
         else:
-            computed, going_on = (curve(place).T for curve in self._load_curves[number])
+            computed, going_on = (curve(place).swapaxes(-1, -2) for curve in self._load_curves)
+            if has_curve:  # how friction goes on beyond the points is no power law
+                going_on = computed
         nearest = np.minimum(np.searchsorted(other, place), len(other) - 1)
         computed, going_on = (
-            np.where(is_row[:, None], rises[nearest], part) for part in (computed, going_on)
+            np.where(is_row[:, None], rises[:, nearest], part) for part in (computed, going_on)
         )
         done = np.where(np.isfinite(computed), x, np.nan)
-        rise, is_within = self._rise(number, loads, velocities)
+        rise, is_within = self._rise(loads, velocities)
         rise = np.where(is_row, np.nan, rise)
         line = _inserted(x, going_on, along, np.where(is_within, rise, np.nan))
         if not (has_curve and axis == "velocity"):
@@ -348,16 +355,16 @@ def places_of(loads: Places, velocities: Places) -> tuple[Array, Array]:
 
 
 def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, Array]:
-    """Abscissae by row (k, n + 1), ascending, and ordinates, with a value at the place of each row.
+    """Abscissae by row (..., n + 1), ascending, and ordinates, with a value at the row's place.
 
     A value that is NaN is not inserted; its abscissa is NaN, too, and the last one.
     """
-    is_there = np.isfinite(values)[:, None]
+    is_there = np.isfinite(values)[..., None]
     others = np.where(is_there & (x == places[:, None]), np.nan, x)
-    wider = np.append(others, np.where(is_there, places[:, None], np.nan), axis=1)
-    order = np.argsort(wider, axis=1)
-    ordinates = np.append(y, values[:, None], axis=1)
-    return np.take_along_axis(wider, order, 1), np.take_along_axis(ordinates, order, 1)
+    wider = np.append(others, np.where(is_there, places[:, None], np.nan), axis=-1)
+    order = np.argsort(wider, axis=-1)
+    ordinates = np.append(y, values[..., None], axis=-1)
+    return np.take_along_axis(wider, order, -1), np.take_along_axis(ordinates, order, -1)
 
 
 def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array, Array]:

@@ -174,9 +174,9 @@ def critical_velocity(own: PointField, test: Measurement, continued: bool = Fals
     For a transition wear turns severe there. The velocity is infinite, or -infinite, if wear is
     mild, or severe, at all computed points [m/s], and their line is not continued.
     """
-    lines = own.lines("velocity", *places_of(test.normal_load, test.velocity))
-    nearest = [line.nearest(test.velocity, test.outcome is None, continued) for line in lines]
-    return float(quantile(np.array(nearest), own.weights, 0.5)[0])
+    line = own.lines("velocity", *places_of(test.normal_load, test.velocity))
+    nearest = line.nearest(test.velocity, test.outcome is None, continued)
+    return float(quantile(nearest, own.weights, 0.5)[0])
 
 
 def tests_beside(

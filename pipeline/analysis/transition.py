@@ -44,8 +44,8 @@ LEAST_SLOPE = 0.05
 class Line:
     """Rises of a member of a field along velocities or loads, and where wear turns.
 
-    It stands for a line, or for rows of lines. Then arrays have the rows first. Several limits may
-    be asked of a row.
+    It stands for a line, or for lines by member and place, in front of the other axes of arrays.
+    Several limits may be asked of a row.
     """
 
     #: Rises [K] over velocities [m/s] or loads [N]. It may go on beyond the places that are done,
@@ -144,14 +144,15 @@ class Line:
         beyond = np.ones(first.shape, bool)
         places = np.concatenate([first, self.places, last], axis=-1)
         turns_severe = np.concatenate([beyond, self._turns_severe, beyond], axis=-1)
-        # In front, as few of many places are turns.
-        is_none = np.isnan(places)
-        most = places.shape[-1] - int(is_none.sum(axis=-1).min(initial=places.shape[-1]))
-        order = np.argsort(is_none, axis=-1, kind="stable")[..., :most]
-        places, turns_severe = (
-            np.take_along_axis(part, order, -1) for part in (places, turns_severe)
-        )
         return places, turns_severe, has_law | is_severe
+
+    @property
+    def transitions(self) -> Transitions:
+        """Where wear first turns severe."""
+        low, high = (np.where(self.outcome == UNKNOWN, math.nan, end) for end in self.computed)
+        ends = np.fmin.reduce(low, axis=0), np.fmax.reduce(high, axis=0)
+        alone = self.places[0] if len(self.places) == 1 else np.empty((0, 0))
+        return Transitions(self.outcome, self.first, ends, alone)
 
     def severe_share(self, velocities: Array, scatter: Scatter) -> Array:
         """Probability that a run is severe, by velocity on the line of each limit.
@@ -224,19 +225,6 @@ class Transitions(NamedTuple):
     first: Array  # of each member and place, (m, k); see `Line.first`
     computed: tuple[Array, Array]  # lowest and highest place computed, each (k,)
     places: Array = np.empty((0, 0))  # of a single member, all places at which wear turns (k, n)
-
-    @classmethod
-    def of(cls, lines: Sequence[Line]) -> Transitions:
-        """Transitions of rows of lines over velocities [m/s] or loads [N], by member."""
-        ends = zip(*(line.computed for line in lines), strict=True)
-        outcome = np.array([line.outcome for line in lines])
-        low, high = (np.where(outcome == UNKNOWN, math.nan, np.array(end)) for end in ends)
-        return cls(
-            outcome,
-            np.array([line.first for line in lines]),
-            (np.fmin.reduce(low, axis=0), np.fmax.reduce(high, axis=0)),
-            *([lines[0].places] if len(lines) == 1 else []),
-        )
 
     def worded(self, along: str) -> Iterator[str]:
         """Outcome of each place along ``"velocity"`` or ``"load"``.

@@ -4,37 +4,37 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pipeline.analysis.boundary import add_band
-from pipeline.analysis.transition import ABOVE, BELOW, CROSSES, MILD, SEVERAL, SEVERE, UNKNOWN
+import pipeline
+from pipeline.store.schema import PENDING
+from tests.helpers import synthetic
+
+LOAD = 400.0
 
 
-def band(outcomes, places, computed=(1.5, 2.5)):
-    """Quantiles, and the counts of surfaces that cross and that are known, at one load."""
-    columns = {}
-    for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
-        dims = ("realization", axis)
-        columns[name] = dims, np.array(places)[:, None], {"units": "1"}
-        columns[f"outcome_at_{axis}"] = dims, np.array(outcomes)[:, None]
-        for end, value in zip(("from", "to"), computed, strict=True):
-            columns[f"computed_{end}_at_{axis}"] = dims, np.full((len(places), 1), value)
-    ds = add_band(xr.Dataset(columns))
-    counts = ds["crossing_at_load"].item(), ds["known_at_load"].item()
-    return ds["critical_velocity_quantile"].values[:, 0], counts
+def surfaces(lifts, pending=()):
+    """Surfaces whose rises differ by a factor; some have no point at any but the lowest load."""
+    several = [
+        synthetic.sweep(rise=lambda F, V, q=1.0, lift=lift: lift * synthetic.rise(F, V, q))
+        for lift in lifts
+    ]
+    ds = xr.concat(several, xr.Variable("realization", range(len(lifts))), combine_attrs="override")
+    left_out = ds["realization"].isin(pending) & (ds["load"] == LOAD)
+    return ds.assign(status=ds["status"].where(~left_out, PENDING))
 
 
 @pytest.mark.parametrize(
-    ("outcome", "expected"),
+    ("lift", "pending", "ranks", "known"),
     [
-        (BELOW, [np.nan, np.nan, 2.7]),  # at most 1.5
-        (ABOVE, [1.3, np.nan, np.nan]),  # at least 2.5
-        (SEVERE, [np.nan, 1.5, 2.7]),
-        (MILD, [1.3, 2.5, np.nan]),
-        (UNKNOWN, [1.2, 2.0, 2.8]),
-        (SEVERAL, [np.nan, np.nan, 2.7]),  # severe at the lowest place, as below
+        (1e-3, (), [0.3, 1.5, np.nan], 4),  # mild throughout, so beyond all
+        (1e3, (), [np.nan, 0.5, 1.7], 4),  # severe throughout, so below all
+        (1.0, (3,), [0.2, 1.0, 1.8], 3),  # not known
     ],
 )
-def test_quantiles_are_those_of_wherever_a_transition_may_lie(outcome, expected):
-    places = [1.0, 2.0, 3.0, np.nan]
-    quantiles, counts = band([CROSSES] * 3 + [outcome], places)
-    np.testing.assert_allclose(quantiles, expected)
-    assert counts == (3, 3 + (outcome in (MILD, SEVERE, SEVERAL)))
+def test_quantiles_are_those_of_wherever_a_transition_may_lie(lift, pending, ranks, known):
+    lifts = (1.1, 1.0, 0.9)
+    alone = [pipeline.boundary(surfaces([one])).sel(load=LOAD) for one in lifts]
+    velocities = [one["critical_velocity"].item() for one in alone]
+    found = pipeline.boundary(surfaces([*lifts, lift], pending)).sel(load=LOAD)
+    expected = np.interp(ranks, range(3), velocities)
+    np.testing.assert_allclose(found["critical_velocity_quantile"], expected, rtol=1e-12)
+    assert (found["crossing_at_load"], found["known_at_load"]) == (3, known)

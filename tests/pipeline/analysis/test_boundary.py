@@ -183,18 +183,6 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
     assert crossings["film_parameter_at_load"].notnull().any()
 
 
-def test_the_exponent_is_that_of_the_rise_about_the_crossing():
-    loads, exponents = [200.0, 400.0, 600.0], (0.2, 0.39, 0.7)
-
-    def rise(load, velocity, quantile=1.0):
-        part = synthetic.profile(quantile) / synthetic.profile(0.9)
-        return synthetic.limit() * part * (velocity / 2.1) ** np.interp(load, loads, exponents)
-
-    sweep = synthetic.sweep(rise=rise, loads=loads)
-    crossings = boundary(sweep)
-    assert crossings["rise_exponent_at_load"].values == pytest.approx(exponents)
-
-
 @pytest.mark.parametrize(("friction", "side"), [(0.0, "mild"), (1e6, "severe")])
 def test_a_run_that_is_mild_or_severe_at_all_velocities_is_said_to_be_so(friction, side):
     (said,) = next_run_lines(boundary(pipeline.at(synthetic.sweep(), friction=friction)))

@@ -119,8 +119,8 @@ def test_a_test_is_compared_at_the_friction_that_it_measured():
         warm = 25.0 + friction * float(synthetic.rise(*place, 0.9))
         assert row["decisive temperature [°C]"] == pytest.approx(warm, rel=2e-3)
         own = point_field(ds).under(own_conditions(ds, Measurement(**test)))
-        (line,) = own.lines("velocity", *np.transpose([place]))
-        expected = line.nearest(place[1])[0]
+        line = own.lines("velocity", *np.transpose([place]))
+        expected = line.nearest(place[1]).item()
         if not test.get("outcome"):
             assert row["computed"] == f"at {expected:.3g} m/s"
 
