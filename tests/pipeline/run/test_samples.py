@@ -152,23 +152,6 @@ def test_the_commands_say_risk_causes_and_inputs(sampled, tmp_path, irg, irg_bot
     load(sampled)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("margin", "--load", "500 N"), "give --load and --velocity, or --points"),
-        (
-            ("boundary", "--given-measured", "--friction", "0.2"),
-            "friction: the tests weigh conditions as they were drawn; leave this out",
-        ),
-        (("margin", "--load", "900 N", "--velocity", "2 m/s"), "load is 900 N; the samples have"),
-        (("plot", "--kind", "ramp"), "has samples, so there is no plane of points"),
-    ],
-)
-def test_wrong_use_is_answered_in_a_line(sampled, irg, arguments, words):
-    command, *options = arguments
-    assert words in irg(command, sampled / "out.zarr", *options, code=2)
-
-
 def test_a_store_without_samples_says_how_to_get_them(alone, irg):
     assert "give [unknown] and sweep.samples" in irg("sensitivity", alone, code=2)
 

@@ -144,18 +144,3 @@ def test_the_command_draws_and_tells_of_a_window_that_is_too_narrow(folder, irg)
     assert "contact at edge" in text
     assert "mild throughout" in text
     assert (folder / "tornado.png").stat().st_size > 10_000
-
-
-@pytest.mark.parametrize(
-    ("over", "message"),
-    [
-        ("temperature.critical=+20%", "depends on its scale"),
-        ("wear.pattern=+20%", "no number there"),
-        ("pin.radius=-2 mm", "out of range"),
-        ("pin.radis=1 mm", "unknown key"),
-        ("pin.radius", "has no name and value"),
-        ("friction.coefficient=0", "without friction"),
-    ],
-)
-def test_bad_input_is_told_in_a_line(folder, irg, over, message):
-    assert message in irg("vary", folder / "small.toml", "--over", over, code=2)
