@@ -144,10 +144,16 @@ BOMBS = {
 }
 
 
-@pytest.mark.parametrize("name", [CHUNK, "about/message/c.0.0", "status/c.0.0"])
-@pytest.mark.parametrize("bomb", BOMBS.values(), ids=BOMBS)
+@pytest.mark.parametrize(
+    ("name", "bomb"),
+    [
+        *((CHUNK, bomb) for bomb in BOMBS),
+        ("about/message/c.0.0", "of many texts"),
+        ("status/c.0.0", "larger"),
+    ],
+)
 def test_a_chunk_of_another_size_than_its_array_s_is_not_unpacked(copy, name, bomb):
-    (copy / name).write_bytes(bomb((copy / name).read_bytes()))
+    (copy / name).write_bytes(BOMBS[bomb]((copy / name).read_bytes()))
     tracemalloc.start()
     try:
         assert not pipeline.verify_store(copy).is_clean

@@ -126,7 +126,7 @@ SWEEPS = {
 }
 
 
-@pytest.fixture(scope="module", params=[f"{kind}, {part}" for kind in SWEEPS for part in (1, 2)])
+@pytest.fixture(scope="module", params=["plane, 2", "surfaces, 1", "rows, 1", "search, 2"])
 def made(request, tmp_path_factory):
     """A store of each kind, whose points are done, or one of two."""
     kind, _, part = request.param.partition(", ")
@@ -137,16 +137,21 @@ def made(request, tmp_path_factory):
     return path
 
 
+@pytest.fixture(scope="module")
+def opened(made):
+    return xr.open_zarr(made), pipeline.open_sweep(made)
+
+
 @pytest.mark.parametrize("name", PLAIN)
-def test_plain_xarray_works_on_whole_and_half_done_sweeps(made, name):
-    for ds in (xr.open_zarr(made), pipeline.open_sweep(made)):
+def test_plain_xarray_works_on_whole_and_half_done_sweeps(opened, name):
+    for ds in opened:
         assert ds.chunks is not None  # one length of chunks along each axis
         assert {values.dtype.kind for values in ds.data_vars.values()} <= {*"bif"}
         assert PLAIN[name](ds, "load" if "load" in ds.dims else "point").load().data_vars
 
 
-def test_plain_xarray_writes_tables_and_files(made, tmp_path):
-    for number, ds in enumerate([xr.open_zarr(made), pipeline.open_sweep(made)]):
+def test_plain_xarray_writes_tables_and_files(opened, tmp_path):
+    for number, ds in enumerate(opened):
         assert len(ds[["max_rise", "status"]].to_dataframe()) == ds["max_rise"].size
         for engine in ("scipy", "h5netcdf"):
             ds.to_netcdf(file := tmp_path / f"{engine}{number}.nc", engine=engine)

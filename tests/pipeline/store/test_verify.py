@@ -279,7 +279,7 @@ def test_damage_on_one_of_several_surfaces_is_named(tmp_path):
 def test_a_run_that_is_killed_while_it_mends_leaves_no_damaged_point_done(copy, monkeypatch):
     cut(copy / "mean_rise" / "c.0.0.0")
     harmed = shutil.copytree(copy, copy.with_name("harmed.zarr"))
-    for count in itertools.count(0, 31):
+    for count in itertools.count(0, 83):
         shutil.rmtree(copy)
         shutil.copytree(harmed, copy)
         with killed_after(monkeypatch, count) as was_killed:
