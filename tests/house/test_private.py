@@ -10,7 +10,6 @@ _ALLOWED = {
     "cluster/wide.py _one_at_a_time": "points that only wait need no turn",
     "helpers/stores.py _digest": "a forged store has the digest that fits",
     "pipeline/figures/test_fit.py _suptitle": "matplotlib has no public name of it",
-    "pipeline/run/test_parts.py _absolute": "percents of entries that are not numbers",
     "pipeline/store/test_s3.py _registry": "fsspec as it is without s3fs",
     "pipeline/store/test_s3.py _send": "requests are counted where they leave",
     "pipeline/store/test_schema.py _VARIABLES": "a new variable, as a contributor adds one",

@@ -16,9 +16,7 @@ from pipeline.cli import main
 from pipeline.laboratory.surfaces import read_surface
 from pipeline.scene.along import OperatingPoints
 from pipeline.store.place import StoreError
-from pipeline.store.progress import summary
 from pipeline.store.root import read_sweep
-from pipeline.store.verify import verify_store
 from tests.helpers import tiny
 from tests.helpers.processes import python
 from tests.helpers.stores import commit
@@ -44,24 +42,6 @@ def test_a_fifo_is_no_surface_load_record_or_scene(fifo, capsys):
     for scene in (fifo("a.toml"), "/dev/zero"):
         assert main(["check", str(scene)]) == 2
         assert "not a file" in capsys.readouterr().err
-
-
-def test_an_archive_that_unpacks_to_more_than_a_surface_can_be_is_none(tmp_path):
-    with zipfile.ZipFile(tmp_path / "a.x3p", "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("bin", bytes(2**10))
-        archive.filelist[0].file_size = 2**31  # as its directory says, which is written at the end
-    with pytest.raises(tribo.InputError, match=r"2\.0 GiB; at most 1 GiB are read"):
-        read_surface(tmp_path / "a.x3p")
-
-
-@pytest.mark.parametrize(
-    ("name", "read"), [("mean_rise/c.0.0.0", verify_store), ("zarr.json", summary)]
-)
-def test_a_fifo_in_place_of_a_chunk_or_root_cannot_be_read(copy, name, read):
-    (copy / name).unlink()
-    os.mkfifo(copy / name)
-    with pytest.raises(StoreError, match=f"{name} cannot be read: it is not a file"):
-        read(copy)
 
 
 def test_a_fifo_in_place_of_a_chunk_of_pending_points_keeps_nobody_waiting(tmp_path):
@@ -100,14 +80,6 @@ def test_an_answer_that_finds_no_room_is_an_error_in_a_line():
     assert done.returncode == 2
     assert done.stderr.startswith("irg: cannot go on: [Errno 28] No space left")
     assert done.stderr.count("\n") == 1
-
-
-def test_a_folder_that_was_deleted_under_a_process_is_named_as_that(tmp_path, monkeypatch, capsys):
-    (gone := tmp_path / "gone").mkdir()
-    monkeypatch.chdir(gone)
-    gone.rmdir()
-    assert main(["status", "a.zarr"]) == 2
-    assert "is no path: [Errno 2] No such file or directory" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="addresses are limited so on Linux")

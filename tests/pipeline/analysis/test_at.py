@@ -10,7 +10,6 @@ import pipeline
 from pipeline.analysis.at import COLDEST_OIL, HOTTEST_OIL, oil_temperature
 from tests.helpers import synthetic
 from tests.pipeline.conftest import commit_all
-from tribo import InputError
 
 HOT = {"friction": 0.12, "bulk_temperature": "60 degC"}
 FEW = {"sweep.loads": ["400 N"], "sweep.velocities": ["1 m/s", "4 m/s"]}
@@ -109,8 +108,3 @@ def test_a_part_without_the_end_of_points_is_judged_at_other_conditions():
     hotter = pipeline.temperatures(pipeline.at(ds, friction=0.12))
     part = pipeline.temperatures(pipeline.at(ds.sel(step=[-3, -1]), friction=0.12))
     assert part["max_temperature"].equals(hotter["max_temperature"].sel(step=[-3, -1]))
-
-
-def test_an_entry_is_given_once():
-    with pytest.raises(InputError, match=r"friction\.coefficient is given twice, also as friction"):
-        pipeline.at(synthetic.sweep(), friction=0.1, **{"friction.coefficient": 0.2})

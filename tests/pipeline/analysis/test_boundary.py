@@ -193,3 +193,8 @@ def test_a_boundary_over_surfaces_says_that_the_median_is_not_the_onset(sweep):
     said = "the median is not the onset: the hottest patch under the pin scuffs first"
     several = xr.concat([sweep, sweep], "realization", combine_attrs="override")
     assert [boundary_lines(boundary(ds)).count(said) for ds in (sweep, several)] == [0, 1]
+
+
+def test_the_one_quantile_that_decides_is_enough(sweep):
+    found = boundary(sweep.sel(cooler_share=[0.9]))["critical_velocity"]
+    np.testing.assert_allclose(found, boundary(sweep)["critical_velocity"], rtol=1e-9)

@@ -18,7 +18,6 @@ from pipeline.analysis.margin_frame import (
 )
 from pipeline.analysis.rise_error import RiseError
 from tests.helpers import synthetic
-from tribo import InputError
 
 
 @pytest.fixture(scope="module")
@@ -167,18 +166,6 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
     assert "9000 N" in found.iloc[2]["notes"] or "9 kN" in found.iloc[2]["notes"]
     assert found.iloc[2, 3:-1].isna().all()
     assert {*LONG} < {*found}
-
-
-def test_a_place_is_given_whole():
-    ds = synthetic.sweep()
-    for given, missing in (
-        ({"velocity": 1.0}, "velocity is given without a load"),
-        ({"load": 400.0}, "load is given without a velocity"),
-        ({"load": 400}, "load is given without a velocity"),
-        ({}, "no operating point is given, and the rows have none of their own"),
-    ):
-        with pytest.raises(InputError, match=missing):
-            pipeline.margin(ds, **given)
 
 
 def test_over_two_surfaces_a_margin_has_medians_and_what_5_and_95_percent_stay_below():

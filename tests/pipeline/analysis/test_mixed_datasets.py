@@ -130,15 +130,6 @@ def test_a_scene_without_simulation_is_told_by_its_conditions_alone(parts):
     np.testing.assert_array_equal(same["scene_id"], rubbing["scene_id"])
 
 
-def test_a_coordinate_in_another_unit_is_refused(parts):
-    (ds,) = parts("low")
-    fast = (ds["velocity"] * 3.6).assign_attrs(units="km/h")
-    with pytest.raises(InputError, match="velocity of the dataset is in km/h; convert it to m/s"):
-        crossings(ds.assign_coords(velocity=fast))
-    spelt = ds.assign_coords(velocity=ds["velocity"].assign_attrs(units="meter / second"))
-    np.testing.assert_array_equal(crossings(spelt), crossings(ds))
-
-
 def test_rises_of_rows_on_surfaces_differ_at_their_own_points(tmp_path):
     placed = placed_rows((150.0, 1.0), (250.0, 2.0), (250.0, 1.0))
     commit_all(tmp_path / "a.zarr", tiny.sweep(variants=surfaces((5, 3)) * placed))

@@ -231,6 +231,7 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
         (["margin", "out.zarr", "--load", "5 N"], "give --load and --velocity, or --points"),
         (["boundary", "out.zarr", "--bulk-temperature", "60,5 degC"], "decimals with a point"),
         (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
+        (["run", "scene.toml", "--accuracy", "2%", "--measure"], "not allowed with argument"),
         (["check", "scene.toml", "--acuracy=2%"], 'did you mean "--accuracy"?'),
         (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
         (["boundry", "out.zarr"], "command is 'boundry'; did you mean 'boundary'?"),

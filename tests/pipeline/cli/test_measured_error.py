@@ -39,8 +39,3 @@ def test_an_error_that_nobody_asked_for_is_measured_later_on_the_finished_store(
     assert known["temperature error [K]"] > 0
     assert known["probability"] == unknown[0]["probability"]
     assert "the scene's own fidelity; boundary velocities err" in irg("status", tmp_path / "a.zarr")
-
-
-def test_an_accuracy_and_a_measurement_exclude_each_other(scene, irg):
-    said = irg("run", scene, "--accuracy", "2%", "--measure", code=2)
-    assert "not allowed with argument" in said

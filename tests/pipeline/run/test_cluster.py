@@ -5,7 +5,6 @@ import json
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import sysconfig
@@ -243,16 +242,6 @@ def test_workers_start_although_one_of_them_is_killed_meanwhile(monkeypatch):
     monkeypatch.setattr(of_run, "LocalCluster", start)
     with connected(None, 1) as link:
         assert len(link.client.nthreads()) == 1
-
-
-def test_where_no_scheduler_answers_no_store_is_made(tmp_path, irg):
-    with socket.create_server(("127.0.0.1", 0)) as reserved:
-        nobody = f"tcp://127.0.0.1:{reserved.getsockname()[1]}"
-    with pytest.raises(ExecutionError, match=f"no Dask scheduler answers at {nobody}"):
-        client_of(nobody, patience=1.0)
-    said = irg("run", "first_try", "-o", tmp_path / "a.zarr", "--scheduler", "nonsense", code=2)
-    assert "no Dask scheduler answers at nonsense" in said
-    assert list(tmp_path.iterdir()) == []
 
 
 class Tasks(SchedulerPlugin):

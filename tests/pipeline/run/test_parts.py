@@ -9,13 +9,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import pipeline
 from pipeline.run import forkserver
 from pipeline.run.boundary_search import BoundarySearch
-from pipeline.run.vary import Variation, Variations, _absolute
+from pipeline.run.vary import Variation, Variations
 from pipeline.run.work import hash_of_code
-from tests.helpers.scenes import SCENE
-from tribo import InputError
 
 # Workers
 
@@ -128,18 +125,3 @@ def test_entries_are_ordered_by_how_far_they_move_the_boundary():
     assert np.isnan(made.changes(made.others[3])[1])
     assert (made.points, made.contacts) == (12, 5)
     assert made.changes(made.others[2]) == pytest.approx([-0.05, 0.0])
-
-
-@pytest.mark.parametrize(
-    ("key", "words"),
-    [
-        ("temperature.bulk", "the scene gives 25 degC, and a percentage of a temperature depends"),
-        ("disk.material", "the scene gives no number there; give a value"),
-        ("sweep.fields", "the scene gives no number there"),
-        ("pin.material", "the scene gives no number there"),
-    ],
-)
-def test_what_has_no_percents_is_told(tmp_path, key, words):
-    (tmp_path / "scene.toml").write_text(SCENE)
-    with pytest.raises(InputError, match=words):
-        [*_absolute(pipeline.load_scene(tmp_path / "scene.toml"), key, ["+20%"])]

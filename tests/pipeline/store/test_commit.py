@@ -1,18 +1,13 @@
 """Points in a store: data first and status last, also beside readers, and with little room."""
 
-import errno
-import os
-
 import pytest
 
 import pipeline
 import tribo
 from pipeline.analysis.dataset import open_sweep
-from pipeline.cli import main
 from pipeline.store.create import writing
-from pipeline.store.place import StoreError
 from pipeline.store.progress import FailedPoint, summary
-from pipeline.store.schema import COLUMNS, FIELDS, PENDING, path_of
+from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
@@ -82,22 +77,6 @@ def test_any_message_is_stored_and_none_grows_the_store(path):
     assert len(summary(path).failed) == 3
 
 
-def test_a_full_disk_is_an_error_that_says_so_and_costs_no_point(path, monkeypatch):
-    def full(*_):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    with writing(path, SWEEP) as store:
-        store.commit([record(POINT)])
-        with monkeypatch.context() as patch:
-            patch.setattr(os, "fsync", full)
-            with pytest.raises(StoreError, match="No space left on device; what is finished is sa"):
-                store.commit([record(OTHER)])
-        assert not list(path.rglob("*.partial"))
-        assert store.flags[store.index(OTHER)] == PENDING
-        store.commit([record(Point(150.0, 0.5))])
-    assert_is_as_computed(path, [POINT, Point(150.0, 0.5)])
-
-
 def test_few_files_may_be_open(path):
     """Of 28 arrays and a hundred chunks."""
     program = f"""if True:
@@ -127,26 +106,6 @@ def test_a_point_that_is_not_done_is_not_a_number_whatever_is_on_the_disk(copy):
             ends = ds[name].sel(load=250)
             assert ends.sel(velocity=1).isnull().all()
             assert ends.sel(velocity=0.5).notnull().any()
-
-
-@pytest.mark.parametrize("name", ["mean_rise", "rise_quantile", "pressure", "message", "checksum"])
-def test_a_missing_chunk_of_a_done_point_is_an_error_that_says_what_to_do(copy, name, capsys):
-    next((copy / path_of(name)).glob("c.*")).unlink()
-    with pytest.raises(StoreError, match=f"{name} cannot be read; irg verify .*; irg run"):
-        open_sweep(copy)
-    if name == "rise_quantile":
-        assert main(["boundary", str(copy)]) == 2
-        assert "irg verify names what is damaged" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("name", [*COLUMNS, *FIELDS, "status", "asked", "message", "wall_time"])
-def test_a_flipped_bit_in_any_variable_is_not_read(copy, name):
-    for file in (copy / path_of(name)).glob("c.*"):
-        content = bytearray(file.read_bytes())
-        content[len(content) // 2] ^= 1
-        file.write_bytes(content)
-    with pytest.raises(StoreError, match="irg verify"):
-        _ = pipeline.results(open_sweep(copy).load()).messages
 
 
 def test_opening_reads_no_field(copy):

@@ -426,17 +426,6 @@ def test_nothing_is_written_over(path, make, complaint):
     assert contents(path.parent) == before
 
 
-def test_a_path_or_address_that_leads_to_no_store_is_refused_in_a_line(path, irg):
-    with pytest.raises(StoreError, match="cannot be read: File name too long"):
-        summary(path.with_name("a" * 300))
-    assert "does not exist; give a store that irg run made" in irg("status", path, code=2)
-    for address in ("a\0.zarr", "a\ud800.zarr"):
-        with pytest.raises(StoreError, match="give a local folder, or an address such as s3://"):
-            commit(address, SWEEP, ())
-    with pytest.raises(StoreError, match="Protocol not known: nowhere"):
-        commit("nowhere://a.zarr", SWEEP, ())
-
-
 def test_the_names_of_new_folders_are_on_the_disk_too(tmp_path, monkeypatch):
     synced, fsync = [], os.fsync
 

@@ -115,12 +115,6 @@ def test_a_sweep_runs_resumes_and_is_verified_with_few_requests(address, monkeyp
 LATER = tiny.full(loads=(1500.0,), velocities=(1.0, 2.0))
 
 
-def test_values_between_those_of_an_object_store_are_refused(made):
-    with pytest.raises(StoreError, match="load would not grow at its upper end; write a new store"):
-        commit(made, tiny.full(loads=(150.0, 250.0), velocities=(1.0,)), ())
-    assert_is_as_computed(made, [POINT])
-
-
 def test_a_creation_and_a_growth_that_are_killed_go_on(address, monkeypatch):
     left, written = [], Bucket.put
 
