@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pipeline.quantities import display, shown_in
+from pipeline.quantities import display
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span
 from pipeline.scene.faults import joined
-from pipeline.scene.format import BULK
+from pipeline.scene.format import BULK, FRICTION
 from pipeline.scene.kinds import unusual
-from pipeline.scene.reference import usual_of, usual_range
+from pipeline.scene.reference import usual_range
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import note_on_ends, note_on_turns
 from pipeline.sweep.remarks import Remark
@@ -78,14 +78,10 @@ def _narrow_window(sweep: Sweep, facts: Facts) -> str:
 
 def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
     """Conditions of a test or an operating point that are probably in another unit, in words."""
-    if (own.get("friction") or 0.0) > 1:
-        yield f"friction is {own['friction']:g}, where 0 to 1 is usual: is it in per cent?"
-    bulk, (coldest, hottest, unit) = own.get("bulk_temperature"), usual_of(BULK)
-    if bulk is not None and not coldest <= shown_in(bulk, unit) <= hottest:
-        yield (
-            f"the bulk temperature is {display(bulk, unit)}, where {coldest:g} {unit} to "
-            f"{hottest:g} {unit} are usual: check its unit"
-        )
+    for name, kind in (("friction", FRICTION), ("bulk_temperature", BULK)):
+        value = own.get(name)
+        if value is not None and (words := unusual(value, kind.usual, kind.unit)):
+            yield f"{name.replace('_', ' ')}: {words}"
 
 
 def _test_doubts(sweep: Sweep) -> Iterator[_Doubt]:

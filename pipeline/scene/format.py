@@ -185,8 +185,8 @@ class MeasuredSurface:
         "format of an instrument (extra `surfaces`); relative to the folder of the scene.",
         Example("surface.npy")]
     height_unit: A[float | None, UnitText("a unit of length", "um"),
-        "Unit of the heights, or its length in m; needed if the file has none, as .npy, and "
-        "overrides a wrong one."] = None
+        "Unit of the heights; needed if the file has none, as .npy, and overrides a wrong "
+        "one."] = None
     pixel_size: A[tuple[float, float] | None, List(Quantity("0.8 um"), length=2),
         "Sides of a pixel of the file along x and y, after any exchange, if it gives none or wrong "
         "ones; the ratio of its places stays."] = None

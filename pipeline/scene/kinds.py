@@ -229,7 +229,7 @@ def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
 
 @dataclass(frozen=True)
 class UnitText(Kind):
-    """A unit alone, or how large it is, read as its value in SI."""
+    """A unit alone, read as its value in SI."""
 
     name: str
     example: str
@@ -238,11 +238,7 @@ class UnitText(Kind):
         return f"{self.name}, such as {quoted(self.example)}"
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
-        is_factor = isinstance(value, int | float) and not isinstance(value, bool)
-        if is_factor and value > 0:
-            return float(value)
         try:
-            is_length = str(value)[:1].isdigit()  # such as "0.1 um"
-            return to_si(str(value) if is_length else f"1 {value}", like=f"1 {self.example}")
+            return to_si(f"1 {value}", like=f"1 {self.example}")
         except UnitError as error:
             raise UnfitError(f"{quoted(value)} is not {self.name}") from error

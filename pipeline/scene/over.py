@@ -139,7 +139,12 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
 def _require_alike(row: Parts, base: Parts) -> None:
     """Raise an `InputError` if a row of a sweep has other axes."""
     first, second = (
-        (s.plane, s.scene.unequal_bulks, s.record.steps, base.record.fields and s.scene.grid)
+        (
+            (s.plane.loads, s.plane.velocities),
+            s.scene.unequal_bulks,
+            s.plane.steps,
+            base.plane.fields and s.scene.grid,
+        )
         for s in (row, base)
     )
     names = "loads and velocities", "unequal bulks", "steps", "grid of the stored fields"

@@ -30,7 +30,7 @@ from pipeline.scene.written import complete_fidelity, completed, entries_of
 from pipeline.sweep.about import About, FromLibrary, Measurement
 from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.laws import name_of
-from pipeline.sweep.model import Parts, Plane, Record
+from pipeline.sweep.model import Parts
 from pipeline.sweep.tables import Entries, entry_at
 from tribo.simulation.pins import sizes_of
 
@@ -100,13 +100,10 @@ class SceneReader:
             wear=wear,
             fidelity=fidelity,
         )
-        asked = scene.sweep
         parts = Parts(
             declared=_with_contents(scene, getattr(roughness, "digest", None), record),
             scene=physics,
-            plane=Plane(asked.loads, asked.velocities),
             conditions=_conditions_of(scene, physics, laws.get("criterion")),
-            record=Record(asked.fields, asked.steps),
             about=About(
                 name="",
                 title=scene.title or "",

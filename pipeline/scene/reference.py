@@ -142,12 +142,7 @@ Ends = tuple[float, float, str]
 def usual_range(path: str) -> Ends:
     """Usual range of an entry of a scene, by its path."""
     entry = find_entry(path)
-    number = number_in(entry.kind) if entry else None
-    return usual_of(number or Number())
-
-
-def usual_of(number: Quantity | Number) -> Ends:
-    """Usual range of a number."""
+    number = (number_in(entry.kind) if entry else None) or Number()
     return (*(number.usual or (-math.inf, math.inf)), typeset(number.unit))
 
 

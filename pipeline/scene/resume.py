@@ -35,8 +35,8 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
         stations=choose_stations(first),
         selection=sweep.selection or first.selection,
     )
-    if before and before.record.fields != sweep.record.fields:
-        joined = joined.changed("sweep.fields", before.record.fields)
+    if before and before.plane.fields != sweep.plane.fields:
+        joined = joined.changed("sweep.fields", before.plane.fields)
     return joined
 
 
@@ -58,9 +58,9 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
         held = labels.get(column.name, {})
         for label in (label for label in values if label in held and held[label] != values[label]):
             yield _differs(f"{column.name}.{label}", held[label], values[label])
-    if (steps := sweep.record.steps) not in (None, choose_stations(stored).steps):
+    if (steps := sweep.plane.steps) not in (None, choose_stations(stored).steps):
         yield _differs("sweep.steps", choose_stations(stored).steps, steps)
-    if sweep.record.fields and not stored.record.fields:
+    if sweep.plane.fields and not stored.plane.fields:
         yield _differs("sweep.fields", "false", "true")
     try:
         old.union(new)

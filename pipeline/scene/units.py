@@ -6,6 +6,7 @@ import functools
 import json
 import math
 import re
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from decimal import (
@@ -17,6 +18,7 @@ from decimal import (
     Overflow,
     localcontext,
 )
+from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -67,10 +69,6 @@ _PRINTED = tuple(
 )
 """Ways in which data sheets write units, and how they are read; in this order."""
 
-_DEGREES = {"C": "degC", "F": "degF"}
-"""Units meant by those of charge and of capacitance, where a temperature is due."""
-
-
 _CLOCK = re.compile(
     r"(?:.*[\sT])?(\d{1,2}):(\d\d)(?::(\d\d(?:[.,]\d+)?))?\s*([AP]M)?(?:Z|[+-]\d\d:?\d\d)?", re.I
 )
@@ -120,9 +118,8 @@ def exact_si(text: str, like: str) -> Decimal:
     if not quantity.check(_parsed(like).dimensionality):
         if quantity.unitless:
             raise UnitError(f"{_quoted(text)} has no unit")
-        if (meant := _DEGREES.get(unit)) and needed in ("K", "degC"):
-            what = f"{unit} is the unit {quantity.units}"
-            raise UnitError(f"{_quoted(text)}: {what}; write {number} {meant}")
+        if unit in ("C", "F") and needed in ("K", "degC"):
+            raise UnitError(f"{_quoted(text)} has no unit of temperature; write {number} deg{unit}")
         hint = _what_to_give(quantity, needed)
         raise UnitError(f"{_quoted(text)} cannot be converted to {needed}{hint}")
     return value
@@ -312,24 +309,13 @@ def _quoted(text: str) -> str:
 _KGF_PER_MM2 = Decimal("9.80665e6")  # Pa
 _SCALE = re.compile(r"(HV) ?[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HRC)")
 
-# ASTM E140, Table 1: Vickers numbers of 20 to 68 HRC, and Brinell numbers (3000 kgf, ball of
-# tungsten carbide) of 20 to 65 HRC. Compared row by row with a reprint of it (Phase II, manual of
-# the PHT-2000; 35 to 68 HRC), which differs by one Vickers number at 62 HRC alone, and with Table 2
-# of ASTM A370 (20 to 68 HRC), which differs by one Brinell number at 47, 49, 50 and 63 HRC.
-_VICKERS = (
-    238, 243, 248, 254, 260, 266, 272, 279, 286, 294, 302, 310, 318, 327, 336, 345, 354, 363, 372,
-    382, 392, 402, 412, 423, 434, 446, 458, 471, 484, 498, 513, 528, 544, 560, 577, 595, 613, 633,
-    653, 674, 697, 720, 746, 772, 800, 832, 865, 900, 940,
-)  # fmt: skip
-_BRINELL = (
-    226, 231, 237, 243, 247, 253, 258, 264, 271, 279, 286, 294, 301, 311, 319, 327, 336, 344, 353,
-    362, 371, 381, 390, 400, 409, 421, 432, 443, 455, 469, 481, 496, 512, 525, 543, 560, 577, 595,
-    615, 634, 654, 670, 688, 705, 722, 739,
-)  # fmt: skip
-_OF_STEEL = {
-    "HRC": (tuple(range(20, 69)), _VICKERS),
-    "HB": (_BRINELL, _VICKERS[: len(_BRINELL)]),
-}
+
+@functools.cache
+def _hardness_of_steel() -> dict[str, tuple[list[int], list[int]]]:
+    """Numbers of two scales, and Vickers numbers beside them."""
+    file = resources.files("pipeline.scene").joinpath("hardness.toml")
+    vickers, brinell = tomllib.loads(file.read_text(encoding="utf-8")).values()
+    return {"HRC": ([*range(20, 69)], vickers), "HB": (brinell, vickers[: len(brinell)])}
 
 
 def hardness_pressure(number: Decimal, unit: str) -> Decimal | None:
@@ -340,7 +326,7 @@ def hardness_pressure(number: Decimal, unit: str) -> Decimal | None:
     scale = str(match[match.lastindex or 0])
     if scale == "HV":
         return number * _KGF_PER_MM2
-    numbers, vickers = _OF_STEEL[scale]
+    numbers, vickers = _hardness_of_steel()[scale]
     if not numbers[0] <= number <= numbers[-1]:
         raise InputError(
             f"is outside the conversion of ASTM E140 for steel, {numbers[0]} to {numbers[-1]} "

@@ -184,7 +184,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         table |= {name: COORDINATES[name] for name in PLANE}
         table = {name: variable._replace(dims=front) for name, variable in table.items()}
     placed = frozenset(table)
-    if not sweep.record.fields:
+    if not sweep.plane.fields:
         absent |= {"x", "y", *AT_END}
     of_given = [sweep.variant(name).scene for name in sweep.variants.given]
     if not any(scene.unequal_bulks for scene in of_given):

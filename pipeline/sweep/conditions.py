@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
+import tribo
 from pipeline.quantities import display, units_in_si
 from pipeline.sweep.laws import Law, LawError, name_of
 from tribo import Criterion, Friction, InputError, MeasuredLoad, Ramp, Rule
@@ -77,24 +78,11 @@ class Conditions(Judging):
             value = getattr(self, name)
             if value is not None and (isinstance(value, Iterable) or not math.isfinite(value)):
                 raise InputError(f"{name} is {value!r}; it must be one finite number here")
-        if self.friction < 0:
-            raise InputError(f"friction is {self.friction:g}; it must be at least 0")
-        warmest = self.bulk_temperature + max(0.0, self.bulk_difference)
-        for name in _BULKS:
-            value = getattr(self, name)
-            if value is not None and value <= 0:
-                raise InputError(f"{name} is {celsius_text(value)}; it must be above 0 K")
         if self.critical_sd is not None and not 0 < self.critical_sd < math.inf:
             raise InputError(f"critical_sd is {self.critical_sd!r} K; it must be above 0")
-        critical = self.critical_temperature
-        if critical is not None and critical <= warmest:
-            raise InputError(
-                f"critical_temperature is {celsius_text(critical)}; it must lie above the bulk "
-                f"temperature, {celsius_text(warmest)}"
-            )
-        if not isinstance(self.rule, Law):
-            _ = self.decisive
-        self.require_proportional()
+        own = {one.name: getattr(self, one.name) for one in fields(Judging)}
+        criterion = Criterion() if isinstance(self.rule, Law) else self.decisive
+        tribo.Conditions(**own, criterion=criterion)  # which refuses what is out of range
 
     @property
     def decisive(self) -> Criterion:

@@ -14,7 +14,7 @@ from pipeline.sweep.leads import Lead, leads_of, leads_of_samples
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import shown
-from pipeline.sweep.stations import Stations, Steps
+from pipeline.sweep.stations import Stations
 from pipeline.sweep.tables import Entries, replace_value, replace_values
 from pipeline.sweep.variants import PLACE_UNITS, SEED, Row, Variant, Variants
 from tribo import InputError, Ramp, Scene, SelfAffineRoughness
@@ -41,35 +41,18 @@ def named(variant: Variant) -> list[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class Plane:
-    """Loads and velocities at which to simulate a scene, each ascending and once."""
-
-    loads: tuple[float, ...]  # on the whole pin [N]
-    velocities: tuple[float, ...]  # [m/s]
-
-    def __post_init__(self) -> None:
-        if not (self.loads and self.velocities):
-            raise InputError("the sweep has no load or no velocity; give at least one of each")
-
-
-@dataclass(frozen=True, slots=True)
-class Record:
-    """What is kept of each point; see `pipeline.sweep.stations`."""
-
-    fields: bool = False  # those at the end of each point
-    steps: Steps | None = None  # None for what is usual
-
-
-@dataclass(frozen=True, slots=True)
 class Parts:
     """What the entries of a scene read as."""
 
     declared: Any  # the file as it is declared
     scene: Scene
-    plane: Plane
     conditions: Conditions
-    record: Record
     about: About
+
+    @property
+    def plane(self) -> Any:
+        """Table `[sweep]`: loads [N] and velocities [m/s], each ascending and once."""
+        return self.declared.sweep
 
 
 @shown
@@ -143,7 +126,8 @@ class Sweep:
         about = replace(self.about, name="", sources=(), notes=(), title=self.parts().about.title)
         rows = [(row.scene, row.conditions) for row in map(self.variant, self.variants.names)]
         labels = self.variants.columns, [row.labels for row in self.rows]
-        own = self.scene, self.conditions, self.plane.loads, self.plane.velocities, self.record
+        plane = self.plane.loads, self.plane.velocities, self.plane.fields, self.plane.steps
+        own = self.scene, self.conditions, *plane
         chosen = None if self.chosen is None else sorted(self.chosen)
         return digest((own, chosen, about, labels, self.variants.rule, rows))
 
@@ -169,14 +153,9 @@ class Sweep:
         return scene if solved == scene.solved_friction else replace(scene, solved_friction=solved)
 
     @property
-    def plane(self) -> Plane:
-        """Loads and velocities at which."""
+    def plane(self) -> Any:
+        """Table `[sweep]`: loads [N] and velocities [m/s], and what is kept of each point."""
         return self.parts().plane
-
-    @property
-    def record(self) -> Record:
-        """What is kept of each point."""
-        return self.parts().record
 
     @cached_property
     def about(self) -> About:

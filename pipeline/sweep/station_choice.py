@@ -13,7 +13,7 @@ def choose_stations(sweep: Sweep) -> Stations:
         return sweep.stations
     tests = (*sweep.about.measured, *sweep.about.tested)
     holds = {test.hold for test in tests if test.hold is not None}
-    steps = sweep.record.steps or _usual(sweep)
+    steps = sweep.plane.steps or _usual(sweep)
     return Stations(steps, _warms_in_hold(sweep), tuple(sorted(holds)))
 
 

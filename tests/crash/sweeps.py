@@ -41,7 +41,7 @@ class Expected:
 
     def records(self, sweep):
         """Records of all points of a sweep, as its workers return them."""
-        return {point: self(point).record(sweep.record.fields) for point in points(sweep)}
+        return {point: self(point).record(sweep.plane.fields) for point in points(sweep)}
 
 
 EXPECTED = Expected(STAGES[-1])

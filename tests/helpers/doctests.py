@@ -82,5 +82,5 @@ def _compute(scene, path):
         trunks = Trunks()
         for task in tasks(points(sweep), sweep):
             results = run_points(sweep, task.points, trunks)
-            records += [result.record(sweep.record.fields) for result in results]
+            records += [result.record(sweep.plane.fields) for result in results]
         store.commit(records)

@@ -15,14 +15,14 @@ from pipeline.scene.written import complete_fidelity, entries_of
 from pipeline.sweep.about import About
 from pipeline.sweep.conditions import FIELDS as PATHS_OF
 from pipeline.sweep.conditions import UNITS as UNITS_OF
-from pipeline.sweep.model import Plane, Record
 from pipeline.sweep.tables import replace_value
 from pipeline.sweep.variants import Column, Row, Variants, labelled_rows, numbered_rows
 from tribo.simulation.pins import sizes_of
 
 _OF_SWEEP = {"name", "variants", "notes", "sources", "selection", "chosen", "stations", "judged"}
-_PARTS = {"scene": tribo.Scene, "plane": Plane, "record": Record, "about": About}
+_PARTS = {"scene": tribo.Scene, "about": About}
 PART_OF = {one.name: part for part, kind in _PARTS.items() for one in fields(kind)}
+PART_OF |= dict.fromkeys(("loads", "velocities", "fields", "steps"), "plane")
 FIELDS = {*PART_OF, *_OF_SWEEP, "conditions", "tested_oil"}
 
 
@@ -41,6 +41,9 @@ class Given:
         for name, value in self.values.items():
             if name == "conditions":
                 parts = replace(parts, conditions=value)
+            elif PART_OF[name] == "plane":
+                plane = replace(parts.plane, **{name: value})
+                parts = replace(parts, declared=replace(parts.declared, sweep=plane))
             else:
                 part = PART_OF[name]
                 parts = replace(parts, **{part: replace(getattr(parts, part), **{name: value})})

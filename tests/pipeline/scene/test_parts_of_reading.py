@@ -88,13 +88,13 @@ def test_grooves_along_sliding_are_doubted(lay, measured, pattern, said):
     ("row", "words"),
     [
         ({"friction": 1.0}, []),
-        ({"friction": 10.0}, ["friction is 10, where 0 to 1 is usual: is it in per cent?"]),
+        ({"friction": 10.0}, ["friction: 10, where 0 to 1 are usual: check the number and unit"]),
         ({"friction": None, "bulk_temperature": None}, []),
         ({"bulk_temperature": 223.15}, []),
         ({"bulk_temperature": 523.15}, []),
         ({"bulk_temperature": 523.25},
-         ["the bulk temperature is 250.1 °C, where -50 °C to 250 °C are usual: check its unit"]),
-        ({"bulk_temperature": 80.0, "friction": 2.0}, ["friction is 2", "-193.15 °C"]),
+         ["bulk temperature: 250 °C, where -50 to 250 °C are usual"]),
+        ({"bulk_temperature": 80.0, "friction": 2.0}, ["friction: 2", "-193 °C"]),
     ],
 )  # fmt: skip
 def test_conditions_of_a_row_are_doubted_beyond_the_usual(row, words):

@@ -104,7 +104,7 @@ def test_what_may_be_left_out_takes_its_default(read):
     assert sweep.scene.roughness is sweep.scene.wear is sweep.about.friction_band is None
     assert sweep.conditions.failing_share == 0.1
     assert (sweep.about.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
-    assert not sweep.record.fields
+    assert not sweep.plane.fields
     assert sweep.about.measured == ()
 
 

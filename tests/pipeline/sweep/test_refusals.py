@@ -10,7 +10,6 @@ import tribo
 from pipeline.sweep.areal import areal_roughness, remove_form
 from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.laws import Law, MissingSurface, law_record
-from pipeline.sweep.model import Plane
 from pipeline.sweep.severity import require_bulks
 from pipeline.sweep.variants import Column, Row, Variants, surfaces
 from tests.helpers import tiny
@@ -42,12 +41,12 @@ PLACED = tiny.sweep(variants=placed_rows((100.0, 1.0)))
 SMOOTH = tiny.sweep(roughness=None)
 REFUSALS = {
     # conditions
-    "friction": (conditions(friction=-0.1), "friction is -0.1; it must be at least 0"),
+    "friction": (conditions(friction=-0.1), "friction is -0.1; it must be finite and ≥ 0"),
     "two frictions": (conditions(friction=(0.1, 0.2)), "(0.1, 0.2); it must be one finite"),
     "bulk nan": (conditions(bulk_temperature=math.nan), "bulk_temperature is nan; it must be"),
-    "bulk": (conditions(bulk_temperature=-1.0), "it must be above 0 K"),
-    "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 25 °C"),
-    "disk above": (conditions(disk_temperature=420.0), "must lie above the bulk temperature, 146"),
+    "bulk": (conditions(bulk_temperature=-1.0), "-1.0 K; it must be above 0"),
+    "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 298.15 K"),
+    "disk above": (conditions(disk_temperature=420.0), "must be above the bulk temperature, 420 K"),
     "critical sd": (conditions(critical_sd=0.0), "critical_sd is 0.0 K; it must be above 0"),
     "share": (conditions(failing_share=1.0), "share is 1.0"),
     "share nan": (conditions(failing_share=math.nan), "failing_share is nan"),
@@ -59,7 +58,6 @@ REFUSALS = {
     "unequal": (lambda: require_bulks({}, conditions(disk_temperature=350.0)()),
                 "25 °C (298.15 K) of the pin"),
     # the sweep and its variants
-    "plane": (lambda: Plane((), (1.0,)), "no load or no velocity"),
     "search": (PLACED.require_search, "each row has its own velocity"),
     "hold": (lambda: tiny.sweep(loading=RECORD).held(2.0), "hold is 2 s, but the load follows"),
     "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion: unknown key (did you mean"),
