@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple, get_origin, get_type_hints
+from typing import NamedTuple
 
 import numpy as np
 
 from pipeline.quantities import display, display_sides
 from pipeline.scene.expected import expect_contacts
 from pipeline.sweep.model import Parts, Sweep
-from pipeline.sweep.surface import SurfaceFacts, surface_facts, unit_value
-from tribo import Corrections, InputError, Track, contact_modulus
+from pipeline.sweep.surface import SurfaceFacts, surface_facts
+from tribo import Corrections, InputError
 from tribo.types import Array
 
 USUAL_HARDNESS = 0.001, 0.2  # share of the elastic modulus; lead has 0.003, diamond 0.1
@@ -36,39 +36,20 @@ class Span(NamedTuple):
 class Facts:
     """Meaning of a scene in numbers. Spans are over its loads and velocities."""
 
-    contact_modulus: Annotated[float, "Pa"]
-    hertz_pressure: Annotated[Span, "Pa"]  # highest pressure, smooth, elastic and unworn
-    hertz_half_width: Annotated[Span, "m"]  # half-width of that contact
-    contact_width: Annotated[Span, "m"]  # width expected at the end of the points, worn and rough
-    window: Annotated[tuple[float, float], "m"]  # sides along x and y
-    duration: Annotated[Span, "s"]  # time from the first contact to the end of the points
-    sliding_distance: Annotated[Span, "m"]  # distance slid until then
-    wear_depth: Annotated[Span | None, "m"]  # expected on the pin by then; None without wear
-    peclet_number: Annotated[Span, "1"]  # u a/(2κ) of the disk, a the half-width of Hertz
-    pin_velocity: Annotated[Span | None, "m/s"]  # that of its surface through the contact
-    disk_velocity: Annotated[Span | None, "m/s"]  # the same; both are None where the pin is at rest
-    pin_turns: Annotated[Span | None, "1"]  # around its track until the end; None likewise
-    greatest_load: Annotated[float, "N"]  # all the window at the hardness; may be infinite
+    hertz_pressure: Span  # highest pressure, smooth, elastic and unworn [Pa]
+    hertz_half_width: Span  # half-width of that contact [m]
+    contact_width: Span  # width expected at the end of the points, worn and rough [m]
+    window: tuple[float, float]  # sides along x and y [m]
+    duration: Span  # time from the first contact to the end of the points [s]
+    sliding_distance: Span  # distance slid until then [m]
+    wear_depth: Span | None  # expected on the pin by then [m]; None without wear
+    peclet_number: Span  # u a/(2κ) of the disk, a the half-width of Hertz
+    pin_velocity: Span | None  # that of its surface through the contact [m/s]
+    disk_velocity: Span | None  # the same; both are None where the pin is at rest
+    pin_turns: Span | None  # around its track until the end; None likewise
+    greatest_load: float  # all the window at the hardness [N]; may be infinite
     contact_widths: tuple[tuple[float, ...], ...]  # by load and velocity [m]
     surface: SurfaceFacts | None  # surface of the disk; None if it is smooth
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the facts by name, each with its unit; what is not there or infinite left out."""
-        hints = get_type_hints(Facts, include_extras=True)
-        units = {
-            name: hint.__metadata__[0]
-            for name, hint in hints.items()
-            if get_origin(hint) is Annotated
-        }
-        facts = {
-            name: value._asdict() | {"unit": unit}
-            if isinstance(value := getattr(self, name), Span)
-            else unit_value(value, unit)
-            for name, unit in units.items()
-        }
-        if self.surface:
-            facts["surface"] = self.surface.as_dict()
-        return {name: entry for name, entry in facts.items() if entry is not None}
 
 
 def facts_of(sweep: Sweep | Parts) -> Facts:
@@ -80,7 +61,6 @@ def facts_of(sweep: Sweep | Parts) -> Facts:
     turns = np.outer(expected.durations, np.abs(pin)) / scene.track_length
     peclet = np.outer(expected.half_widths, np.abs(disk)) / (2 * scene.disk.thermal_diffusivity)
     return Facts(
-        contact_modulus=contact_modulus(scene.pin.material, scene.disk),
         hertz_pressure=Span.of(expected.peak_pressures),
         hertz_half_width=Span.of(expected.half_widths),
         contact_width=Span.of(expected.widths),
@@ -100,34 +80,27 @@ def facts_of(sweep: Sweep | Parts) -> Facts:
 
 def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
     """Raise `InputError`, which names the key, if the window cannot carry a load."""
-    greatest, hardness = sweep.scene.greatest_load, sweep.scene.hardness
-    if load <= greatest:
-        return
-    raise InputError(
-        f"{key}: {load:g} N is more than the window carries: its "
-        f"{display_sides(sweep.scene.grid.size)}, all at the hardness of the softer body, "
-        f"{display(hardness, 'GPa')}, stand for {greatest:.4g} N on the pin; stay below that, give "
-        "more window.pixels, or check the units"
-    )
+    scene = sweep.scene
+    if load > scene.greatest_load:
+        raise InputError(
+            f"{key}: {load:g} N is more than the window of {display_sides(scene.grid.size)} "
+            f"carries, {scene.greatest_load:.4g} N on the pin at the hardness of the softer body, "
+            f"{display(scene.hardness, 'GPa')}; stay below that, give more window.pixels, or check "
+            "the units"
+        )
 
 
-def tracks_of(sweep: Sweep | Parts) -> dict[str, Track]:
-    """Tracks that earlier turns have warmed, by their body."""
-    corrections = sweep.conditions.corrections or Corrections()
+def track_faults(parts: Parts) -> Iterator[tuple[str, str]]:
+    """Tracks that are too short, and why: each turn is taken to release its heat at once."""
+    corrections = parts.conditions.corrections or Corrections()
     tracks = {"pin": corrections.pin_track, "disk": corrections.track}
-    return {body: track for body, track in tracks.items() if track}
-
-
-def track_faults(sweep: Sweep | Parts) -> Iterator[tuple[str, str]]:
-    """Bodies whose track is too short, and why: each turn is taken to release its heat at once."""
-    tracks = tracks_of(sweep)
-    width = facts_of(sweep).contact_width.high if tracks else 0.0
-    for body, track in tracks.items():
-        if track.length < _FEWEST_WIDTHS * width:
+    width = facts_of(parts).contact_width.high if any(tracks.values()) else 0.0
+    for name, track in tracks.items():
+        if track and track.length < _FEWEST_WIDTHS * width:
+            key = "diameter" if getattr(parts.declared, name).diameter else "track_length"
             yield (
-                body,
-                f"the track is {display(track.length, 'mm', 4)} long, {track.length / width:.2g} "
-                f"times the width of the contact, which is expected to be "
-                f"{display(width, 'mm', 3)}; give the whole way around the {body}, at least "
-                f"{_FEWEST_WIDTHS:g} times that width, {display(_FEWEST_WIDTHS * width, 'mm', 3)}",
+                f"{name}.{key}",
+                f"the track is {display(track.length, 'mm', 4)} long, which is less than "
+                f"{_FEWEST_WIDTHS:g} times the width of the contact, {display(width, 'mm', 3)}; "
+                f"give the whole way around the {name}",
             )

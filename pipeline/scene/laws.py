@@ -71,20 +71,15 @@ def _require_law(kind: str, law: Any) -> None:
         if lacks := [name for name in names if not hasattr(law, name)]:
             about = f"see tribo.{_PROTOCOLS[kind].__name__}"
             raise tribo.InputError(f"{law!r:.60} has no {', '.join(lacks)}; {about}")
-        if isinstance(law, type) or not is_dataclass(law):
-            raise tribo.InputError(f"{law!r:.60} is not an object of a dataclass; give one")
-        try:
-            hash(law)
-        except TypeError as error:
-            raise tribo.InputError(
-                f"{name_of(law)}: {error}; write @dataclass(frozen=True), and with an array "
-                "@dataclass(frozen=True, eq=False)"
-            ) from error
     try:
+        if isinstance(law, type) or not is_dataclass(law):
+            raise TypeError("it is not an object of a dataclass")
+        hash(law)
         json.dumps([_plain(value) for _, value in law_record(law).parameters])
     except TypeError as error:
         raise tribo.InputError(
-            f"{name_of(law)}: {error}, which a store cannot keep; give its fields numbers or text"
+            f"{law!r:.60}: {error}; write @dataclass(frozen=True), or with an array "
+            "@dataclass(frozen=True, eq=False), whose other fields are numbers or text"
         ) from error
 
 

@@ -41,9 +41,7 @@ DISC = "diameter", "width", "bore", "rim_loss", "face_loss", "shaft_loss"
 _RECORD = "time", "load"
 _WRONG_SIZE = (
     "the surface has {} × {} heights along x and y, window.pixels is [{}, {}]; give both the same "
-    "size: cut out a patch (disk.roughness.crop), exchange x and y (disk.roughness.transpose = "
-    "true, since x is along the columns of the file), or go on beyond the ends "
-    '(disk.roughness.repeat = "mirror")'
+    "size, by crop, repeat or transpose of [disk.roughness]; x is along the columns of the file"
 )
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 

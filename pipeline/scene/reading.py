@@ -117,9 +117,8 @@ class SceneReader:
                 preset=preset,
             ),
         )
-        for body, fault in track_faults(parts):
-            given = "diameter" if entry_at(scene, f"{body}.diameter") else "track_length"
-            faults.refuse(f"{body}.{given}", fault)
+        for path, fault in track_faults(parts):
+            faults.refuse(path, fault)
         return parts, taken
 
     def complete(self, entries: Entries, parts: Parts, like: Parts | None = None) -> dict[str, Any]:

@@ -56,23 +56,6 @@ class SurfaceFacts:
             f"{y:.3g} µm along y over the window"
         )
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the facts by name, each with its unit."""
-        heights = {"ra": self.ra, "rq": self.rq, "mean_height": self.mean_height, "rise": self.rise,
-                   "radii": self.radii}  # fmt: skip
-        return (
-            {"kind": "measured" if self.measured else "random"}
-            | {name: unit_value(value, "m") for name, value in heights.items()}
-            | {"lay": "none" if self.lay is None else unit_value(self.lay, "degree")}
-        )
-
-
-def unit_value(value: Any, unit: str) -> dict[str, Any] | None:
-    """A value, or a pair along x and y, as plain data with its unit; None if it is infinite."""
-    if isinstance(value, tuple):
-        return {"x": value[0], "y": value[1], "unit": unit}
-    return None if value is None or math.isinf(value) else {"value": value, "unit": unit}
-
 
 def surface_facts(sweep: Sweep | Parts) -> SurfaceFacts | None:
     """Describe the disk's surface, not made if it has a million pixels; None if it is smooth."""

@@ -160,4 +160,3 @@ def test_of_two_moving_bodies_the_velocities_and_turns_are_told():
     assert facts.contact_width.high == pytest.approx(columns["contact_width"][-1], rel=0.03)
     assert facts.wear_depth.high == pytest.approx(columns["wear_depth_max"][-1], rel=1e-9)
     assert unmoved.pin_velocity is None
-    assert "pin_velocity" not in unmoved.as_dict()

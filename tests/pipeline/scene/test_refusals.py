@@ -242,7 +242,7 @@ ENTRIES = {
     "no rule": (own(kind="criterion"), "is not a tribo.Rule; give one"),
     "law lacks": (own(kind="surface"), "has no heights; see tribo.Surface"),
     "class": (own(tribo.RunningIn), "is not an object of a dataclass"),
-    "unlike": (own(Unlike({})), "write @dataclass(frozen=True), and with an array"),
+    "unlike": (own(Unlike({})), "write @dataclass(frozen=True), or with an array"),
     "in place": (own(**{"wear.pattern": "local"}), "wear: laws.wear stands in its place"),
     "number": (own(**{"wear.parameters.pattern": 3}), "pattern: 3 does not fit; give one"),
     "track": (entry("disk.diameter", "0.5 mm", **{"disk.width": "9 mm"}), "disk.diameter: "),
@@ -349,7 +349,7 @@ KEPT = {
     "number": (lambda: text_sweep("3", {}), "is not the text of a sweep"),
     "no array": (lambda: scanned(0.0), "is not beside the sweep"),
     "array": (lambda: scanned(1e-12), "is another one"),
-    "law": (unkept, "which a store cannot keep"),
+    "law": (unkept, "other fields are numbers or text"),
 }
 
 REFUSALS = {**KEPT, **FILES, **QUANTITIES, **ENTRIES, **TEXTS}

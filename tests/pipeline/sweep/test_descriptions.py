@@ -112,18 +112,3 @@ def test_conditions_of_several_are_said_once_each_and_what_is_drawn_as_that():
 )
 def test_a_surface_is_said_by_its_heights_its_lay_and_its_level(facts, words):
     assert facts.words == words
-
-
-def test_facts_of_a_surface_have_their_units():
-    facts = SurfaceFacts(True, 1e-7, 2e-7, 5e-6, (1e-6, 2e-6), (0.06, math.inf), lay=45.0)
-    assert facts.as_dict() == {
-        "kind": "measured",
-        "ra": {"value": 1e-7, "unit": "m"},
-        "rq": {"value": 2e-7, "unit": "m"},
-        "mean_height": {"value": 5e-6, "unit": "m"},
-        "rise": {"x": 1e-6, "y": 2e-6, "unit": "m"},
-        "radii": {"x": 0.06, "y": math.inf, "unit": "m"},
-        "lay": {"value": 45.0, "unit": "degree"},
-    }
-    assert SurfaceFacts(False, 1e-7, 2e-7).as_dict()["lay"] == "none"
-    assert SurfaceFacts(False, 1e-7, 2e-7).as_dict()["kind"] == "random"
