@@ -101,8 +101,7 @@ def judge_spectrum(
     table = judge([mesh(pair, duty=duty) for _, duty in duties], **choices)
     table.insert(0, "row", [row.number for row in read.rows])
     table.insert(3, "hours", [hours for hours, _ in duties])
-    unused = [f"columns not used: {', '.join(read.unused)}"] if read.unused else []
-    table.attrs["remarks"] = [*filter(None, [read.counted]), *unused]
+    table.attrs["remarks"] = [*filter(None, [read.counted]), *read.remarks]
     return table
 
 

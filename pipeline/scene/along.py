@@ -74,18 +74,8 @@ class OperatingPoints:
     places: tuple[Place, ...]
     others: Mapping[str, Sequence[Any]]
     conditions: tuple[Mapping[str, float], ...] = ()
-    unused: tuple[str, ...] = ()  # headings of columns that no answer depends on
+    remarks: tuple[str, ...] = ()  # columns and sheets that were not used
     counted: str = ""  # rows used and left out, with the reasons, if any is left out
-    sheet: str = ""  # words on the sheet, where the workbook has others
-
-    @property
-    def remarks(self) -> list[str]:
-        """What was not read, and what was read and is not used, in words."""
-        columns = [f"columns not used: {', '.join(self.unused)}"] if self.unused else []
-        return [
-            *columns,
-            *([f"operating points of {self.sheet}"] if self.sheet else []),
-        ]
 
     @property
     def rows(self) -> list[tuple[Place, Mapping[str, float]]]:
@@ -123,8 +113,7 @@ class OperatingPoints:
             {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in rows
         )
         places = tuple(Place(row["load"], row["velocity"]) for row in rows)
-        unused = tuple(sheet.unused)
-        return cls(places, others, conditions, unused, sheet.counted, sheet.other_sheets)
+        return cls(places, others, conditions, tuple(sheet.remarks), sheet.counted)
 
 
 def columns_of(columns: Any) -> dict[str, list[Any]]:

@@ -130,11 +130,10 @@ class Body:
         "Length of the track around the body, under a pin or around a pin that rolls, on a plate; "
         f"earlier turns have warmed it. Without it each turn meets a cold track. {LATER}"] = None
     capacity: A[float | Plate | None, CAPACITY,
-        "Heat capacity of the body behind the track, or its size; the temperature of the body then "
-        f"starts at `bulk`. {LATER}"] = None
+        f"Heat capacity of the body behind the track, or its size; it starts at `bulk`. {LATER}"
+        ] = None
     loss: A[float | None, Quantity("2 W/K"),
-        "Heat loss of the body to oil, air and holder, for each kelvin above its start; none by "
-        f"default. {LATER}"] = None
+        f"Heat loss of the body for each kelvin above its start; none by default. {LATER}"] = None
     diameter: A[float | None, Quantity("100 mm", usual=(6, 3000)),
         "Diameter, if the body is a disc that conducts as a whole and is heated around its rim; it "
         f"excludes `track_length`, `capacity` and `loss`. {LATER}"] = None
@@ -144,8 +143,7 @@ class Body:
         "Heat loss of the rim to oil and air, for each area and kelvin; none by default."] = None
     face_loss: A[float | None, HEAT_TRANSFER, "The same for each face; none by default."] = None
     shaft_loss: A[float | None, Quantity("5 W/K"),
-        "Heat loss to the shaft for each kelvin, at the bore, or evenly over a disc without a "
-        "bore; none by default."] = None
+        "Heat loss to the shaft for each kelvin; none by default."] = None
 
 @declared
 class _Pin:
@@ -181,29 +179,25 @@ class RandomSurface:
 class MeasuredSurface:
     form_name = "measured surface"
     file: A[str,
-        "File with the heights of a measured surface, x along its columns: .npy, text, or the "
-        "format of an instrument (extra `surfaces`); relative to the folder of the scene.",
+        "File with the heights, x along its columns, relative to the folder of the scene: .npy, "
+        "text, or the format of an instrument (extra `surfaces`).",
         Example("surface.npy")]
     height_unit: A[float | None, UnitText("a unit of length", "um"),
         "Unit of the heights; needed if the file has none, as .npy, and overrides a wrong "
         "one."] = None
     pixel_size: A[tuple[float, float] | None, List(Quantity("0.8 um"), length=2),
-        "Sides of a pixel of the file along x and y, after any exchange, if it gives none or wrong "
-        "ones; the ratio of its places stays."] = None
+        "Sides of a pixel of the file along x and y, if it gives none or wrong ones."] = None
     transpose: A[bool,
         "True to exchange x and y of the file, with the sides of its pixels."] = False
     flip: A[bool, "True to reverse the heights, as of depths and of a replica."] = False
     crop: A[tuple[int, int] | None, List(Whole(at_least=0), length=2),
-        "First pixel of the patch to cut out, along x and y from 0. Without it the surface must "
-        "have the size of the window."] = None
+        "First pixel of the patch to cut out, along x and y from 0."] = None
     level: A[bool,
-        "True to subtract the form: the least-squares plane (tilt), and a curvature that stands "
-        "out, which the pin's radius has already."] = False
+        "True to subtract the least-squares plane, and a curvature that stands out."] = False
     missing: A[str, OneOf(("refuse", "fill")),
         "Pixels without a height: refuse the file, or fill them smoothly from around."] = "refuse"
     repeat: A[str, OneOf(("no", "mirror", "tile")),
-        "How a surface smaller than the window is continued: not, mirrored at each end, or as "
-        "tiles."] = "no"
+        "Continuation of a surface that is smaller than the window."] = "no"
     content: A[str | None, Kept()] = None
 
 @declared
@@ -330,12 +324,11 @@ class Friction:
         "True if tests and scene have the same friction, so that `irg infer` learns from the "
         "tests; false if the scene is another machine than the rig."] = True
     by_velocity: A[tuple[FrictionByVelocity, ...],
-        "Friction by sliding velocity, smooth between the given values and constant beyond them. "
-        f"A coefficient given afterwards scales it. {LATER}"] = ()
+        f"Friction by sliding velocity, smooth between the values, constant beyond. {LATER}"] = ()
     by_temperature: A[tuple[FrictionByTemperature, ...],
-        "Friction by the temperature of the contact, in each of its parts; linear between the "
-        "given values and constant beyond them. Its factor on the coefficient multiplies that of "
-        f"the velocity. {LATER}"] = ()
+        "Friction by the temperature in each part of the contact, linear between the values, "
+        "constant beyond. Its factor on the coefficient multiplies that of the velocity. "
+        f"{LATER}"] = ()
 
 @declared
 class Bulks:
@@ -349,8 +342,8 @@ class Temperature:
     critical: A[float | None, CRITICAL,
         "Contact temperature above which the lubricant fails; needed to judge wear."] = None
     critical_sd: A[float | None, CRITICAL_SD,
-        "Standard deviation of `critical`, which counts in each verdict. With `sweep.samples` give "
-        "`critical` as one of their `unknown` inputs instead."] = None
+        "Standard deviation of `critical`; with `sweep.samples` an `unknown` input instead."
+        ] = None
     failing_share: A[float, Share(at_least=0, below=1),
         "Wear is severe if a larger share of the contact area is above the critical temperature; "
         "0 if the highest temperature decides."] = 0.1
@@ -375,11 +368,9 @@ _CHOICES = {
         "Factor by which elements are larger, at most, along each axis until a point's last step.",
     "elements_per_summit": "Least width of the summits of the surface in elements.",
     "fewest_summits":
-        "Least number of summits that are expected to touch for elements larger than the pixels, "
-        "which are taken where fewer do, if `elements_per_summit` is more than 0.",
+        "Least number of summits that touch for elements larger than the pixels.",
     "fewest_elements":
-        "Least number of elements that are expected to touch on the grid of the history, which is "
-        "as fine as that needs, if `elements_per_summit` is more than 0.",
+        "Least number of elements that touch on the grid of the history.",
     "increments": "Steps of the ramp up to its reference load.",
     "hold_increments":
         "The same of a hold, whose steps grow with the time; 0 for as many as `increments`.",
@@ -417,16 +408,13 @@ class _Sweep:
         Example({"pin.radius": ["1 mm", "2 mm"]})] = None
     along: A[Any, Either(Text(), List(ByPath(Scalar(), "paths of other entries"))),
         "Rows, each with its own load and velocity: a CSV file, or a list of tables, such as "
-        '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. A column is an entry, '
-        "by its path or as `friction`, `bulk temperature` or `critical temperature`; other columns "
-        "are labels. `irg margin STORE` gives the verdict on each row."] = None
+        '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. Columns are entries by '
+        "their paths, conditions such as `friction`, or labels."] = None
     fields: A[bool,
         "True to store pressure, temperature rise and wear depth over the window."] = False
     steps: A[str | None, OneOf(("course", "end")),
-        'Steps to store. "course": all; increments of the ramp are on the grid of the history. '
-        '"end": those that can decide, which are the end of the ramp, the end of a hold, and the '
-        'hold of each test. By default "course" for a ramp with wear, without a hold and with '
-        'contacts of its own, else "end".'] = None
+        'Steps to store: "course" for all, "end" for those that can decide. By default "course" '
+        'for a ramp with wear, without a hold and with contacts of its own, else "end".'] = None
 
 Sweep = _extended(_Sweep, _brought_entries("sweep"))
 
@@ -448,8 +436,7 @@ class _AnyTest:
     hold: A[float | None, DURATION,
         "Time at the full load; by default that of `[loading]`."] = None
     number: A[str | int | None, NAME,
-        "Number or name of the test in answers; by default its place in the file, or its row in a "
-        "log."] = None
+        "Number or name of the test in answers; by default its place in the file or log."] = None
     oil: A[str | int | None, NAME,
         "Oil of the test, where those of one rig are compared; by default the scene's."] = None
 
@@ -460,8 +447,8 @@ class Transition(_AnyTest):
 @declared
 class _Run(_AnyTest):
     run: A[str | int | None, NAME,
-        "Run of the test. Tests of one run have one specimen, such as the stages of a load-stage "
-        "test, and count as one; by default each test is a run."] = None
+        "Run of the test, by default its own. Tests of one run have one specimen, and count as "
+        "one."] = None
 
 @declared
 class Test(_Run):

@@ -61,11 +61,6 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
 def _axis(path: str, values: Sequence[Any]) -> Variants:
     """The rows of an entry, by its values in SI in rising order, or as words."""
     key = f"sweep.over.{quoted(path)}"
-    if path.partition(".")[0] in _FIXED:
-        raise InputError(
-            f"{key}: this cannot take several values; give an entry of the scene, such as "
-            '"pin.radius"'
-        )
     if len({isinstance(value, str) for value in values}) > 1:
         raise InputError(f"{key}: {quoted(list(values))}: give all with a unit, or none")
     labels, unit = labels_of(values)
@@ -113,6 +108,12 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
 
     A row has values of the library, and the digests of what was read of its files.
     """
+    for path in table.rows[0].values:
+        if path.partition(".")[0] in _FIXED:
+            raise InputError(
+                f"{key}.{quoted(path)}: this cannot take several values; give an entry of the "
+                'scene, such as "pin.radius"'
+            )
     rows, reader, base, read = [], sweep.reader, sweep.parts(), []
     for row in table.rows:
         written = replace_values(sweep.written, row.values)
@@ -137,19 +138,12 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
 
 
 def _require_alike(row: Parts, base: Parts) -> None:
-    """Raise an `InputError` if a row of a sweep has other axes."""
-    first, second = (
-        (
-            (s.plane.loads, s.plane.velocities),
-            s.scene.unequal_bulks,
-            s.plane.steps,
-            base.plane.fields and s.scene.grid,
-        )
-        for s in (row, base)
-    )
-    names = "loads and velocities", "unequal bulks", "steps", "grid of the stored fields"
-    for name, one, other in zip(names, first, second, strict=True):
-        if one != other:
+    """Raise an `InputError` if a row of a sweep has other variables or fields."""
+    for name, is_other in (
+        ("unequal bulks", row.scene.unequal_bulks != base.scene.unequal_bulks),
+        ("grid of the stored fields", base.plane.fields and row.scene.grid != base.scene.grid),
+    ):
+        if is_other:
             raise InputError(
                 f"this changes the {name}, which must be the same for all values; sweep each "
                 "value into a separate store"

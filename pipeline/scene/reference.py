@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import tribo
-from pipeline.paths import user_path
+from pipeline.paths import reason_of, user_path
 from pipeline.scene.declare import ByPath, Either, Entry, List, Range, Table, Tables, table_of
 from pipeline.scene.document import as_toml
 from pipeline.scene.faults import did_you_mean
@@ -43,12 +43,6 @@ class Section:
     def header(self) -> str:
         """The line that begins it in a file."""
         return f"[[{self.path}]]" if self.is_list else f"[{self.path}]"
-
-    def form_of(self, values: Mapping[str, Any]) -> str:
-        """Name of the form that a table of these values has; empty if it has but one."""
-        kind = self.entry.kind.of if isinstance(self.entry.kind, List) else self.entry.kind
-        table = kind.kind_for(values) if isinstance(kind, Either) else kind
-        return forms_of(table)[0].form
 
     def keys(self) -> dict[str, tuple[Entry, str]]:
         """Keys that hold a value, each with the form that it belongs to, if to one of several."""
@@ -224,12 +218,10 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
         for original, copy in copies:
             shutil.copyfile(original, copy)
     except OSError as error:
-        for file in files:
-            with suppress(OSError):
-                file.unlink()
-        folder = path.parent
-        reason = error.strerror or error if folder.is_dir() else f"there is no folder {folder}"
-        raise InputError(f"{path} cannot be written: {reason}") from error
+        with suppress(OSError):
+            for file in files:
+                file.unlink(missing_ok=True)
+        raise InputError(f"{path} cannot be written: {reason_of(error, path)}") from error
     return files
 
 
@@ -260,8 +252,7 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
                 # One of its entries, since all are long.
                 ((inner, value),) = value.items()
                 key = f"{key}.{inner}"
-            other = "" if form in ("", section.form_of(values or {})) else f" ({form})"
-            yield _meant(mark, f"{key} = {as_toml(value)}", entry.meaning, other)
+            yield _meant(mark, f"{key} = {as_toml(value)}", entry.meaning, form and f" ({form})")
 
 
 def _meant(mark: str, line: str, meaning: str, form: str = "") -> str:

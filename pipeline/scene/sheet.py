@@ -87,6 +87,12 @@ class Sheet:
         return [one.text for k, one in enumerate(self.headings) if one.text and k not in used]
 
     @property
+    def remarks(self) -> list[str]:
+        """Columns and sheets that were not used, in words."""
+        unused = ", ".join(self.unused)
+        return [*filter(None, (unused and f"columns not used: {unused}", self.other_sheets))]
+
+    @property
     def counted(self) -> str:
         """Numbers of rows used and left out, with the reasons; empty if all are used."""
         said = []

@@ -290,7 +290,7 @@ class Called:
     ("kind", "law", "overrides", "said"),
     [
         ("waer", "fading", {}, "'waer' is unknown; give wear, surface, criterion, pin"),
-        ("wear", "Fading", {}, "laws.wear: <class 'laws.Fading'>: it is not an object of a dataclass"),
+        ("wear", "Fading", {}, "<class 'laws.Fading'>: it is not an object of a dataclass"),
         ("wear", "Dimples(1, 2)", {}, "has no pattern, over; see tribo.WearLaw"),
         ("surface", "fading", {}, "has no heights; see tribo.Surface"),
         ("pin", "Dimples(1, 2)", {}, "has no radius, length, material, words, profile"),
