@@ -322,7 +322,10 @@ TEXTS = {
     "new like": (lambda: new_scene("mine.toml", "twin_disk"), 'did you mean "twin_disc"?'),
     "new again": (again, "mine.toml exists already"),
     "new link": (linked, "mine.toml exists already"),
-    "new folder": (lambda: new_scene("no/mine.toml"), "no/mine.toml cannot be written: No such file"),
+    "new folder": (
+        lambda: new_scene("no/mine.toml"),
+        "no/mine.toml cannot be written: No such file",
+    ),
 }
 
 
