@@ -4,15 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_hex
 
 import pipeline
 from pipeline.analysis.dataset import dataset_of
 from pipeline.analysis.margin_frame import judged
-from pipeline.figures.style import TINTS
 from pipeline.sweep.plan import points, run_point
 from tests.helpers.entries import placed_rows
-from tests.helpers.sweeps import with_fields
 from tests.helpers.tiny import sweep
 from tests.pipeline.conftest import commit_all
 
@@ -41,11 +38,6 @@ def margins_of(ds):
     return [one.known() for one in judged(dataset_of(ds), None)]
 
 
-def draft(path):
-    """The store with the error that a preset promises, by which verdicts are decided."""
-    return with_fields(pipeline.open_sweep(path), preset="draft")
-
-
 def test_margins_are_those_of_points(stores, irg):
     margins = margins_of(pipeline.at(stores["alone"], critical_temperature="90 degC"))
     assert [(one.load, one.velocity) for one in margins] == [(300.0, 1.0)] * 2
@@ -55,25 +47,6 @@ def test_margins_are_those_of_points(stores, irg):
         assert margin.decisive_temperature == verdict.decisive_temperature
     said = irg("margin", stores["alone"], "--critical-temperature", "90 degC")
     assert said.startswith("2 operating points: ")
-
-
-def test_the_figure_of_pairs_has_their_margins_by_row(stores):
-    ds = pipeline.at(draft(stores["alone"]), critical_temperature="300 degC")
-    (axes,) = pipeline.plot(ds, "diagram").axes
-    assert axes.get_xlabel() == "gear"
-    assert [label.get_text() for label in axes.get_xticklabels()] == ["a", "b"]
-    (drawn,) = (line for line in axes.lines if line.get_gid() == "mild wear")
-    np.testing.assert_array_equal(drawn.get_xdata(), [0, 1])
-    table = pipeline.margin(ds)
-    distances, errors = table["distance [K]"], table["temperature error [K]"]
-    np.testing.assert_array_equal(drawn.get_ydata(), distances)
-    (bars,) = axes.collections
-    np.testing.assert_allclose(
-        [np.ptp(bar[:, 1]) / 2 for bar in bars.get_segments()], errors, rtol=1e-9
-    )
-    sides = {to_hex(one.get_facecolor()).upper(): one.get_extents() for one in axes.patches}
-    assert sides[TINTS["mild"]].y0 == pytest.approx(sides[TINTS["severe"]].y1)
-    assert axes.get_ylabel() == "margin to severe wear [K]"
 
 
 def test_a_page_of_pairs_answers_row_by_row(stores, tmp_path):

@@ -6,7 +6,6 @@ import re
 import shutil
 
 import pytest
-import xarray as xr
 
 import pipeline
 from pipeline.analysis.rise_error import error_of_point
@@ -89,17 +88,6 @@ def test_boundary_moves_with_the_conditions_given(store, irg):
         ["velocity", "[m/s]", "above", "[m/s]"],
         ["[m/s]"],
     ]
-
-
-def test_point_alone_equals_the_point_of_the_sweep(scene, store, irg):
-    place = ("--load", "400 N", "--velocity", "2 m/s", "--json")
-    (alone,) = irg("point", scene, *place)
-    (stored,) = irg("margin", store, *place)
-    for head in ("decisive temperature [°C]", "temperature error [K]", "distance [K]"):
-        assert alone[head] == stored[head]
-    end = xr.open_zarr(store, chunks=None).sel(load=400.0, velocity=2.0, step=0)
-    assert alone["contact width [µm]"] == 1e6 * float(end["contact_width"])
-    assert alone["wear volume [mm³]"] == pytest.approx(1e9 * float(end["wear_volume"]), rel=1e-12)
 
 
 def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
