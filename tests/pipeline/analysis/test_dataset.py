@@ -11,7 +11,6 @@ import xarray as xr
 
 import pipeline
 import tribo
-from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import (
     end_of_point,
@@ -26,7 +25,7 @@ from pipeline.store.schema import MADE, STEPPED
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
 from tests.helpers.scenes import SCENE
@@ -43,26 +42,6 @@ DERIVED = ("max_temperature", "mean_temperature", "temperature_quantile", "faile
 def ds(alone):
     with open_sweep(alone) as opened:
         yield opened
-
-
-def test_what_is_judged_may_be_given_by_its_path(alone, ds):
-    for judged in (boundary, temperatures):
-        by_path = judged(at(str(alone), friction=0.2))
-        xr.testing.assert_identical(by_path, judged(at(ds, friction=0.2)))
-
-
-def test_axes_ascend_as_a_store_grows(tmp_path):
-    path = tmp_path / "tiny.zarr"
-    commit_all(path, tiny.sweep(loads=(250.0, 600.0), velocities=(1.0,)))
-    second = tiny.sweep(loads=(700.0, 900.0), velocities=(1.5, 2.0))
-    commit_all(path, second)
-    with open_sweep(path) as ds:
-        assert ds["load"].values.tolist() == [250.0, 600.0, 700.0, 900.0]
-        assert ds["velocity"].values.tolist() == [1.0, 1.5, 2.0]
-        for point in [*points(second), Point(600.0, 1.0)]:
-            volumes = ds["wear_volume"].sel(load=point.load, velocity=point.velocity).values
-            expected = run_point(second, *point).columns["wear_volume"]
-            np.testing.assert_array_equal(volumes[-1], expected[-1])
 
 
 @pytest.mark.parametrize("load", tiny.LOADS[:2])
@@ -103,19 +82,6 @@ def test_no_answer_reads_a_step_on_the_grid_of_the_history(tmp_path):
         xr.testing.assert_identical(boundary(ds), boundary(other))
         told, expected = (margin(one, 500.0, 1.2).as_dict() for one in (other, ds))
         assert repr(told) == repr(expected)  # NaN among them
-
-
-def test_any_xarray_draws_the_course_from_the_first_increment(alone):
-    with xr.open_zarr(alone) as ds:
-        point = ds["max_rise"].sel(load=600, velocity=1.5)
-        (line,) = point.plot(x="normal_load")
-        x, y = (values[np.isfinite(values)] for values in line.get_data())
-        assert x.tolist() == [125.0, 250.0, 375.0, 500.0, 600.0]
-        assert (np.diff(y) > 0).all()
-        assert {*MADE, "own_grid"} <= ds.coords.keys()
-        assert ds["time"].dims == ds["normal_load"].dims == ("load", "step")
-        lengths = ds["time"] * ds["velocity"]
-        assert (ds["sliding_distance"] == lengths).where(ds["time"].notnull(), True).all()
 
 
 def test_a_sweep_is_written_to_netcdf_and_judged_as_before(alone, ds, tmp_path):

@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 
 import pipeline
 from pipeline.analysis.margin import (
@@ -166,30 +165,3 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
     assert "9000 N" in found.iloc[2]["notes"] or "9 kN" in found.iloc[2]["notes"]
     assert found.iloc[2, 3:-1].isna().all()
     assert {*LONG} < {*found}
-
-
-def test_over_two_surfaces_a_margin_has_medians_and_what_5_and_95_percent_stay_below():
-    def hotter(*place):
-        return 1.1 * synthetic.rise(*place)
-
-    several = [synthetic.sweep(rise=rise) for rise in (synthetic.rise, hotter)]
-    labels = xr.Variable("realization", [1, 2])
-    found = pipeline.margin(xr.concat(several, labels, combine_attrs="override"), 400.0, 1.4)
-    one, other = (pipeline.margin(ds, 400.0, 1.4) for ds in several)
-    assert (found.members, found.counts_inputs) == (2, False)
-    assert found.decisive_temperature == pytest.approx(
-        (one.decisive_temperature + other.decisive_temperature) / 2
-    )
-    ends = {
-        "decisive_temperature": (one.decisive_temperature, other.decisive_temperature),
-        "distance": (other.distance, one.distance),
-        "critical_velocity": (other.critical_velocity, one.critical_velocity),
-    }
-    for name, expected in ends.items():
-        assert found.intervals[name] == pytest.approx(expected, rel=1e-9), name
-    assert found.velocity_outcome == "crosses"
-    table = pipeline.margin(
-        xr.concat(several, labels, combine_attrs="override"), {"load": [400.0], "velocity": [1.4]}
-    )
-    low, high = table["distance low [K]"].item(), table["distance high [K]"].item()
-    assert (low, high) == pytest.approx(found.intervals["distance"])

@@ -14,7 +14,7 @@ from pipeline.sweep.severity import momentary_rise, rise_limit
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.answers import crossings
 from tests.helpers.entries import changed
-from tribo import Fidelity, Grid, InputError
+from tribo import Fidelity, Grid
 from tribo.simulation import Trunks
 
 TOLERANCE = 0.01
@@ -122,16 +122,3 @@ def test_a_grid_that_is_there_is_used(tmp_path):
     for sweep, other in ((asked, out), (few, searched)):
         with pytest.raises(StoreError, match="a plane and a search of its boundary have a store"):
             pipeline.run_sweep(sweep, other, boundary_only=TOLERANCE if other == out else None)
-
-
-def test_where_nothing_can_cross_nothing_is_looked_for(tmp_path):
-    without = changed(SWEEP, conditions=replace(SWEEP.conditions, friction=0.0))
-    one, rest = (changed(SWEEP, velocities=velocities) for velocities in ((1.5,), (0.0, 1.5)))
-    for sweep, reason in (
-        (without, "without friction; give friction.coefficient a number above 0"),
-        (one, "sweep.velocities are 1.5 m/s; give two or more above 0"),
-        (rest, "sweep.velocities are 0, 1.5 m/s; give two or more above 0"),
-    ):
-        with pytest.raises(InputError, match=f"no boundary to look for.*{reason}"):
-            follow(sweep, tmp_path / "none.zarr")
-    assert not (tmp_path / "none.zarr").exists()

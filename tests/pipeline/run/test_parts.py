@@ -1,4 +1,4 @@
-"""Parts of a run that need no worker: words, nodes of a search, changes of a boundary."""
+"""Parts of a run that need no worker: hashes, signals, changes of a boundary."""
 
 import math
 import os
@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from pipeline.run import forkserver
-from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.vary import Variation, Variations
 from pipeline.run.work import hash_of_code
 
@@ -86,14 +85,6 @@ def test_a_worker_that_imports_an_unguarded_script_ends(monkeypatch, name, paren
     monkeypatch.setattr(forkserver.os, "_exit", ends.append)
     forkserver.end_if_imported()
     assert ends == ended
-
-
-# The search
-
-
-def search(**values):
-    usual = {"loads": (200.0, 400.0, 750.0), "lowest": 0.5, "highest": 8.0, "limit": 1200.0}
-    return BoundarySearch(**usual | {"tolerance": 0.01} | values)
 
 
 # Variations
