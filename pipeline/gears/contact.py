@@ -23,7 +23,7 @@ from tribo.material import minimum_line_film
 class MeshPlace:
     """The contact at one place of mesh, of the pinion (1) on the wheel (2).
 
-    Radii are across the line of contact; velocities are those of the flanks past it.
+    Radii are across the line of contact; velocities are of the flanks past this line.
     """
 
     letter: str  #: Name of the place, as A to E; empty between.

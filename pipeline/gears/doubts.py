@@ -1,4 +1,4 @@
-"""Values of a pair that are probably a slip, as those of a scene are."""
+"""Values of a pair that are probably a slip."""
 
 from __future__ import annotations
 

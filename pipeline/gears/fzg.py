@@ -26,7 +26,7 @@ _BEYOND_ALL = 1500.0  # critical temperature [K] by which nothing is judged
 
 
 def stage_duty(pair: Pair, stage: int) -> Duty:
-    """Duty of the test gears in a load stage; its bulk is that of the rule of the standard."""
+    """Duty of the test gears in a load stage, with the bulk temperature of the standard's rule."""
     bulk = stage_bulk(stage, pair.file.friction.lubricant_factor)
     return Duty(stage_torque(stage), read_pair(_FZG).duty.speed, bulk)
 

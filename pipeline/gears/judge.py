@@ -1,4 +1,4 @@
-"""Margins of places of mesh: the rough, worn contact of those that may decide, simulated.
+"""Margins of places of mesh: the rough, worn contact is simulated at places that may decide.
 
 All that gears ask of the answers of the pipeline is asked here.
 """

@@ -50,7 +50,7 @@ class Pair:
     materials: tuple[Material, Material]
     oil: Oil | None
     duty: Duty
-    written: Mapping[str, Any]  #: Its entries with units, those of the library in full.
+    written: Mapping[str, Any]  #: Entries with units, materials of the library in full.
     sources: tuple[FromLibrary, ...]
     notes: tuple[Remark, ...] = ()
 

@@ -39,7 +39,7 @@ def scene_toml(meshes: Sequence[Mesh]) -> str:
     Parameters
     ----------
     meshes : sequence of Mesh
-        Places of one pair; those without sliding, which no friction heats, are left out.
+        Places of one pair; places without sliding, which no friction heats, are left out.
 
     Returns
     -------

@@ -25,7 +25,7 @@ def choose_accuracy(
     store: PathLike | None = None,
     progress: Report | None = None,
 ) -> Sweep:
-    """Give a sweep the cheapest fidelity within an accuracy, or keep that of its store."""
+    """Give a sweep the cheapest fidelity within an accuracy, or the fidelity of its store."""
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     stored = _find_stored(store)
     selection = stored and stored.about.selection

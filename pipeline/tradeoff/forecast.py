@@ -45,7 +45,7 @@ class Estimate:
     points: int  #: Points of the diagram.
     steps: int  #: Contacts to solve for them.
     temperatures: int  #: Heat partitions to solve for them.
-    tasks: int  #: Points, but those that share a contact as one: more workers are idle.
+    tasks: int  #: Points, where points that share a contact count as one: more workers are idle.
     workers: int  #: Processes that compute.
     seconds: float  #: Wall time on an idle machine, roughly, by steps timed here and now [s].
     worker_bytes: float  #: Memory of each worker [B].
@@ -202,7 +202,7 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 
 def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
-    """Increments below a load that points share, own steps, and those with a temperature."""
+    """Numbers of shared increments below a load, of own steps, and of steps with a temperature."""
     requested = choose_stations(sweep).asked(sweep.scene, load)
     steps = list(sweep.scene.stations(load, requested))
     shared = sum(

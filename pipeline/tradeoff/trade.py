@@ -187,7 +187,7 @@ def measure(
             failed.append(f"{name}: {error}")
         else:
             choices.append(_choice(name, tried, reference, exponents))
-    # By work, which is alike on every machine as times are not: so is the one that is picked.
+    # By work: unlike time it is the same on every machine, and so is the choice.
     choices.sort(key=lambda choice: _work(sweep, choice.fidelity, places))
     choices.append(_choice("reference", reference, reference, exponents))
     fine = next((one.seconds for one in choices if one.name == "fine"), None)

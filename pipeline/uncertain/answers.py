@@ -17,7 +17,7 @@ STEPS = 41
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
-    """`draws` without the rig's columns, which stand last; draws of the prior if None."""
+    """`draws` without the rig's columns at the end; draws of the prior if None."""
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)
     return replace(draws, inputs=draws.inputs[:, : len(ensemble.unknown)])

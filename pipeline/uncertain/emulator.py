@@ -105,7 +105,7 @@ class LeftOut(NamedTuple):
 
     @property
     def is_right(self) -> bool:
-        """True if bands of 90 % are known to hold 85 to 95 %, as rounded in print."""
+        """True if bands of 90 % hold 85 to 95 % of what is left out, as rounded in print."""
         return self.is_known and 0.85 <= round(self.held, 2) <= 0.95
 
 
@@ -179,7 +179,7 @@ def _kernel(
 
 
 def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
-    """The kernel between rows, with what each contact and each row has of its own."""
+    """The kernel between rows, with the variance of each contact and each row."""
     s, n = np.exp(2 * constants[3:5])
     kernel: Array = smooth + s * (contacts[:, None] == contacts)
     kernel[np.diag_indices_from(kernel)] += n
@@ -235,12 +235,12 @@ def band_factor(scores: Array, count: int) -> float:
 
 
 def outer(along: Array) -> Array:
-    """0 amid the velocities to 1 at their ends, by shares of the way between them."""
+    """Weight of the ends: 0 in the middle of the velocities, 1 at both ends."""
     return np.asarray(np.clip((np.abs(2 * along - 1) - (1 - 2 * END)) / (2 * END), 0.0, 1.0))
 
 
 def _parts(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
-    """Groups of rows to leave out in turn; folds of them, and either end of the velocities."""
+    """Groups of rows to leave out in turn: folds, and either end of the velocities."""
     is_single = (contacts == contacts[0]).all()
     _, groups = np.unique(np.arange(len(contacts)) if is_single else contacts, return_inverse=True)
     folds = groups % _FOLDS
@@ -263,7 +263,7 @@ def _check(
     factors = _factors(scores, count)
     spread = np.maximum(np.sqrt(np.mean(scores**2, axis=0)), _LEAST_SCORE)
     together = np.mean((scores / spread)[:, :, None] * (scores / spread)[:, None], axis=0)
-    # Each contact is judged by the factors of the others.
+    # Each contact is judged by the factors of all other contacts.
     limits = OF_90 * np.array([_factors(scores[groups != one], count - 1) for one in range(count)])
     held = np.abs(scores) <= limits[groups]
     at_ends = [
@@ -333,13 +333,13 @@ def _spline(x: Array, place: float, degree: int) -> Array:
     return np.asarray(make_interp_spline(x, np.eye(len(x)), k=degree)(place))
 
 
-_RULE = b"2"  # by which the numbers are found; another one finds others
+_RULE = b"2"  # changes whenever the computation of the numbers does
 
 
 def load_or_compute(
     keeper: Keeper | None, data: Sequence[Array | Any], find: Callable[[], Array]
 ) -> Array:
-    """Numbers found from data, or those kept when they were found from the same data."""
+    """Numbers computed from data, or read if the store has them for the same data."""
     if keeper is None:
         return find()
     name = f"fit-{_hash(_RULE, *(np.ascontiguousarray(one).tobytes() for one in data))[:16]}"
@@ -352,7 +352,7 @@ def load_or_compute(
 
 
 def load_numbers(keeper: Keeper, name: str) -> Any:
-    """Numbers that are kept; None if there are none, or if they were cut short or damaged."""
+    """Numbers in the store; None if there are none, or if they were cut short or damaged."""
     with suppress(ValueError, KeyError, TypeError, RecursionError):
         document = json.loads(keeper.kept(name) or b"")
         if document["hash"] == _hash(json.dumps(document["numbers"]).encode()):

@@ -69,7 +69,7 @@ class Excess(NamedTuple):
     error: Array  # standard error against a simulation with the same inputs
 
     def draw_chance(self, seed: int) -> Array:
-        """Values with an error of the emulator drawn for each draw, one for all its places."""
+        """Values with a random error of the emulator, which each draw has alike at all places."""
         chance = np.random.default_rng(seed).standard_normal(len(self.values))
         return (self.values.T + chance * self.error.T).T
 

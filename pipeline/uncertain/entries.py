@@ -119,7 +119,7 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
 def _inputs(
     scene: Any, fixed: Collection[str], faults: Faults
 ) -> tuple[tuple[Unknown, ...], tuple[Fixed, ...]]:
-    """Inputs that are unknown, and those that have the scene's value all the same."""
+    """Unknown inputs, and inputs that keep the value of the scene."""
     table, inputs = scene.unknown, []
     for path, shape in table.items():
         with faults.at(f"unknown.{quoted(path)}"):
@@ -134,7 +134,7 @@ def _inputs(
 def _correlated(
     unknown: Sequence[Unknown], table: Mapping[str, Shape], faults: Faults
 ) -> tuple[Unknown, ...]:
-    """Unknown inputs, each with its correlations with those that stand before it in the file."""
+    """Unknown inputs, each with its correlations with earlier inputs of the file."""
     order = {one.path: number for number, one in enumerate(unknown)}
     varying = {one.path: None if one.kind == "list" else one.varies for one in unknown}
     # Correlation and key of each pair, by the numbers of its inputs, the later one first.

@@ -49,7 +49,7 @@ class Distances(NamedTuple):
 
 
 def require_possible(ensemble: Ensemble) -> None:
-    """Raise an `InputError` at a test that the samples say nothing about."""
+    """Raise an `InputError` for a test outside the samples."""
     for test in ensemble.tests:
         place = f"the test at {test['normal_load']:g} N and {test['velocity']:g} m/s"
         try:
@@ -196,7 +196,7 @@ def decisive_tests(tests: Sequence[Test], by_load: bool = False) -> list[Test]:
 
 
 def log_between(low: Array, high: Array) -> Array:
-    """Logarithm of Φ(high) − Φ(low), also far out; very low where none lies between."""
+    """Logarithm of Φ(high) − Φ(low), also in the tails; very low for an empty interval."""
     is_above = low > 0  # Φ(−low) − Φ(−high) has no rounding there
     low, high = np.where(is_above, -high, low), np.where(is_above, -low, high)
     upper = log_ndtr(high)

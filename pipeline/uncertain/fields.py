@@ -179,7 +179,7 @@ class SampleField:
         return Here(temperatures, excess > 0, critical, nowhere, nowhere, reasons)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """See `Field`: that of the preset."""
+        """See `Field`: the error of the preset."""
         counted = counted_error(self.conditions)
         error = error_of_point(0, 1.0, self.ensemble.velocity_error, counted)
         return np.tile(error.parts[:, None], len(places_of(loads, velocities)[0]))
@@ -339,7 +339,7 @@ def single_field(ds: xr.Dataset | Results) -> SampleField:
 
 
 def _describe_left_out(ensemble: Ensemble) -> str:
-    """How samples that are left out lie in the bands of the others, in words."""
+    """Describe how samples that are left out lie in the bands of all other samples."""
     left_out, count = ensemble.left_out, len(ensemble.inputs)
     held = (
         f"of places left out the 90 % bands hold {100 * left_out.held:.0f} ± "

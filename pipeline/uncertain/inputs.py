@@ -45,7 +45,7 @@ class Draws:
 
     @property
     def effective(self) -> float:
-        """Effective sample size: number of draws of equal weight that tell as much."""
+        """Effective sample size: number of equally weighted draws with the same information."""
         return float(1 / np.sum(self.weights**2))
 
     def mean(self, values: Array) -> Any:

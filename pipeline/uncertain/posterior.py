@@ -182,7 +182,7 @@ class Posterior:
     def hidden(self) -> Iterator[tuple[str, str, float]]:
         """Pairs of inputs that the tests cannot tell apart, and their correlation.
 
-        Those that the scene correlates itself are not among them.
+        Pairs that the scene itself correlates are left out.
         """
         correlation, assumed = self.correlations, correlations(self.unknown)
         paths = [quantity.path for quantity in self.unknown]
@@ -245,13 +245,13 @@ def faults(
 def explains(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> bool:
-    """True if the model fits as soon as a test is left out; arguments are those without it."""
+    """True if the model fits once a test is left out; the arguments leave it out."""
     at_ends = faults(unknown, draws, scatter, (0.0, *inferred[1:]))
     return inferred[1] <= _EXPLAINED * scatter and not at_ends
 
 
 def _is_outer(unknown: Unknown, column: Array) -> Array:
-    """1 for values in the outer part of the range of an input, or beyond it; 0 for others."""
+    """1 for values near or beyond the ends of an input's range; 0 for all others."""
     if unknown.kind == "list":
         return np.zeros(len(column))
     if unknown.kind == "uniform":

@@ -65,7 +65,7 @@ def effective_share(log_weights: Array) -> float:
 
 
 def _next_power(likelihood: Array, over: Array, power: float) -> float:
-    """Largest power of the likelihood, from that of before on, that leaves enough draws."""
+    """Largest power of the likelihood, at least `power`, that leaves enough draws."""
 
     def excess(other: float) -> float:
         return effective_share(other * likelihood + over) - _AT_LEAST

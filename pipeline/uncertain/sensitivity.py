@@ -139,7 +139,7 @@ def indices(
 
 
 def _first_order_indices(draws: Draws, values: Array) -> Array:
-    """Variances of means over parts of each input, less those by chance, over the variance."""
+    """Variances of means over parts of each input, less their chance level, over the variance."""
     weights = draws.weights
     y = values - draws.mean(values)
     by_chance = np.sum((weights[:, None] * y) ** 2, axis=0)  # variance of the mean of all

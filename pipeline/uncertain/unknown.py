@@ -102,7 +102,7 @@ class Unknown:
         return display(value, self.shown, digits).rstrip()
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all fields as plain data, without those that most inputs do not have."""
+        """Return the fields as plain data, without unused ones."""
         rare = ("written", "correlated", "varies")
         return {k: v for k, v in asdict(self).items() if v or k not in rare}
 
@@ -132,7 +132,7 @@ class Fixed:
 
 
 def without(unknown: Sequence[Unknown], paths: Collection[str]) -> tuple[Unknown, ...]:
-    """Unknown inputs without some of them, which others are then not correlated with."""
+    """Unknown inputs without some paths, and without correlations with these."""
     return tuple(
         replace(one, correlated=tuple(pair for pair in one.correlated if pair[0] not in paths))
         for one in unknown

@@ -17,12 +17,12 @@ from tribo.contact.simplex import nearest
 class Gradient(NamedTuple):
     """State of the gradient steps."""
 
-    length: float  # that of the next step [Pa/m]; without unit where rows are soft
+    length: float  # of the next step [Pa/m]; without unit where rows are soft
     idle: int = 0  # steps in a row that found no way down
 
 
 def first_length(problem: Problem) -> float:
-    """Length of the first step: that of an element on its own."""
+    """Length of the first step: the length for an element on its own."""
     return 1.0 if problem.soft.is_needed else 1 / problem.solid.self_influence
 
 

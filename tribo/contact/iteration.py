@@ -35,22 +35,22 @@ class Limits(NamedTuple):
     """Limits at which an iteration ends."""
 
     tolerance: float  # largest error
-    convolutions: float  # after which to give up, those on the way to the guess included
+    convolutions: float  # after which to give up, including the convolutions for the guess
     by_change: bool = False  # the error is the last change of the pressure, not the residual
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class IterationResult:
-    """Result of an iteration; all of it belongs to the pressure."""
+    """Result of an iteration; all fields belong to its pressure."""
 
     pressure: Array  # [Pa]
     displacement: Array  # [m]
     gap: Array  # [m]
     approach: float  # distance of the bodies from the datum of the solid [m]
-    residual: float  # in units of D_self·max(p), with what rounding may hide of it
+    residual: float  # in units of D_self·max(p), with the error of rounding
     error: float  # the residual, or the change of the pressure if that is bounded
     load_error: float  # relative
-    convolutions: float  # with those on the way to the guess
+    convolutions: float  # including the convolutions for the guess
     converged: bool
     stalled: bool  # the residual does not fall any further
 
@@ -137,7 +137,7 @@ def _first_iterate(
 
 
 def _add_rounding(problem: Problem, state: Iterate, judged: Judgement) -> Judgement:
-    """The judgement with what rounding may hide of the residual added to it."""
+    """The judgement, its residual with the error that rounding may hide."""
     hidden = transform_error(problem.solid.rounding, largest(state.displacement))
     return judged._replace(residual=judged.residual + hidden / judged.unit)
 

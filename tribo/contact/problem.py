@@ -44,7 +44,7 @@ class Problem:
 
     @property
     def coupling(self) -> float:
-        """Displacement that nodes of a row add to each other [m/Pa]; 0 where that is little."""
+        """Displacement that nodes of a row add to each other [m/Pa]; 0 if it is negligible."""
         return self.soft.coupling if self.soft.is_needed else 0.0
 
     def rows_of(self, nodes: Nodes) -> Nodes:

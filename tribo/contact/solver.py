@@ -43,7 +43,7 @@ class ContactSolution:
     approach : float
         Rigid displacement α of the bodies towards each other [m], from the datum of the solid.
     iterations : int
-        Convolutions with the solid's kernel; those on fewer elements count by their share.
+        Convolutions with the solid's kernel; a convolution on fewer elements counts by their share.
     residual : float
         Largest violation of the conditions on the gap, in units of D_self·max(p), and what
         rounding may hide of it.

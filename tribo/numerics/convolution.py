@@ -204,7 +204,7 @@ class Convolution:
     def coarsened(self) -> Self:
         """Return the map between means over blocks of 2 × 2 elements.
 
-        Of an axis with a single element, blocks have one; others have an even number.
+        Along an axis of one element, blocks have one; other axes have an even number of elements.
         """
         (nx, ny), (dx, dy) = self.grid.shape, self.grid.spacing
         fx, fy = min(nx, 2), min(ny, 2)

@@ -58,13 +58,13 @@ class Track:
     length : float
         Length of the track [m].
     width : float or None
-        Its width [m]; None for that of the contact times `aspect`.
+        Width of the track [m]; None for the contact's width times `aspect`.
     aspect : float
-        Width of the contact across the track over that along it, of a ball or a crowned pin.
+        Width of the contact across the track over its length along it, for a ball or a crowned pin.
     thermal_diffusivity, heat_capacity : float
         κ [m²/s] and ρc [J/(m³ K)] of the body.
     disc : Disc or None
-        The disc whose rim it is, which keeps all of its heat; None for a half-space.
+        The disc whose rim is the track, which keeps all heat; None for a half-space.
 
     Examples
     --------
@@ -113,7 +113,7 @@ class Corrections:
     friction : Friction
         Friction over the coefficient of the conditions.
     track, pin_track : Track or None
-        Tracks of disk and pin, which earlier turns have warmed; that of a body at rest is cold.
+        Tracks of disk and pin, warmed by earlier turns; the track of a body at rest is cold.
     motion : Motion or None
         Motion of both bodies; None where the pin is at rest.
     stem : Stem or None

@@ -5,7 +5,7 @@ pin's shape varies along both axes, and the roughness that is swept past must be
 pin wears by the pressure averaged over positions of the disk. A step is cut into parts, and in each
 stage of each part the disk lies elsewhere. The patch is taken to repeat itself along both axes.
 
-Where few elements touch, the temperature at one position is that of a few summits. It is then a
+Where few elements touch, the temperature at one position depends on a few summits. It is then a
 mean over positions, too.
 """
 

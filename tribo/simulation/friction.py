@@ -69,7 +69,7 @@ class Friction:
     Attributes
     ----------
     coefficient : float
-        Coefficient of friction, or 1 for friction over that of the conditions.
+        Coefficient of friction; 1 if it multiplies the friction of the conditions.
     by_velocity : tuple of tuple of float
         Sliding velocities above 0, ascending [m/s], and a factor at each; smooth and monotonic in
         between, and beyond the ends as there.

@@ -15,7 +15,7 @@ from tribo.wear import Stage
 def position_means(scene: Scene, before: State, state: State, velocity: float) -> State:
     """The state with the contacts over which its temperature is a mean, at a velocity [m/s].
 
-    Pressure and wear of the state stay those of the disk's own position. The state before has the
+    Pressure and wear of the state stay as at the disk's own position. The state before has the
     history of the heat, if the temperature depends on it.
     """
     stage, contacts = Stage(state.normal_load, 0.0, 0.0), []

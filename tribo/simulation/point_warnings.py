@@ -34,7 +34,7 @@ _FEW_PIXELS = 200
 _FEW_SWEPT = 1000
 # Heavy wear, whatever the elements: balls worn by 9 to 64 times the roughness moved by up to 2.5 %
 # from 25 to 100 steps on 1123 to 2172 elements, by at most 1.7 % on 2536 to 3076.
-# `tests.promises.worn` judges others of them.
+# `tests.promises.worn` judges other worn contacts.
 _FEW_WORN = 3000
 _HEAVY = 9.0  # depth of wear, in Ra of the elements
 FEWEST_PIXELS = 2.0  # in a correlation length, to know the slopes of the roughness
@@ -52,7 +52,7 @@ _FEWEST_STEPS = 3  # or stages of steps, in which heavy wear knows the rise to a
 
 
 class WarningKind(IntFlag):
-    """Kinds of warnings; each is a bit, so that a number holds those of a point.
+    """Kinds of warnings; each is a bit, so that one number holds all kinds of a point.
 
     Examples
     --------
@@ -276,7 +276,7 @@ def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn where the decisive temperature is that of a few elements."""
+    """Warn where a few elements decide the temperature."""
     smallest, is_worn = elements_are_pixels(scene, state), _is_heavily_worn(scene, state)
     few = _FEW_ELEMENTS
     if is_worn:

@@ -33,8 +33,8 @@ _HOTTEST = 0.1  # share of the contact that decides by default
 def excess_of_present_heat(scene: Scene, state: State) -> float:
     """Relative error of the rise that the hottest tenth of a contact exceeds, with its sign.
 
-    Below 0.1 m/s that predicts the error to some percent. On random scenes at 0.07 to 31 m/s the
-    true one was 0.88 of it in the median, and 1.31 of it at most.
+    Below 0.1 m/s this predicts the error to some percent. On random scenes at 0.07 to 31 m/s the
+    true error was 0.88 times the prediction in the median, and 1.31 times at most.
 
     Examples
     --------

@@ -206,7 +206,7 @@ class Scene:
 
     @property
     def rows_per_element(self) -> int:
-        """Rows of elements, as the fidelity has them, that one element stands for."""
+        """Rows of the fidelity's elements in one element, which is more than 1 in a plane scene."""
         return self.pixels.shape[1] // self.fidelity.pixels_per_element if self.is_plane else 1
 
     @property
@@ -326,7 +326,7 @@ class Scene:
         return next(fits, 1)
 
     def levels(self) -> Iterator[Scene]:
-        """The scene on ever finer grids: first that of the history, last its own.
+        """The scene on ever finer grids, from the grid of the history to its own.
 
         From one to the next elements become at least four times smaller along each axis, or the
         scene's own: contacts on more grids would take longer than they save.

@@ -50,7 +50,7 @@ class _Trunk:
             self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}
 
     def add(self, state: State, limit: int) -> None:
-        """Keep the state of the next increment, alone if all would take more than a limit [B]."""
+        """Keep the state of the next increment; drop all others beyond a limit of memory [B]."""
         self.nbytes += sum(array.nbytes for array in _arrays(state))
         self.states.append(state)
         self.count += 1

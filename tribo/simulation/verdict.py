@@ -54,7 +54,7 @@ class Judging(ABC):
 
     @property
     def mean_bulk_temperature(self) -> float:
-        """Mean of both bodies' bulk temperatures [K]: that of the oil between them."""
+        """Mean of both bodies' bulk temperatures [K], at which the oil is between them."""
         return self.bulk_temperature + self.bulk_difference / 2
 
     @property
@@ -95,7 +95,7 @@ class Judging(ABC):
     def may_ignite(self, rise: float) -> bool:
         """True if a rise at friction 1 [K] is mild, and severe at the highest friction.
 
-        Only where friction rises so steeply with the temperature that a contact may ignite.
+        This needs friction that rises so steeply with temperature that a contact may ignite.
         """
         law, bulk, critical = self.friction_law, self.bulk_temperature, self.critical_temperature
         if critical is None or not law.by_temperature:
@@ -141,7 +141,7 @@ class Conditions(Judging):
     critical_temperature : float or None
         Temperature above which the lubricant fails [K]; None where it is not known.
     disk_temperature : float or None
-        Temperature of the disk far from the contact [K]; None where it is that of the pin.
+        Temperature of the disk far from the contact [K]; None if the pin has the same.
     corrections : Corrections or None
         Bodies that warm, stem, film, friction by velocity and temperature; None for none of them.
     criterion : Criterion

@@ -20,9 +20,9 @@ class Bulk:
     Attributes
     ----------
     capacity : float
-        Heat that warms it by one kelvin [J/K]; 0 where it is always in its steady state.
+        Heat that warms the body by one kelvin [J/K]; 0 for a steady state at all times.
     loss : float
-        Heat that it loses for each kelvin above where it starts [W/K]; 0 for none.
+        Heat that the body loses for each kelvin above its starting temperature [W/K]; 0 for none.
 
     Examples
     --------
@@ -93,7 +93,7 @@ def bulk_warming(
     gain = modes.T @ (roots * np.array([h1, h2]) / (h1 + h2))
     t, q = np.append(0.0, times), np.append(0.0, heats)
     lengths, rates = np.diff(t), np.minimum(rates, 0.0)[:, None]
-    # Of heat that is linear over an interval, as much is left at the end of it, and at the last.
+    # Heat is linear over an interval: its remainder at the interval's end, and at the last time.
     first, second = _weights(rates * lengths)
     left = lengths * (first * q[:-1] + second * np.diff(q)) * np.exp(rates * (t[-1] - t[1:]))
     pin, disk = roots * (modes @ (gain * left.sum(axis=1)))

@@ -225,7 +225,7 @@ def _leaving_length(grid: Grid, drift: float) -> float:
     """
     if grid.periodic[0]:
         return math.inf
-    # From the edge of an element at one end to the centre of the one at the other.
+    # From the edge of the first element to the centre of the last.
     return diffusion_length(-REACH, drift, (grid.shape[0] - 0.5) * grid.spacing[0])
 
 
@@ -253,7 +253,7 @@ def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
 
 
 def _heated_length(grid: Grid, length: HeatedLength) -> float:
-    """Length along y whose ends the mean along y feels [m]; infinite where it feels none."""
+    """Length along y whose ends cool the mean along y [m]; infinite if no end does."""
     if length == "nearest-image":
         if not grid.periodic[1]:
             raise InputError("length 'nearest-image' is for a patch that is periodic along y")

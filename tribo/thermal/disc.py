@@ -13,7 +13,7 @@ from tribo.errors import InputError, require_positive
 from tribo.types import Array
 
 _ROOTS = 120
-# Of (κt)/(a − b)², below which the rim is that of a curved half-space: there the series needs more
+# Of (κt)/(a − b)², below which the rim is a curved half-space: there the series needs more
 # roots than are kept, and the half-space is wrong by less than 1e-4.
 _EARLY = 4e-4
 

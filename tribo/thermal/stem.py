@@ -86,7 +86,7 @@ def stem_fraction(time: float | Array) -> Array:
         1 − (8/π²) Σ exp(−n²π²τ/4)/n²,  n = 1, 3, 5 …,  τ = κt/L²
 
     (Carslaw & Jaeger, *Conduction of Heat in Solids*, 2nd ed., 1959, §3.8). At first it is
-    2√(τ/π), that of an endless rod.
+    2√(τ/π), as in an endless rod.
 
     Examples
     --------

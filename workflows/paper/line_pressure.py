@@ -92,7 +92,7 @@ def fig4(study: Study) -> Report:
 
 
 def _pressure(sweep: Sweep, periodic: bool, kernel: Literal["periodic", "nearest-image"]) -> Array:
-    """Pressure by element along x and y [Pa]; along y also where one row stands for all."""
+    """Pressure by element along x and y [Pa]."""
     scene = replace(
         sweep.scene,
         pixels=replace(sweep.scene.pixels, periodic=(False, periodic)),

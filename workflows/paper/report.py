@@ -84,7 +84,7 @@ class Finding:
 def judged(result: str, statement: str, agrees: bool, values: Mapping[str, Any]) -> Finding:
     """Judge a statement of the paper, in the words of a result filled with values.
 
-    The reason is the one that ``why`` among the values names, or else the usual one.
+    The value ``why`` names the reason; without it the reason is the usual one.
     """
     texts = WORDS[result]["findings"][statement]
     why = texts.get(values.get("why"), texts.get("why", ""))
@@ -148,7 +148,7 @@ class Report:
     name : str
         Name of the result, as in `irg paper --list`.
     title : str
-        One line on what is shown.
+        One line that describes the figure.
     table : DataFrame
         The numbers, written for reading.
     findings : tuple of Finding

@@ -139,7 +139,7 @@ def _with(sweep: Sweep, **changes: Any) -> Sweep:
 
 
 def _neighbours(pressure: Array) -> float:
-    """Correlation of the pressure with that of the next element along x, where it is carried."""
+    """Correlation of the pressures of neighbours along x, in rows that carry load."""
     rows = pressure[pressure.any(axis=1)]
     return float(np.corrcoef(rows[:-1].ravel(), rows[1:].ravel())[0, 1])
 

@@ -40,7 +40,7 @@ _LOOKS = {"ours": BLUE, "blok": VERMILION, "power": GREEN, "pv": GREY, "load": B
 
 @dataclass(frozen=True, slots=True)
 class _Criterion:
-    """A number at each measured transition, which would be the same at all were it what decides."""
+    """A number at each measured transition, equal at all transitions if it decides."""
 
     name: str
     unit: str
@@ -127,7 +127,7 @@ def rivals(study: Study) -> Report:
 
 
 def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Criterion]:
-    """The criterion of the model, and those that need no simulation; worn ones as measured."""
+    """The model's criterion, and criteria without a simulation; worn widths as measured."""
     conditions, pin = sweep.conditions, cast(Cylinder, sweep.scene.pin)
     contact = SmoothContact(pin, sweep.scene.disk)
     bulk = float(shown_in(conditions.bulk_temperature, "°C"))

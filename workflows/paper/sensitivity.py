@@ -103,7 +103,7 @@ def sensitivity(study: Study) -> Report:
 
 
 def _kinds(rough: SelfAffineRoughness) -> dict[str, dict[str, SelfAffineRoughness]]:
-    """Surfaces that differ from the scene's own in one kind of parameter, by what is changed."""
+    """Surfaces that differ from the scene's own in one kind of parameter, by that kind."""
     base = rough.correlation_length[0] * 1e6
 
     def of_lengths(along: float, across: float) -> SelfAffineRoughness:

@@ -1,4 +1,4 @@
-"""Load record made from the paper's description of its own, which is not published."""
+"""Load record made from the paper's description of its unpublished record."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ from .transitions import (
 )
 
 _LIKE = 0.15  # relative, of rises that are said to be alike
-_DECISIVE = 3.0  # times as large a misfit, from which one reading is taken for the other
+_DECISIVE = 3.0  # ratio of misfits from which the worse reading is rejected
 
 
 def table6(study: Study) -> Report:
