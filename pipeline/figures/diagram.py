@@ -159,9 +159,9 @@ def _shade_verdicts(
     axes: Axes, field: PointField, x: Array, y: Array, excess: Array
 ) -> list[Artist]:
     """Shade where the next run is mild, severe, or neither is decided, as a margin says it."""
-    is_told = np.isfinite(excess).all(axis=0)
+    is_known = np.isfinite(excess).all(axis=0)
     bounds = verdict_plane(field, y, x, model_error(field.source, field))
-    lowest, highest = (np.where(is_told, bound, np.nan) for bound in bounds)
+    lowest, highest = (np.where(is_known, bound, np.nan) for bound in bounds)
     legend, (mild, _, severe) = list[Artist](), DECIDED
     between = np.minimum(highest - mild, severe - lowest)
     for values, levels, gid, look in (
@@ -211,14 +211,15 @@ def _friction_lines(axes: Axes, field: PointField, x: Array, y: Array) -> list[A
 def _mark_points(axes: Axes, held: Results) -> list[Artist]:
     """Mark the points; over several surfaces, by those on which the point is done."""
     r, limit = held.rises(held.conditions), rise_limit(held.conditions)
-    hot, cold = (_any_surface(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
-    failed = ~(hot | cold) & _any_surface(held.columns["status"] != PENDING)
-    pending = ~(hot | cold) & ~failed & _any_surface(held.asked)
+    severe, mild = (_any_surface(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
+    failed = ~(severe | mild) & _any_surface(held.columns["status"] != PENDING)
+    pending = ~(severe | mild) & ~failed & _any_surface(held.asked)
     usual = rcParams["lines.markersize"]
     kinds: list[tuple[str, Mask, dict[str, Any]]] = [
-        ("mild wear, computed", cold & ~hot, {"marker": "o", "mfc": "white", "mec": BLUE}),
-        ("severe wear, computed", hot & ~cold, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
-        ("severe on some surfaces", hot & cold, {"marker": "s", "mfc": "white", "mec": VERMILION}),
+        ("mild wear, computed", mild & ~severe, {"marker": "o", "mfc": "white", "mec": BLUE}),
+        ("severe wear, computed", severe & ~mild, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
+        ("severe on some surfaces", mild & severe,
+         {"marker": "s", "mfc": "white", "mec": VERMILION}),
         ("failed", failed, {"marker": "x", "mec": BLACK}),
         ("pending", pending, {"marker": "o", "mfc": GREY, "mec": "none"}),
         ("carries a warning", _any_surface(warning_flags(held) != 0),

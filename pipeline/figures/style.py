@@ -144,14 +144,14 @@ def legend_below(
     letters = int(width / (_LETTER * rcParams["legend.title_fontsize"]))
     most = math.ceil(_CAPTION * max(1.0, 72 * _USUAL / width))
     lines = [line for part in caption.splitlines() for line in textwrap.wrap(part, letters)]
-    told = "\n".join(lines[:most]) + " …" * (len(lines) > most)
-    told = "" if _PLAIN.get() else told
+    title = "\n".join(lines[:most]) + " …" * (len(lines) > most)
+    title = "" if _PLAIN.get() else title
     place: dict[str, Any] = {"loc": "outside lower center"}
     named = [one.get_legend_handles_labels()[0] for one in ([ax] if ax else figure.axes)]
     options = {"handles": [*itertools.chain(*named)]} | options  # of none, too, without a warning
     if ax is not None:
         place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16)}
-    legend = fitting_legend(ax or figure, ncols, title=told, **place, **options)
+    legend = fitting_legend(ax or figure, ncols, title=title, **place, **options)
     legend.get_title().set_multialignment("center")
     if ax is None:
         breadth, height = figure.get_size_inches()

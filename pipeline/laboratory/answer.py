@@ -66,7 +66,7 @@ def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
         "faults": faults, "toml": "\n".join(toml), "doubts": doubts,
     }  # fmt: skip
     text: list[str | pd.DataFrame] = [*_head(path, log.sheet, log.export)]
-    text += [*_understood(log.sheet, log.words), ""]
+    text += [*_column_frames(log.sheet, log.words), ""]
     if toml:
         text += [f"{_count_tests(found)}; to paste into a scene beside the log:", "", *toml, ""]
         text += remarks("warning", *doubts)
@@ -79,7 +79,7 @@ def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result
     """What a trace of friction says."""
     trace = read_trace(read)
     tests = trace.tests()
-    toml = [*_trace_toml(tests, read.asked, trace.scuff)]
+    toml = [*_trace_toml(tests, read.missing, trace.scuff)]
     scuff = trace.scuff
     document = {
         "file": str(path), **_about(read.sheet, read.export),
@@ -140,7 +140,7 @@ def _doubts(in_si: Iterable[Mapping[str, Any]]) -> Iterator[str]:
             yield f"the test of {row['load']:g} N at {row['velocity']:g} m/s: {doubt}"
 
 
-def _understood(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFrame]:
+def _column_frames(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFrame]:
     """A row for each column."""
     names = {place: name for name, place in sheet.places.items()}
     rows = []
@@ -154,21 +154,21 @@ def _understood(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFrame
 
 
 def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
-    """Lines of a scene that name the log, and say what is not said by its own words."""
+    """Lines of a scene that name the log, and state what the log itself does not."""
     yield f"[[{log.key}]]"
     columns = log.renamed | named["columns"]
-    said = {"file": path.name, "words": log.words, **named, "columns": columns}
-    yield from (f"{name} = {as_toml(value)}" for name, value in said.items() if value)
+    entries = {"file": path.name, "words": log.words, **named, "columns": columns}
+    yield from (f"{name} = {as_toml(value)}" for name, value in entries.items() if value)
 
 
 def _trace_toml(
-    tests: Iterable[Mapping[str, Any]], asked: Mapping[str, str], scuff: object
+    tests: Iterable[Mapping[str, Any]], missing: Mapping[str, str], scuff: object
 ) -> Iterator[str]:
     """Tables of a scene for the tests of a trace."""
     for test in tests:
         is_transition = scuff and not {*test} & {"outcome", "mild_up_to", "severe_at"}
         yield "[[measured]]" if is_transition else "[[tested]]"
         for name, value in test.items():
-            why = asked.get(name, f'not in the file; give --given "{name}={value}"')
+            why = missing.get(name, f'not in the file; give --given "{name}={value}"')
             more = f"  # {why}" if str(value).startswith("...") else ""
             yield f"{name} = {as_toml(value)}{more}"

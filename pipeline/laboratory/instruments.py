@@ -185,8 +185,8 @@ def _read_by_library(path: Path) -> Raw:
         topography = reader.topography()
     if topography.dim != 2 or not topography.is_uniform:
         raise InputError(f"{path}: a profile, or unevenly spaced; give a map of heights")
-    held: Any = np.ma.masked_invalid(np.ma.array(topography.heights(), dtype=float))
-    heights: Array = np.ma.filled(held, np.nan)
+    masked: Any = np.ma.masked_invalid(np.ma.array(topography.heights(), dtype=float))
+    heights: Array = np.ma.filled(masked, np.nan)
     if topography.unit is None:
         return Raw(heights, None, None)
     size = topography.to_unit("m").pixel_size

@@ -30,19 +30,19 @@ MAY_LACK = (
     "number", "load", "velocity",
 )  # fmt: skip
 """Entries of a test whose cells may be empty; a test without load or velocity is left out."""
-_TELLING = "number", "run", "friction"  # entries that distinguish a row from a repeated row
+_DISTINGUISHING = "number", "run", "friction"  # entries that distinguish a row from a repeated row
 
 
 @functools.cache
 def outcome_of(word: str, heading: str) -> str | None:
     """Outcome that a word below a heading means, None if it is not known."""
-    said = vocabulary()
-    words = {name: {*said[name].split()} for name in ("mild", "severe", "yes", "no")}
-    if re.search(said["asks_severe"], heading.lower()):
+    listed = vocabulary()
+    words = {name: {*listed[name].split()} for name in ("mild", "severe", "yes", "no")}
+    if re.search(listed["asks_severe"], heading.lower()):
         words["mild"], words["severe"] = words["mild"] | words["no"], words["severe"] | words["yes"]
-    elif re.search(said["asks_mild"], heading.lower()):
+    elif re.search(listed["asks_mild"], heading.lower()):
         words["mild"], words["severe"] = words["mild"] | words["yes"], words["severe"] | words["no"]
-    bare = re.sub(said["negation"], "", word.lower())
+    bare = re.sub(listed["negation"], "", word.lower())
     plain = re.sub(r"[\W_]+", "", bare).replace("ß", "ss")
     found = next((name for name in OUTCOMES if plain in words[name]), None)
     if bare == word.lower() or found is None:
@@ -95,7 +95,7 @@ def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> 
 
 def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     """The tests of a sheet."""
-    sheet, export, asked = read
+    sheet, export, missing = read
     row_of = Transition if key == "measured" else _row_of(sheet)
     if row_of is None or (key == "tested" and row_of is Transition):
         require(sheet, ["load", "velocity"])
@@ -110,7 +110,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     if row_of is Transition:
         named = [name for name in ("transition_load", "severe_at") if name in sheet.places]
         sheet.places |= {"load": sheet.places[named[0]]} if named else {}
-    sheet.faults += [asked[name] for name in ("load", "velocity") if name in asked]
+    sheet.faults += [missing[name] for name in ("load", "velocity") if name in missing]
     needed = [name for name in ("load", "velocity") if name in table_of(row_of).needed]
     require(sheet, needed, ["load", "velocity"])
     if row_of is Test:
@@ -150,8 +150,8 @@ def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
     empty = [row for row in sheet.rows if row.cells[place].lower() in EMPTY]
     for _, cells in empty if "" in words else ():
         cells[place] = ""
-    said = dict.fromkeys(row.cells[place] for row in sheet.rows)
-    found = {cell: words.get(cell) or outcome_of(cell, title) for cell in said}
+    found_cells = dict.fromkeys(row.cells[place] for row in sheet.rows)
+    found = {cell: words.get(cell) or outcome_of(cell, title) for cell in found_cells}
     log.words = {cell: one for cell, one in found.items() if one and cell not in OUTCOMES}
     meanings = {cell: one or cell for cell, one in found.items() if cell.lower() not in EMPTY}
     if empty and "" not in words and len({*meanings.values()}) == 1:
@@ -170,16 +170,16 @@ def _leave_out_repeats(sheet: Sheet) -> None:
 
     Rows that say nothing but what was set and what came out are repeats of a test, and all count.
     """
-    used = {k for name, k in sheet.places.items() if name not in _TELLING} | sheet.sources
-    telling = {
+    used = {k for name, k in sheet.places.items() if name not in _DISTINGUISHING} | sheet.sources
+    distinguishing = {
         k
         for k in range(len(sheet.headings))
         if k not in used and len({row.cells[k] for row in sheet.rows}) > 1
     }
     first, twice = dict[tuple[str, ...], int](), dict[int, str]()
     for number, cells in sheet.rows:
-        is_told = any(cells[k] for k in telling)
-        if is_told and first.setdefault((*cells,), number) != number:
+        is_distinct = any(cells[k] for k in distinguishing)
+        if is_distinct and first.setdefault((*cells,), number) != number:
             twice[number] = "is the same as a row before"
     sheet.leave_out(twice)
 

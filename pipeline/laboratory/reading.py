@@ -39,7 +39,7 @@ class Read(NamedTuple):
 
     sheet: Sheet
     export: Export
-    asked: Mapping[str, str]
+    missing: Mapping[str, str]
 
 
 def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = OF_TESTS) -> Read:
@@ -240,9 +240,9 @@ def goes_on(sheet: Sheet) -> bool:
 
 def read_trace(read: Read) -> Trace:
     """The trace of a sheet; an `InputError` names what is wrong in it."""
-    sheet, export, asked = read
-    if "friction" not in sheet.places:  # all that is asked for is given at once
-        sheet.faults += [asked[name] for name in ("friction", "velocity") if name in asked]
+    sheet, export, missing = read
+    if "friction" not in sheet.places:  # all missing quantities are named at once
+        sheet.faults += [missing[name] for name in ("friction", "velocity") if name in missing]
     require(sheet, ["time", "friction"])
     columns = {
         name: sheet.numbers(name) for name in (*_NEEDED, "bulk_temperature") if name in sheet.places

@@ -171,9 +171,9 @@ class SurfaceStatistics:
         if curved:
             yield "curvature", f"R {curved}, taken off; a pin's radius belongs into pin.radius"
         yield "lay", "none" if rough.lay is None else f"{rough.lay:.0f}° from x"
-        yield "Sal, Str", f"{_worded(rough.sal)}, {rough.aspect:.2g} (ISO 25178, at 1/e for 0.2)"
+        yield "Sal, Str", f"{_as_text(rough.sal)}, {rough.aspect:.2g} (ISO 25178, at 1/e for 0.2)"
         for name, one in self.likeness:
-            shown_ = _worded if name != "Str" else "{:.2g}".format
+            shown_ = _as_text if name != "Str" else "{:.2g}".format
             yield (
                 f"{name} of random ones",
                 f"{shown_(one.mean)} ± {100 * one.scatter:.2g} % from surface to surface, here "
@@ -293,5 +293,5 @@ def lengths_of(fit: SelfAffineFit) -> tuple[float, float]:
     return (x, y) if abs(x - y) > _NEAR * mean else (mean, mean)
 
 
-def _worded(length: float) -> str:
+def _as_text(length: float) -> str:
     return display(length, "µm", 3) if math.isfinite(length) else "over half the scan"

@@ -160,8 +160,8 @@ def oriented(
 def form_words(radii: tuple[float, float]) -> str:
     """Radii of curvature along x and y, where there is any."""
     known = zip("xy", radii, strict=True)
-    said = (f"{display(r, 'mm', 3)} along {axis}" for axis, r in known if np.isfinite(r))
-    return " and ".join(said)
+    texts = (f"{display(r, 'mm', 3)} along {axis}" for axis, r in known if np.isfinite(r))
+    return " and ".join(texts)
 
 
 def filled(heights: Array) -> Array:
@@ -207,11 +207,11 @@ def window_heights(
     heights: Array | None = surface.heights
     if table["crop"] is not None and pixels:
         heights = _cropped(surface.heights, table, pixels, faults)
-    said = surface.notes
+    notes = surface.notes
     if heights is not None and table["level"]:
         heights, _, radii = remove_form(heights, sides or (1.0, 1.0))
         curved = form_words(radii) if sides else ""
-        said += (f"curvature taken off: R {curved}",) if curved else ()
+        notes += (f"curvature taken off: R {curved}",) if curved else ()
     if heights is None or (heights := _fill_holes(heights, table["missing"], faults)) is None:
         return None
     if table["repeat"] != "no" and pixels and np.less(heights.shape, pixels).any():
@@ -226,7 +226,7 @@ def window_heights(
         heights = np.pad(heights, [(0, n) for n in more], "symmetric" if is_mirrored else "wrap")
     levelled_words = ", levelled" if table["level"] else ""
     noted = f"{file.name}{levelled_words}; {axis_note(table['transpose'])}"
-    for note in (*said, noted):
+    for note in (*notes, noted):
         faults.note("disk.roughness.file", note)
     return heights
 

@@ -132,8 +132,8 @@ class WordNames(Names):
         """Columns and faults, without faults of what only makes quantities that are there."""
         places, faults = super().columns(headings)
         made = {x for rule in RULES if rule.name in places for x in rule.inputs}
-        asked = {x for rule in RULES if rule.name not in places for x in rule.inputs}
-        idle = made - asked - {"load"}
+        wanted = {x for rule in RULES if rule.name not in places for x in rule.inputs}
+        idle = made - wanted - {"load"}
         return places, {name: fault for name, fault in faults.items() if name not in idle}
 
 
@@ -142,7 +142,7 @@ def derive(sheet: Sheet, needed: Collection[str] = ()) -> dict[str, str]:
 
     What a needed quantity lacks is a fault.
     """
-    asked = dict[str, str]()
+    missing = dict[str, str]()
     for name in [one for one in dict.fromkeys(rule.name for rule in RULES) if one in sheet.units]:
         rules = [rule for rule in RULES if rule.name == name and name not in sheet.places]
         ready = [rule for rule in rules if {*rule.inputs} <= sheet.places.keys()]
@@ -154,12 +154,12 @@ def derive(sheet: Sheet, needed: Collection[str] = ()) -> dict[str, str]:
             lacks = [one for one in inputs if one not in sheet.places]
             has = quoted(sheet.heading(next(x for x in inputs if x in sheet.places)).text)
             options = " ".join(f'--given "{one}=... {sheet.units[one]}"' for one in lacks)
-            asked[name] = (
+            missing[name] = (
                 f"{name} follows from {has} and {' and '.join(lacks)}, which is not there; give "
                 f"{options}, or a column of it"
             )
-    sheet.faults += [words for name, words in asked.items() if name in needed]
-    return asked
+    sheet.faults += [words for name, words in missing.items() if name in needed]
+    return missing
 
 
 def _add_derived(sheet: Sheet, rule: Rule) -> None:

@@ -60,7 +60,7 @@ def read_text(path: Path) -> Raw:
         raise InputError(f"{path}: {error}") from error
     if hole := _SENTINEL.search("\n".join(head)):
         table[table == float(hole[1])] = np.nan
-    sizes, units = _said(head)
+    sizes, units = _header_sizes(head)
     unit = sizes.get("unit", units.get("z"))
     is_long = table.shape[0] >= _LEAST_PLACES or path.suffix.lower() == ".xyz"
     if table.shape[1] == 3 and is_long:
@@ -167,7 +167,7 @@ def _number(cell: str) -> float | None:
         return math.nan if cell.strip().lower() in _HOLES else None
 
 
-def _said(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
+def _header_sizes(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
     """Sizes and the unit of the heights, and units of columns x, y and z, of comments [m]."""
     sizes: dict[str, float] = {}
     units: dict[str, float] = {}
@@ -175,9 +175,9 @@ def _said(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
         for part in re.split(r"[,;](?=\s)", re.sub(r'"[,;\t]"', ";", line).replace('"', "")):
             for name, size in _SIZES.items():
                 if match := size.fullmatch(part.strip()):
-                    said = match[2].replace(",", ".").replace(";", " ")
-                    said = f"{said} {match[1]}" if match[1] else said
-                    if (length := _length(f"1 {said}" if name == "unit" else said)) is not None:
+                    text = match[2].replace(",", ".").replace(";", " ")
+                    text = f"{text} {match[1]}" if match[1] else text
+                    if (length := _length(f"1 {text}" if name == "unit" else text)) is not None:
                         axes = ("x step", "y step") if name == "xy step" else (name,)
                         sizes |= {axis: sizes.get(axis, length) for axis in axes}
         below = zip("xyz", re.split(r"[\s;,]+", line.strip()), strict=False)

@@ -27,7 +27,7 @@ _SURE_RISE = 1.0  # the same, beyond which a rise need not be sudden
 _SUDDEN = 0.05  # share of a stage within which half of a sudden rise comes
 _STANDARD_DEVIATIONS = 4.0  # of friction about its course, below which a rise is scatter
 _OF_SINE = 2 * math.sqrt(2) / math.pi  # mean of a sine, both ways above 0, of its rms
-_LIKE_SINE = 0.02  # share within which it is one, of which few samples have too low a mean
+_SINE_TOLERANCE = 0.02  # share within which it is one, of which few samples have too low a mean
 _SWING = 0.25  # share of its mean by which a signal that swings is above and below it
 _MANY = 50  # swings that are strokes, however many readings one has
 _COMMANDS = "load", "velocity"
@@ -219,8 +219,8 @@ def _level(column: Array | None, rows: slice) -> float | None:
     middle = float(np.median(values))
     if np.mean(np.abs(values - middle) <= _NEAR * middle) > 0.5:
         return middle
-    mean, of_sine = float(values.mean()), _OF_SINE * float(np.sqrt(np.mean(values**2)))
-    return of_sine if abs(mean / of_sine - 1) < _LIKE_SINE else mean
+    mean, sine_mean = float(values.mean()), _OF_SINE * float(np.sqrt(np.mean(values**2)))
+    return sine_mean if abs(mean / sine_mean - 1) < _SINE_TOLERANCE else mean
 
 
 def at_rest(column: Array) -> Array:
@@ -241,8 +241,8 @@ def _command(column: Array) -> Array:
         # The median of n readings is 1.25/√n as scattered as one; four of that are no other level.
         needed = (5 * noise / max(_APART * float(column.max()), 1e-300)) ** 2
         size = int(min(max(5, needed), max(5, len(column) // 20)))
-        still: Array = median_filter(column, size=size + 1 - size % 2, mode="reflect")
-        return still
+        filtered: Array = median_filter(column, size=size + 1 - size % 2, mode="reflect")
+        return filtered
     mean: Array = uniform_filter1d(column, max(5, 20 * len(column) // crossings), mode="reflect")
     return mean
 

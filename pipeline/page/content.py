@@ -121,7 +121,7 @@ def _page_facts(held: Results) -> dict[str, Any]:
     }
 
 
-def _told(test: Measurement) -> dict[str, Any]:
+def _test_facts(test: Measurement) -> dict[str, Any]:
     """A test, its place by the names of the axes, and its sign in the legend."""
     sign = f"test-{test.outcome}" if test.outcome else "transition"
     return test.as_dict() | {"load": test.normal_load, "sign": sign}
@@ -129,7 +129,7 @@ def _told(test: Measurement) -> dict[str, Any]:
 
 def _tests(held: Results, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
     """Tests with the nearest node, and the friction and bulk that each is judged at."""
-    told, tests = [], laboratory_tests(held)
+    facts, tests = [], laboratory_tests(held)
     drawn = reachable_tests(held, numbered(tests))[0].values()
     for test in tests:
         own = own_conditions(held, test)
@@ -137,14 +137,14 @@ def _tests(held: Results, loads: Array, velocities: Array, first: int) -> list[d
         names = ("friction", "bulk_temperature", "disk_temperature", "strip_friction")
         k = _nearest_of(loads, test.normal_load)
         j = first + _nearest_of(velocities[first:], test.velocity)
-        told.append(
-            _told(test)
+        facts.append(
+            _test_facts(test)
             | {"own": {name: there[name] for name in names if name in there}}
             | {"node": (k, j)}
             | {"isInside": bool(loads[0] <= test.normal_load <= loads[-1])}
             | {"isDrawn": test in drawn}
         )
-    return told
+    return facts
 
 
 def _nearest_of(places: Array, place: float) -> int:
@@ -192,7 +192,7 @@ def content_of_samples(held: Results) -> dict[str, Any]:
     plane = field.probability(loads[:, None], velocities, scatter)
     return {
         "name": held.sweep.about.name,
-        "measured": [_told(test) for test in laboratory_tests(held)],
+        "measured": [_test_facts(test) for test in laboratory_tests(held)],
         "outside": _outside(loads, velocities),
         "misfit": [("wear", field.misfit)] if field.misfit else [],
         "loads": loads.tolist(),
@@ -393,8 +393,8 @@ def rows_along(
     fine, factor = divided(velocities, parts), conditions.friction_factor
     if len(velocities) == 1:
         return rises, fine
-    told = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)
-    known = np.union1d(fine[[0, -1]], told)
+    stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)
+    known = np.union1d(fine[[0, -1]], stated)
     beyond = divided(known, _PARTS_BEYOND)
     nodes = np.concatenate(
         [
