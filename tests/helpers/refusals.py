@@ -150,7 +150,7 @@ def _refusal(node: ast.AST) -> str | None:
 def refusal_tests(
     room: str, table: dict[str, Any], elsewhere: Collection[str] = (), **stores: str
 ) -> tuple[Any, Any, Any]:
-    """The fixture and the tests of a room's table; fixtures of stores by the names of these."""
+    """Make the fixture and the tests of a room's table; `stores` names the fixture of each."""
 
     @pytest.fixture(scope="module")
     def refusals(request: Any, tmp_path_factory: Any) -> Refusals:

@@ -64,7 +64,7 @@ def exchanged(file):
     other.write_bytes(content)
 
 
-# Columns of a point, and flags of it, are written alike.
+# Columns are written alike, and so are flags: an array of each kind is enough.
 KINDS = "load", "status", "message", "mean_rise"
 OTHERS = ("x", "time", "asked", "wall_time", "steps", "checksum", "own_grid", "rise_quantile",
           "rise", "scene_id")  # fmt: skip
