@@ -168,14 +168,6 @@ def test_a_point_counts_the_tests_of_its_scene_unless_alone(scene, tmp_path, irg
     assert row["probability"] == pytest.approx(here.probability, rel=1e-9)
 
 
-def test_plot_writes_a_figure(store, tmp_path, irg):
-    out = tmp_path / "ramp.png"
-    document = irg("plot", store, "--kind", "ramp", "-o", out, "--json", "--friction", 0)
-    assert document == {"kind": "ramp", "file": str(out)}
-    assert out.read_bytes()[:4] == b"\x89PNG"
-    assert out.stat().st_size > 10_000
-
-
 def test_an_accuracy_is_stored_with_what_it_picked(scene, tmp_path, irg):
     out = tmp_path / "accurate.zarr"
     few = ("--set", 'sweep.loads=["400 N"]', "--set", 'sweep.velocities=["1 m/s", "2 m/s"]')

@@ -1,4 +1,4 @@
-"""Contents of figures, and a figure that is drawn again as points come."""
+"""Contents of figures."""
 
 import re
 from dataclasses import replace
@@ -17,8 +17,8 @@ from pipeline.figures.plot import plot
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.surface import find_lubrication
-from tests.helpers import samples, synthetic
-from tests.helpers.synthetic import MEASURED, VELOCITIES
+from tests.helpers import synthetic
+from tests.helpers.synthetic import VELOCITIES
 from tribo import InputError
 
 MILD, SEVERE = "mild wear, computed", "severe wear, computed"
@@ -90,17 +90,6 @@ def test_diagram_says_its_conditions(drawn):
         "pending",
         "measured transition",
     ]
-
-
-def test_every_point_is_marked_as_what_it_is(sweep, drawn):
-    marks = lines(drawn)
-    assert marks["failed"].tolist() == [[1.5, 300.0]]
-    assert sorted(marks["pending"].tolist()) == [[4.0, 700.0], [4.0, 750.0]]
-    for name, sign in ((MILD, -1), (SEVERE, 1)):
-        velocity, load = marks[name].T
-        rise = synthetic.rise(load, velocity, 0.9)
-        assert (sign * (rise - synthetic.limit()) > 0).all()
-    assert sum(map(len, marks.values())) == sweep["status"].size + len(MEASURED)
 
 
 def test_figures_are_drawn_on_axes_of_the_caller(sweep):
@@ -221,18 +210,6 @@ def test_each_test_is_drawn_over_the_velocity_of_the_closed_form_at_its_own_fric
     said = [text.get_text() for text in axes.figure.legends[0].get_texts()]
     assert "measured transition, beyond what was computed" in said
     assert "1 of 5 tests: not known" in said
-
-
-# Samples of what is not known exactly
-
-
-@pytest.fixture(scope="module")
-def unknown():
-    measured = [
-        {"normal_load": 400.0, "velocity": 1.6, "friction": None},
-        {"normal_load": 750.0, "velocity": 1.0, "friction": None},
-    ]
-    return samples.dataset(samples.ensemble(tests=measured))
 
 
 def test_a_ramp_shows_any_stored_variable_and_names_them(alone):

@@ -1,11 +1,9 @@
 """Forecasts of `irg check`, against what then happens."""
 
-import time
-
 import pytest
 
 from pipeline.sweep import plan
-from pipeline.sweep.plan import points, run_point, run_points, tasks
+from pipeline.sweep.plan import points, run_points, tasks
 from pipeline.tradeoff import forecast
 from pipeline.tradeoff.forecast import estimate
 from tests.helpers import tiny
@@ -99,19 +97,6 @@ def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkey
     assert estimate("uncertain", 1).seconds == pytest.approx(shared, rel=0.02)
 
 
-def test_the_time_is_that_of_a_whole_run_within_its_factor():
-    sweep = changed(SWEEP, fidelity=PRESETS["standard"])
-    for point in points(sweep)[:1]:
-        run_point(sweep, *point)  # what is imported and computed once
-    began = time.process_time()
-    trunks = Trunks()
-    for task in tasks(points(sweep), sweep):
-        run_points(sweep, task.points, trunks)
-    taken = time.process_time() - began
-    foretold = estimate(sweep, 1).seconds - 1.0  # the start of a cluster
-    assert taken / 3 < foretold < 3 * taken  # on a machine that is busy by turns
-
-
 def test_the_room_of_a_store_grows_with_the_moments_that_it_has():
     """10 moments of each point up to 750 N, or its end alone, beside what each store takes."""
     few = changed(SWEEP, fidelity=Fidelity(increments=10))
@@ -128,5 +113,3 @@ def test_a_store_takes_the_room_that_was_foretold_within_a_factor_of_two(alone):
 
 
 VELOCITIES = tuple(0.5 * k for k in range(1, 41))
-RUN, FIELDS = "temperatures before the last step (up to {} a point)", "fields, since the scene does"
-FIELDS += " not ask for them (up to {} MB)"
