@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,8 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import Kind, require_one_scene
-from pipeline.analysis.margin_frame import margin, row_labels
+from pipeline.analysis.dataset import Kind, require_kind, require_one_scene
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import frame_of
 from pipeline.analysis.transition import CROSSES, MILD, SEVERE, outcomes
@@ -33,9 +31,7 @@ class Difference:
 
     entries: pd.DataFrame  #: Entries of the scenes that differ: ``entry``, ``a``, ``b``.
     #: Critical velocities at the loads of both, each by its own conditions: ``load [N]``, ``a
-    #: [m/s]``, ``b [m/s]``, ``change [%]``, ``outcome a`` and ``outcome b``. Of rows with places of
-    #: their own margins: labels, ``a [K]``, ``b [K]``, ``change [K]``, verdicts, and ``in b`` what
-    #: is other there.
+    #: [m/s]``, ``b [m/s]``, ``change [%]``, ``outcome a`` and ``outcome b``.
     boundary: pd.DataFrame
     #: Points done in one alone or with other rises: ``load [N]``, ``velocity [m/s]``, ``variant``,
     #: ``state a``, ``state b``, ``rise a [K]``, ``rise b [K]`` and ``change [%]``.
@@ -64,21 +60,13 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     >>> pipeline.diff(store, store).boundary["change [%]"].to_list()
     [0.0, 0.0, 0.0, 0.0]
     """
-    both = first, second = results(a), results(b)
-    have_places = [held.kind is Kind.PLACES for held in both]
-    if not any(have_places):
-        for held in both:
-            require_one_scene(held.entry_dims)
-            held.require_lists(*PLANE)
-    elif not all(have_places):
-        raise InputError(
-            "one store has rows, each with its own load and velocity, the other a plane; compare "
-            "two stores of one kind"
-        )
+    first, second = results(a), results(b)
+    for held in (first, second):
+        require_kind(held.kind, Kind.PLANE, Kind.SAMPLES)
+        require_one_scene(held.entry_dims)
+        held.require_lists(*PLANE)
     points, alike = _points(first, second)
-    between = _margins if all(have_places) else _boundary
-    crossings = between(first, second)
-    return Difference(_entries(first, second), crossings, points, alike)
+    return Difference(_entries(first, second), _boundary(first, second), points, alike)
 
 
 def _entries(a: Results, b: Results) -> pd.DataFrame:
@@ -100,29 +88,6 @@ def _boundary(a: Results, b: Results) -> pd.DataFrame:
     change = both["velocity b"] / both["velocity a"] - 1
     columns = both["load"], both["velocity a"], both["velocity b"], change
     return frame_of(heads, zip(*columns, both["outcome a"], both["outcome b"], strict=True))
-
-
-def _margins(a: Results, b: Results) -> pd.DataFrame:
-    """Margins of rows with places of their own, row by row, and the labels in which they differ."""
-    tables = [margin(held) for held in (a, b)]
-    count = max(map(len, tables))
-    labels = [table[row_labels(table)].reindex(range(count)) for table in tables]
-    first, second = (table.reindex(range(count)) for table in tables)
-    frame = labels[0].combine_first(labels[1])[[*dict.fromkeys([*labels[0], *labels[1]])]]
-    frame["a [K]"], frame["b [K]"] = first["distance [K]"], second["distance [K]"]
-    frame["change [K]"] = frame["b [K]"] - frame["a [K]"]
-    frame["verdict a"], frame["verdict b"] = first["verdict"], second["verdict"]
-    both = zip(*(one.to_dict("records") for one in labels), strict=True)
-    frame["in b"] = [_unlike(*records) for records in both]
-    return frame
-
-
-def _unlike(a: Mapping[str, Any], b: Mapping[str, Any]) -> str | None:
-    """Labels of a row of the second store that differ from those of the first, in words."""
-    heads = [head for head in b if pd.notna(a.get(head)) and pd.notna(b[head])]
-    unlike = [head for head in heads if a[head] != b[head]]
-    words = (f"{head} {b[head] if isinstance(b[head], str) else f'{b[head]:g}'}" for head in unlike)
-    return ", ".join(words) or None
 
 
 def _critical_velocities(held: Results) -> pd.DataFrame:

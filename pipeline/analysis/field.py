@@ -11,7 +11,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -62,20 +62,8 @@ class Field(Protocol):
         """Results of the scene or the row."""
 
     @property
-    def entries(self) -> Mapping[str, Any]:
-        """Values of the entries that have several, by their paths."""
-
-    @property
-    def shown(self) -> Mapping[str, Any]:
-        """All labels of the row."""
-
-    @property
     def ends(self) -> Mapping[str, tuple[float, float]]:
         """Ends of the loads [N] and velocities [m/s] asked for."""
-
-    @property
-    def place(self) -> tuple[float, float] | None:
-        """Load [N] and velocity [m/s] of a row that has no plane."""
 
     @property
     def counts_inputs(self) -> bool:
@@ -90,8 +78,8 @@ class Field(Protocol):
         """Why the tests contradict the model; empty if they do not."""
 
     @property
-    def basis(self) -> tuple[Mapping[str, Any], Sequence[str]]:
-        """What answers rest on beside computed points: as plain data, and in lines."""
+    def basis(self) -> Sequence[str]:
+        """What answers rest on beside computed points, in lines."""
 
     def judged_by(self, own: Mapping[str, float]) -> Field:
         """The field under the conditions of a row of a table; see `Conditions.row_conditions`."""
@@ -142,19 +130,16 @@ class PointField:
     promised: float | None  # relative error of boundary velocities
     ends: Mapping[str, tuple[float, float]]  # ends of the loads [N] and velocities [m/s] asked for
     source: Results  # where the rises are from
-    entries: Mapping[str, Any] = field(default_factory=dict)
-    shown: Mapping[str, Any] = field(default_factory=dict)
-    place: tuple[float, float] | None = None
     from_rest: bool = False  # the sweep has points at rest, below its lowest velocity
     misfit: str = ""
-    basis: tuple[Mapping[str, Any], Sequence[str]] = ({}, ())
+    basis: Sequence[str] = ()
     counts_inputs = False
 
     @property
     def at_once(self) -> int:
         """See `Field`; so many lines take some 200 MB."""
-        parts = _PARTS if self.conditions.has_friction_curve else 1
-        return 1 + _POINTS // (parts * self._rises[:, 0].size)
+        width = 2 * _PLACES if self.conditions.has_friction_curve else len(self.velocities)
+        return 1 + _POINTS // (width * len(self.planes))
 
     @property
     def weights(self) -> Array:
@@ -424,9 +409,6 @@ def point_field(ds: xr.Dataset | Results, conditions: Conditions | None = None) 
         promised=velocity_error(scene.sweep),
         ends=ends,
         source=scene,
-        entries={path: whole.rows[path].item() for path, _ in whole.name},
-        shown=whole.labels,
-        place=place,
         from_rest=0.0 in whole.velocities and scene is not whole,
     )
 

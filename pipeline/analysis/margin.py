@@ -196,7 +196,7 @@ def answers(
         "critical_sd": field.conditions.critical_sd,
         "misfit": field.misfit,
         "caveats": caveats(field.source.sweep, field.conditions, field.counts_inputs),
-        "entries": field.entries,
+        "entries": {path: field.source.rows[path].item() for path, _ in field.source.name},
     }
     rows = zip(*columns.values(), strict=True)
     margins = (Margin(**shared, **dict(zip(columns, row, strict=True))) for row in rows)

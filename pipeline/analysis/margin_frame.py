@@ -134,12 +134,13 @@ def judged(ds: xr.Dataset | Results, points: OperatingPoints | None) -> Iterator
         require_kind(held.kind, Kind.PLANE, Kind.SAMPLES)
     for field in fields(held):
         scatter = model_error(field.source, field)
-        if points is None and field.place is None:
+        place = field.source.place
+        if points is None and place is None:
             raise InputError(
                 "no operating point is given, and the rows have none of their own; give a load and "
                 "a velocity (--load and --velocity), or a table of them (--points)"
             )
-        own_place = [(Place(*field.place), dict[str, float]())] if field.place else []
+        own_place = [(Place(*place), dict[str, float]())] if place else []
         places = [*(points.rows if points else own_place)]
         for begin in range(0, len(places), field.at_once):
             yield from _judged_places(field, places[begin : begin + field.at_once], scatter)
@@ -180,7 +181,7 @@ def margin_frame(
     heads = heads_of(held.rows, names)
     labels = pd.DataFrame(
         {
-            head: [shown_label(held.rows[name], one.field.shown[name]) for one in found]
+            head: [shown_label(held.rows[name], one.field.source.labels[name]) for one in found]
             for name, head in heads.items()
         }
     )
@@ -217,7 +218,7 @@ def _value(margin: Margin, name: str) -> Any:
 
 def _labels(found: Sequence[Judged]) -> list[str]:
     """Labels of rows with places of their own; their numbers where they have no others."""
-    held = [name for one in found[:1] for name in one.field.shown]
+    held = [name for one in found[:1] for name in one.field.source.labels]
     return [name for name in held if name != VARIANT] or held
 
 

@@ -48,7 +48,7 @@ def margin(options: argparse.Namespace) -> Result:
         rests += [words.model_error_line(one.model_error for one in known)] if known else []
         rests += [*remarks("warning", *dict.fromkeys(one.misfit for one in known))]
         lines += wrapped([*rests, *words.deciding_lines(known)])
-    rests_on = dict.fromkeys(line for one in found for line in one.field.basis[1])
+    rests_on = dict.fromkeys(line for one in found for line in one.field.basis)
     lines += [*rests_on, *words.missing_lines(held.missing)]
     return Result(text=[*lines, *caveats], warned=pipeline.warned(held), frames=[table])
 
@@ -59,7 +59,8 @@ def place_lines(held: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
     if len(found) == 1:
         found[0].known()
     for one in found:
-        labels = {name: value for name, value in one.field.shown.items() if name in held.front}
+        told = one.field.source.labels
+        labels = {name: value for name, value in told.items() if name in held.front}
         lines += [f"{row}:" for row in [entries_in_words(held.rows, labels)] if row]
         lines += wrapped(words.margin_lines(one.margin) if one.margin else [one.reason])
     is_molten = any(one.margin and one.margin.decisive_temperature > MELTS for one in found)
@@ -88,7 +89,7 @@ def boundary(options: argparse.Namespace) -> Result:
     rests += words.boundary_lines(crossings)
     rests += [f"{agreement(tests)} They are printed by --by test."] if tests is not None else []
     if not is_plane:
-        rests += dict.fromkeys(line for field in fields(held) for line in field.basis[1])
+        rests += dict.fromkeys(line for field in fields(held) for line in field.basis)
     rests += remarks("warning", turns_left_out(held, crossings) if is_plane else None)
     rule = judged_by((one.conditions for one in held.scenes), held.sweep.variants.rule.unknown)
     text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(held)])]

@@ -128,7 +128,8 @@ def _draw_scenes(axes: Axes, held: Results) -> tuple[list[Artist], str]:
     x, y = _between(held.velocities, 96), _between(held.loads, 48)
     for field, shade in zip(several, shades, strict=True):
         plane = np.median(_excess(field, x, y), axis=0)
-        name = ", ".join(value_text(held.rows[path], field.shown[path]) for path in held.entry_dims)
+        labels = field.source.labels
+        name = ", ".join(value_text(held.rows[path], labels[path]) for path in held.entry_dims)
         look: dict[str, Any] = style.BOUNDARY | {"color": shade}
         if not zero_line(axes, x, y, plane, f"boundary {name}", **look):
             name, look = f"{name}: no transition computed", {"ls": "none"}

@@ -79,7 +79,7 @@ def _answer(held: Results) -> Iterator[str]:
     else:
         yield from (*next_run_lines(found := boundary(held)), *boundary_lines(found))
     for field in fields(held):
-        yield from filter(None, (field.misfit, *field.basis[1]))
+        yield from filter(None, (field.misfit, *field.basis))
     yield from warned(held).lines()
 
 

@@ -25,13 +25,12 @@ def sensitivity(options: argparse.Namespace) -> Result:
     ds = given.dataset_in(options)
     with working("weighing the inputs"):
         samples = single_field(ds)
-    document, notes = samples.basis
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(samples.ensemble, samples.given_draws)
     frame = _indices(indices)
-    text = [*notes, *_describe_indices(indices, frame)]
+    text = [*samples.basis, *_describe_indices(indices, frame)]
     draw = partial(pipeline.plot, indices, title=samples.ensemble.title)
-    return Result(document | indices.as_dict(), text, pipeline.warned(ds), [frame], draw)
+    return Result(indices.as_dict(), text, pipeline.warned(ds), [frame], draw)
 
 
 def _indices(indices: Sensitivity) -> pd.DataFrame:

@@ -6,7 +6,6 @@ import functools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -65,9 +64,6 @@ class SampleField:
     draws: Draws
     source: Results
     posterior: Posterior | None = None
-    entries: Mapping[str, Any] = field(default_factory=dict)
-    shown: Mapping[str, Any] = field(default_factory=dict)
-    place: tuple[float, float] | None = None
     _kept: dict[float, tuple[Array, Array]] = field(default_factory=dict, init=False)
     counts_inputs = True
     at_once = 50
@@ -115,20 +111,9 @@ class SampleField:
         return self.posterior.rig_scatter if self.posterior else 0.0
 
     @property
-    def basis(self) -> tuple[dict[str, Any], list[str]]:
+    def basis(self) -> list[str]:
         """See `Field`."""
-        ensemble = self.ensemble
-        document = {
-            "given_measured": self.posterior is not None,
-            "misfit": self.misfit,
-            "samples": len(ensemble.inputs),
-            "samples_left_out": ensemble.missing,
-            "unknown": [one.as_dict() for one in ensemble.unknown],
-            "fixed": {one.unknown.path: one.value for one in ensemble.fixed},
-            "left_out_held": ensemble.left_out.held,
-            "left_out_contacts": ensemble.left_out.contacts,
-        }
-        return document, [*self._notes()]
+        return [*self._notes()]
 
     def _notes(self) -> Iterator[str]:
         ensemble, weighed = self.ensemble, self.posterior
@@ -335,7 +320,7 @@ def single_field(ds: xr.Dataset | Results) -> SampleField:
     ensemble = Ensemble.of(scene)
     weighed = posterior_at(scene, ensemble)
     draws = draws_of(ensemble, weighed.draws if weighed else None)
-    return SampleField(ensemble, draws, scene, weighed, scene.entries, scene.labels)
+    return SampleField(ensemble, draws, scene, weighed)
 
 
 def _describe_left_out(ensemble: Ensemble) -> str:

@@ -57,16 +57,6 @@ def test_a_page_of_pairs_answers_row_by_row(stores, tmp_path):
     assert "Not known" not in page
 
 
-def test_a_difference_of_pairs_is_of_their_margins_row_by_row(stores, irg):
-    between = pipeline.diff(stores["alone"], stores["other"])
-    here = pipeline.margin(stores["alone"])["distance [K]"].to_list()
-    assert between.boundary["a [K]"].to_list() == here
-    assert between.boundary["change [K]"].to_list()[0] == 0
-    assert between.boundary["in b"].fillna("").to_list() == ["", "load [N] 600"]
-    assert (between.alike, len(between.points)) == (1, 1)
-    assert "verdict b" in irg("diff", stores["alone"], stores["other"])
-
-
 def test_one_row_of_pairs_is_a_plane_of_one_point(stores):
     row = pipeline.at(stores["alone"], variant=1)
     margin = pipeline.margin(row, 300.0, 1.0)
