@@ -28,10 +28,13 @@ from pipeline.run import work
 from pipeline.run.cluster import client_of
 from pipeline.run.jobs import Jobs
 from pipeline.store.write import Store
-from tests.cluster.cheap import EnoughError
 from tests.crash.many import sweep_of
 
 ROOT = Path(__file__).parents[2]
+
+
+class EnoughError(Exception):
+    """The time is over."""
 
 
 class Waiting:

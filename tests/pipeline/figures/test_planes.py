@@ -12,7 +12,7 @@ from tests.helpers.entries import two_pins as radii_rows
 from tribo import InputError
 
 LOADS, VELOCITIES = (200.0, 300.0, 400.0, 500.0, 600.0), (1.0, 1.5, 2.0, 3.0, 4.0)
-OWN, LIMIT = synthetic.conditions(), synthetic.limit()
+LIMIT = synthetic.limit()
 
 
 def sweep(**told):

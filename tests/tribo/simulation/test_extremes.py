@@ -1,7 +1,4 @@
-"""Extremes: each ends soon, in a result that is proven or an error that says why.
-
-``python -m tests.tribo.simulation.test_extremes`` lists them.
-"""
+"""Extremes: each ends soon, in a result that is proven or an error that says why."""
 
 import itertools
 import math
@@ -335,11 +332,3 @@ def test_wear_stays_smooth_or_is_warned_of_at_any_step_length(scheme, pattern):
             assert waves < 1.1
     if scheme == "explicit":
         assert results[10.0][0] > 2  # it does fail where it is warned of
-
-
-# Bad input: each says where it is.
-
-
-if __name__ == "__main__":
-    for case in EXTREMES:
-        print(f"{case.group}: {case.what}: {case.outcome}")
