@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -51,21 +51,6 @@ def caveats_of(ds: xr.Dataset | PathLike | Results) -> list[str]:
     is_drawn = held.kind is Kind.SAMPLES
     lines = (caveats(one.sweep, one.conditions, is_drawn) for one in held.scenes)
     return [*dict.fromkeys(itertools.chain(*lines))]
-
-
-def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
-    """Boundaries of all scenes one by one, each after the values of its entries in words."""
-    names = entry_dims(boundaries["mild_below"])
-    for places in np.ndindex(*(boundaries.sizes[name] for name in names)):
-        part = boundaries.isel(dict(zip(names, places, strict=True)))
-        values = {name: part[name].item() for name in names}
-        attributes = {
-            str(name): coord.item()
-            for name, coord in part.coords.items()
-            if name not in names and set(names) & set(boundaries[name].dims)
-        }
-        part = part.drop_vars([*names, *attributes]).assign_attrs(attributes)
-        yield words(boundaries, values), part
 
 
 def attribute_values(boundaries: xr.Dataset, name: str) -> list[Any]:

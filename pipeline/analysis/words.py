@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.margin import Margin
-from pipeline.analysis.scenes import attribute_values, parts_of
+from pipeline.analysis.scenes import attribute_values
 from pipeline.analysis.transition import outcomes
 from pipeline.quantities import UNITS, display, shown_in
 from pipeline.sweep.remarks import remarks
@@ -39,22 +39,20 @@ def boundary_lines(boundaries: xr.Dataset) -> list[str]:
     ]
 
 
-def next_run_lines(boundaries: xr.Dataset) -> Iterator[str]:
-    """Velocities below which the next run is mild and above which severe, a line a scene."""
-    for labels, part in parts_of(boundaries):
-        said = []
-        for load in dict.fromkeys(part["load"].values[[0, -1]].tolist()):
-            low, high = (
-                float(part[name].sel(load=load)) for name in ("mild_below", "severe_above")
-            )
-            ends = [
-                f"{kind} {f'{side} {end:.3g} m/s' if 0 < end < np.inf else 'nowhere that is known'}"
-                for kind, side, end in (("mild", "below", low), ("severe", "above", high))
-            ]
-            if low == np.inf or high == 0:
-                ends = ["mild throughout" if low == np.inf else "severe throughout"]
-            said.append(f"{' and '.join(ends)} at {load:g} N")
-        yield f"{f'{labels}: ' if labels else ''}the next run is {'; '.join(said)}"
+def next_run_line(boundary: xr.Dataset) -> str:
+    """Velocities below which the next run of a scene is mild and above which severe."""
+    said = []
+    for load in dict.fromkeys(boundary["load"].values[[0, -1]].tolist()):
+        here = boundary.sel(load=load)
+        low, high = here["mild_below"].item(), here["severe_above"].item()
+        ends = [
+            f"{kind} {f'{side} {end:.3g} m/s' if 0 < end < np.inf else 'nowhere that is known'}"
+            for kind, side, end in (("mild", "below", low), ("severe", "above", high))
+        ]
+        if low == np.inf or high == 0:
+            ends = ["mild throughout" if low == np.inf else "severe throughout"]
+        said.append(f"{' and '.join(ends)} at {load:g} N")
+    return f"the next run is {'; '.join(said)}"
 
 
 def margin_lines(here: Margin) -> Iterator[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -133,11 +133,8 @@ def one_scene_in(options: argparse.Namespace, points: Sequence[Point] | None = N
     return sweep
 
 
-def dataset_in(
-    options: argparse.Namespace, store: Path | str | None = None, without: Container[str] = ()
-) -> xr.Dataset:
-    """The store, or another one, judged as the user asked for, without some entries of --at."""
+def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
+    """The store, or another one, judged as the user asked for."""
     ds = pipeline.open_sweep(store or options.store)
-    entries = {path: at for path, at in judged_entries(options).items() if path not in without}
     weighing = values_in(options, "given_measured", "scatter", "oil")
-    return pipeline.at(ds, **conditions_in(options), **weighing, **entries)
+    return pipeline.at(ds, **conditions_in(options), **weighing, **judged_entries(options))

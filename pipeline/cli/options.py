@@ -234,7 +234,7 @@ OF_BOUNDARY = (
 OF_PLOT = (
     Option(
         "--kind", default="diagram",
-        choices=("diagram", "ramp", "fields", "temperature"),
+        choices=("diagram", "ramp", "fields", "temperature", "tests"),
         help="default: diagram; temperature is drawn over the velocity",
     ),
     output("FILE.png", "file of the figure; default: beside the store"),

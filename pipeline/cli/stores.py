@@ -10,7 +10,6 @@ from pathlib import Path
 import pandas as pd
 
 import pipeline
-from pipeline.analysis.at import open_inputs
 from pipeline.analysis.tables import frame_of, short
 from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import dataset_in
@@ -19,7 +18,6 @@ from pipeline.store.place import ROOT, StoreError, place_of, remedy
 from pipeline.store.progress import FailedPoint, Summary, summary
 from pipeline.store.root import read_sweep
 from pipeline.sweep.accuracy import error_in_words
-from pipeline.sweep.conditions import PATHS
 
 _MOST_POINTS = 10  # that are printed; files have all
 _HEADS = "name", "state", "points", "done", "failed", "pending", "preset", "title"
@@ -109,15 +107,7 @@ def verify(options: argparse.Namespace) -> Result:
 
 def diff(options: argparse.Namespace) -> Result:
     """Print the differences between two stores."""
-    paths = options.store, options.other
-    taken = [
-        {*map(str, ds.dims), *open_inputs(ds), *PATHS.values()}
-        for ds in map(pipeline.open_sweep, paths)
-    ]
-    stores = [  # an entry that one store alone has is of that one
-        dataset_in(options, path, without=others - own)
-        for path, own, others in zip(paths, taken, reversed(taken), strict=True)
-    ]
+    stores = [dataset_in(options, path) for path in (options.store, options.other)]
     between = pipeline.diff(*stores)
     entries, crossings, points = between.entries, between.boundary, between.points
     changes = points["change [%]"].dropna().abs()

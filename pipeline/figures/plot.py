@@ -16,6 +16,7 @@ from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.ramp import ramp, temperature
+from pipeline.figures.tested import measured_over_computed
 from pipeline.scene.units import in_si
 from tribo import InputError
 
@@ -24,6 +25,7 @@ KINDS: dict[str, Callable[..., Figure]] = {
     "ramp": ramp,
     "fields": fields,
     "temperature": temperature,
+    "tests": measured_over_computed,
 }
 """Function that draws each kind of figure of a sweep, the usual one first."""
 
@@ -44,7 +46,7 @@ def plot(
     ds : Dataset or path
         Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store. Or
         what `pipeline.vary`, `trade`, `sensitivity` or `posterior` gave.
-    kind : {"diagram", "ramp", "fields", "temperature"}, optional
+    kind : {"diagram", "ramp", "fields", "temperature", "tests"}, optional
         Name of the figure of a sweep, the diagram if not given.
     out : path, optional
         File to write; its suffix, one of .pdf, .png and .svg, decides the format.
@@ -56,7 +58,7 @@ def plot(
     **options
         Options of the kind:
 
-        - of each, ``realization``, seed of the surface to draw (if not given the first;
+        - of each but tests, ``realization``, seed of the surface to draw (if not given the first;
           in a diagram all, with a band from the tenth to the ninetieth of a hundred).
         - diagram: ``log``, True for logarithmic axes, without velocity 0.
         - ramp, fields, temperature: ``load`` [N], or text with a unit, of which the nearest that
@@ -64,7 +66,7 @@ def plot(
         - ramp, fields: ``velocity`` [m/s], or text with a unit; of a ramp several. If not given,
           the one nearest to the transition at that load.
         - ramp: ``show``, name of a variable at each step, in place of contact and wear.
-        - diagram, temperature: ``ax``, axes of matplotlib to draw on; not of samples.
+        - diagram, temperature, tests: ``ax``, axes of matplotlib to draw on; not of samples.
         - of a sensitivity: ``title``, that of the scene.
 
     Returns

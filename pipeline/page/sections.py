@@ -18,7 +18,7 @@ from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import caveats_of
 from pipeline.analysis.tables import frame_of, html_of, notes_of, short
 from pipeline.analysis.warned_points import warned
-from pipeline.analysis.words import boundary_lines, next_run_lines
+from pipeline.analysis.words import boundary_lines, next_run_line
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.reference import all_keys
 from pipeline.scene.written import scene_entries
@@ -77,7 +77,8 @@ def _answer(held: Results) -> Iterator[str]:
     if held.kind is Kind.PLACES:
         yield counts_in_words(margin(held))
     else:
-        yield from (*next_run_lines(found := boundary(held)), *boundary_lines(found))
+        yield next_run_line(found := boundary(held))
+        yield from boundary_lines(found)
     for field in fields(held):
         yield from filter(None, (field.misfit, *field.basis))
     yield from warned(held).lines()

@@ -7,7 +7,7 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.words import boundary_lines, next_run_lines
+from pipeline.analysis.words import boundary_lines, next_run_line
 from pipeline.store.schema import PENDING
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
@@ -185,7 +185,7 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
 
 @pytest.mark.parametrize(("friction", "side"), [(0.0, "mild"), (1e6, "severe")])
 def test_a_run_that_is_mild_or_severe_at_all_velocities_is_said_to_be_so(friction, side):
-    (said,) = next_run_lines(boundary(pipeline.at(synthetic.sweep(), friction=friction)))
+    said = next_run_line(boundary(pipeline.at(synthetic.sweep(), friction=friction)))
     assert said == f"the next run is {side} throughout at 200 N; {side} throughout at 750 N"
 
 

@@ -8,6 +8,7 @@ import pytest
 from scipy import integrate, stats
 
 import pipeline
+from pipeline import plot
 from pipeline.analysis.field import fields, point_field
 from pipeline.analysis.laboratory import (
     NOT_KNOWN,
@@ -221,6 +222,7 @@ def test_the_tests_of_the_chosen_oil_alone_count_in_any_order_and_answers_name_i
             f"−{100 * scale:.2g} to +10 % in velocity, {rest} A and a prior of 10 %",
             f"−10 to +{100 * high:.2g} % in velocity, {rest} B and a prior of 10 %",
         ]
+        assert plot(ds, "tests").axes[0].get_ylabel() == "velocity of the test [m/s]"
     alone = synthetic.sweep(measured=tuple(tests[:2]))  # one oil needs no choice
     assert "of oil A" in pipeline.boundary(alone).attrs["model_error"]
     of_scene = synthetic.sweep(measured=tuple(tests))  # the tests without a name

@@ -15,8 +15,10 @@ from pipeline.figures import plot as live
 from pipeline.figures.diagram import diagram
 from pipeline.figures.plot import plot
 from pipeline.store.schema import FAILED, PENDING
+from pipeline.sweep.about import Measurement
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
+from tests.helpers.synthetic import VELOCITIES
 from tribo import InputError
 
 MILD, SEVERE = "mild wear, computed", "severe wear, computed"
@@ -176,6 +178,38 @@ def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     thick = diagram(synthetic.sweep([200.0, 600.0], [1.0, 2.0], **rough))
     said = [text for text in labels(thick.legends[0]) if text.startswith("Λ")]
     assert said[0].endswith(": boundary lubrication")
+
+
+def test_each_test_is_drawn_over_the_velocity_of_the_closed_form_at_its_own_friction():
+    transitions = (
+        Measurement(600.0, 1.5, 0.1),
+        Measurement(400.0, 2.25, 0.091, velocity_scatter=0.2),
+    )
+    mild = Measurement(200.0, 3.0, outcome="mild")
+    beyond, unknown = Measurement(200.0, 3.5, 0.07), Measurement(900.0, 1.0)
+    ds = synthetic.sweep(measured=(*transitions, beyond, unknown), tested=(mild,))
+    axes = plot(ds, "tests").axes[0]
+    drawn = {}
+    for bars in axes.containers:
+        (ends,) = bars.lines[2][0].get_segments()
+        drawn[ends[0, 0], round(float(ends[:, 1].mean()), 9)] = ends
+    points = {tuple(point) for line in axes.lines if line.get_gid() for point in line.get_xydata()}
+    assert {y for _, y in points} == {y for _, y in drawn}
+    for test in (*transitions, mild):
+        limit = (418.15 - 298.15) / (test.friction or 0.1)
+        ratio = limit / synthetic.rise(test.normal_load, 1.0, 0.9)
+        critical = ratio ** (1 / synthetic.VELOCITY_EXPONENT)
+        ((x, y),) = (place for place in drawn if place[1] == test.velocity)
+        assert x == pytest.approx(critical, rel=1e-3)
+        error = 0.0 if test.outcome else test.velocity_scatter or 0.05 * y
+        assert np.ptp(drawn[x, y][:, 1]) == pytest.approx(2 * error)
+    (far,) = (place for place in drawn if place[1] == beyond.velocity)
+    limit = synthetic.limit(friction=beyond.friction)
+    assert far[0] == pytest.approx(synthetic.critical_velocity(200.0, limit), rel=1e-3)
+    assert far[0] > VELOCITIES[-1]
+    said = [text.get_text() for text in axes.figure.legends[0].get_texts()]
+    assert "measured transition, beyond what was computed" in said
+    assert "1 of 5 tests: not known" in said
 
 
 def test_a_ramp_shows_any_stored_variable_and_names_them(alone):

@@ -5,9 +5,11 @@ from functools import cache
 from matplotlib.figure import Figure
 
 import pipeline
+from pipeline.figures.tested import measured_over_computed
 from pipeline.run.vary import Variation, Variations
 from pipeline.store.create import writing
 from pipeline.store.schema import FAILED, PENDING
+from pipeline.sweep.about import Measurement
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import placed_rows
 from tests.helpers.refusals import refusal_tests
@@ -57,6 +59,10 @@ def without_figure():
     return pipeline.plot(plane(), "temperature", ax=axes)
 
 
+def over_computed(*measured, **values):
+    return lambda: measured_over_computed(synthetic.sweep(measured=measured, **values))
+
+
 BASE = Variation("", "", (2.0,), ("crosses",))
 VARIED = Variations("A scene", (400.0,), BASE, (), points=1, contacts=1)
 
@@ -82,6 +88,10 @@ REFUSALS = {
     "velocity": (plot("fields", velocity=9.0), "velocity is 9 m/s; the sweep has 0.5 to"),
     "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the sweep holds no fields"),
     "show": (plot("ramp", show="colour"), "show is 'colour'; stored at each step are"),
+    "no tests": (over_computed(), "the scene has no tests to draw"),
+    "far tests": (over_computed(Measurement(9000.0, 1.0)), "no test of the scene is in the sweep"),
+    "begun tests": (over_computed(Measurement(600.0, 1.5), status=synthetic.NOTHING),
+                    "too little is done to tell of any test; go on with irg run"),
 }  # fmt: skip
 
 

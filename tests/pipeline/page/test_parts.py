@@ -14,7 +14,7 @@ from PIL import Image
 import pipeline
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import model_error
-from pipeline.analysis.words import boundary_lines, next_run_lines
+from pipeline.analysis.words import boundary_lines, next_run_line
 from pipeline.page.content import (
     content,
 )
@@ -59,7 +59,7 @@ def test_a_page_has_the_answer_the_inputs_and_the_origin_in_words(tmp_path):
     text = text_of(ds, tmp_path)
     sweep = pipeline.results(ds).sweep
     found = pipeline.boundary(ds)
-    boundary = [*next_run_lines(found), *boundary_lines(found)]
+    boundary = [next_run_line(found), *boundary_lines(found)]
     for words in (
         *(line[1:] for line in boundary), "1 points are pending or failed",
         "pin.radius 2 mm Radius in the plane of sliding", "Young's modulus",

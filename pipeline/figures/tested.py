@@ -1,0 +1,99 @@
+"""Tests of the laboratory beside what is computed for them: measured over computed velocity."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import numpy as np
+import xarray as xr
+from matplotlib import rcParams
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pipeline.analysis.dataset import Kind, require_kind, require_one_scene
+from pipeline.analysis.field import point_field
+from pipeline.analysis.laboratory import (
+    USUAL_SCATTER,
+    comparison,
+    laboratory_tests,
+    model_error,
+    own_conditions,
+    untold_oils,
+)
+from pipeline.analysis.margin import DECIDED
+from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.results import Results, results
+from pipeline.figures import style
+from pipeline.figures.overlays import TESTS, numbered
+from pipeline.figures.style import BLACK, GREY
+from pipeline.store.schema import PENDING
+from tribo import InputError
+
+_ROOM = 1.25  # factor of velocity about the tests
+
+
+@style.house_style
+def measured_over_computed(ds: xr.Dataset | Results, ax: Axes | None = None) -> Figure:
+    """Draw the velocity of each test over the critical one computed at its own conditions."""
+    read = results(ds)
+    require_kind(read.kind, Kind.PLANE)
+    require_one_scene(read.entry_dims)
+    held = numbered(laboratory_tests(read))
+    if not held:
+        raise InputError(
+            "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene, or a "
+            "log of them as irg tests writes it"
+        )
+    field, found = point_field(read), []
+    for number, test in held.items():
+        with suppress(InputError):  # as warm as the critical temperature
+            one = comparison(field.under(own_conditions(read, test)), test)
+            if one.is_known and 0 < one.critical < np.inf:
+                found.append((number, test, one))
+    if not found:
+        if (read.asked & (read.columns["status"] == PENDING)).any():
+            raise InputError("too little is done to tell of any test; go on with irg run")
+        raise InputError("no test of the scene is in the sweep; add loads and velocities to it")
+    figure, axes = style.canvas(ax, (8.0, 5.6))
+    places = np.array([(one.critical, test.velocity) for _, test, one in found])
+    ends = places.min() / _ROOM, places.max() * _ROOM
+    oils = untold_oils(read.sweep.about)
+    scatter = model_error(read, field) if len(oils) < 2 else None  # one error is of one oil
+    _draw_band(axes, np.array(ends), scatter)
+    labels = set[str]()
+    for number, test, one in found:
+        name, gid, marker, mfc, mec = TESTS[test.outcome]
+        is_beyond = one.critical != one.turn
+        label = name + ", beyond what was computed" * is_beyond
+        if test.outcome and one.is_severe != (test.velocity > one.critical):
+            marker, label = "v", f"{label}; computed severe below, mild above"
+        error = 0.0 if test.outcome else test.velocity_scatter or USUAL_SCATTER * test.velocity
+        place, alpha = (one.critical, test.velocity), style.FAINT if is_beyond else 1.0
+        axes.errorbar(*place, error, fmt="none", ecolor=GREY, alpha=alpha)
+        axes.plot(
+            *place, ls="none", marker=marker, ms=style.BIG * rcParams["lines.markersize"], mfc=mfc,
+            mec=mec, alpha=alpha, gid=gid, label="" if label in labels else label,
+        )  # fmt: skip
+        axes.annotate(number, place, (6, 3), textcoords="offset points", fontsize="small")
+        labels.add(label)
+    if unknown := len(held) - len(found):
+        axes.plot([], [], ls="none", label=f"{unknown} of {len(held)} tests: not known")
+    axes.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
+    style.plain_numbers(axes)
+    axes.set(xlabel="critical velocity computed at the test's own conditions [m/s]")
+    axes.set_ylabel("velocity of the test [m/s]")
+    style.write_title(axes, f"{style.title_of(read)}\ncomputed against measured")
+    caption = f"tests of {len(oils)} oils: {', '.join(oils)}"
+    caption = f"the model's own error: {scatter.worded}" if scatter else caption
+    style.legend_below(figure, ax, ncols=2, caption=caption)
+    return figure
+
+
+def _draw_band(axes: Axes, line: np.ndarray, scatter: Scatter | None) -> None:
+    """The line on which a test is as computed, and where a run is neither mild nor severe."""
+    if scatter:
+        ratios = np.geomspace(line[0] / line[1], line[1] / line[0], 801)
+        shares = 1 - scatter.below(-np.log(ratios))
+        low, high = np.interp([DECIDED[0], DECIDED[-1]], shares, ratios)
+        axes.fill_between(line, low * line, high * line, label="next run not decided", **style.BAND)
+    axes.plot(line, line, color=BLACK, label="measured as computed; mild wear below, severe above")
