@@ -64,10 +64,6 @@ _STARTS = 3  # to start workers, one of which may be killed meanwhile
 _START = 120.0  # [s] that the workers may take to start
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
 _WORD = 10.0  # [s] without a worker, after which the user is told
-_IDLE = (
-    "each Dask worker computes one point at a time, and its other threads stand idle: start "
-    "workers of one thread, as Client(threads_per_worker=1) and dask worker --nthreads 1 do"
-)
 _ADVICE = "take fewer workers, or fewer window.pixels"
 _OF_DASHBOARD = ["distributed.http.statics"]  # beside its pages, and nothing that gives commands
 
@@ -125,7 +121,7 @@ class Connection:
         cluster: LocalCluster | None = None,
     ) -> None:
         self.client, self.patience = client, patience
-        self.workers: dict[str, int] = {}  # threads of each, when it was looked last
+        self.workers: dict[str, int] = {}  # with threads of each, when it was looked last
         self._progress, self._cluster = progress, cluster  # the cluster if it was started here
         self._told: set[str] = set()
         self._looked, self._seen = -math.inf, time.monotonic()
@@ -173,8 +169,6 @@ class Connection:
         patience, absent = duration(self.patience), now - self._seen
         if self.workers:
             self._seen = now
-            if any(threads > 1 for threads in self.workers.values()):
-                self.tell(_IDLE)
         elif absent >= self.patience:
             raise ExecutionError(
                 f"there is no Dask worker, and none has come within {patience}; {SAFE}"
@@ -248,14 +242,8 @@ def client_of(
     try:
         with silence_logging_cmgr(logging.CRITICAL):
             return Client(address, set_as_default=False, timeout=patience)
-    except (OSError, ValueError, RuntimeError) as error:
+    except (OSError, ValueError, RuntimeError, TypeError) as error:  # the last lacks certificates
         reason = f"no Dask scheduler answers at {address}: {error}"
-    except TypeError:  # as Dask has it
-        reason = (
-            f"{address} needs certificates: name the files under distributed.comm.tls in "
-            "Dask's configuration, as DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
-            "…__CLIENT__CERT and …__CLIENT__KEY do"
-        )
     # Now: a client that was only half made, and is collected while the next one starts, takes a
     # lock of Dask's that this one holds, and both wait for ever.
     gc.collect()

@@ -6,7 +6,6 @@ worker has one task that it computes and one that waits: the graph depends on no
 
 from __future__ import annotations
 
-import time
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
@@ -18,14 +17,12 @@ from pipeline.store.write import Writer
 from pipeline.sweep.hand_out import HandOut
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Task
-from pipeline.sweep.stages import duration
 
 TRIALS = 5
 """Times that a point may be lost before it is called failed, all but the first two alone."""
 
 _TO_COME = 16  # tasks that wait for workers to come
 _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
-_WORD = 60.0  # [s] without a task that ends, after which the user is told; then after twice that
 
 
 def compute(
@@ -37,7 +34,7 @@ def compute(
     can compute.
     """
     link.begin()
-    hand, losses, silence = HandOut(waiting), Losses(), _Silence(link)
+    hand, losses = HandOut(waiting), Losses()
     asked = replace(sweep, chosen=None, stations=writer.store.sweep.stations)
     with Jobs(link, asked, "pressure" in writer.store.arrays) as jobs:
         while hand or losses or jobs:
@@ -49,8 +46,7 @@ def compute(
             for job in losses.trials(on_workers, link.workers):
                 jobs.submit(job)
             jobs.wait()
-            lost = jobs.lost(has_looked)
-            for job, loss in lost:
+            for job, loss in jobs.lost(has_looked):
                 link.workers.pop(job.worker, None)  # until it is seen again: nothing goes there
                 if losses.take(job, loss):
                     hand.put_back(job.task)
@@ -62,15 +58,12 @@ def compute(
                     f"{len(workers)} workers died of it, at last with nothing else to do: {cause}"
                 )
                 writer.add([PointRecord(point, None, words)])
-            results = jobs.results()
-            for result in results:
+            for result in jobs.results():
                 writer.add(result.records())
                 link.tell(result.note)
             if written := writer.written():
                 tally.count(written, len(link.workers))
-            silence.watch(bool(lost or results), jobs.running.values())
-    writer.flush()
-    tally.count(writer.written(), len(link.workers))
+    tally.count(writer.flush(), len(link.workers))
 
 
 def _free_places(running: Iterable[Job], link: Connection) -> list[str]:
@@ -122,20 +115,3 @@ class Losses:
         for worker, point in zip(free, suspects, strict=False):
             del self._suspects[point]
             yield Job(Task((point,), ()), worker, is_alone=True)
-
-
-class _Silence:
-    """Tells the user if nothing has ended for a minute, then after twice that."""
-
-    def __init__(self, link: Connection) -> None:
-        self._link, self._since, self._word = link, time.monotonic(), _WORD
-
-    def watch(self, has_moved: bool, running: Collection[Job]) -> None:
-        """Take note of whether anything has ended."""
-        now = time.monotonic()
-        if has_moved:
-            self._since, self._word = now, _WORD
-        elif now - self._since >= self._word:
-            self._word *= 2
-            place = next((f", waiting for {job.task.points[0]}" for job in running), "")
-            self._link.tell(f"no point has been finished for {duration(now - self._since)}{place}")

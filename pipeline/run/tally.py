@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import re
 import sys
 import time
-from collections import Counter
 from collections.abc import Collection
 
 import numpy as np
 
-from pipeline.run.work import ExecutionError
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import Progress, Report, silent
-
-_ALIKE = 20  # points that fail alike before any is done, after which a run stops
-_NUMBER = re.compile(r"\d[\d.e+-]*")
 
 
 class Tally:
@@ -26,26 +20,15 @@ class Tally:
     def __init__(self, store: Store, progress: Report) -> None:
         self.store = store  # a search of the boundary makes it grow
         self._progress, self._began = progress, time.monotonic()
-        self._failures: Counter[str] = Counter()
         self._seconds = 0.0
         self.computed = 0
         self.count((), 1)
 
     def count(self, records: Collection[PointRecord], workers: int) -> None:
-        """Count written points; `ExecutionError` if the first many have failed alike."""
-        for record in records:
-            if record.data is not None:
-                self.computed += 1
-                self._seconds += record.wall_time
-                continue
-            way = _NUMBER.sub("", record.message)
-            self._failures[way] += 1
-            is_first = not np.any(self.store.flags == DONE)
-            if is_first and self._failures[way] >= _ALIKE:
-                raise ExecutionError(
-                    f"the first {_ALIKE} points failed alike, and none is done: {record.message}; "
-                    "put that right, and run the sweep again with --retry-failed"
-                )
+        """Count written points."""
+        computed = [record.wall_time for record in records if record.data is not None]
+        self.computed += len(computed)
+        self._seconds += sum(computed)
         asked = self.store.flags[self.store.asked == 1]
         done, failed, pending = (int(np.sum(asked == flag)) for flag in (DONE, FAILED, PENDING))
         time_to_go = None

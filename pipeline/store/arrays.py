@@ -74,15 +74,19 @@ def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, An
     }
 
 
-def encoded(
-    documents: Mapping[str, Document], parts: Iterable[tuple[str, Any, Any]]
-) -> dict[str, bytes]:
+class Encoder:
     """Chunks by key, from names of arrays, places of whole chunks there, and values."""
-    memory: dict[str, Any] = {}
-    arrays = open_arrays(MemoryStore(memory), documents)
-    for name, place, values in parts:
-        arrays[name][place] = values
-    return {key: chunk.to_bytes() for key, chunk in memory.items()}
+
+    def __init__(self, documents: Mapping[str, Document]) -> None:
+        self._memory: dict[str, Any] = {}
+        self._arrays = open_arrays(MemoryStore(self._memory), documents)
+
+    def __call__(self, parts: Iterable[tuple[str, Any, Any]]) -> dict[str, bytes]:
+        """Chunks of some parts."""
+        self._memory.clear()
+        for name, place, values in parts:
+            self._arrays[name][place] = values
+        return {key: chunk.to_bytes() for key, chunk in self._memory.items()}
 
 
 def bounded(documents: Mapping[str, Document]) -> dict[str, Any]:

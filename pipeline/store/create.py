@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from pipeline.scene.resume import join
-from pipeline.store.arrays import Document, encoded
+from pipeline.store.arrays import Document, Encoder
 from pipeline.store.files import PARTIAL, remove_file
 from pipeline.store.layout import Axes, block_of, bytes_of_a_point, grown_axes
 from pipeline.store.lock import Lock, held
@@ -104,7 +104,7 @@ def _write_root(place: StorePlace, root: Root) -> None:
     groups = root.documents()
     last = {ROOT: groups.pop(ROOT)}
     arrays = {key: json.dumps(document).encode() for key, document in documents.items()}
-    place.put(encoded(root.arrays, parts) | arrays | groups)
+    place.put(Encoder(root.arrays)(parts) | arrays | groups)
     place.put(last)
 
 

@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
-from pipeline.store.files import make_folder, open_file
+from pipeline.store.files import open_file
 from pipeline.store.place import LOCK, Bucket, Folder, StoreError, StorePlace, writes
 from pipeline.sweep.stages import Progress, Report, silent
 
@@ -41,8 +41,7 @@ def held(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
         yield lambda: True
         return
     with writes(place):
-        make_folder(place.path)
-        descriptor = open_file(place.path, LOCK, os.O_RDWR | os.O_CREAT)
+        descriptor = open_file(place.path, LOCK)
     try:
         with writes(place):
             if not _is_flocked(place, descriptor):
@@ -93,7 +92,7 @@ def holder_of(place: StorePlace) -> str | None:
     if isinstance(place, Bucket):
         return None
     with suppress(OSError):
-        descriptor = open_file(place.path, LOCK, os.O_RDONLY)
+        descriptor = os.open(place.path / LOCK, os.O_RDONLY | os.O_NONBLOCK)
         try:
             name, host = _named(descriptor)
             if host not in (None, socket.gethostname()):

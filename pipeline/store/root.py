@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -17,7 +16,7 @@ import numpy as np
 from pipeline.paths import near_path
 from pipeline.scene.kept import files_of, sweep_text, text_sweep
 from pipeline.scene.resume import misfits
-from pipeline.store.arrays import Document, are_plain, array_documents, open_arrays
+from pipeline.store.arrays import Document, array_documents, open_arrays
 from pipeline.store.files import PARTIAL
 from pipeline.store.inputs import DIM, inputs_variable, split_arrays
 from pipeline.store.layout import Axes, made_coordinates
@@ -41,7 +40,6 @@ from pipeline.store.schema import (
     AT_ENDS,
     FORMAT,
     INPUTS,
-    MADE,
     SCENE_ID,
     VARIABLES,
     Variable,
@@ -49,7 +47,7 @@ from pipeline.store.schema import (
     path_of,
     variables_of,
 )
-from pipeline.sweep.limits import MOST_PARTS_OF_ROOT, MOST_POINTS
+from pipeline.sweep.limits import MOST_PARTS_OF_ROOT
 from pipeline.sweep.model import Sweep
 from tribo import InputError
 from tribo.types import Array
@@ -216,7 +214,7 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
             f"{place} is not the store of a sweep, or its {ROOT} is damaged; {_ELSEWHERE}"
         )
     try:
-        root = Root(
+        return Root(
             sweep=text_sweep(attributes["sweep"], _read_inputs(place, facts["inputs"])),
             axes=facts["axes"],
             ids=json.loads(attributes[SCENE_ID]),
@@ -224,12 +222,10 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
             history=facts["history"],
             found=document,
         )
-        _require_sound(root)
     except DamagedError as error:
         raise StoreError(f"{place}: the arrays of its scene are damaged; {_ELSEWHERE}") from error
     except (InputError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise StoreError(f"{place} is damaged, or a stranger's: {error}; {_ANEW}") from error
-    return root
 
 
 def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
@@ -240,23 +236,6 @@ def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
     array = open_arrays(place.zarr(), array_documents(wanted, shape, {}))[INPUTS]
     with reads(place, INPUTS):
         return split_arrays(array[:], array.attrs)
-
-
-def _require_sound(root: Root) -> None:
-    """Raise an error for axes of a stranger that are none, or take much memory."""
-    names = {name for name in root.variables if is_coordinate(name)} - {*MADE, SCENE_ID, INPUTS}
-    if unlike := sorted(names ^ root.axes.keys()):
-        raise ValueError(f"the variable {unlike[0]} is unknown or missing")
-    for name, values in root.axes.items():
-        (dim,), kind = root.variables[name].dims, root.variables[name].dtype
-        shape = np.array(values, str if kind == "str" else kind).shape
-        if shape != (len(root.axes[dim]),):
-            raise ValueError(f"the axis {name} has the shape {shape}")
-    if not all(isinstance(line, str) for line in root.history):
-        raise ValueError("its history is no list of lines")
-    points = math.prod(root.arrays["status"]["shape"])
-    if points > MOST_POINTS or not are_plain(root.arrays):
-        raise ValueError(f"it has {points:.4g} points, and a store at most {MOST_POINTS:.0e}")
 
 
 def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:

@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.store.arrays import encoded
 from pipeline.store.checksum import checksum
 from pipeline.store.files import THREADS
 from pipeline.store.layout import Slices, blocks
@@ -107,7 +106,7 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
         with writes(place):
             empty = [(*lost, store.arrays[lost[0]].fill_value) for lost in damage.chunks.values()]
             right = [(name, ..., values) for name, values in damage.coordinates.items()]
-            place.put(encoded(root.arrays, [*empty, *right]))
+            place.put(store.encoder([*empty, *right]))
         return len(damage.points)
 
 

@@ -5,12 +5,11 @@ Data are written first, the status last: done means that all of a point is on th
 
 from __future__ import annotations
 
-import threading
 import time
-from collections import deque
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -19,7 +18,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pipeline.store.arrays import chunk_key, encoded, open_arrays
+from pipeline.store.arrays import Encoder, chunk_key, open_arrays
 from pipeline.store.checksum import packed
 from pipeline.store.files import THREADS
 from pipeline.store.layout import Slices, blocks, points_at, slices_of
@@ -79,6 +78,11 @@ class Store:
             np.zeros(shape, np.int8) if is_damaged else self.read(name, ...)
             for name in ("status", "asked")
         )
+
+    @cached_property
+    def encoder(self) -> Encoder:
+        """What makes chunks of the arrays, for one thread at a time."""
+        return Encoder(self.root.arrays)
 
     # Places of points
 
@@ -174,7 +178,7 @@ class Store:
                 for first in range(0, len(chunks), THREADS):  # so that no more are unpacked
                     some = [*chunks.items()][first : first + THREADS]
                     parts = threads.map(self._changed, *zip(*some, strict=True))
-                    contents |= encoded(self.root.arrays, parts)
+                    contents |= self.encoder(parts)
             self.place.put(contents)
         flags, changed = self.flags.copy(), np.zeros(self.flags.shape, bool)
         for index, status in statuses.items():
@@ -202,7 +206,7 @@ class Store:
         """Write every chunk of a small variable in which a value has changed, whole."""
         parts = [(name, block, values[block]) for _, block in blocks(changed, self.block)]
         with self._writes():
-            self.place.put(encoded(self.root.arrays, parts))
+            self.place.put(self.encoder(parts))
 
     @contextmanager
     def _writes(self) -> Iterator[None]:
@@ -248,46 +252,45 @@ class Writer:
     def __init__(self, store: Store) -> None:
         self.store = store
         self._least = _PAUSE_OF_BUCKET if isinstance(store.place, Bucket) else _PAUSE
-        self._pause = 0.0
-        self._arrived: deque[Collection[PointRecord]] = deque()
-        self._commits: deque[Future[list[PointRecord]]] = deque()
-        self._is_urgent = threading.Event()
+        self._waiting: list[PointRecord] = []
+        self._writing: Future[list[PointRecord]] | None = None
+        self._next = 0.0  # time of the next commit
         self._thread = ThreadPoolExecutor(1, "writer")
 
     def __enter__(self) -> Writer:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._is_urgent.set()
-        self._thread.shutdown()  # when all that has arrived is written
+        with self._thread, suppress(StoreError):  # which `flush` has raised before
+            self.flush()
 
-    def add(self, records: Collection[PointRecord]) -> None:
+    def add(self, records: Iterable[PointRecord]) -> None:
         """Take records, to be written soon."""
-        self._arrived.append(records)
-        self._commits.append(self._thread.submit(self._commit))
+        self._waiting += records
 
-    def written(self) -> list[PointRecord]:
-        """Records that have been written since the last call."""
-        records: list[PointRecord] = []
-        while self._commits and self._commits[0].done():
-            records += self._commits.popleft().result()
+    def written(self, at_once: bool = False) -> list[PointRecord]:
+        """Records that have been written since the last call; begin to write others if due."""
+        records = []
+        if self._writing and self._writing.done():
+            records, self._writing = self._writing.result(), None
+        is_due = at_once or time.monotonic() >= self._next
+        if self._waiting and not self._writing and is_due:
+            self._writing = self._thread.submit(self._commit, self._waiting)
+            self._waiting = []
         return records
 
-    def flush(self) -> None:
-        """Wait until all records are written."""
-        self._is_urgent.set()
-        wait(self._commits)
-        self._is_urgent.clear()
+    def flush(self) -> list[PointRecord]:
+        """Write all records; return those that have been written since the last call."""
+        records = []
+        while self._writing or self._waiting:
+            records += self.written(at_once=True)
+            if self._writing:
+                wait([self._writing])
+        return records
 
-    def _commit(self) -> list[PointRecord]:
-        """Commit what has arrived until the pause after the last commit is over."""
-        if not self._arrived:  # an earlier commit took it along
-            return []
-        self._is_urgent.wait(self._pause)
-        records: list[PointRecord] = []
-        while self._arrived:
-            records += self._arrived.popleft()
+    def _commit(self, records: list[PointRecord]) -> list[PointRecord]:
         began = time.monotonic()
         self.store.commit(records)
-        self._pause = min(max(self._least, _SHARE * (time.monotonic() - began)), _LONGEST_PAUSE)
+        ended = time.monotonic()
+        self._next = ended + min(max(self._least, _SHARE * (ended - began)), _LONGEST_PAUSE)
         return records

@@ -116,14 +116,14 @@ def killed_after(monkeypatch, count, since=None):
     replace, lock, left, was_killed = files.write_file, threading.Lock(), [count], []
     counts = [since is None]
 
-    def replace_some(folder, file, content):
+    def replace_some(file, content):
         with lock:
             left[0] -= counts[0]
             counts[0] |= file == since
         if left[0] < 0:
             file.with_name(file.name + files.PARTIAL).write_bytes(content[: len(content) // 2])
             raise Killed
-        replace(folder, file, content)
+        replace(file, content)
 
     with monkeypatch.context() as patch:
         patch.setattr(files, "write_file", replace_some)

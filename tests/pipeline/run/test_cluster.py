@@ -28,7 +28,6 @@ from pipeline.run.sweep import run_sweep
 from pipeline.run.work import CODE, ExecutionError, hash_of_code
 from pipeline.store.progress import summary
 from tests.helpers import tiny
-from tests.helpers.heard import Heard
 from tests.helpers.scenes import SCENE
 from tests.pipeline.run.test_sweep import content
 
@@ -159,7 +158,7 @@ def test_a_cluster_elsewhere_sees_no_store_computes_the_same_and_may_be_lost(
     elsewhere, tmp_path, alone, irg
 ):
     cluster, configured, file = elsewhere
-    with pytest.raises(ExecutionError, match=r"needs certificates: .* distributed\.comm"):
+    with pytest.raises(ExecutionError, match=r"no Dask scheduler answers at"):
         client_of(cluster.address)
     (hidden := tmp_path / "hidden").mkdir(mode=0o700)
     with dask.config.set(configured):
@@ -265,10 +264,7 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
     ):
         cluster.scheduler.add_plugin(tasks)
         tasks.scheduler = cluster.scheduler
-        said = Heard()
-        outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client, progress=said.hear)
-        (line,) = said
-        assert "one point at a time, and its other threads stand idle: start workers" in line
+        outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client)
         given = dict(tasks.below)
         many = tuple(0.5 + 0.01 * number for number in range(60))  # that none computes meanwhile
         for _ in range(2):  # lost on the way, then gone from the beginning

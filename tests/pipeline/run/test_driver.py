@@ -166,25 +166,6 @@ def test_a_worker_without_this_program_is_named(processes, path):
         pipeline.run_sweep(SWEEP, path, client=client)
 
 
-def test_points_that_all_fail_alike_end_a_run(processes, path):
-    client = processes(2, "auto")
-    failing = changed(
-        MANY, loads=(250.0,), loading=tiny.DivergingRamp(150.0, 750.0, faulty_load=250.0)
-    )
-    with pytest.raises(pipeline.ExecutionError, match=r"first 20 points failed alike, .*: Converg"):
-        pipeline.run_sweep(failing, path, client=client)
-
-
-def test_a_long_silence_is_told_with_a_place(processes, path, monkeypatch):
-    client = processes(1, "auto")
-    monkeypatch.setattr(schedule, "_WORD", 0.0)
-    slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0), velocities=(0.5,))
-    said = Heard()
-    pipeline.run_sweep(slow, path, client=client, progress=said.hear)
-    assert said[0].startswith("no point has been finished for ")
-    assert said[0].endswith(" s, waiting for 150 N, 0.5 m/s")
-
-
 def test_the_time_to_go_is_that_of_the_points_so_far(processes, path):
     client = processes(2, "auto")
     slow, reports = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0), loads=(150.0,)), []

@@ -149,14 +149,14 @@ def test_a_point_that_fails_says_why_and_is_tried_again_when_asked_to(path):
 
 
 def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(path, monkeypatch):
-    def full(folder, file, content):
+    def full(file, content):
         if (
             file.parent == path / "rise_quantile"
             and (path / "zarr.json").exists()
             and summary(path).done
         ):
             raise OSError(errno.ENOSPC, "No space left on device")
-        written(folder, file, content)
+        written(file, content)
 
     written = files.write_file
     slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0), velocities=(1.0,))

@@ -20,7 +20,7 @@ from pipeline.analysis.dataset import open_sweep
 from pipeline.scene.kept import text_sweep
 from pipeline.scene.scenefile import load_scene
 from pipeline.store import files
-from pipeline.store.arrays import encoded
+from pipeline.store.arrays import Encoder
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.lock import held
@@ -78,7 +78,7 @@ def test_empty_chunks_are_written_also_by_threads_side_by_side(alone):
     metadata = opened(alone).root.arrays
 
     def writes_empty(_):
-        return bool(encoded(metadata, [("max_rise", ..., np.nan)]))
+        return bool(Encoder(metadata)([("max_rise", ..., np.nan)]))
 
     with ThreadPoolExecutor(8) as threads:
         assert all(threads.map(writes_empty, range(40)))
@@ -126,10 +126,10 @@ def test_a_creation_cut_short_goes_on_whatever_the_names_of_its_axes(path, monke
     sweep = load_scene("first_try", overrides={"sweep.over": {"oil": oils}})
     replace = files.write_file
 
-    def interrupted(folder, file, content):
+    def interrupted(file, content):
         if file == path / "zarr.json":
             raise KeyboardInterrupt
-        replace(folder, file, content)
+        replace(file, content)
 
     with monkeypatch.context() as patch:
         patch.setattr(files, "write_file", interrupted)

@@ -148,7 +148,7 @@ def test_all_files_of_a_store_follow_the_umask(tmp_path):
     [
         (Path.symlink_to, "cannot be written: it is a link, and a store has none"),
         (lambda file, _: os.mkfifo(file), "cannot be written: it is not a file"),
-        (lambda file, _: file.mkdir(), "cannot be written: Is a directory"),
+        (lambda file, _: file.mkdir(), "cannot be written: it is not a file"),
     ],
     ids=["a link", "a pipe", "a folder"],
 )
@@ -184,8 +184,8 @@ def test_a_commit_during_which_the_lock_is_deleted_is_not_told_as_done(path, mon
     """Since another driver may have come, and read the statuses before."""
     replace = files.write_file
 
-    def deleted(folder, file, content):
-        replace(folder, file, content)
+    def deleted(file, content):
+        replace(file, content)
         if file.parent == path / "status":
             (path / LOCK).unlink(missing_ok=True)
 

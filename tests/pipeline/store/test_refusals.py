@@ -9,7 +9,7 @@ import pytest
 
 import tribo
 from pipeline.analysis.dataset import open_sweep
-from pipeline.store import files, lock, place
+from pipeline.store import lock, place
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK, ROOT, place_of, require_writable
 from pipeline.store.progress import summary
@@ -189,14 +189,6 @@ REFUSALS = {
     "other": (changed(lambda path: edit(path / ROOT, lambda root: root["attributes"].update(
         scene_id="[7]"))), "zarr.json is damaged; restore it from a backup"),
     "old": (changed(forged(lambda texts, _: texts["store"].update(format=3))), "it has format 3"),
-    "variable": (changed(forged(lambda texts, _: texts["store"]["axes"].update(mine=[1.0]))),
-                 "the variable mine is unknown or missing"),
-    "shape": (changed(forged(lambda texts, _: texts["store"]["axes"].update(load=[[1.0]]))),
-              "the axis load has the shape"),
-    "history": (changed(forged(lambda texts, _: texts["store"].update(history=[1]))),
-                "its history is no list of lines"),
-    "points": (changed(forged(lambda texts, _: texts["store"]["axes"].update(
-        load=[*range(4000)], velocity=[*range(4000)]))), "it has 1.6e+07 points"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "the arrays of its scene are damaged"),
     "sweep": (changed(forged(lambda texts, _: texts["sweep"]["entries"]["sweep"].update(loads=3))),
               "sweep.loads: 3 "),
@@ -220,10 +212,7 @@ REFUSALS = {
 ELSEWHERE = {
     "bounded._decode_sync DamagedError": "test_closed.py, by chunks of other sizes",
     "bounded.stated_size DamagedError": "test_closed.py, by chunks of no stated size",
-    "files._open OSError": "any error of the system, with its path",
-    "files._folder_of OSError": "test_no_name_leads_out_of_a_store, below",
     "files._require_no_link OSError": "rows of links, which tell it as a StoreError",
-    "files.open_file OSError": "test_lock.py, a pipe in place of the lock",
     "root.require_same_scene StoreMismatchError": "test_create.py, in several lines",
     "write._require_lock StoreError": "test_lock.py",
 }
@@ -233,8 +222,3 @@ ELSEWHERE = {
 refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
     "store", REFUSALS, ELSEWHERE, tiny="alone"
 )
-
-
-def test_no_name_leads_out_of_a_store(tmp_path):
-    with pytest.raises(OSError, match="names no file within a store"):
-        files.replace_files(tmp_path, {"../a": b""})

@@ -112,9 +112,6 @@ def test_a_root_that_another_program_writes_in_another_form_is_read(forged, alon
         (("sweep", "stations", "holds"), None, "not the text of a sweep"),
         (("sweep", "entries", "friction", "same_rig"), 1, "friction.same_rig: 1 is neither"),
         (("sweep", "entries", "wear"), {"law": "os:system"}, "wear.law: "),
-        (("store", "axes", "load"), 1.0, "damaged, or a stranger's"),
-        (("store", "axes", "load", 0), "heavy", "damaged, or a stranger's: could not convert"),
-        (("store", "points_per_chunk", "load"), 10**9, "damaged, or a stranger's"),
     ],
 )
 def test_a_forged_value_of_another_kind_is_named(forged, alone, path, new, named):
