@@ -18,9 +18,11 @@ class HandOut:
     """
 
     def __init__(self, tasks: Iterable[Task]) -> None:
-        self._left: dict[Hashable, deque[Task]] = {}
+        self._left: dict[Hashable, list[Task]] = {}  # the next one last
         for task in tasks:
-            self._left.setdefault(task.ramp, deque()).append(task)
+            self._left.setdefault(task.ramp, []).append(task)
+        for ones in self._left.values():
+            ones.reverse()
         self._fresh = deque(self._left)
         self._has: defaultdict[Hashable, dict[Hashable, None]] = defaultdict(dict)
 
@@ -30,7 +32,7 @@ class HandOut:
     def take(self, worker: Hashable) -> Task:
         """The task that a worker gets; there must be one."""
         ramp = self._ramp(has := self._has[worker])
-        task = self._left[ramp].popleft()
+        task = self._left[ramp].pop()
         if not self._left[ramp]:
             del self._left[ramp]
         has.pop(ramp, None)
@@ -39,7 +41,7 @@ class HandOut:
 
     def put_back(self, task: Task) -> None:
         """Take a task again that was not computed."""
-        self._left.setdefault(task.ramp, deque()).appendleft(task)
+        self._left.setdefault(task.ramp, []).append(task)
 
     def _ramp(self, has: dict[Hashable, None]) -> Hashable:
         while has:

@@ -153,7 +153,8 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> tuple[Task, ...]:
         return lead, velocity, increment(base(lead), point.load), point.load, point.variant, point
 
     groups = itertools.groupby(sorted(map(placed, todo)), key=lambda one: one[:4])
-    return tuple(Task(tuple(one[-1] for one in ones), ramp[:3]) for ramp, ones in groups)
+    ramps = functools.cache(lambda *ramp: ramp)  # one for all tasks of a ramp, which are many
+    return tuple(Task(tuple(one[-1] for one in ones), ramps(*at[:3])) for at, ones in groups)
 
 
 def step_count(scene: Scene, load: float) -> int:
