@@ -6,6 +6,9 @@ What else a site needs stands in ``~/.config/dask/jobqueue.yaml``: interface, di
 """
 
 import argparse
+import os
+import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -25,19 +28,30 @@ parser.add_argument("store")
 parser.add_argument("--jobs", type=int, default=10, help="at a time")
 parser.add_argument("--cores", type=int, default=1, help="workers of a job, one a core")
 parser.add_argument("--memory", default="2 GB", help="of a job")
-parser.add_argument("--walltime", default="1 h", help="longer than any point takes")
+parser.add_argument("--walltime", default="1 h", help="longer than any point takes: 2 h, 02:00:00")
 parser.add_argument("--queue")
 parser.add_argument("--account")
 parser.add_argument("--dry-run", action="store_true", help="print the script of a job")
 
 
+def seconds_of(walltime):
+    """Seconds of a time such as 2 h or 02:00:00."""
+    if parts := re.fullmatch(r"(\d+):(\d\d):(\d\d)", walltime):
+        hours, minutes, seconds = map(int, parts.groups())
+        taken = 3600 * hours + 60 * minutes + seconds
+    else:
+        taken = round(pipeline.to_si(walltime, "2 h"))
+    if taken < 60:
+        raise TriboError(f"--walltime {walltime}: a job takes at least 1 min")
+    return taken
+
+
 def cluster_of(options):
     """A scheduler here, whose workers are jobs; all connections have certificates (TLS)."""
-    seconds = round(pipeline.to_si(options.walltime, "2 h"))
-    if seconds < 60:
-        raise TriboError(f"--walltime {options.walltime}: a job takes at least 1 min")
-    logs = Path(f"{options.store}.jobs").absolute()  # certificates, too: nodes have to see it
+    seconds = seconds_of(options.walltime)
+    logs = Path(f"{options.store}.jobs")  # certificates, too: nodes have to see it
     logs.mkdir(mode=0o700, parents=True, exist_ok=True)
+    os.chdir(logs)  # since a blank in a path would break the script of a job
     # Workers retire before their job ends, each at another time, and hand on what they hold.
     working = seconds - 30  # [s], as a worker takes long to start on a busy node
     lifetime = ["--lifetime", f"{0.8 * working}s", "--lifetime-stagger", f"{0.1 * working}s"]
@@ -45,7 +59,8 @@ def cluster_of(options):
         queue=options.queue, account=options.account, memory=options.memory,
         cores=options.cores, processes=options.cores,
         walltime=f"{seconds // 60}:{seconds % 60:02}", worker_extra_args=lifetime,
-        security=True, protocol="tls://", shared_temp_directory=logs, log_directory=logs,
+        security=True, protocol="tls://", shared_temp_directory=".", log_directory=".",
+        python=shlex.quote(sys.executable), job_script_prologue=[f"cd {shlex.quote(str(logs))}"],
         death_timeout=120,  # [s] after which workers end whose driver is gone
     )  # fmt: skip
 
@@ -64,6 +79,8 @@ def keep_up(cluster, jobs):
 def main(options):
     """Compute the sweep; return what the shell is told."""
     sweep = pipeline.load_scene(options.scene)
+    if "://" not in options.store:
+        options.store = Path(options.store).absolute()
     if not options.dry_run and not shutil.which("sbatch"):
         return "on_a_cluster.py: there is no Slurm here, no sbatch; --dry-run prints the job script"
     with cluster_of(options) as cluster, Client(cluster) as client:
