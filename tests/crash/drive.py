@@ -81,8 +81,7 @@ def computing(records, pace):
     def compute(link, sweep, writer, waiting, tally):
         for task in waiting:
             writer.add([record_of(records, sweep, point) for point in task.points])
-            writer.flush()
-            tally.count(writer.written(), 1)
+            tally.count(writer.flush(), 1)
             time.sleep(pace)
 
     with (
