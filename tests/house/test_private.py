@@ -12,7 +12,6 @@ _ALLOWED = {
     "pipeline/store/test_s3.py _registry": "fsspec as it is without s3fs",
     "pipeline/store/test_s3.py _send": "requests are counted where they leave",
     "pipeline/store/test_schema.py _VARIABLES": "a new variable, as a contributor adds one",
-    "pipeline/store/test_writer.py _pause": "the pause without waiting for it",
     "pipeline/sweep/test_refusals.py _hidden": "that it is refused",
     "pipeline/tradeoff/test_forecast.py _increment_values": "temperatures are counted where solved",
     "pipeline/uncertain/test_difference.py _describe_contrast": "the sentence without a second run",
