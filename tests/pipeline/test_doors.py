@@ -92,7 +92,7 @@ def asked_of_a_place(ds, load, velocity):
 @pytest.mark.parametrize("name", STORES)
 def test_every_door_gives_a_place_the_same_verdict(name, tmp_path, capsys):
     ds = STORES[name]()
-    asked = [*places(ds, 10)]
+    asked = [*places(ds, 6)]
     table = {"load [N]": [a for a, _ in asked], "velocity [m/s]": [b for _, b in asked]}
     frame = pipeline.margin(ds, table)
     held = pipeline.results(ds)

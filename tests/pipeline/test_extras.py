@@ -13,7 +13,6 @@ import pytest
 
 import pipeline
 from pipeline.extras import EXTRAS
-from tests import core
 
 ROOT = Path(__file__).parents[2]
 SMALL = ["--set", 'sweep.loads=["600 N"]', "--workers", "1"]
@@ -143,12 +142,6 @@ def test_without_its_folder_the_rest_works(left_out, store, ask, tmp_path):
     assert not gone & there
     for extra, (_, words) in zip(needing.values(), said[len(asked) - len(needing) :], strict=True):
         assert "unknown key" in words or ("put back" in words and f"pipeline/{extra}" in words)
-
-
-def test_tests_of_the_core_need_no_extra():
-    """`make core` runs all of them."""
-    rooms = "analysis/test_friction_curve", "scene/test_along", "scene/test_refusals"
-    assert core.main([f"tests/pipeline/{name}.py" for name in rooms]) == 0
 
 
 def test_extras_stand_on_public_names_of_the_core():
