@@ -8,10 +8,9 @@ most 5 % at the worst numerical error, severe where of at least 95 %, and else n
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -102,18 +101,11 @@ class Margin:
         return self.critical_load / self.load
 
     @property
-    def is_open_by_model(self) -> bool:
-        """True if no numerical error would decide: the model's own leaves it open."""
-        return self.verdict == NOT_DECIDED and (
-            bool(self.misfit) or verdict_between(self.probability, self.probability) == NOT_DECIDED
-        )
-
-    @property
     def decided_by(self) -> str | None:
         """What kind of thing would decide the verdict; None if it is decided."""
         if self.verdict != NOT_DECIDED:
             return None
-        if self.is_open_by_model:
+        if self.misfit or verdict_between(*[self.probability] * 2) == NOT_DECIDED:  # at any error
             inputs = "better known inputs, such as the critical temperature, or "
             return f"{inputs * self.counts_inputs}a test there"
         measured = f"its numerical error, which {MEASURES} measures"
@@ -246,7 +238,11 @@ def probabilities(
 
     The numerical errors are relative, by place (k,) or one for all; NaN where not known.
     """
-    return _bounded(functools.partial(field.probability, loads, velocities, scatter), errors)
+    is_known = np.isfinite(errors)
+    shift = np.where(is_known, np.log1p(errors), 0.0)
+    shifts = np.stack([-shift, 0 * shift, shift])
+    low, middle, high = field.probability(loads, velocities, scatter, shifts)
+    return np.where(is_known, low, 0.0), middle, np.where(is_known, high, 1.0)
 
 
 def verdict_plane(
@@ -265,14 +261,6 @@ def verdict_plane(
         rows.append(np.reshape([lowest, highest], (2, *grid[0].shape)))
     lowest, highest = np.concatenate(rows, axis=1)
     return (0 * lowest, 0 * highest + 1) if field.misfit else (lowest, highest)
-
-
-def _bounded(at: Callable[[Array], Array], errors: Array) -> tuple[Array, Array, Array]:
-    """What is so at colder, the same and hotter rises, by the shift of their logarithm."""
-    is_known = np.isfinite(errors)
-    shift = np.where(is_known, np.log1p(errors), 0.0)
-    low, middle, high = at(np.stack([-shift, 0 * shift, shift]))
-    return np.where(is_known, low, 0.0), middle, np.where(is_known, high, 1.0)
 
 
 def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) -> Array:

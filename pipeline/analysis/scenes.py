@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import Kind, entry_dims
+from pipeline.analysis.dataset import Kind
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import frame_of
 from pipeline.quantities import display, shown_in
@@ -18,13 +18,11 @@ from pipeline.scene.reference import usual_range
 from pipeline.store.place import PathLike
 from pipeline.sweep.caveats import caveats
 
-Result = TypeVar("Result", xr.Dataset, xr.DataArray)
-
 _OWN = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
 """Units in which columns of one's own are shown, by those of SI."""
 
 
-def side_by_side(answers: list[Result], axes: Sequence[xr.DataArray]) -> Result:
+def side_by_side(answers: list[xr.Dataset], axes: Sequence[xr.DataArray]) -> xr.Dataset:
     """Answers on each scene along their axes; attributes in which they differ are coordinates."""
     rows = [result.attrs for result in answers]
     names: list[str] = [str(axis.name) for axis in axes]
@@ -60,10 +58,10 @@ def attribute_values(boundaries: xr.Dataset, name: str) -> list[Any]:
     return [boundaries.attrs[name]] if name in boundaries.attrs else []
 
 
-def heads_of(ds: xr.Dataset | xr.DataArray, names: Iterable[str] | None = None) -> dict[str, str]:
-    """Heads in a data frame of labels of rows, by default of entries with several values."""
+def heads_of(ds: xr.Dataset, names: Iterable[str]) -> dict[str, str]:
+    """Heads in a data frame of labels of rows."""
     heads = {}
-    for name in entry_dims(ds) if names is None else names:
+    for name in names:
         unit = _usual_unit(ds[name])
         heads[name] = name if unit in ("", "1") else f"{name} [{unit}]"
     return heads
@@ -95,16 +93,15 @@ def frame_by_scene(
     return pd.concat(frames, ignore_index=True)
 
 
-def _joined(results: Sequence[Result], axis: xr.DataArray) -> Result:
+def _joined(results: Sequence[xr.Dataset], axis: xr.DataArray) -> xr.Dataset:
     """Results at each value of an entry, along its dimension."""
     labels = {name: label for name, label in axis.coords.items() if label.dims == axis.dims}
-    parts: list[Any] = [part.drop_vars(labels, errors="ignore") for part in results]
-    options: dict[str, Any] = {"data_vars": "all"} if isinstance(parts[0], xr.Dataset) else {}
-    result: Result = xr.concat(
-        parts, axis, coords="minimal", compat="override", join="override",
-        combine_attrs="drop_conflicts", **options,
+    parts = [part.drop_vars(labels, errors="ignore") for part in results]
+    joined = xr.concat(
+        parts, axis, data_vars="all", coords="minimal", compat="override", join="override",
+        combine_attrs="drop_conflicts",
     )  # fmt: skip
-    return result.assign_coords(labels)
+    return joined.assign_coords(labels)
 
 
 def value_text(axis: xr.DataArray, value: float | str) -> str:
