@@ -45,7 +45,7 @@ def sweep_text(sweep: Sweep) -> str:
         "samples": table.draw,
         "chosen": None if sweep.chosen is None else True,
     }
-    told = {key: value for key, value in text.items() if value not in (None, (), {})}
+    told = {key: value for key, value in text.items() if value}
     return json.dumps(told, ensure_ascii=False)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from os import PathLike
 from typing import Any
 
@@ -99,10 +98,10 @@ def load_scene(
                 reader=reader,
                 variants=surfaces(seeds),
                 sources=sources,
+                notes=faults.notes,
             )
             for extend in extensions:
                 sweep = extend(sweep, Reading(document, parts.declared, faults))
-            sweep = replace(sweep, notes=tuple(faults.notes))
             _require_few_points(sweep)
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
@@ -73,7 +73,7 @@ class Sweep:
         What reads them; it lives with the format.
     variants : Variants
         Rows, each with the entries that it replaces.
-    notes : tuple of Remark
+    notes : sequence of Remark
         Assumptions made on reading the scene.
     sources : tuple of FromLibrary
         Numbers from the library.
@@ -102,7 +102,7 @@ class Sweep:
     written: Entries = field(repr=False)
     reader: Any = field(repr=False)
     variants: Variants = field(default_factory=Variants)
-    notes: tuple[Remark, ...] = ()
+    notes: Sequence[Remark] = ()
     sources: tuple[FromLibrary, ...] = ()
     selection: Selection | None = None
     chosen: Collection[Point] | None = None
@@ -167,7 +167,7 @@ class Sweep:
             title=about.title or self.name,
             selection=self.selection,
             sources=self.sources,
-            notes=self.notes,
+            notes=tuple(self.notes),
         )
         return about if self.oil is None else about.under_oil(self.oil)
 
