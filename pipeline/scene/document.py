@@ -144,8 +144,7 @@ def _leave_out(value: Any, has_preset: bool, base: Document, path: Path, faults:
             wrong.refuse(
                 f"without[{index}]",
                 f"{quoted(key)} is not an entry of {name_of(base.file)}"
-                f"{did_you_mean(parts[depth], present)}; give one that it has, such as "
-                f"{quoted('.'.join([*parts[:depth], *present[:1]]))}",
+                f"{did_you_mean(parts[depth], present)}; give one that it has",
             )
     faults += [fault._replace(file=path) for fault in wrong]
     for layer in base.layers:

@@ -121,8 +121,9 @@ class Number(Kind):
     usual: tuple[float, float] | None = None
 
     def __str__(self) -> str:
-        bounds = [f"{name.replace('_', ' ')} {bound:g}" for name, bound in self.bounds.items()]
-        return f"{self.words}, {' and '.join(bounds)}" if bounds else self.words
+        named = ((name, getattr(self, name)) for name in ("above", "at_least", "below", "at_most"))
+        bounds = (f"{name.replace('_', ' ')} {x:g}" for name, x in named if math.isfinite(x))
+        return ", ".join(filter(None, (self.words, " and ".join(bounds))))
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         require(value, (int, float), "is not a plain number")
@@ -137,12 +138,6 @@ class Number(Kind):
         if value and not smallest <= abs(value) <= largest:
             span = f"which is from {smallest:g} to {largest:g}"
             raise UnfitError(f"{quoted(value)} is out of range, {span}")
-
-    @property
-    def bounds(self) -> dict[str, float]:
-        """Bounds that a value has, by their names."""
-        named = {name: getattr(self, name) for name in ("above", "at_least", "below", "at_most")}
-        return {name: bound for name, bound in named.items() if math.isfinite(bound)}
 
 
 @dataclass(frozen=True)

@@ -7,19 +7,17 @@ together.
 from __future__ import annotations
 
 import functools
-import re
 import tomllib
 from importlib import resources
 from typing import Any
 
 from pipeline.scene.declare import table_of
-from pipeline.scene.faults import Faults, did_you_mean, joined, quoted
+from pipeline.scene.faults import Faults, joined, quoted
 from pipeline.scene.format import Material
 from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.tables import entry_at
 
 Entries = dict[str, Any]
-_NUMBER = re.compile(r"\d+")
 _VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
 """Entries of which one's own leaves out all that the library knows by temperature."""
 
@@ -75,12 +73,8 @@ def _filled(
         return table
     known = library()[kind]
     if like not in known:
-        # Another number is another steel or oil, and no slip.
-        alike = [name for name in known if _NUMBER.findall(name) == _NUMBER.findall(like)]
-        hint = did_you_mean(like, alike) or f" ({', '.join(map(quoted, known))})"
-        faults.refuse(
-            f"{place}.like", f"{quoted(like)} is not in the library{hint}; give one of it"
-        )
+        problem = f"{quoted(like)} is not in the library; its {kind}: "
+        faults.refuse(f"{place}.like", problem + ", ".join(map(quoted, known)))
         like = next(iter(known))  # so that nothing else seems to be missing
     has_viscosity = any(key in table for key in _VISCOSITY)
     added = {}

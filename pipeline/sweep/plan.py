@@ -23,7 +23,7 @@ from pipeline.sweep.severity import verdict
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.sweep.station_choice import choose_stations
-from pipeline.sweep.variants import Variant
+from pipeline.sweep.variants import Row, Variant
 from tribo import QUANTILES, Scene, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import (
     UNSOLVED,
@@ -126,14 +126,18 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
     """Every point of a sweep, variant by variant, velocity by velocity, loads ascending."""
     if sweep.chosen is not None:
         return tuple(sorted(sweep.chosen, key=lambda point: (point.variant, *point[1::-1])))
+    plane = sweep.plane
     return tuple(
         Point(load, velocity, name)
-        for name in sweep.variants.names
-        for loads, velocities in [
-            sweep.variants.plane_of(name, sweep.plane.loads, sweep.plane.velocities)
-        ]
-        for velocity, load in itertools.product(velocities, loads)
+        for name, row in sweep.variants.by_name.items()
+        for velocity in _places(row, "velocity", plane.velocities)
+        for load in _places(row, "load", plane.loads)
     )
+
+
+def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
+    """Loads or velocities of a row: its own alone if it has one."""
+    return (row.labels[axis],) if axis in row.labels else usual
 
 
 class Task(NamedTuple):

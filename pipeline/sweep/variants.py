@@ -202,14 +202,6 @@ class Variants:
             )
         return replace(other, rows=tuple(rows[name] for name in names))
 
-    def plane_of(
-        self, name: Variant, loads: tuple[float, ...], velocities: tuple[float, ...]
-    ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        """Loads and velocities of a row: its own place, or those of the plane."""
-        own = self.by_name[name].labels
-        load, velocity = own.get("load"), own.get("velocity")
-        return loads if load is None else (load,), velocities if velocity is None else (velocity,)
-
 
 def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:
     """Every combination of the values of some dimensions; one, ``()``, of no dimensions."""

@@ -45,7 +45,8 @@ def at_bounds(kind):
         return (-low, 0.0, 1.001 * low, math.sqrt(low * high))
     if isinstance(kind, Whole):
         return (kind.at_least - 1, kind.at_least, kind.at_least + 1)
-    bounds = kind.bounds.values()
+    named = (getattr(kind, name) for name in ("above", "at_least", "below", "at_most"))
+    bounds = [*filter(math.isfinite, named)]
     ends = (-math.inf, math.inf)
     beyond = {
         b: [math.nextafter(b, end) if b else math.copysign(1e-12, end) for end in ends]
