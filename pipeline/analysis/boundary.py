@@ -247,7 +247,7 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
         boundaries[name] = _described("load", ends, "m/s", words)
     misfit = {"misfit": field.misfit} if field.misfit else {}
     notes = joined(caveats(held.sweep, field.conditions, field.counts_inputs))
-    return boundaries.assign_attrs(model_error=scatter.worded, caveats=notes, **misfit)
+    return boundaries.assign_attrs(model_error=scatter.text, caveats=notes, **misfit)
 
 
 def _band_alone(scene: Results) -> xr.Dataset:

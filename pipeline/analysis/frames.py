@@ -62,7 +62,7 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
     other = name.removeprefix("critical_")
     parts = "outcome", "computed_from", "computed_to", "begins_severe", "turns"
     given = [boundaries[f"{part}_at_{axis}"] for part in parts]
-    worded = np.vectorize(
+    describe = np.vectorize(
         lambda code, low, high, begins, turns: in_words(
             outcomes(other)[code], (low, high), other, turns, begins
         ),
@@ -71,7 +71,7 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
     )
     inner: list[list[str]] = [[], [], [], [], ["turn"]]
     yield column_heads(name)[name], boundaries[name]
-    yield "outcome", xr.apply_ufunc(worded, *given, input_core_dims=inner)
+    yield "outcome", xr.apply_ufunc(describe, *given, input_core_dims=inner)
 
 
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:

@@ -137,7 +137,7 @@ class Margin:
             "verdict", "sentence", "decided_by", "temperature_error", "velocity_factor",
             "load_factor",
         )  # fmt: skip
-        chances = {name: told(plain[name]) for name in ("probability", "lowest", "highest")}
+        chances = {name: clipped(plain[name]) for name in ("probability", "lowest", "highest")}
         return {name: getattr(self, name) for name in names} | plain | chances | entries
 
 
@@ -148,8 +148,8 @@ def verdict_between(lowest: float, highest: float) -> str:
     return "severe" if lowest >= DECIDED[-1] else NOT_DECIDED
 
 
-def told(probability: float) -> float:
-    """A probability as a number, which is not told nearer to 0 or 1 than is known."""
+def clipped(probability: float) -> float:
+    """A probability, no nearer to 0 or 1 than the tails are known."""
     return min(max(probability, _LEAST), 1 - _LEAST)
 
 
@@ -182,7 +182,7 @@ def answers(
     if tested is not None:
         columns["tested"] = [tuple(tests) for tests in itertools.compress(tested, is_known)]
     shared: dict[str, Any] = {
-        "model_error": scatter.worded,
+        "model_error": scatter.text,
         "members": len(field.weights),
         "counts_inputs": field.counts_inputs,
         "critical_sd": field.conditions.critical_sd,
@@ -223,7 +223,7 @@ def _columns(
     pairs = zip(errors.T, scales, strict=True)
     columns["error"] = [RiseError.of(parts).times(scale) for parts, scale in pairs]
     for axis, one in along.items():
-        columns[f"{axis}_outcome"] = [*one.worded(axis)]
+        columns[f"{axis}_outcome"] = [*one.outcome_texts(axis)]
         columns[f"{axis}_range"] = [*zip(*(end.tolist() for end in one.computed), strict=True)]
     if len(weights) > 1:
         ends = (zip(low[name].tolist(), high[name].tolist(), strict=True) for name in low)

@@ -14,7 +14,7 @@ import xarray as xr
 from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.field import Field, fields
 from pipeline.analysis.laboratory import model_error, tests_beside
-from pipeline.analysis.margin import Margin, answers, told
+from pipeline.analysis.margin import Margin, answers, clipped
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.scenes import heads_of, shown_label
@@ -213,7 +213,7 @@ def _value(margin: Margin, name: str) -> Any:
     if name in ("distance_low", "distance_high"):
         return margin.intervals.get("distance", (math.nan, math.nan))[name == "distance_high"]
     value = getattr(margin, name)
-    return told(value) if name == "probability" else value
+    return clipped(value) if name == "probability" else value
 
 
 def _labels(found: Sequence[Judged]) -> list[str]:

@@ -34,7 +34,7 @@ class Scatter(Protocol):
     """Distribution of ln(velocity) of the next run about the model's."""
 
     @property
-    def worded(self) -> str:
+    def text(self) -> str:
         """What it rests on."""
 
     def below(self, distances: Array) -> Array:
@@ -78,7 +78,7 @@ class ModelError:
         return np.asarray(stdtr(self.degrees, np.where(distances == 0, 0.0, ratios)))
 
     @property
-    def worded(self) -> str:
+    def text(self) -> str:
         """See `Scatter`."""
         if n := len(self.residuals) + len(self.wrong):
             tests = f"{'1 test' if n == 1 else f'{n} tests'}{self.oil and f' of oil {self.oil}'}"

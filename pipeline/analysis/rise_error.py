@@ -112,7 +112,7 @@ class RiseError:
         return None if math.isnan(total) else total
 
     @property
-    def worded(self) -> str:
+    def text(self) -> str:
         """The error [K] and its parts in words."""
         parts = dict(zip(_PARTS, astuple(self), strict=True))
         known = ", ".join(f"{name} {part:.2g} K" for name, part in parts.items() if part)

@@ -226,7 +226,7 @@ class Transitions(NamedTuple):
     computed: tuple[Array, Array]  # lowest and highest place computed, each (k,)
     places: Array = np.empty((0, 0))  # of a single member, all places at which wear turns (k, n)
 
-    def worded(self, along: str) -> Iterator[str]:
+    def outcome_texts(self, along: str) -> Iterator[str]:
         """Outcome of each place along ``"velocity"`` or ``"load"``.
 
         Where the members differ, on how many of them wear turns.

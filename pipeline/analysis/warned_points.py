@@ -164,8 +164,8 @@ def _first(held: Results, judged: tuple[int, ...], chosen: Mask, flags: Indices)
         slow = SLOW if flag & WarningKind.SLOW_RISE else ""
         melted = MOLTEN if flag & WarningKind.MOLTEN else ""
         kinds = ", ".join(kind.label for kind in WarningKind if flag & kind)  # of a copy
-        told = here.messages[load, velocity] or (kinds if not (slow or melted) else "")
-        if message := "; ".join(filter(None, (told, slow, melted))):
+        message = here.messages[load, velocity] or (kinds if not (slow or melted) else "")
+        if message := "; ".join(filter(None, (message, slow, melted))):
             values = tuple((n, value_text(here.rows[n], here.rows[n].item())) for n in names)
             return f"{here.point(load, velocity)._replace(variant=values)}: {message}"
     return ""

@@ -67,7 +67,7 @@ def margin_lines(here: Margin) -> Iterator[str]:
     elif here.members > 1:
         origin = f"that of {here.members} {'samples' if here.counts_inputs else 'surfaces'}"
     yield f"  temperature         {display(here.decisive_temperature, '°C', 4)}, {origin}"
-    yield f"  numerical error     {here.error.worded}"
+    yield f"  numerical error     {here.error.text}"
     if interval := here.intervals.get("decisive_temperature"):
         low, high = (shown_in(value, "°C") for value in interval)
         yield f"  {several:18}  {low:.4g} to {high:.4g} °C with 90 %"

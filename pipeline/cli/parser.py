@@ -129,10 +129,10 @@ class _Version(argparse.Action):
         from importlib.metadata import PackageNotFoundError, version
 
         try:
-            told = version("irg-transition")
+            installed = version("irg-transition")
         except PackageNotFoundError:
-            told = "of unknown version, since it is not installed"
-        print(f"irg {told}")
+            installed = "of unknown version, since it is not installed"
+        print(f"irg {installed}")
         parser.exit()
 
 

@@ -98,7 +98,7 @@ def check(options: argparse.Namespace) -> Result:
         *_meaning(sweep, facts),
         *_library(sweep),
         *on_unknown,
-        *((one.grade, one.worded) for one in said),
+        *((one.grade, one.text) for one in said),
         ("grid", f"{nx} × {ny} elements; about {display(memory, 'MB', '.0f')} of memory a worker"),
     ]
     meaning = frame_of(_HEADS, rows)
@@ -154,7 +154,7 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
     peclet = f"Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of Hertz"
     yield "heat", peclet if sweep.scene.friction_heat else "none, since there is no friction"
     if sweep.conditions.corrections:
-        yield "corrections", sweep.conditions.corrections.worded
+        yield "corrections", sweep.conditions.corrections.text
 
 
 def _film(sweep: Sweep) -> Iterator[_Row]:

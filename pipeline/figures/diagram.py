@@ -108,7 +108,7 @@ def _draw_scene(axes: Axes, held: Results) -> tuple[list[Artist], str]:
         legend += _shade_surfaces(axes, x, y, excess)
         legend += _friction_lines(axes, field, x, y)
         legend += film_lines(axes, held, field.conditions)
-        caption += f"\nthe model's own error: {model_error(held, field).worded}"
+        caption += f"\nthe model's own error: {model_error(held, field).text}"
     elif max(sizes.values()) > 1:
         legend += _mark_transition(
             axes, held, field, "velocity" if sizes["velocity"] > 1 else "load"
@@ -248,7 +248,7 @@ def _mark_transition(axes: Axes, held: Results, field: PointField, axis: str) ->
     last = {"load": held.loads[-1:], "velocity": held.velocities[-1:]}
     found = field.transitions(axis, last["load"], last["velocity"])
     crossings = found.first[np.isfinite(found.first)]
-    (outcome,) = found.worded(axis)
+    (outcome,) = found.outcome_texts(axis)
     gid, label = ("boundary", "computed transition")
     if not crossings.size:
         gid, label = "no boundary", f"no transition: {outcome}"

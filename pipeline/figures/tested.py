@@ -84,7 +84,7 @@ def measured_over_computed(ds: xr.Dataset | Results, ax: Axes | None = None) -> 
     axes.set_ylabel("velocity of the test [m/s]")
     style.write_title(axes, f"{style.title_of(read)}\ncomputed against measured")
     caption = f"tests of {len(oils)} oils: {', '.join(oils)}"
-    caption = f"the model's own error: {scatter.worded}" if scatter else caption
+    caption = f"the model's own error: {scatter.text}" if scatter else caption
     style.legend_below(figure, ax, ncols=2, caption=caption)
     return figure
 

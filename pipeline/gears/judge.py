@@ -15,7 +15,7 @@ from typing import Any
 import pandas as pd
 
 import pipeline
-from pipeline.analysis.margin import NOT_DECIDED, told
+from pipeline.analysis.margin import NOT_DECIDED, clipped
 from pipeline.analysis.margin_frame import judged, margin_frame
 from pipeline.analysis.tables import frame_of
 from pipeline.gears.contact import Mesh
@@ -128,7 +128,7 @@ def _is_too_hot(one: Mesh) -> bool:
 def _severe(one: Mesh) -> dict[str, Any]:
     """A mesh whose teeth alone are too hot."""
     notes = _notes(one, _TOO_HOT)
-    severe = {"verdict": "severe", "probability": told(1.0), "sentence": f"Severe: {_TOO_HOT}"}
+    severe = {"verdict": "severe", "probability": clipped(1.0), "sentence": f"Severe: {_TOO_HOT}"}
     return severe | {"notes": notes}
 
 

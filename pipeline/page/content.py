@@ -299,15 +299,15 @@ def _model_facts(held: Results) -> dict[str, Any]:
     counts = range(len(laboratory_tests(held)) + 1)
     plain = [ModelError((0.0,) * n, usual=1.0) for n in counts]
     own = [replace(untested, residuals=(0.0,) * n) for n in counts]
-    words = [one.worded.partition(" % ")[2] for one in own]
+    words = [one.text.partition(" % ")[2] for one in own]
     return {
         "model": {
             "distances": distances.tolist(),
             "below": [one.below(distances * one.scales[0]).round(7).tolist() for one in plain],
             "prior": untested.usual,
             "worth": WORTH,
-            "words": [own[0].worded, *words[1:]],
-            "agreed": replace(own[0], untold=AGREED).worded,
+            "words": [own[0].text, *words[1:]],
+            "agreed": replace(own[0], untold=AGREED).text,
         },
         "misfit": point_field(held).misfit,
         "decided": [DECIDED[0], DECIDED[-1]],

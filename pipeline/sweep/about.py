@@ -119,7 +119,7 @@ def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Itera
     friction = f"{conditions.friction:g}"
     yield "friction", f"{'of each sample' if PATHS['friction'] in drawn else friction}, {bulk}"
     if conditions.corrections:
-        yield "corrections", conditions.corrections.worded
+        yield "corrections", conditions.corrections.text
     if conditions.critical_temperature is not None:
         yield "severe", severe_words(conditions, drawn)
 
@@ -130,7 +130,7 @@ def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str
         (
             severe_words(one, drawn),
             " ".join(next(condition_rows(one, drawn))),
-            one.corrections.worded if one.corrections else "no correction",
+            one.corrections.text if one.corrections else "no correction",
         )
         for one in several
     ]

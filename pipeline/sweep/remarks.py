@@ -16,12 +16,12 @@ class Remark(NamedTuple):
     words: str
 
     @property
-    def worded(self) -> str:
+    def text(self) -> str:
         """The words, after their place."""
         return f"{self.place}: {self.words}" if self.place else self.words
 
     def __str__(self) -> str:
-        return f"{self.grade}: {self.worded}"
+        return f"{self.grade}: {self.text}"
 
 
 def remarks(grade: Grade, *words: str | None) -> Iterator[str]:

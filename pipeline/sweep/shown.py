@@ -49,7 +49,7 @@ def _html(answer: Any) -> str:
     """Table of the values; frames of them stand below it."""
     title, rows = _titled_rows(answer)
     cells = "".join(
-        f"<tr><th>{escape(name)}</th><td>{escape(told)}</td></tr>" for name, told in rows
+        f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows
     )
     frames = [value for _, value in _values(answer) if hasattr(value, "to_html")]
     frames += [answer.table] if hasattr(answer, "table") else []
@@ -65,8 +65,8 @@ def _titled_rows(answer: Any) -> tuple[str, list[Line]]:
     if hasattr(answer, "description"):
         title, tables = answer.description()
         values = iter(tables.items())
-    told = ((name, _value_text(value)) for name, value in values if name != "title")
-    return title, [(name, text) for name, text in told if text]
+    texts = ((name, _value_text(value)) for name, value in values if name != "title")
+    return title, [(name, text) for name, text in texts if text]
 
 
 def _values(answer: Any) -> Iterator[tuple[str, Any]]:

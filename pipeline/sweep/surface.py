@@ -69,7 +69,7 @@ def surface_words(sweep: Sweep) -> str | None:
         return str(unknown)
     facts = surface_facts(sweep)
     noted = (note for note in sweep.about.notes if note.place.startswith("disk.roughness"))
-    done = [note.worded for note in noted]
+    done = [note.text for note in noted]
     return None if facts is None else "; ".join([facts.words, *done])
 
 

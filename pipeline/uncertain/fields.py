@@ -46,7 +46,7 @@ class InferredScatter:
     scatters: Array  # standard deviations of ln(velocity), (n_scatter,)
     by_draw: Array  # probability of each by draw, (n, n_scatter)
     weights: Array  # one for each draw
-    worded: str
+    text: str
 
     def below(self, distances: Array) -> Array:
         """See `pipeline.analysis.model_error.Scatter`; of all draws together."""
@@ -95,10 +95,8 @@ class SampleField:
         if self.posterior is None or self.draws.scatters is None or self.draws.by_scatter is None:
             return None
         low, middle, high = (100 * one for one in self.posterior.inferred_scatter)
-        worded = (
-            f"± {middle:.2g} % in velocity ({low:.2g} to {high:.2g} %), inferred from the tests"
-        )
-        return InferredScatter(self.draws.scatters, self.draws.by_scatter, self.weights, worded)
+        text = f"± {middle:.2g} % in velocity ({low:.2g} to {high:.2g} %), inferred from the tests"
+        return InferredScatter(self.draws.scatters, self.draws.by_scatter, self.weights, text)
 
     @property
     def given_draws(self) -> Draws | None:

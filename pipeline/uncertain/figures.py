@@ -76,7 +76,7 @@ def draw_probability(held: Results, log: bool = False) -> Figure:
             basis += ", which the model does not fit"
     basis = "; ".join([basis, *map(str, ensemble.fixed)])
     style.write_title(axes, f"{style.as_text(ensemble.title)}\n{basis}")
-    caption = f"{_conditions(ensemble)}\nthe model's own error: {scatter.worded}"
+    caption = f"{_conditions(ensemble)}\nthe model's own error: {scatter.text}"
     style.legend_below(figure, ncols=2, caption=caption)
     return figure
 

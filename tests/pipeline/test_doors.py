@@ -9,7 +9,7 @@ import pipeline
 import tribo
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import model_error
-from pipeline.analysis.margin import DECIDED, told, verdict_plane
+from pipeline.analysis.margin import DECIDED, clipped, verdict_plane
 from pipeline.cli import main
 from tests.helpers import synthetic
 from tests.helpers.samples import dataset, ensemble
@@ -116,7 +116,7 @@ def test_every_door_gives_a_place_the_same_verdict(name, tmp_path, capsys):
         assert temperature == pytest.approx(row["decisive temperature [°C]"], **SAME)
         assert printed[number]["decisive temperature [°C]"] == pytest.approx(temperature, **SAME)
         error = OF_SAMPLES if name == "samples" else SAME
-        assert told(chance) == pytest.approx(row["probability"], **error)
+        assert clipped(chance) == pytest.approx(row["probability"], **error)
         assert printed[number]["probability"] == pytest.approx(row["probability"], **SAME)
         ends = verdict_plane(field, [load], [velocity], model_error(held, field))
         low, high = (float(one[0, 0]) for one in ends)

@@ -85,7 +85,7 @@ def test_other_values_than_those_solved_for_have_the_error_of_the_whole_curve(bu
     assert here.error.counted == 0  # the critical temperature alone stays a condition
     warm = pipeline.margin(pipeline.at(bump, friction=0.11), "600 N", "1.6 m/s")
     assert warm.error.counted > 6.0  # by so much 149 °C, by each part alone, is too low
-    assert "only a run of the scene solves" in warm.error.worded
+    assert "only a run of the scene solves" in warm.error.text
     warm = pipeline.margin(pipeline.at(bump, bulk_temperature="30 degC"), "600 N", "1.6 m/s")
     row = {"load": ["600 N"], "velocity": ["1.6 m/s"], "bulk_temperature": ["30 degC"]}
     distance = pipeline.margin(bump, row)["distance [K]"].item()

@@ -270,7 +270,7 @@ def test_a_margin_is_the_same_as_text_as_json_and_in_python(ask, stores, kind, o
     assert {name: document[name] for name in plain} == plain
     assert next(iter(document)) == "verdict"
     assert said.split("\n")[0] == margin.sentence
-    assert f"numerical error     {margin.error.worded}" in said
+    assert f"numerical error     {margin.error.text}" in said
     assert f"the model's own     {margin.model_error}" in said
     (row,) = pipeline.margin(ds, {"load": ["500 N"], "velocity": ["2.5 m/s"]}).to_dict("records")
     for head, value in row.items():

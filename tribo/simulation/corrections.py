@@ -132,7 +132,7 @@ class Corrections:
     Examples
     --------
     >>> falling = Corrections(friction=Friction(by_velocity=((1.0, 1.03), (4.0, 0.94))))
-    >>> falling.worded
+    >>> falling.text
     'friction by velocity, measured, 0.94 to 1.03 times the coefficient'
     """
 
@@ -192,7 +192,7 @@ class Corrections:
         return {name: value for name, value in plain.items() if value}
 
     @property
-    def worded(self) -> str:
+    def text(self) -> str:
         """The corrections in words."""
         film = f"{self.film_resistance:.3g} m² K/W" if self.film_resistance else ""
         parts = {

@@ -6,8 +6,8 @@ import pytest
 
 import pipeline
 from pipeline.analysis.margin import (
+    clipped,
     percent,
-    told,
     verdict_between,
 )
 from pipeline.analysis.margin_frame import (
@@ -60,7 +60,7 @@ def test_a_verdict_is_given_with_95_percent_probability_at_the_worst_error(
 )
 def test_a_probability_is_told_as_near_to_0_and_1_as_is_known(probability, words, number):
     assert percent(probability) == words
-    assert told(probability) == pytest.approx(number, rel=1e-12)
+    assert clipped(probability) == pytest.approx(number, rel=1e-12)
 
 
 def changed(margin, **values):

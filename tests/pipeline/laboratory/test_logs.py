@@ -66,7 +66,7 @@ def test_rows_of_a_log_stand_beside_tables(lab):
         ),
         Measurement(600.0, 1.5, hold=10.0, outcome="mild", number="row 4", bulk_temperature=343.15),
     )
-    notes = [note.worded for note in scene.about.notes]
+    notes = [note.text for note in scene.about.notes]
     assert "tested[1].file: columns not used: date" in notes
 
 

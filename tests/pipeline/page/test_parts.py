@@ -176,7 +176,7 @@ def test_a_page_of_samples_has_the_probability_between_their_ends(monkeypatch, t
     assert red[0] > red[2]
     assert held["misfit"] == []
     assert len(held["measured"]) == 1
-    assert f"he model's own error: {scatter.worded}" in unescape(text)
+    assert f"he model's own error: {scatter.text}" in unescape(text)
     assert (page.points, page.points_with_fields) == (int((ds["status"] == DONE).sum()), 0)
     assert "<th>friction</th>" not in text  # each sample has its own
 

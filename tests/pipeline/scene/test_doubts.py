@@ -25,7 +25,7 @@ def with_test(load):
 
 
 def said_of(sweep, **facts):
-    return [doubt.worded for doubt in doubts(sweep, replace(facts_of(sweep), **facts))]
+    return [doubt.text for doubt in doubts(sweep, replace(facts_of(sweep), **facts))]
 
 
 def surface(**changes):

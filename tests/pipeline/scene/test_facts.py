@@ -146,7 +146,7 @@ def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
     ],
 )
 def test_what_is_hardly_meant_is_doubted(sweep, said):
-    assert any(said in doubt.worded for doubt in doubts(sweep, facts_of(sweep)))
+    assert any(said in doubt.text for doubt in doubts(sweep, facts_of(sweep)))
 
 
 def test_of_two_moving_bodies_the_velocities_and_turns_are_told():

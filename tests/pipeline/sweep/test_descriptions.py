@@ -73,8 +73,8 @@ def test_conditions_of_several_are_said_once_each_and_what_is_drawn_as_that():
         "severe wear: more than 10 % of the contact above 145 °C or more than 10 % of the contact "
         "above 165 °C; friction 0.1, bulk 25 °C"
     )
-    assert judged_by([bent]).endswith(f"above 165 °C; friction 0.1, bulk 25 °C; {BENT.worded}")
-    assert judged_by([own, bent]).endswith(f"no correction or {BENT.worded}")
+    assert judged_by([bent]).endswith(f"above 165 °C; friction 0.1, bulk 25 °C; {BENT.text}")
+    assert judged_by([own, bent]).endswith(f"no correction or {BENT.text}")
     every = ("friction.coefficient", "temperature.bulk", "temperature.critical")
     assert judged_by([own], every) == (
         "severe wear: more than 10 % of the contact above the critical temperature of each sample; "
