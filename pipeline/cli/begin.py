@@ -12,10 +12,8 @@ from pathlib import Path
 import pipeline
 from pipeline.cli.output import Result
 from pipeline.cli.parser import commands, parse
-from pipeline.scene.shipped import WORKFLOWS, page_name, shipped_pages, shipped_scenes
+from pipeline.scene.shipped import page_name, shipped_pages, shipped_scenes
 from tribo import InputError
-
-_SITE = WORKFLOWS.parent / "results" / "docs" / "index.html"
 
 
 def new(options: argparse.Namespace) -> Result:
@@ -43,8 +41,6 @@ def help_(options: argparse.Namespace) -> Result:
         texts = {name: path.read_text(encoding="utf-8") for name, path in held.items()}
         titles = {name: re.findall(r"(?m)^# (.+)", text)[0] for name, text in texts.items()}
         lines = [f"irg help {name:12} {title}" for name, title in titles.items()]
-        if _SITE.exists():
-            lines.append(f"all of them as a site: {_SITE.as_uri()}")
         return Result(
             titles, ["pages, in the order of reading:", *lines, "a command: irg COMMAND --help"]
         )

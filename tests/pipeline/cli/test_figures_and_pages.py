@@ -56,17 +56,14 @@ def test_a_kind_of_figure_refuses_the_options_of_others_and_names_its_own(irg, d
     assert drawn == []
 
 
-def test_pages_are_listed_with_their_titles_and_printed_as_they_are(irg, monkeypatch, tmp_path):
+def test_pages_are_listed_with_their_titles_and_printed_as_they_are(irg):
     held = shipped_pages()
     titles = irg("help", "--json")
     assert [*titles] == [*held]
     assert all(f"# {title}\n" in held[name].read_text("utf-8") for name, title in titles.items())
-    monkeypatch.setattr(begin, "_SITE", tmp_path / "index.html")
     first, *lines, last = irg("help").splitlines()
     assert (first, last) == ("pages, in the order of reading:", "a command: irg COMMAND --help")
     assert [line.split()[2] for line in lines] == [*held]
-    (tmp_path / "index.html").touch()
-    assert f"all of them as a site: {(tmp_path / 'index.html').as_uri()}" in irg("help")
     text = held["first-hour"].read_text("utf-8")
     assert irg("help", "first-hour") == f"{text.removesuffix(chr(10))}\n"
     assert irg("help", "first-hour", "--json") == {"page": "first-hour", "text": text}
