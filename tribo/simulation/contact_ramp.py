@@ -30,7 +30,7 @@ from tribo.loading import Station
 from tribo.simulation.cache import unworn_contact
 from tribo.simulation.element_size import suited
 from tribo.simulation.finer_grids import refine_step
-from tribo.simulation.implicit_end import ended
+from tribo.simulation.implicit_end import end_implicitly
 from tribo.simulation.loading_step import advance, start
 from tribo.simulation.parts_of_steps import parts_of
 from tribo.simulation.passing import position_means
@@ -202,7 +202,7 @@ def _last_part(
         begin, after = after, advance(scene, after, part, velocity, observed=len(levels) == 1)
         if scene.remembers_heat:
             # The heat of all steps acts on the last, and so each has to know its own pressure.
-            after = replace(ended(scene, begin, after, part, velocity), history=None)
+            after = replace(end_implicitly(scene, begin, after, part, velocity), history=None)
         iterations += after.iterations
     return begin, replace(after, iterations=iterations)
 

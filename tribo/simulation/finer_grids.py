@@ -8,7 +8,7 @@ import numpy as np
 
 from tribo.loading import Station
 from tribo.simulation.disk_positions import Pass
-from tribo.simulation.implicit_end import ended
+from tribo.simulation.implicit_end import end_implicitly
 from tribo.simulation.loading_step import advance, solve_pass
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
@@ -41,7 +41,7 @@ def refine_step(
             iterations=state.iterations + finer.iterations,
             history=after,
         )
-    return ended(finest, on_grid, state, station, velocity)
+    return end_implicitly(finest, on_grid, state, station, velocity)
 
 
 def _observed(scene: Scene, after: State) -> State:

@@ -25,7 +25,9 @@ _END = 1 / 6  # share of the step that is taken implicitly
 _NEW, _RIM = 0.01, 0.75
 
 
-def ended(scene: Scene, before: State, after: State, station: Station, velocity: float) -> State:
+def end_implicitly(
+    scene: Scene, before: State, after: State, station: Station, velocity: float
+) -> State:
     """The state after a step, or after the same with a short end where much has come into contact.
 
     The states at its beginning and at its end are on one grid.
