@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 
 import pandas as pd
 import xarray as xr
@@ -18,11 +19,14 @@ from pipeline.cli.output import Result, working, wrapped
 from pipeline.cli.verdicts import place_lines
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.facts import require_bearable_load
+from pipeline.store.create import writing
 from pipeline.store.write import stored
-from pipeline.sweep.model import Point
+from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.physics import note_on_turns
+from pipeline.sweep.plan import PointRecord, run_points
 from pipeline.sweep.remarks import remarks
-from tribo import InputError
+from pipeline.sweep.stages import Report
+from tribo import InputError, TriboError
 
 
 def point(options: argparse.Namespace) -> Result:
@@ -36,13 +40,22 @@ def point(options: argparse.Namespace) -> Result:
         require_one_oil(sweep.about)
     sweep = sweep.take_surface(options.realization).changed("sweep.steps", "end")
     places = sweep.take_place(*place, options.alone)
-    with stored(None) as store:
-        with working("simulating") as progress:
-            outcome = pipeline.run_sweep(places, store, progress=progress)
-        for failed in outcome.failed:
-            if (failed.load, failed.velocity) == place:
-                raise InputError(failed.message)
-        return _judged(pipeline.at(store, oil=options.oil), Place(*place), options.alone)
+    with stored(None) as path:
+        with working("simulating") as progress, writing(path, places) as store:
+            store.commit(_simulate(places, Point(*place), progress))
+        return _judged(pipeline.at(path, oil=options.oil), Place(*place), options.alone)
+
+
+def _simulate(sweep: Sweep, asked: Point, progress: Report) -> Iterator[PointRecord]:
+    """Records of the points of a sweep, the one asked for first; others may fail."""
+    for point in sorted(sweep.chosen or (), key=lambda one: one != asked):
+        try:
+            (result,) = run_points(sweep, (point,), progress=progress)
+            yield result.record(sweep.plane.fields)
+        except TriboError as error:
+            if point == asked:
+                raise
+            yield PointRecord(point, None, str(error))
 
 
 def _judged(ds: xr.Dataset, place: Place, alone: bool) -> Result:
