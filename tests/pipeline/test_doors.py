@@ -129,11 +129,11 @@ def test_the_figure_shades_a_place_as_its_margin_judges_it(name):
     held = pipeline.results(STORES[name]())
     axes = pipeline.plot(STORES[name](), "diagram").axes[0]
     regions = {one.get_gid(): one.get_paths() for one in axes.collections}
-    asked, seen = np.transpose([*places(STORES[name](), 40)]), set()
+    asked, seen = np.transpose([*places(STORES[name](), 120)]), set()
     # Between the lines of the grid that is drawn a region ends to within its cells.
     around = [
         pipeline.margin(held, {"load": asked[0], "velocity": factor * asked[1]})["verdict"]
-        for factor in (0.95, 1.0, 1.05)
+        for factor in (0.98, 1.0, 1.02)
     ]
     for load, velocity, *verdicts in zip(*asked, *around, strict=True):
         shaded = {
