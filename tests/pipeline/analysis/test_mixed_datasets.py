@@ -9,7 +9,7 @@ from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.variants import surfaces
 from tests.helpers import synthetic, tiny
-from tests.helpers.entries import placed_rows, rows
+from tests.helpers.entries import rows
 from tests.helpers.stores import commit
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
@@ -128,15 +128,3 @@ def test_a_scene_without_simulation_is_told_by_its_conditions_alone(parts):
     high, rubbing = parts("high", "rubbing")
     same = pipeline.at(high, friction=0.2)
     np.testing.assert_array_equal(same["scene_id"], rubbing["scene_id"])
-
-
-def test_rises_of_rows_on_surfaces_differ_at_their_own_points(tmp_path):
-    placed = placed_rows((150.0, 1.0), (250.0, 2.0), (250.0, 1.0))
-    commit_all(tmp_path / "a.zarr", tiny.sweep(variants=surfaces((5, 3)) * placed))
-    ds = pipeline.open_sweep(tmp_path / "a.zarr")
-    found = pipeline.diff(ds, ds.assign(max_rise=2 * ds["max_rise"])).points
-    assert len(found) == 6
-    for name, low, high in found[["variant", "rise a [K]", "rise b [K]"]].itertuples(index=False):
-        number, seed = map(int, name.split(", "))
-        here = ds["max_rise"].sel(variant=number, realization=seed).isel(step=-1).item()
-        assert (low, high) == (here, 2 * here)

@@ -168,8 +168,8 @@ def test_conditions_of_a_row_in_another_unit_are_doubted_or_refused(store, tmp_p
     points = tmp_path / "duty.csv"
     points.write_text("load [N],velocity [m/s],bulk_temperature [degC],friction\n400,1,298,10\n")
     said = irg("margin", "out.zarr", "--points", points)
-    assert "friction is 10, where 0 to 1 is usual" in said
-    assert "the bulk temperature is 298 °C, where" in said
+    assert "friction: 10, where 0 to 1 are usual" in said
+    assert "bulk temperature: 298 °C, where" in said
     points.write_text("load [N],velocity [m/s],bulk_temperature [K]\n400,1,25\n")
     assert "out of range, which is from -53 degC" in irg(
         "margin", "out.zarr", "--points", points, code=2
