@@ -110,10 +110,16 @@ class Line:
     ) -> Array:
         """The turn nearest by its ratio, or the nearest to severe wear; without one as `first`.
 
-        If continued, those beyond its ends count, too.
+        If continued, a line without a turn has those beyond its ends.
         """
-        places, is_severe = self._all_turns[:2] if continued else (self.places, self._turns_severe)
-        is_counted = np.isfinite(places) & (is_severe | (not to_severe))
+        places, is_severe = self.places, self._turns_severe
+        is_counted = is_severe if to_severe else np.isfinite(places)
+        if continued:
+            others, is_severe, _ = self._all_turns
+            is_other = np.isfinite(others) & (is_severe | (not to_severe))
+            is_other &= ~np.any(is_counted, axis=-1, keepdims=True)
+            places = np.append(places, others, axis=-1)
+            is_counted = np.append(is_counted, is_other, axis=-1)
         places = np.where(is_counted, places, math.inf)
         ways = np.abs(np.log(places / np.asarray(here)[..., None]))
         found = np.take_along_axis(places, ways.argmin(axis=-1)[..., None], -1)[..., 0]
