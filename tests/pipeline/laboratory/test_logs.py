@@ -381,4 +381,4 @@ def test_what_is_understood_of_a_log_is_printed(tmp_path, irg):
 def test_conditions_that_are_probably_in_another_unit_are_doubted(tests):
     log = "load [N],velocity [m/s],bulk temperature [degC],outcome\n400,1.2,333,mild\n"
     (doubt,) = tests(log)["doubts"]
-    assert "the test of 400 N at 1.2 m/s: the bulk temperature is 333 °C, where" in doubt
+    assert "the test of 400 N at 1.2 m/s: bulk temperature: 333 °C, where" in doubt

@@ -56,10 +56,10 @@ def test_a_scene_turns_its_scan_and_answers_a_narrow_one_with_mirror(scan):
     turned = {"disk.roughness.transpose": True, "disk.roughness.flip": True}
     sweep = load_scene("first_try", overrides=surface | turned)
     assert np.array_equal(sweep.scene.roughness.array, -1e-6 * np.load(scan))
-    with pytest.raises(SceneFileError, match=r"disk\.roughness\.transpose = true"):
+    with pytest.raises(SceneFileError, match="by crop, repeat or transpose of"):
         load_scene("first_try", overrides=surface)
     wide = surface | {"window.pixels": [480, 192]}
-    with pytest.raises(SceneFileError, match=r'disk\.roughness\.repeat = "mirror"'):
+    with pytest.raises(SceneFileError, match="by crop, repeat or transpose of"):
         load_scene("first_try", overrides=wide)
     load_scene("first_try", overrides=wide | {"disk.roughness.repeat": "mirror"})
 
@@ -153,13 +153,13 @@ def test_a_small_scan_says_how_much_to_measure(tmp_path):
 
 
 def test_a_scene_takes_what_the_command_takes_and_describes_the_same(tmp_path, irg):
-    np.save(tmp_path / "scan.npy", 10 * likely(1).T / 1e-6)  # a tenth of a micrometre each
-    command = irg("surface", tmp_path / "scan.npy", "--height-unit", "0.1 um",
+    np.save(tmp_path / "scan.npy", likely(1).T / 1e-6)
+    command = irg("surface", tmp_path / "scan.npy", "--height-unit", "um",
                   "--pixel-size", "0.5 um", "--json")  # fmt: skip
     surface = {
         "without": "disk.roughness",
         "disk.roughness.file": str(tmp_path / "scan.npy"),
-        "disk.roughness.height_unit": "0.1 um",
+        "disk.roughness.height_unit": "um",
         "disk.roughness.pixel_size": ["0.5 um", "0.5 um"],
         "disk.roughness.level": True,
         "window.pixels": [384, 384],
@@ -168,8 +168,5 @@ def test_a_scene_takes_what_the_command_takes_and_describes_the_same(tmp_path, i
     facts = surface_facts(load_scene("first_try", overrides=surface))
     rough = command["roughness"]
     assert (facts.ra, facts.rq) == pytest.approx((rough["ra"], rough["rq"]), rel=1e-9)
-    factor = surface | {"disk.roughness.height_unit": 1e-7}
-    same = surface_facts(load_scene("first_try", overrides=factor))
-    assert (same.ra, same.rq) == pytest.approx((facts.ra, facts.rq), rel=1e-12)
     with pytest.raises(SceneFileError, match=r"the pixels of disk\.roughness\.file are"):
         load_scene("first_try", overrides=surface | {"window.pixel_size": ["1 um", "0.5 um"]})
