@@ -40,6 +40,7 @@ from pipeline.store.schema import (
     AT_ENDS,
     FORMAT,
     INPUTS,
+    MADE,
     SCENE_ID,
     VARIABLES,
     Variable,
@@ -214,7 +215,7 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
             f"{place} is not the store of a sweep, or its {ROOT} is damaged; {_ELSEWHERE}"
         )
     try:
-        return Root(
+        root = Root(
             sweep=text_sweep(attributes["sweep"], _read_inputs(place, facts["inputs"])),
             axes=facts["axes"],
             ids=json.loads(attributes[SCENE_ID]),
@@ -222,6 +223,10 @@ def _parsed(place: StorePlace, content: bytes) -> Root:
             history=facts["history"],
             found=document,
         )
+        axes = {name for name in root.variables if is_coordinate(name)} - {*MADE, SCENE_ID, INPUTS}
+        if unlike := sorted(axes ^ root.axes.keys()):  # of a stranger, who may name other files
+            raise ValueError(f"the variable {unlike[0]} is unknown or missing")
+        return root
     except DamagedError as error:
         raise StoreError(f"{place}: the arrays of its scene are damaged; {_ELSEWHERE}") from error
     except (InputError, ValueError, KeyError, TypeError, AttributeError) as error:

@@ -189,6 +189,8 @@ REFUSALS = {
     "other": (changed(lambda path: edit(path / ROOT, lambda root: root["attributes"].update(
         scene_id="[7]"))), "zarr.json is damaged; restore it from a backup"),
     "old": (changed(forged(lambda texts, _: texts["store"].update(format=3))), "it has format 3"),
+    "variable": (changed(forged(lambda texts, _: texts["store"]["axes"].update(mine=[1.0]))),
+                 "the variable mine is unknown or missing"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "the arrays of its scene are damaged"),
     "sweep": (changed(forged(lambda texts, _: texts["sweep"]["entries"]["sweep"].update(loads=3))),
               "sweep.loads: 3 "),
