@@ -150,7 +150,7 @@ PRESETS: dict[str, Fidelity] = {
         increments=4,
         hold_increments=8,
         imprint=25.0,
-        contact_tolerance=0.25,
+        contact_tolerance=0.12,
         wear_scheme="sdirk2",
         heat_tolerance=1e-2,
     ),

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from tribo.loading import Station
-from tribo.simulation.disk_positions import Pass
+from tribo.simulation.disk_positions import Pass, passes
 from tribo.simulation.implicit_end import end_implicitly
 from tribo.simulation.loading_step import advance, solve_pass
 from tribo.simulation.scene import Scene
@@ -19,29 +19,36 @@ from tribo.wear import Stage
 def refine_step(
     levels: tuple[Scene, ...], before: State, after: State, station: Station, velocity: float
 ) -> State:
-    """Repeat the step from `before` to `after` on ever finer grids, each begun with the last."""
+    """Repeat the step from `before` to `after` on ever finer grids, each begun with the last.
+
+    One contact on each of them suffices, see `_rewound`.
+    """
     finest = levels[-1]
     if finest.remembers_heat:  # on one grid, and its steps have ended as they have to
         return after
     if finest.sweeps_over and len(levels) > 1:
         return _observed(finest, after)
-    state, on_grid = after, before
+    state = end_implicitly(levels[0], before, after, station, velocity)
+    wear_depth = _rewound(levels[0], before, state, station, velocity)
     for scene in levels[1:]:
         shape = scene.grid.shape
+        pressure = _prolonged(state.pressure, shape)
         on_grid = replace(
-            before,
-            pressure=_prolonged(before.pressure, shape),
-            wear_depth=_spread(before.wear_depth, shape),
-            previous_pressure=_prolonged(before.previous_pressure, shape),
-            displacement=None,
+            before, pressure=pressure, wear_depth=_spread(wear_depth, shape), displacement=None
         )
-        finer = advance(scene, on_grid, station, velocity, _prolonged(state.pressure, shape))
-        state = replace(
-            finer,
-            iterations=state.iterations + finer.iterations,
-            history=after,
-        )
-    return end_implicitly(finest, on_grid, state, station, velocity)
+        finer = advance(scene, on_grid, station, velocity, pressure, scheme="implicit")
+        state = replace(finer, iterations=state.iterations + finer.iterations, history=after)
+    return state
+
+
+def _rewound(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
+    """Wear from which an implicit step of one contact ends as the scheme's own stages have [m]."""
+    way = before.sliding_distance, after.sliding_distance
+    wear, distance = scene.wear_at(velocity, way), abs(velocity) * (after.time - before.time)
+    stage = next(passes(scene, before, station, wear, distance, True, "implicit")).stage
+    if wear is None or stage.normal_load != after.normal_load:  # a load that falls to nothing
+        return before.wear_depth
+    return after.wear_depth - wear.depth(after.pressure, stage.distance)
 
 
 def _observed(scene: Scene, after: State) -> State:
