@@ -104,7 +104,7 @@ def boundary(ds: xr.Dataset | PathLike | Results) -> xr.Dataset:
     >>> ds = pipeline.open_sweep("results/first_try.zarr")
     >>> pipeline.boundary(ds)["critical_velocity"].round(2).to_series()
     load
-    200.0    3.74
+    200.0    3.75
     400.0    2.33
     600.0    1.58
     750.0    1.26

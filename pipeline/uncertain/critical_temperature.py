@@ -122,7 +122,7 @@ def critical_temperatures(
     >>> with_one_test = scene.changed("measured", scene.entries["measured"][:1])
     >>> inferred = pipeline.critical_temperatures(with_one_test)
     >>> f"{inferred.mean - 273.15:.0f} °C"
-    '148 °C'
+    '149 °C'
     """
     sweep = sweep_of(sweep)
     sweep = take_own_tests(sweep, "measured")
