@@ -154,9 +154,7 @@ def elsewhere(monkeypatch):
 
 @pytest.mark.filterwarnings("ignore:Mismatched versions")  # of Python, in its last digit
 @pytest.mark.timeout(300)
-def test_a_cluster_elsewhere_sees_no_store_computes_the_same_and_may_be_lost(
-    elsewhere, tmp_path, alone, irg
-):
+def test_a_cluster_elsewhere_sees_no_store_and_computes_the_same(elsewhere, tmp_path, alone, irg):
     cluster, configured, file = elsewhere
     with pytest.raises(ExecutionError, match=r"no Dask scheduler answers at"):
         client_of(cluster.address)
@@ -177,14 +175,21 @@ def test_a_cluster_elsewhere_sees_no_store_computes_the_same_and_may_be_lost(
             said = irg(*run, tmp_path / name, code=2)
             assert f"{name} cannot be read as the file of a Dask" in said
 
-        for how in (signal.SIGSTOP, signal.SIGKILL):
-            path = hidden / f"{how}.zarr"
-            lose = when_done(lambda how=how: cluster.scheduler.send_signal(how))
-            lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are sa")
-            with client_of(cluster.address) as client, lost:
-                run_sweep(SLOW, path, client=client, progress=lose, patience=5.0)
-            assert summary(path).done
-            cluster.scheduler.send_signal(signal.SIGCONT)
+
+@pytest.mark.filterwarnings("ignore:Mismatched versions")
+@pytest.mark.timeout(300)
+def test_a_scheduler_that_stops_or_dies_is_lost_and_its_finished_points_are_not(
+    elsewhere, tmp_path
+):
+    cluster, configured, _ = elsewhere
+    for how in (signal.SIGSTOP, signal.SIGKILL):
+        path = tmp_path / f"{how}.zarr"
+        lose = when_done(lambda how=how: cluster.scheduler.send_signal(how))
+        lost = pytest.raises(ExecutionError, match="scheduler is lost; finished points are sa")
+        with dask.config.set(configured), client_of(cluster.address) as client, lost:
+            run_sweep(SLOW, path, client=client, progress=lose, patience=5.0)
+        assert summary(path).done
+        cluster.scheduler.send_signal(signal.SIGCONT)
 
 
 def test_a_worker_with_another_number_in_its_code_is_refused_and_computes_nothing(tmp_path):
