@@ -144,7 +144,7 @@ class Computed(NamedTuple):
         return records
 
 
-# Threads of one process gain 6 % at most: tests/benchmarks/threads.py.
+# Threads of one process gained 6 % at most.
 _one_at_a_time = threading.Lock()
 _trunks = Trunks()
 _ENCODER = Zstd(level=1)

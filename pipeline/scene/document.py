@@ -216,5 +216,10 @@ def _toml(path: Path) -> dict[str, Any]:
         )
     try:
         return tomllib.loads(content.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        fault = f"line {line} is not UTF-8; save the file in that encoding"
+        raise SceneFileError(path, [fault]) from error
     except (ValueError, RecursionError) as error:
-        raise SceneFileError(path, [f"is not valid TOML in UTF-8: {error}"]) from error
+        reason = str(error).replace("Cannot overwrite a value", "A key is given twice")
+        raise SceneFileError(path, [f"is not valid TOML: {reason}"]) from error

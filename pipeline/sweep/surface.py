@@ -68,8 +68,8 @@ def surface_words(sweep: Sweep) -> str | None:
     if isinstance(unknown := sweep.scene.roughness, UnknownHeights):
         return str(unknown)
     facts = surface_facts(sweep)
-    noted = (note for note in sweep.about.notes if note.place.startswith("disk.roughness"))
-    done = [note.text for note in noted]
+    noted = [note for note in sweep.about.notes if note.grade == "note"]
+    done = [note.text for note in noted if note.place.startswith("disk.roughness")]
     return None if facts is None else "; ".join([facts.words, *done])
 
 

@@ -14,7 +14,7 @@ from pipeline.scene.facts import Span, facts_of
 from pipeline.scene.scenefile import load_scene
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.physics import note_on_ends
-from pipeline.sweep.surface import SurfaceFacts
+from pipeline.sweep.surface import SurfaceFacts, surface_words
 from tests.helpers.entries import changed
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
 
@@ -162,3 +162,10 @@ def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
         window = (1.0, room * 100e-6 * longer)
         doubts = said_of(CROWNED, **contact, window=window)
         assert any("room for" in doubt for doubt in doubts) is not fits
+
+
+def test_a_surface_is_described_without_the_doubts_about_it():
+    rough = load_scene("first_try", overrides={"disk.roughness.ra": "50 um"})
+    assert "usual" in "".join(map(str, rough.about.notes))
+    assert "Ra 50 µm" in surface_words(rough)
+    assert "usual" not in surface_words(rough)
