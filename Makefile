@@ -68,18 +68,12 @@ promises: .venv/test  ## judge --accuracy, presets and stated errors on random s
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front --search --scenes 12
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30 --family wide
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.curved
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.ends
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.holds
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.worn
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 
 samples: .venv/test   ## judge samples by 2000 simulations, irg infer and next runs by truths, in 2 hours
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.bands
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --minutes 30
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.seeds
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.seeds --tests 24
 	for tests in 8 24; do \
 	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.runs --tests $$tests || exit 1; done
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories

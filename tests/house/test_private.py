@@ -18,7 +18,6 @@ _ALLOWED = {
     "pipeline/uncertain/test_difference.py _describe_contrast": "the sentence without a second run",
     "promises/rigs.py _FIRST": "more draws of the prior than usual",
     "promises/rigs.py _rise": "scenes of one campaign share their fit of the rise",
-    "promises/seeds.py _rise": "scenes of one campaign share their fit of the rise",
 }
 """Private names that a file of tests reads, and why."""
 

@@ -1,4 +1,4 @@
-"""Judge promises on random scenes, one after the other, until the time is up.
+"""Judge `--accuracy` on random scenes, one after the other, until the time is up.
 
 Truth is nearly exact steps on the pixels.
 
@@ -18,39 +18,18 @@ from pathlib import Path
 import pipeline
 from tests.helpers.campaigns import commit
 from tests.promises.judge import boundaries, exponents, largest_error, places, true_boundary
-from tests.promises.report import ACCURACIES, PROMISED, report
+from tests.promises.report import ACCURACIES, report
 from tests.promises.scenes import random_sweep
 from tests.promises.wide import random_wide_sweep
-from tribo import PRESETS, TriboError
+from tribo import TriboError
 
-PARTS = ("truth", "presets", "accuracies")
+PARTS = ("truth", "accuracies")
 FAMILIES = {"cylinders": random_sweep, "wide": random_wide_sweep}
 
 
 def truth(sweep, parts):
-    """True boundaries, by the present heat and by all so far."""
-    present, by_all = true_boundary(sweep)
-    return {
-        "present": [*present.values()],
-        "all": [*by_all.values()],
-        "heat_model": largest_error(by_all, present),
-    }
-
-
-def presets(sweep, parts):
-    """True errors of the presets, with the present heat and all so far; the kinds of warnings."""
-    present, by_all = (
-        dict(zip(places(sweep), parts["truth"][heat], strict=True)) for heat in ("present", "all")
-    )
-    slopes, rows = exponents(sweep, present), {}
-    for name in PROMISED:
-        velocities, kinds = boundaries(sweep, PRESETS[name], present, slopes)
-        rows[name] = {
-            "error": largest_error(velocities, present),
-            "with_past": largest_error(velocities, by_all),
-            "warnings": kinds + _slow(slopes),
-        }
-    return rows
+    """True boundary."""
+    return {"velocities": [*true_boundary(sweep).values()]}
 
 
 def _slow(slopes):
@@ -63,7 +42,7 @@ def accuracies(sweep, parts):
 
     The table of choices is measured once, and each accuracy takes its row.
     """
-    true = dict(zip(places(sweep), parts["truth"]["present"], strict=True))
+    true = dict(zip(places(sweep), parts["truth"]["velocities"], strict=True))
     slopes = exponents(sweep, true)
 
     @functools.cache
@@ -103,16 +82,14 @@ def main():
     parser.add_argument("--scenes", type=int, default=300, help="seeds below this one")
     parser.add_argument("--minutes", type=float, default=60.0, help="begin no scene later")
     parser.add_argument("--file", type=Path, help="results/promises_FAMILY.jsonl")
-    parser.add_argument("--of", choices=PARTS[1:], help="judge these alone; both if not given")
     parser.add_argument("--anew", action="store_true", help="what another commit has judged")
     options = parser.parse_args()
     path = options.file or Path(f"results/promises_{options.family}.jsonl")
     path.parent.mkdir(parents=True, exist_ok=True)
     rows_by_seed, began, now = read(path), time.monotonic(), commit()
-    parts = ("truth", options.of) if options.of else PARTS
     for seed in range(options.first, options.scenes):
         rows = rows_by_seed.setdefault(seed, {})
-        for part in parts:
+        for part in PARTS:
             stale = options.anew and part != "truth" and rows.get(part, {}).get("commit") != now
             if part in rows and not stale:
                 continue

@@ -10,15 +10,13 @@ from pipeline.sweep.severity import momentary_rise, rise_limit
 from pipeline.tradeoff.probe import Target
 from tests.helpers.entries import changed
 from tests.promises.scenes import state_at
-from tribo import PRESETS, MeasuredLoad, warnings
+from tribo import PRESETS, warnings
 
 # The reference with tolerances half as large. Its rise is mostly within 0.02 % of that in 400
 # steps; where whole rows of elements wear heavily, within 0.2 %.
 TRUTH = replace(PRESETS["reference"], contact_tolerance=5e-6, heat_tolerance=5e-9)
-_PAST_STEPS = 50  # in which the share of the heat of the past is known
 _NEARLY = replace(TRUTH, increments=12, contact_tolerance=1e-4, heat_tolerance=1e-6)
 _CLOSE = 5e-4  # relative, of a boundary velocity
-_MUCH = 0.01  # of ln(rise), that the heat of the past takes away: it differs with the velocity
 _SMALL_STEP = 5e-3  # of the logarithm of velocity, over which its known exponent is exact enough
 
 
@@ -34,13 +32,12 @@ def rise_at(sweep, fidelity, place, velocity):
     return momentary_rise(scene, state, sweep.conditions), warnings(scene, state)
 
 
-def boundary_velocity(sweep, fidelity, place, velocity, ratio=1.0, exponent=None):
+def boundary_velocity(sweep, fidelity, place, velocity, exponent=None):
     """Velocity at which the decisive rise reaches its limit, by secants; and its warnings.
 
-    The rise is multiplied by a ratio, such as that of `heat_of_the_past`. With a known exponent
-    d ln(rise)/d ln(velocity) a last small step is trusted.
+    With a known exponent d ln(rise)/d ln(velocity) a last small step is trusted.
     """
-    limit, before = rise_limit(sweep.conditions) / ratio, None
+    limit, before = rise_limit(sweep.conditions), None
     trusted, exponent = exponent is not None, exponent or 0.6
     for _ in range(12):
         rise, warnings = rise_at(sweep, fidelity, place, velocity)
@@ -65,44 +62,18 @@ def exponent_at(sweep, fidelity, place, velocity, apart=0.03):
     return min(max(math.log(high / low) / (2 * apart), 0.2), 2.0)
 
 
-def heat_of_the_past(sweep, place, velocity):
-    """Rise by all the heat so far over that by the present heat, which hardly depends on steps."""
-    rises = []
-    for model in ("history", "elapsed"):
-        fidelity = replace(
-            TRUTH,
-            increments=_PAST_STEPS * (2 if isinstance(sweep.scene.loading, MeasuredLoad) else 1),
-            wear_scheme="implicit",
-            contact_tolerance=1e-4,
-            heat_model=model,
-        )
-        rises.append(rise_at(sweep, fidelity, place, velocity)[0])
-    return rises[0] / rises[1]
-
-
 def true_boundary(sweep):
-    """Velocity at each place by the present heat alone, and by all the heat so far.
+    """Velocity at each place.
 
     It is sought with an eighth of the steps, so that few of the whole are left to be done.
     """
-    middle = math.sqrt(sweep.plane.velocities[0] * sweep.plane.velocities[-1])
-    by_present, by_all = {}, {}
+    middle, found = math.sqrt(sweep.plane.velocities[0] * sweep.plane.velocities[-1]), {}
     for place in places(sweep):
         start, _ = boundary_velocity(sweep, PRESETS["standard"], place, middle)
         start, _ = boundary_velocity(sweep, _NEARLY, place, start)
         exponent = exponent_at(sweep, _NEARLY, place, start)
-        present, _ = boundary_velocity(sweep, TRUTH, place, start, exponent=exponent)
-        by_present[place] = present
-        ratio = heat_of_the_past(sweep, place, present)
-        lower = present * math.exp(-math.log(ratio) / exponent)
-        is_much = abs(math.log(ratio)) > _MUCH
-        if is_much:
-            ratio = heat_of_the_past(sweep, place, lower)
-        by_all[place], _ = boundary_velocity(sweep, TRUTH, place, lower, ratio, exponent)
-        if is_much:
-            ratio /= heat_of_the_past(sweep, place, by_all[place])
-            by_all[place] *= ratio ** (1 / exponent)
-    return by_present, by_all
+        found[place], _ = boundary_velocity(sweep, TRUTH, place, start, exponent)
+    return found
 
 
 def exponents(sweep, true):
@@ -117,7 +88,7 @@ def boundaries(sweep, fidelity, true, starts=None):
     """
     starts = starts or {}
     results = {
-        place: boundary_velocity(sweep, fidelity, place, true[place], 1.0, starts.get(place))
+        place: boundary_velocity(sweep, fidelity, place, true[place], starts.get(place))
         for place in true
     }
     kinds = {kind for _, labels in results.values() for kind in labels}

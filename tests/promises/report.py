@@ -1,21 +1,15 @@
-"""Report of a campaign: number of promises kept."""
+"""Report of a campaign: number of scenes on which `--accuracy` kept its promise."""
 
 import numpy as np
 
-from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers.campaigns import conclude, table
 
 ACCURACIES = (0.05, 0.02, 0.01)
-PROMISED = {name: PRESET_BOUNDS[name] for name in ("draft", "standard", "fine")}
 COLUMNS = ("promise", "scenes", "kept", "broken in silence", "median", "90 % below", "largest")
 LEAST = {"cylinders": 0.96, "wide": 0.9}
-"""Share of scenes that keep a promise at all places, of which 99 % keep it: cylinders have four.
-
-Presets promise nothing of a place with a warning, so that scenes with one are left out.
-"""
+"""Share of scenes that keep a promise at all places, of which 99 % keep it: cylinders have four."""
 SILENT = 0.02
 """Share of scenes that may break it without a warning, or beyond the stated error."""
-
 
 DEARER = 1.5
 """Time of the row that `--accuracy` picks, at most, over that of the fastest within the bound.
@@ -44,18 +38,10 @@ def report(rows_by_seed, family):
     """Say how many promises were kept, of what is known of each scene by its parts."""
     parts = [row for parts in rows_by_seed.values() for row in parts.values()]
     failed = {row["seed"]: row["failed"] for row in parts if "failed" in row}
-    done = [row for row in parts if "failed" not in row]
-    presets = [row for row in done if row["part"] == "presets"]
-    accuracies = [row for row in done if row["part"] == "accuracies"]
+    judged = [row for row in parts if row["part"] == "accuracies" and "failed" not in row]
     rows, notes = [], [f"- scene {seed}: {why}" for seed, why in failed.items()]
-    for name, bound in PROMISED.items() if presets else ():
-        found = [row[name] for row in presets if not row[name]["warnings"]]
-        rows.append(kept(name, bound, *_columns(found, "error"), found))
-        warned, past = len(presets) - len(found), sum(one["with_past"] <= bound for one in found)
-        words = f"{past} within, with the heat of the past in the truth"
-        notes.append(f"- {name}: {warned} scenes with a warning are left out; {words}")
-    for accuracy in ACCURACIES if accuracies else ():
-        found = [row[f"{accuracy:g}"] for row in accuracies]
+    for accuracy in ACCURACIES if judged else ():
+        found = [row[f"{accuracy:g}"] for row in judged]
         said = [one["error"] <= one["stated"] for one in found]
         shares = [one["error"] / one["stated"] for one in found]
         dearer, excuses = _columns(found, "dearer", "warnings")
@@ -66,7 +52,7 @@ def report(rows_by_seed, family):
         notes += [
             f"- {accuracy:.0%}: scene {row['seed']} errs by {one['error']:.2%}, stated "
             f"{one['stated']:.2%} ({one['name']}; {', '.join(one['warnings']) or 'no warning'})"
-            for row, one in zip(accuracies, found, strict=True)
+            for row, one in zip(judged, found, strict=True)
             if one["error"] > max(accuracy, one["stated"])
         ]
     is_right = are_right(rows, family) and len(failed) <= SILENT * len(rows_by_seed)

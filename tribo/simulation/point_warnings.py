@@ -34,7 +34,6 @@ _FEW_PIXELS = 200
 _FEW_SWEPT = 1000
 # Heavy wear, whatever the elements: balls worn by 9 to 64 times the roughness moved by up to 2.5 %
 # from 25 to 100 steps on 1123 to 2172 elements, by at most 1.7 % on 2536 to 3076.
-# `tests.promises.worn` judges other worn contacts.
 _FEW_WORN = 3000
 _HEAVY = 9.0  # depth of wear, in Ra of the elements
 FEWEST_PIXELS = 2.0  # in a correlation length, to know the slopes of the roughness
