@@ -6,9 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-collect_ignore_glob = ["**/references/*"]  # scripts that made the references, not tests
-
-
 # By default a difference of 1e-12 passes, whatever is compared: more than all of a volume in m³ or
 # a wear rate in m²/N. So a tolerance is relative, unless the test says what it may be at 0.
 type(pytest.approx(0.0)).DEFAULT_ABSOLUTE_TOLERANCE = 0.0
