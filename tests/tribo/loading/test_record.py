@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.scenes import last, small_scene
+from tests.helpers.scenes import small_scene
 from tribo import MeasuredLoad, Ramp, simulate
-from tribo.simulation import Trunks
 
 TIMES = np.linspace(0.0, 8.0, 81)
 
@@ -78,25 +77,6 @@ def test_linear_fit_finds_the_rate_and_the_onset(noise):
     assert rate == pytest.approx(150.0, abs=1e-9 + 4 * 0.27 * noise / 2)
     assert onset == pytest.approx(0.5, abs=1e-9 + 0.01 * noise)
     assert record.ramp() == Ramp(rate, 740.0)
-
-
-def test_a_straight_record_is_a_ramp():
-    scene = small_scene()
-    straight = MeasuredLoad(np.array([0.0, 5.0]), np.array([0.0, 750.0]))
-    ramp, record = (
-        last(replace(scene, loading=loading), 750.0, 1.25) for loading in (scene.loading, straight)
-    )
-    # The same steps to rounding, and a contact solved to 1e-6.
-    assert record.time == pytest.approx(ramp.time)
-    assert record.wear_depth == pytest.approx(ramp.wear_depth, abs=1e-5 * ramp.wear_depth.max())
-    assert record.heat.max_rise == pytest.approx(ramp.heat.max_rise, rel=1e-4)
-
-
-def test_points_of_a_record_share_no_trunk():
-    scene, trunks = replace(small_scene(), loading=smooth_record()), Trunks()
-    list(simulate(scene, 300.0, 1.25, trunks))
-    *_, after = simulate(scene, 600.0, 1.25, trunks)
-    assert np.array_equal(after.heat.rise, last(scene, 600.0, 1.25).heat.rise)
 
 
 def test_the_course_of_a_long_log_keeps_its_impulse_and_its_jumps():

@@ -129,28 +129,3 @@ def test_a_moment_knows_the_load_that_its_scene_had_before():
     plain, warm = (moment_of(scene, state, parts)["mean_rise"] for parts in (None, bulk))
     share = 1 - state.heat.pin_heat_share
     assert warm - plain == pytest.approx(share**2 * 0.065 * 605.0 / 100.0, rel=1e-3)
-
-
-def test_what_the_bodies_keep_has_the_friction_of_the_velocity_too():
-    columns = record([10.0], [3000.0], 2.0) | {"mean_rise": np.array([RISE])}
-    film = tribo.Corrections(film_resistance=1e-7)
-    alone, both = (
-        corrections.applied(columns)["mean_rise"]
-        for corrections in (
-            film,
-            replace(film, friction=tribo.Friction(by_velocity=((1.0, 0.8), (4.0, 0.8)))),
-        )
-    )
-    assert alone > 1.01 * RISE
-    assert both == pytest.approx(0.8 * alone)
-
-
-def test_a_moment_before_the_end_has_the_record_up_to_there():
-    """A load that has an impulse of 350 N s in the first second, and of 1800 N s thereafter."""
-    columns = record([1.0, 3.0], [800.0, 1000.0], 1.25, share=1e-9)
-    columns |= {name: np.full(2, columns[name][1]) for name in ("mean_rise", "pin_heat_share")}
-    bulk = tribo.Corrections(
-        disk_bulk=tribo.Bulk(650.0), course=((0.0, 0.0), (0.5, 0.3), (1.0, 0.8), (3.0, 1.0))
-    )
-    expected = np.array([350.0, 2150.0]) * 1.25 / 650.0
-    assert bulk.added_rise(columns) == pytest.approx(expected, rel=1e-6)

@@ -72,21 +72,6 @@ def test_all_elements_heat_each_other(curve, added):
     assert found.mean_rise < exceeded < found.rise_quantile[-1]
 
 
-@pytest.mark.parametrize("curve", [CURVES["falls"], CURVES["rises"], CURVES["bump"]])
-def test_a_smooth_curve_takes_few_partitions(curve):
-    system = scene()
-    law = tribo.Friction(0.1, by_temperature=curve)
-    assert coupled_heat(system, end(system), VELOCITY, law, BULK).partitions <= 12
-
-
-def test_a_loose_fidelity_keeps_to_a_thousandth():
-    system = scene(heat_tolerance=0.03)
-    state, law = end(system), tribo.Friction(0.1, by_temperature=CURVES["rises"])
-    found = coupled_heat(system, state, VELOCITY, law, BULK)
-    exceeded = iterated(scene(), state, CURVES["rises"])
-    assert found.rise_quantile[tribo.QUANTILES.index(0.9)] == pytest.approx(exceeded, rel=2e-3)
-
-
 def test_a_contact_that_ignites_is_not_followed_to_its_hot_state():
     system = scene()
     state, law = end(system), tribo.Friction(0.1, by_temperature=JUMP)

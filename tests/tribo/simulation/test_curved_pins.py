@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.ndimage import gaussian_filter
 
 from tests.helpers.scenes import STEEL
 from tribo import (
@@ -25,7 +24,7 @@ from tribo import (
     measures,
     simulate,
 )
-from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
+from tribo.analytic import hertz_ellipse, moving_ellipse_rise
 from tribo.contact import ElasticHalfSpace, solve_contact
 from tribo.simulation import advance, heat, start
 from tribo.thermal import ConductingHalfSpace
@@ -126,12 +125,6 @@ def test_a_smooth_pin_that_takes_no_heat_leaves_the_disk_that_of_its_ellipse(rad
     assert end(scene, 50.0, velocity).heat.max_rise == pytest.approx(expected, rel=2e-3)
 
 
-def test_the_rise_at_rest_is_that_of_the_elastic_ellipse():
-    hertz = hertz_ellipse(200.0, 5e-3, 20e-3, E_STAR)
-    rise = resting_ellipse_rise(hertz.peak_pressure, hertz.half_x, hertz.half_y, K)
-    assert rise * 2 * K / E_STAR == pytest.approx(hertz.approach, rel=1e-12)
-
-
 @pytest.mark.parametrize(
     ("preset", "pin"), [("draft", Ball(5e-3, STEEL)), ("standard", Crowned(5e-3, 40e-3, STEEL))]
 )
@@ -161,28 +154,6 @@ def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
     assert hot(of_patch) < 0.96 * true
     worn, fitted = measures(swept, of_ball), measures(patch, of_patch)
     assert fitted["contact_fraction"] > 1.6 * worn["contact_fraction"]
-
-
-def test_heavy_wear_is_averaged_to_a_hundredth():
-    """The pin wears by 35 times the roughness, against three times as many steps."""
-    scene = replace(
-        ball("standard", pixels=240, side=1e-3 / 240),
-        wear=Wear(1.2e-14),
-        roughness=SelfAffineRoughness(0.27e-6, 0.8, (16e-6, 16e-6), 3),
-    )
-    more = replace(scene.fidelity, increments=3 * scene.fidelity.increments)
-    assert hot(end(scene)) == pytest.approx(hot(end(replace(scene, fidelity=more))), rel=0.01)
-
-
-def test_a_ball_worn_in_few_steps_carries_the_imprint_of_no_patch_of_the_disk():
-    """At one position a step the imprint would exceed the roughness, of which 35 times wear off."""
-    scene = replace(
-        ball(pixels=96, side=640e-6 / 96, increments=3, history_coarsening=1), wear=Wear(1.2e-14)
-    )
-    worn = end(scene).wear_depth
-    waves = worn - gaussian_filter(worn, 3)
-    inside = worn > 0.3 * worn.max()
-    assert waves[inside].std() < 0.6 * scene.roughness.heights(scene.pixels).std()
 
 
 def few_elements(increments):

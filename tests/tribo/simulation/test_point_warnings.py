@@ -216,35 +216,3 @@ def test_from_ten_turns_on_a_pin_wears_evenly(turns, words):
     time = turns * 2 * np.pi * scene.pin.radius / 0.5  # at half the sliding velocity
     state = replace(touching(scene, np.s_[5:40]), sliding_distance=time, time=time)
     assert_told(words, scene, state, WarningKind.FEW_TURNS)
-
-
-@pytest.mark.parametrize("volume", [1e-12, 1e-11, 1e-10])
-def test_the_rise_of_a_worn_ball_is_slow_where_its_exponent_is_below_0_3(volume):
-    """The exponent is that of a circular source on two half-spaces, by a difference quotient."""
-    grid = Grid((64, 64), (40e-6, 40e-6), (False, False))
-    scene = replace(small_scene(), pin=BALL, roughness=None, pixels=grid)
-    hertz = BALL.hertz(100.0, STEEL.elastic_modulus / (2 * (1 - STEEL.poisson_ratio**2)))
-
-    def radius(factor):
-        """Radius of the contact where the velocity, and so the wear, is a factor higher [m]."""
-        return (hertz.half_width**4 + 4 * BALL.radius * volume * factor / np.pi) ** 0.25
-
-    def exponent(velocity):
-        def rise(factor):
-            peclet = velocity * factor * radius(factor) / (2 * STEEL.thermal_diffusivity)
-            return factor / radius(factor) / (np.sqrt(4 / np.pi) + np.sqrt(4 / np.pi + peclet))
-
-        return np.log(rise(1.001) / rise(0.999)) / np.log(1.001 / 0.999)
-
-    rows = round(2 * radius(1.0) / grid.spacing[0])
-    state = touching(scene, np.s_[5 : 5 + rows, 5 : 5 + rows])
-    state = replace(state, wear_depth=np.full(grid.shape, volume / scene.nominal_area))
-    velocities = np.geomspace(0.01, 300.0, 400)
-    slow = [
-        bool(texts(scene, replace(state, sliding_distance=velocity), WarningKind.SLOW_RISE))
-        for velocity in velocities
-    ]
-    exponents = np.array([exponent(velocity) for velocity in velocities])
-    assert exponents.min() < 0.28 < 0.32 < exponents.max()
-    assert all(slow[place] for place in np.flatnonzero(exponents < 0.295))
-    assert not any(slow[place] for place in np.flatnonzero(exponents > 0.305))

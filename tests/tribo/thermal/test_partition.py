@@ -149,30 +149,6 @@ def test_a_hot_pin_warms_the_cold_leading_edge():
     assert split.pin_flux[contact[0], 0] < 0 < split.pin_flux[contact[-1], 0]
 
 
-@pytest.mark.parametrize("periodic", [LINE, POINT, FLAT, TRACK])
-@pytest.mark.parametrize("spacing", [(1e-6, 1e-6), (1e-3, 1e-6)])
-def test_extremes_converge(periodic, spacing):
-    # One node, rough, full contact; thin and square patches; fast and slow; insulating bodies.
-    for shape, velocity, time in [
-        ((1, 9), 1.0, 1e9),
-        ((12, 1), 1e5, 1e-6),
-        ((11, 13), 1e5, 1e9),
-        ((2, 2), 0.0, 1e-15),
-        ((16, 10), 1e-6, 1.0),
-    ]:
-        grid = Grid(shape, spacing, periodic)
-        rng = np.random.default_rng(3)
-        flux = 1e6 * (0.1 + rng.random(shape))
-        order = rng.permutation(flux.size).reshape(shape)
-        steel, insulator = (bodies(grid, velocity, time, m, m) for m in (STEEL, CERAMIC))
-        for count in (1, flux.size):
-            on = order < count
-            for pin, disk in [steel, (insulator[0], steel[1]), (steel[0], insulator[1])]:
-                split = partition_heat(pin, disk, np.where(on, flux, 0.0), on)
-                assert split.residual <= 1e-8
-                assert 0 < split.pin_share < 1
-
-
 def test_a_failure_carries_the_partial_solution_and_advice():
     grid = grid_of()
     flux = rough_contact(grid)

@@ -22,7 +22,6 @@ from tribo import (
     warnings,
 )
 from tribo.contact import ElasticHalfSpace
-from tribo.loading import Station
 from tribo.simulation import advance, start
 from tribo.wear import WEAR_SCHEMES, RollingWear
 
@@ -106,21 +105,6 @@ def test_the_worn_volume_of_a_rough_contact_is_exact_in_every_preset(preset, pat
     *_, state = simulate(scene, LOAD, VELOCITY)
     expected = 1.2e-15 * VELOCITY * work_of(scene.loading)
     assert measures(scene, state)["wear_volume"] == pytest.approx(expected, rel=1e-10)
-
-
-def test_a_pin_that_is_let_go_has_worn_where_it_was_pressed():
-    """One step of a load that falls to nothing, against forty."""
-    worn = []
-    for steps in (1, 40):
-        scene = plane()
-        state = start(scene)
-        for index, time in enumerate(np.linspace(0.0, 2.0, 2 * steps + 1)[1:].tolist(), 1):
-            impulse = 300 * time**2 if time <= 1 else 600 - 300 * (2 - time) ** 2
-            station = Station(600 * min(time, 2 - time), time, False, index, impulse)
-            state = advance(scene, state, station, VELOCITY)
-        assert state.normal_load == 0.0
-        worn.append(state.wear_depth)
-    assert np.abs(worn[0] - worn[1]).max() < 0.1 * worn[1].max()
 
 
 @pytest.mark.parametrize(

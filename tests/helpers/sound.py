@@ -1,0 +1,62 @@
+"""An independent proof that the states of a point obey the physics."""
+
+import numpy as np
+
+from tribo import contact_modulus
+from tribo.contact import ElasticHalfSpace
+
+EPSILON = np.finfo(float).eps
+
+
+def assert_sound(scene, before, state, normal_load):
+    """Hold a state against the physics, with none of the simulation's own checks."""
+    fields = [state.pressure, state.wear_depth]
+    if state.heat:
+        heat = state.heat
+        fields += [heat.rise, heat.rise_quantile, np.array([heat.max_rise, heat.mean_rise])]
+        assert (np.diff(heat.rise_quantile) >= 0).all()
+    assert all(np.isfinite(field).all() for field in fields)
+    scene = next(level for level in scene.levels() if level.grid.shape == state.pressure.shape)
+    p, grid = state.pressure, scene.grid
+    assert p.min() >= 0
+    assert p.max() <= scene.hardness
+    assert state.wear_depth.min() >= 0
+    carried = p.sum() * grid.element_area * scene.pin.patches(grid)
+    assert abs(carried - state.normal_load) <= 1e-9 * state.normal_load
+    assert state.normal_load <= normal_load * (1 + 1e-12)
+    if state.normal_load:
+        assert_complementary(scene, before, state)
+
+
+def assert_complementary(scene, before, state):
+    """The conditions on the gap, with the worn shape itself and the elastic map alone."""
+    explicit = scene.fidelity.wear_scheme == "explicit"
+    worn = state.wear_depth
+    if explicit and scene.wear:
+        same_grid = before is not None and before.wear_depth.shape == worn.shape
+        worn = before.wear_depth if same_grid else 0 * worn
+    p = state.pressure
+    modulus = contact_modulus(scene.pin.material, scene.disk)
+    solid = ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel)
+    separation = scene.separation(scene.heights())
+    z = separation + worn
+    heights = np.abs(separation[p > 0]).max() + np.abs(z[p > 0]).max()
+    z = z - z[p > 0].mean()
+    gap = solid(p) + z
+    free = (p > 0) & (p < scene.hardness)
+    if free.any():
+        gap -= gap[free].mean()
+    else:
+        top = gap[p > 0].max()
+        gap -= (top + max(top, gap[p == 0].min())) / 2 if (p == 0).any() else top
+    unit = solid.self_influence
+    if scene.wear and not explicit and (scene.wear.pattern == "local" or scene.grid.shape[1] == 1):
+        step = state.sliding_distance - (before.sliding_distance if before else 0.0)
+        unit += scene.wear.specific_wear_rate * step
+    violation = max(
+        np.abs(gap[free]).max(initial=0.0),
+        -gap[p == 0].min(initial=0.0),
+        gap[p == scene.hardness].max(initial=0.0),
+    )
+    rounding = 1e3 * EPSILON * (np.abs(solid(p)).max() + heights)
+    assert violation <= 1.01 * scene.fidelity.contact_tolerance * unit * p.max() + rounding
