@@ -1,7 +1,5 @@
 """A store is a closed tree: nothing is written, locked or removed by way of its links."""
 
-import errno
-import os
 import shutil
 import tracemalloc
 from contextlib import suppress
@@ -17,7 +15,7 @@ from pipeline.store.files import PARTIAL
 from pipeline.store.place import LOCK, StoreError
 from pipeline.sweep.model import Point
 from tests.helpers import tiny
-from tests.helpers.stores import commit, killed_after, opened, record
+from tests.helpers.stores import commit, opened, record
 
 SWEEP = tiny.full()
 FIELD, CHUNK = "fields/rise/c.0.0.0.0", "mean_rise/c.0.0.0"
@@ -55,14 +53,10 @@ LINKS = {
     "lock": lambda store, out: link(store / LOCK, out / "key"),
     "folder of the lock": lambda store, out: link(store / "status", out / "status"),
     "folder of chunks": lambda store, out: link(store / "mean_rise", out / "mean_rise"),
-    "folder of fields": lambda store, out: link(store / "fields", out / "fields"),
     "folder with a file half written": lambda store, out: link(store / "load", out / "load"),
     "root": lambda store, out: link(store / "zarr.json", out / "key"),
-    "field": lambda store, out: link(store / FIELD, out / "key"),
     "chunk": lambda store, out: link(store / CHUNK, out / "key"),
-    "chunk of statuses": lambda store, out: link(store / "status/c.0.0", out / "status/c.0.0"),
     "metadata": lambda store, out: link(store / "load/zarr.json", out / "load/zarr.json"),
-    "another chunk": lambda store, out: link(store / "fields/rise/c.7.7.0.0", out / "key"),
     "file half written": lambda store, out: link(store / f"{CHUNK}{PARTIAL}", out / "key"),
     "what is kept": lambda store, out: link(store / "status/kept-answer", out / "key"),
 }
@@ -119,20 +113,6 @@ def test_what_has_other_names_stays_and_is_in_nobody_s_way(copy, outside, irg):
     assert (kept(), tree(outside)) == (before, beyond)
 
 
-@pytest.mark.parametrize("count", [0, 10, 25])
-def test_what_has_other_names_stays_after_a_kill(copy, outside, monkeypatch, count):
-    kept = strangers(copy, outside)
-    before, beyond = kept(), tree(outside)
-    wider = tiny.full(loads=(700.0,))
-    with killed_after(monkeypatch, count) as was_killed:
-        commit(copy, wider, [])
-    assert kept() == before
-    commit(copy, wider, [])
-    assert was_killed
-    assert (kept(), tree(outside)) == (before, beyond)
-    assert not [*copy.rglob(f"*{PARTIAL}")]
-
-
 ZEROS = Zstd(level=1, checksum=True).encode(np.zeros(2**28, np.uint8))
 BOMBS = {
     "larger": lambda content: ZEROS,
@@ -163,24 +143,6 @@ def test_a_chunk_of_another_size_than_its_array_s_is_not_unpacked(copy, name, bo
     finally:
         tracemalloc.stop()
     assert peak < 100e6  # of the 268 MB that it would unpack to, or the 2 GB of that many texts
-
-
-def test_a_lock_that_cannot_be_emptied_is_released_all_the_same(path, monkeypatch):
-    ftruncate, has_failed = os.ftruncate, []
-
-    def fail_at_the_end(descriptor, size):
-        if os.fstat(descriptor).st_size:
-            has_failed.append(True)
-            raise OSError(errno.EIO, "Input/output error")
-        ftruncate(descriptor, size)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(os, "ftruncate", fail_at_the_end)
-        with writing(path, SWEEP):
-            pass
-    assert has_failed
-    assert pipeline.summary(path).running is None
-    commit(path, SWEEP, [])
 
 
 def test_a_path_in_the_home_folder_leads_there(tmp_path, monkeypatch, irg):

@@ -12,13 +12,11 @@ from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
-from tests.helpers.processes import python
 from tests.helpers.stores import (
     assert_is_as_computed,
     commit,
     fail,
     killed_after,
-    opened,
     record,
 )
 
@@ -77,23 +75,6 @@ def test_any_message_is_stored_and_none_grows_the_store(path):
     assert len(summary(path).failed) == 3
 
 
-def test_few_files_may_be_open(path):
-    """Of 28 arrays and a hundred chunks."""
-    program = f"""if True:
-        import pickle, resource
-        resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))
-        from tests.helpers import stores, tiny
-        import pipeline
-        sweep = tiny.full(velocities=tuple(float(v) for v in range(1, 60)))
-        point = stores.points(sweep)[0]
-        stores.commit({str(path)!r}, sweep, [point])
-        stores.commit({str(path)!r}, tiny.full(velocities=(70.0,)), ())
-        assert pipeline.verify_store({str(path)!r}).is_clean
-        assert pipeline.open_sweep({str(path)!r}).load()["mean_rise"].notnull().any()
-    """
-    python("-c", program, check=True)
-
-
 # Readers
 
 
@@ -125,15 +106,3 @@ def test_a_dataset_keeps_its_points_while_values_are_added_at_the_ends_of_axes(c
         commit(copy, tiny.full(velocities=(*tiny.VELOCITIES, 2.0)), [Point(250.0, 2.0)])
         assert ds.load().sizes == before
         assert ds["mean_rise"].notnull().any("step").all()
-
-
-def test_a_lack_of_threads_is_no_damage(alone, monkeypatch):
-    """Or a repair would throw away what is sound."""
-
-    def none_left(*_, **__):
-        raise RuntimeError("can't start new thread")
-
-    store = opened(alone)
-    monkeypatch.setattr(type(store.arrays["mean_rise"]), "__getitem__", none_left)
-    with pytest.raises(RuntimeError, match="new thread"):
-        store.read("mean_rise", ...)

@@ -1,12 +1,8 @@
 """Creation and growth of stores, also of ones that were cut short, and refusals."""
 
-import errno
 import os
-import stat
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,9 +14,6 @@ from hypothesis import strategies as st
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.scene.kept import text_sweep
-from pipeline.scene.scenefile import load_scene
-from pipeline.store import files
-from pipeline.store.arrays import Encoder
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.lock import held
@@ -73,17 +66,6 @@ def test_axes_are_exact_and_attributes_say_what_was_computed(path):
     assert f"numpy {np.__version__}" in ds.attrs["history"]
 
 
-def test_empty_chunks_are_written_also_by_threads_side_by_side(alone):
-    """Or what is done looks lost; a setting of Zarr's holds for all threads at once."""
-    metadata = opened(alone).root.arrays
-
-    def writes_empty(_):
-        return bool(Encoder(metadata)([("max_rise", ..., np.nan)]))
-
-    with ThreadPoolExecutor(8) as threads:
-        assert all(threads.map(writes_empty, range(40)))
-
-
 def test_a_new_store_opens_in_plain_xarray_without_a_warning(alone):
     command = f"""if True:
         import warnings; warnings.simplefilter("error")
@@ -119,46 +101,6 @@ def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, 
     commit(path, SWEEP, [POINT])
     assert_is_as_computed(path, [POINT])
     assert not list(path.rglob(f"*{PARTIAL}"))
-
-
-def test_a_creation_cut_short_goes_on_whatever_the_names_of_its_axes(path, monkeypatch):
-    oils = ["oil A", "Shell Ondina 32"]
-    sweep = load_scene("first_try", overrides={"sweep.over": {"oil": oils}})
-    replace = files.write_file
-
-    def interrupted(file, content):
-        if file == path / "zarr.json":
-            raise KeyboardInterrupt
-        replace(file, content)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(files, "write_file", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            make(path, sweep)
-    assert (path / "oil" / "c.0").exists()
-    make(path, sweep)
-    assert open_sweep(path)["oil"].values.tolist() == oils
-
-
-def test_a_store_is_made_onto_an_empty_folder_and_where_a_link_leads(path):
-    (path.parent / "real.zarr").mkdir()
-    path.symlink_to("real.zarr")
-    commit(path, SWEEP, [POINT])
-    assert path.is_symlink()
-    assert_is_as_computed(path.parent / "real.zarr", [POINT])
-
-
-def test_a_folder_whose_names_cannot_be_synced_is_written_all_the_same(path, monkeypatch):
-    sync = os.fsync
-
-    def refused(descriptor):
-        if stat.S_ISDIR(os.fstat(descriptor).st_mode):
-            raise OSError(errno.EINVAL, "Invalid argument")
-        sync(descriptor)
-
-    monkeypatch.setattr(os, "fsync", refused)
-    commit(path, SWEEP, [POINT])
-    assert_is_as_computed(path, [POINT])
 
 
 # Growth
@@ -207,28 +149,6 @@ def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkey
     assert_is_as_computed(path, [POINT, other] if was_killed else [POINT, ADDED, other])
     assert verify_store(path).is_clean
     assert not list(path.rglob(f"*{PARTIAL}"))
-
-
-def test_files_that_a_killed_run_left_half_written_go_when_the_store_is_written(path):
-    make(path, SWEEP)
-    (path / f"zarr.json{PARTIAL}").touch()
-    (path / "load" / f"c.0{PARTIAL}").touch()
-    make(path, SWEEP)
-    assert not list(path.rglob(f"*{PARTIAL}"))
-
-
-def test_a_growth_keeps_what_others_have_put_into_the_store(path):
-    make(path, tiny.sweep(loads=(150.0, 600.0)))
-    (path / "figures").mkdir()
-    names = ("notes.txt", "figures/1.png")
-    for name in names:
-        (path / name).write_text(name)
-    (path / "latest").symlink_to("notes.txt")
-    make(path, tiny.sweep(loads=(700.0,)))
-    assert opened(path).axes["load"] == [150.0, 600.0, 700.0]
-    assert [(path / name).read_text() for name in names] == [*names]
-    assert (path / "latest").readlink() == Path("notes.txt")
-    assert verify_store(path).is_clean
 
 
 # Points of another store

@@ -3,9 +3,6 @@
 import errno
 import fcntl
 import os
-import shutil
-import subprocess
-import threading
 from pathlib import Path
 
 import pytest
@@ -63,26 +60,6 @@ def test_a_store_is_locked_by_whatever_path(path):
     assert summary(path).running is None
 
 
-@pytest.fixture
-def mounted(path, tmp_path):
-    """The folder of a store, as a container has it."""
-    (mount := tmp_path / "mounted").mkdir()
-    command = ["mount", "--bind", path, mount]
-    if shutil.which("mount") is None or subprocess.run(command, check=False).returncode:
-        pytest.skip("this process may not mount folders")
-    yield mount
-    subprocess.run(["umount", mount], check=True)
-
-
-def test_a_store_is_locked_through_a_mount_of_itself(path, mounted):
-    with writing(path, SWEEP) as store:
-        refuse(mounted)
-        store.commit([record(OTHER)])
-    with writing(mounted, SWEEP):
-        refuse(path)
-    assert_is_as_computed(mounted, [POINT, OTHER])
-
-
 def test_a_process_that_was_killed_holds_nothing(path):
     with held_elsewhere(path) as holder:
         refuse(path, holder)
@@ -123,13 +100,6 @@ def test_a_lock_names_process_and_host_and_is_emptied_at_a_proper_end(path):
     with pytest.raises(RuntimeError, match="in between"), writing(path, SWEEP):
         raise RuntimeError("in between")
     assert (path / LOCK).read_text() == ""
-
-
-def test_one_who_asks_for_the_holder_at_that_moment_does_not_stop_a_run(path):
-    with (path / LOCK).open("rb") as asking:
-        fcntl.flock(asking, fcntl.LOCK_SH)
-        threading.Timer(0.2, asking.close).start()
-        commit(path, SWEEP, ())
 
 
 def test_all_files_of_a_store_follow_the_umask(tmp_path):

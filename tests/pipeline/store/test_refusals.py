@@ -48,22 +48,9 @@ def put(name, content):
     return lambda path: (path / name).write_bytes(content)
 
 
-def link(name):
-    def change(path):
-        (path / name).unlink()
-        (path / name).symlink_to("nowhere")
-
-    return change
-
-
 def pipe(path):
     (path / "load" / "c.0").unlink()
     os.mkfifo(path / "load" / "c.0")
-
-
-def move_status(path):
-    (path / "status").rename("elsewhere")
-    (path / "status").symlink_to(Path("elsewhere").resolve())
 
 
 def forged(change):
@@ -129,13 +116,6 @@ def patched(module, name, value, build):
     return run
 
 
-def deleted_folder():
-    Path("gone").mkdir()
-    os.chdir("gone")
-    Path("../gone").rmdir()
-    return place_of("a.zarr")
-
-
 def below_file():
     Path("file").touch()
     commit("file/a.zarr", SWEEP, ())
@@ -160,23 +140,16 @@ def file():
 
 REFUSALS = {
     # paths
-    "address": (lambda: summary("nowhere://a.zarr"), "Protocol not known: nowhere"),
     "null": (lambda: place_of("a\0.zarr"), "is no path: embedded null"),
-    "surrogate": (lambda: place_of("a\ud800.zarr"), "give a local folder, or an address"),
     "top": (lambda: place_of("/"), "/ cannot be a store; give a folder below it"),
-    "gone": (deleted_folder, "is no path: [Errno 2] No such file"),
     "below": (below_file, "cannot be written: File exists"),
     "permission": (patched(place.os, "access", lambda *_: False,
                            lambda: require_writable("a.zarr")), "no permission to write"),
     "nothing": (lambda: summary("a.zarr"), "a.zarr does not exist"),
     "file": (file, "mine is a file, not a store"),
     "folder": (folder, "is not a store: there is no zarr.json"),
-    "folder to write": (lambda: (Path("a.zarr/load").mkdir(parents=True),
-                                 Path("a.zarr/load/mine.csv").touch(), go_on("a.zarr")),
-                        "is not a store"),
     "foreign": (foreign, "is not the store of a sweep"),
     # locks
-    "no lock": (changed(link(LOCK), go_on), f"a.zarr/{LOCK} cannot be written: it is a link, and"),
     "in use": (in_use, f"in use by process {os.getpid()}"),
     "elsewhere": (changed(put(LOCK, b"process 7 on node7\n"), go_on),
                   "on node7; if that has ended, delete"),
@@ -184,8 +157,6 @@ REFUSALS = {
     "being made": (lambda: unfinished(is_held=True), "is being made by process"),
     # the root
     "large": (changed(lambda path: os.truncate(path / ROOT, 2**42)), "File too large"),
-    "parts": (changed(put(ROOT, b"[" * 10_000_000)), "zarr.json is damaged; restore it from a"),
-    "no JSON": (changed(put(ROOT, b"null")), "zarr.json is damaged; restore it from a backup"),
     "other": (changed(lambda path: edit(path / ROOT, lambda root: root["attributes"].update(
         scene_id="[7]"))), "zarr.json is damaged; restore it from a backup"),
     "old": (changed(forged(lambda texts, _: texts["store"].update(format=3))), "it has format 3"),
@@ -197,8 +168,6 @@ REFUSALS = {
     "lost": (changed(lambda path: (path / ROOT).unlink()), "has lost its zarr.json"),
     # files
     "pipe": (changed(pipe, verify_store), "it is not a file"),
-    "linked folder": (changed(move_status, lambda path: commit(path, SWEEP)),
-                      "a.zarr/status cannot be written: it is a link, and a store has none"),
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
     "missing": (changed(lambda path: (path / "steps" / "c.0.0").unlink(), load), "damaged"),
     "beside": (with_another_variable, "mine, which is not of the store, would not grow with it"),

@@ -12,8 +12,7 @@ import pipeline
 from pipeline.store.place import ROOT, StoreError
 from pipeline.store.schema import path_of
 from tests.helpers import tiny
-from tests.helpers.scenes import SCENE
-from tests.helpers.stores import commit, contents, forge
+from tests.helpers.stores import commit, contents
 
 SWEEP = tiny.full()
 JSON = st.recursive(
@@ -99,41 +98,3 @@ def test_a_root_that_another_program_writes_in_another_form_is_read(forged, alon
     (forged / ROOT).write_text(json.dumps(json.loads((alone / ROOT).read_text()), indent=1))
     assert pipeline.summary(forged).done == 9
     assert contents(forged).keys() == contents(alone).keys()
-
-
-@pytest.mark.parametrize(
-    ("path", "new", "named"),
-    [
-        (("sweep", "entries", "sweep", "loads"), {"a": ["1 N"]}, "sweep.loads.a: unknown key"),
-        (("sweep", "entries", "sweep", "loads", 0), [], r"sweep.loads\[0\]: .* has no unit"),
-        (("sweep", "entries", "measured", 0, "velocity"), "", r"measured\[0\].velocity: "),
-        (("sweep", "entries", "measured", 0, "colour"), 1.0, r"measured\[0\].colour: unknown"),
-        (("sweep", "entries", "fidelity", "increments"), True, "fidelity.increments: true is not"),
-        (("sweep", "stations", "holds"), None, "not the text of a sweep"),
-        (("sweep", "entries", "friction", "same_rig"), 1, "friction.same_rig: 1 is neither"),
-        (("sweep", "entries", "wear"), {"law": "os:system"}, "wear.law: "),
-    ],
-)
-def test_a_forged_value_of_another_kind_is_named(forged, alone, path, new, named):
-    def change(texts, _):
-        inner = texts
-        for key in path[:-1]:
-            inner = inner[key]
-        inner[path[-1]] = new
-
-    forge(forged, alone / ROOT, change)
-    with pytest.raises(StoreError, match=named):
-        pipeline.summary(forged)
-
-
-def test_a_root_of_rows_with_a_load_and_a_velocity_each_is_that_of_its_rows(tmp_path):
-    rows = """along = [
-      { "pin.radius" = "3 mm", load = "300 N", velocity = "1 m/s" },
-      { "pin.radius" = "4 mm", load = "200 N", velocity = "2 m/s" },
-    ]"""
-    (tmp_path / "scene.toml").write_text(SCENE.replace("[sweep]", f"[sweep]\n{rows}"))
-    sweep = pipeline.load_scene(tmp_path / "scene.toml", overrides={"fidelity.increments": 3})
-    commit(made := tmp_path / "made.zarr", sweep, ())
-    ds = pipeline.open_sweep(made)
-    assert ds["status"].dims == ("variant",)
-    assert (ds["load"].values.tolist(), ds["velocity"].values.tolist()) == ([300, 200], [1, 2])

@@ -12,7 +12,7 @@ from aiobotocore.endpoint import AioEndpoint
 from pipeline.analysis.dataset import open_sweep
 from pipeline.run.sweep import run_sweep
 from pipeline.store.create import writing
-from pipeline.store.place import Bucket, StoreError, StoreMismatchError, place_of
+from pipeline.store.place import Bucket, StoreError, StoreMismatchError
 from pipeline.store.progress import summary
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
@@ -156,16 +156,6 @@ def test_what_is_no_store_is_refused(address):
     with pytest.raises(StoreError, match=r"zarr\.json"):
         commit(address, SWEEP, ())
     assert len(keys(address)) == 2
-
-
-def test_a_store_that_lost_its_root_is_not_written_over(made):
-    root = place_of(made).read("zarr.json")
-    delete(f"{made}/zarr.json")
-    before = keys(made)
-    with pytest.raises(StoreError, match=r"has lost its zarr\.json"):
-        commit(made, SWEEP, ())
-    assert keys(made) == before
-    put(f"{made}/zarr.json", root)
 
 
 def test_without_s3fs_it_says_what_to_install(monkeypatch, irg):

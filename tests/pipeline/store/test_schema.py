@@ -17,16 +17,6 @@ def test_the_page_of_the_dataset_is_what_the_variables_say():
     assert text.endswith(f"\n\n{reference.dataset()}"), "write it anew with: make reference"
 
 
-def test_a_new_variable_of_a_point_stands_on_the_page(monkeypatch):
-    new = schema.Variable(("load", "velocity"), "m", "something new")
-    monkeypatch.setitem(reference._VARIABLES["Variables of each point"], "novelty", new)
-    before, _, after = reference.dataset().partition(
-        "| `novelty` | load, velocity | m | something new |"
-    )
-    assert after
-    assert before.rstrip().rpartition("## ")[2].startswith("Variables of each")
-
-
 @pytest.mark.parametrize(
     ("sizes", "bytes_of_a_point", "block"),
     [
