@@ -77,19 +77,6 @@ def test_what_has_failed_is_not_asked_for_again():
     assert all(boundary_of(rises, load) > 0 for load in LOADS if load != 400.0)
 
 
-def test_a_rise_that_falls_in_places_ends_too():
-    rng = np.random.default_rng(0)
-    noise = {}
-
-    def ragged(load, v):
-        point = load, v
-        noise.setdefault(point, 1 + 0.05 * rng.standard_normal())
-        return bent(load, v) * noise[point]
-
-    rises, _ = searched(ragged, 0.002)
-    assert all(0.5 < boundary_of(rises, load) < 5 for load in LOADS)
-
-
 def test_friction_that_bends_between_two_velocities_hides_no_boundary():
     """It falls by a quarter from 1.6 to 1.8 m/s: the rise passes the limit three times there."""
     falling = Corrections(
@@ -116,20 +103,6 @@ def test_friction_that_bends_between_two_velocities_hides_no_boundary():
         row = np.array(sorted((at.velocity, rise) for at, rise in rises.items() if at.load == load))
         found = crossings(Curve(*along_friction(*row.T, falling.friction.at)), LIMIT)
         assert found == pytest.approx(crossings(Curve(fine, rising), LIMIT), rel=0.01)
-
-
-def test_a_first_point_that_fails_leaves_its_load_the_ends_of_the_range():
-    bands = Friction(by_velocity=((0.5, 1.2), (5.0, 0.8)))
-    sweep = synthetic.scene(
-        conditions=replace(synthetic.conditions(), corrections=Corrections(friction=bands)),
-        loads=(200.0, 400.0, 750.0),
-        velocities=(0.5, 5.0),
-    )
-    search = BoundarySearch.of(sweep, 0.01)
-    failed = [point for point in search.wanted({}) if point.load == 400.0]
-    assert len(failed) == 1
-    asked = [point.velocity for point in search.wanted({}, failed) if point.load == 400.0]
-    assert asked == [0.5, 5.0]
 
 
 def test_bands_are_found_whose_ends_no_first_crossing_tells():

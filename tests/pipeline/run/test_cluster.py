@@ -7,12 +7,11 @@ import shutil
 import signal
 import subprocess
 import sys
-import sysconfig
 import tempfile
 import time
 import urllib.error
 import urllib.request
-from contextlib import ExitStack, closing, suppress
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import dask
@@ -20,7 +19,6 @@ import psutil
 import pytest
 from distributed import Client, LocalCluster, SchedulerPlugin, Security
 
-import pipeline
 from pipeline.run import cluster as of_run
 from pipeline.run import forkserver
 from pipeline.run.cluster import client_of, connected
@@ -48,17 +46,14 @@ class Cluster:
         settings=(),
         security=None,
         code=ROOT,
-        python=sys.executable,
-        user=None,
         threads=(1,),
-        port=0,
     ):
         folder.mkdir(exist_ok=True)
         self._stack, file = ExitStack(), folder / "scheduler.json"
-        self._code, self._python, self._user = os.fspath(code), python, user
+        self._code = os.fspath(code)
         self._words = folder / "words.txt"
         self._protocol, self._settings = protocol, dict(settings)
-        self.scheduler = self._start("scheduler", f"--port={port}", f"--scheduler-file={file}")
+        self.scheduler = self._start("scheduler", "--port=0", f"--scheduler-file={file}")
         self.workers = [
             self._start("worker", f"--scheduler-file={file}", "--no-nanny", f"--nthreads={count}")
             for count in threads
@@ -73,14 +68,13 @@ class Cluster:
             client.wait_for_workers(len(self.workers), timeout=120)
 
     def _start(self, role, *options):
-        command = [self._python, "-m", f"distributed.cli.dask_{role}", "--host=127.0.0.1"]
+        command = [sys.executable, "-m", f"distributed.cli.dask_{role}", "--host=127.0.0.1"]
         options = [f"--protocol={self._protocol}", "--dashboard-address=127.0.0.1:0", *options]
         with self._words.open("a") as words:
             process = subprocess.Popen(
                 [*command, *options],
                 env={**os.environ, "PYTHONPATH": self._code, **self._settings},
-                cwd=self._code if self._user is None else None,
-                user=self._user,
+                cwd=self._code,
                 stdout=words,
                 stderr=words,
             )
@@ -102,31 +96,12 @@ def when_done(act):
     return report
 
 
-def python_of(user):
-    """A Python of this version that another user may run with our packages, if there is one.
-
-    There is none where the clone lies in a folder that others cannot enter.
-    """
-    needed = sysconfig.get_path("purelib"), str(Path(pipeline.__file__).parent)
-    may = f"import os, sys; sys.exit(not all(os.access(one, os.R_OK) for one in {needed}))"
-    name = f"python{sys.version_info.major}.{sys.version_info.minor}"
-    places = sys.executable, shutil.which(name, path="/usr/bin:/usr/local/bin")
-    for python in filter(None, places) if os.geteuid() == 0 else ():
-        with suppress(OSError):
-            if subprocess.run([python, "-c", may], user=user, cwd="/", check=False).returncode == 0:
-                return python
-    return None
-
-
 @pytest.fixture
-def elsewhere(monkeypatch):
-    """A cluster with certificates, and Dask's configuration with them.
-
-    Of another user, if there is a Python that they may run.
-    """
+def elsewhere():
+    """A cluster with certificates, and Dask's configuration with them."""
     security, tls = Security.temporary(), "distributed.comm.tls"
     with tempfile.TemporaryDirectory() as name:
-        folder, theirs = Path(name), {}
+        folder = Path(name)
         for file in ("ca_file", "client_cert", "client_key"):
             (folder / file).write_text(getattr(security, f"tls_{file}"))
         configured = {f"{tls}.ca-file": f"{name}/ca_file"}
@@ -137,22 +112,11 @@ def elsewhere(monkeypatch):
             f"DASK_{key}".replace(".", "__").replace("-", "_").upper(): file
             for key, file in configured.items()
         }
-        if python := python_of("nobody"):
-            theirs = {"python": python, "user": "nobody"}
-            shutil.chown(folder, "nobody")
-            monkeypatch.chdir(folder)
-            # Not by PYTHONPATH: there, a package named as a module of Python's own would hide it.
-            packages = Path(sysconfig.get_path("purelib", "posix_user", {"userbase": name}))
-            packages.parent.mkdir(parents=True)
-            packages.symlink_to(sysconfig.get_path("purelib"))
-            variables["PYTHONUSERBASE"] = name
         # One of its workers with threads that may not compute at the same time.
-        cluster = Cluster(folder, "tls", variables, security, threads=(1, 3), **theirs)
-        with closing(cluster):
+        with closing(Cluster(folder, "tls", variables, security, threads=(1, 3))) as cluster:
             yield cluster, configured, folder / "scheduler.json"
 
 
-@pytest.mark.filterwarnings("ignore:Mismatched versions")  # of Python, in its last digit
 @pytest.mark.timeout(300)
 def test_a_cluster_elsewhere_sees_no_store_and_computes_the_same(elsewhere, tmp_path, alone, irg):
     cluster, configured, file = elsewhere
@@ -176,7 +140,6 @@ def test_a_cluster_elsewhere_sees_no_store_and_computes_the_same(elsewhere, tmp_
             assert f"{name} cannot be read as the file of a Dask" in said
 
 
-@pytest.mark.filterwarnings("ignore:Mismatched versions")
 @pytest.mark.timeout(300)
 def test_a_scheduler_that_stops_or_dies_is_lost_and_its_finished_points_are_not(
     elsewhere, tmp_path
@@ -233,19 +196,6 @@ def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
             pass
     finally:
         server.resume()
-
-
-def test_workers_start_although_one_of_them_is_killed_meanwhile(monkeypatch):
-    outcomes = iter([RuntimeError("Nanny failed to start worker process"), None])
-
-    def start(**options):
-        if error := next(outcomes):
-            raise error
-        return LocalCluster(**options)
-
-    monkeypatch.setattr(of_run, "LocalCluster", start)
-    with connected(None, 1) as link:
-        assert len(link.client.nthreads()) == 1
 
 
 class Tasks(SchedulerPlugin):

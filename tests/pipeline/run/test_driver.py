@@ -8,14 +8,13 @@ import pytest
 from distributed import Client, LocalCluster
 
 import pipeline
-from pipeline import machine
 from pipeline.run import cluster as of_run
 from pipeline.run import schedule, work
 from pipeline.run.cluster import CONFIGURATION
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.heard import Heard
-from tests.pipeline.run.test_cluster import Cluster, when_done
+from tests.pipeline.run.test_cluster import when_done
 from tests.pipeline.run.test_sweep import content
 
 OWN_WORKERS = True
@@ -83,26 +82,6 @@ def test_a_cluster_or_a_client_that_is_closed_ends_a_run_with_one_error(threads,
     assert 0 < pipeline.summary(path).done < len(MANY.plane.loads) * 60
 
 
-def test_a_run_goes_on_with_a_scheduler_that_was_started_again(tmp_path, path, alone):
-    slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
-    began = Cluster(tmp_path / "before")
-    port = began.address.rpartition(":")[2]
-    others = []
-
-    def restart():
-        if not others:
-            began.close()
-            others.append(Cluster(tmp_path / "after", port=port))
-
-    with Client(began.address, set_as_default=False) as client:
-        outcome = pipeline.run_sweep(
-            slow, path, client=client, progress=when_done(restart), patience=60.0
-        )
-    others[0].close()
-    assert (outcome.done, outcome.computed, outcome.failed) == (9, 9, ())
-    assert content(path) == content(alone)
-
-
 def test_a_run_goes_on_after_its_workers_were_restarted(processes, path, alone):
     client, restarts = processes(2, "auto"), iter([True])
 
@@ -133,18 +112,6 @@ def test_a_worker_that_died_while_the_kernel_killed_for_memory_is_told_as_such(p
     (failed,) = pipeline.run_sweep(deadly, path, workers=1).failed
     assert "3 workers died of it" in failed.message
     assert "the kernel has killed processes here for want of memory; take fewer" in failed.message
-
-
-def test_kills_for_memory_are_counted_by_the_kernel_for_a_container_or_for_the_machine(
-    tmp_path, monkeypatch
-):
-    container, vmstat = tmp_path / "memory.events", tmp_path / "vmstat"
-    monkeypatch.setattr(machine, "_COUNTS", (container, vmstat))
-    assert machine.oom_kills() == 0
-    vmstat.write_text("pgfault 7\noom_kill 3\n")
-    assert machine.oom_kills() == 3
-    container.write_text("oom 4\noom_kill 1\n")
-    assert machine.oom_kills() == 1
 
 
 def test_other_packages_of_workers_are_told_once(processes, path):

@@ -10,7 +10,6 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.boundary import boundary
 from pipeline.run.sweep import run_sweep
-from pipeline.store.schema import COLUMNS, RECORDS
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import Variants, surfaces
 from tests.helpers import synthetic, tiny
@@ -18,7 +17,6 @@ from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
 
 SEEDS = (4, 1)
-POINT_DIMS = ("realization", "load", "velocity")
 
 
 def several(seeds=SEEDS, **changes):
@@ -42,13 +40,6 @@ def swept(tmp_path_factory):
 
 
 # The sweep and its store
-
-
-def test_a_sweep_over_surfaces_that_have_seeds_has_a_dimension_for_them(swept):
-    with xr.open_zarr(swept, chunks=None) as ds:
-        assert ds["realization"].values.tolist() == sorted(SEEDS)
-        for name in {*COLUMNS, *RECORDS} - {"message", "checksum"}:
-            assert ds[name].dims[:3] == POINT_DIMS
 
 
 def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):

@@ -54,7 +54,6 @@ def no_file():
 
 REFUSALS = {
     "tolerance": (lambda: BoundarySearch((1.0,), 0.5, 5.0, 100.0, 1.0), "the tolerance is 1.0"),
-    "no tolerance": (lambda: BoundarySearch((1.0,), 0.5, 5.0, 100.0, 0.0), "the tolerance is 0.0"),
     "no friction": (lambda: BoundarySearch.of(COLD, 0.01), "no boundary to look for without"),
     "velocities": (lambda: BoundarySearch.of(changed(SWEEP, velocities=(0.0, 1.5)), 0.01),
                    "sweep.velocities are 0, 1.5 m/s; give two or more above 0"),

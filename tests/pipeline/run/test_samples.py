@@ -189,29 +189,3 @@ def test_samples_whose_inputs_are_all_fixed_answer_by_the_emulator_at_them(sampl
     )
     for command in ("sensitivity", "infer"):
         assert "no input of the samples is unknown" in irg(command, store, *at, code=2)
-
-
-def test_at_takes_a_value_of_an_entry_with_several_and_fixes_an_input(
-    sampled, tmp_path, irg, monkeypatch
-):
-    fewer_draws(monkeypatch)
-    text = SMALL.replace("samples = 16", 'samples = 8\nover = { "pin.radius" = ["2 mm", "4 mm"] }')
-    pipeline.run_sweep(load(tmp_path, text), tmp_path / "out.zarr", workers=1)
-    place = ("--load", "500 N", "--velocity", "1.3 m/s", "--json")
-    slim, wide = (("--at", f"pin.radius={radius} mm") for radius in (2, 4))
-    alone = pipeline.Ensemble.of(pipeline.open_sweep(sampled / "out.zarr"))
-    one = pipeline.Ensemble.of(pipeline.at(tmp_path / "out.zarr", **{"pin.radius": 2e-3}))
-    assert np.array_equal(one.rises, alone.rises[:8])
-    store = tmp_path / "out.zarr"
-    likely, rare = (irg("margin", store, *place, *at)[0]["probability"] for at in (slim, wide))
-    assert rare < 0.5 < likely
-    (fixed,) = irg("margin", store, *place, *slim, "--at", "friction.coefficient=0.13")
-    assert fixed["probability"] > likely
-    assert "8 samples" in irg("boundary", store, *slim)
-    both = irg("margin", store, *place)
-    assert [one["probability"] for one in both] == [likely, rare]
-    irg("explore", store, "-o", tmp_path / "page.html")  # which lets choose among them
-    assert "pin.radius 4 mm" in (tmp_path / "page.html").read_text()
-    assert "it has 2 mm, 4 mm" in irg("margin", store, "--at", "pin.radius=3 mm", code=2)
-    said = irg("plot", store, *slim, "--at", "pin.length=3 mm", code=2)
-    assert "is not one of the entries that this sweep can be judged at" in said

@@ -270,19 +270,14 @@ def group_is_gone(leader):
     return False
 
 
-@pytest.mark.parametrize("finished", [0, 3])
-def test_ctrl_c_ends_everything_and_keeps_finished_points(driver, path, finished):
+def test_ctrl_c_ends_everything_and_keeps_finished_points(driver, path):
     """As a terminal does it: the signal goes to the driver and all workers."""
-    assert driver.stdout.readline() == "0\n"
-    if finished:
-        assert any(int(line) >= finished for line in driver.stdout)
-    else:
-        time.sleep(0.7)  # while the workers start
+    assert any(int(line) >= 3 for line in driver.stdout)
     os.killpg(driver.pid, signal.SIGINT)
     assert driver.wait(60) == 130
     wait_until(lambda: group_is_gone(driver.pid))
     assert driver.stderr.read() == ""
-    assert finished <= summary(path).done < summary(path).total
+    assert 3 <= summary(path).done < summary(path).total
     assert verify_store(path).is_clean
     assert summary(path).running is None
 

@@ -80,48 +80,6 @@ def test_points_that_are_kept_are_resumed_with_the_same_numbers(folder, variatio
     assert done[0].done == done[-1].total
 
 
-def test_the_command_prints_what_the_kept_points_say(folder, variations, irg_both):
-    """Boundaries by straight lines in logarithms between the points, and changes by these."""
-    given = (text for key, values in OVER.items() for text in ("--over", f"{key}={values[0]}"))
-    asked = ("vary", folder / "small.toml", *given, "--store", folder / "kept.zarr")
-    said, records = irg_both(*asked, "--workers", 1)
-    with pipeline.open_sweep(folder / "kept.zarr") as ds:
-        rises = ds["rise_quantile"].sel(cooler_share=0.9, step=0).where(ds["status"] == 1).load()
-        flags = ds["warning_flags"].where(ds["status"] == 1, 0).load()
-    (rows,) = set(rises.dims) - {"load", "velocity"}
-    assert rises["load"].values.tolist() == [200.0, 600.0]
-    assert [row["load [N]"] for row in records] == [200.0, 600.0] * 4
-    limits = [120.0 / 0.13, 120.0 / 0.12, 112.0 / 0.13, 120.0 / 0.13]
-    order = [("unchanged", ""), *((key, str(values[0])) for key, values in OVER.items())]
-    found = [[row for row in records if row["entry"] == key] for key, _ in order]
-    heights = []
-    for row, limit, two in zip(rises.transpose(rows, ...), limits, found, strict=True):
-        expected = []
-        for load in (200.0, 600.0):
-            line = row.sel(load=load).dropna("velocity")
-            x, y = np.log(line["velocity"].values), np.log(line.values)
-            inside = y.min() < np.log(limit) < y.max()
-            expected.append(np.exp(np.interp(np.log(limit), y, x)) if inside else np.nan)
-        velocities = np.array([one["critical velocity [m/s]"] for one in two], float)
-        np.testing.assert_allclose(velocities, expected, rtol=0.01)
-        heights.append(velocities)
-        outcomes = np.array([one["outcome"] for one in two])
-        assert ((outcomes == "crosses") == np.isfinite(velocities)).all()
-    table = [line.split() for line in said.splitlines() if "crosses" in line]
-    printed = {
-        (" ".join(cells[:-5]) or cells[0], float(cells[-4])): cells[-3:-1] for cells in table
-    }
-    assert len(printed) == np.isfinite(heights).sum()
-    for two, velocities in zip(found[1:], heights[1:], strict=True):
-        change = 100 * (velocities / heights[0] - 1)
-        told = np.array([one["change [%]"] for one in two], float)
-        np.testing.assert_allclose(told, change, rtol=1e-12)
-    count = np.isfinite(rises).sum().item()
-    assert f"{count} points, computed on the contacts of" in said
-    warned = np.count_nonzero(flags)
-    assert (f"{warned} point" in said) == (warned > 0)
-
-
 def test_the_command_takes_percents_and_says_on_which_side_a_missing_boundary_lies(folder, irg):
     over = ("--over", "pin.radius=-20%", "--over", "friction.coefficient=-5%,0.01,0.9")
     table = folder / "table.csv"
