@@ -67,16 +67,6 @@ def test_a_load_stage_is_a_duty(irg):
     assert "has 1 to 12" in irg("gears", "fzg_a", "--stage", "13", code=2)
 
 
-def test_teeth_are_warmer_than_their_oil_by_the_rule(irg):
-    document = irg("gears", "fzg_a", "--set", "without=temperature.bulk", "--set",
-                   "temperature.oil=90 degC", "--json")  # fmt: skip
-    pair = gears.read_pair("fzg_a", {"without": ["temperature.bulk"], "temperature.oil": "90 degC"})
-    flash = gears.integral_temperature(pair, pair.duty).mean_flash
-    assert document["bulk_temperature"] - 363.15 == pytest.approx(0.7 * flash, rel=1e-9)
-    both = irg("gears", "fzg_a", "--set", "temperature.oil=90 degC", code=2)
-    assert "temperature: give one of bulk, that of the teeth, and oil" in both
-
-
 def test_a_table_and_a_figure_are_written(irg, tmp_path):
     irg("gears", "fzg_a", "-o", tmp_path / "mesh.csv")
     table = pd.read_csv(tmp_path / "mesh.csv")
@@ -165,15 +155,6 @@ def test_the_stage_that_is_predicted_is_the_one_that_was_told(irg):
 
 
 @pytest.mark.usefixtures("warm")
-def test_the_oil_of_a_pair_is_tested_on_the_test_gears(tmp_path):
-    (tmp_path / "own.toml").write_text(OWN)
-    own = gears.read_pair(tmp_path / "own.toml")
-    thin = gears.critical_temperature(own, 9)
-    rig = gears.read_pair("fzg_a", {"oil": "ISO VG 46"})
-    assert thin.equals(gears.critical_temperature(rig, 9))
-
-
-@pytest.mark.usefixtures("warm")
 def test_a_spectrum_has_one_verdict_and_a_sentence(irg, tmp_path):
     duty = tmp_path / "duty.csv"
     duty.write_text(
@@ -209,16 +190,6 @@ def test_a_row_of_a_spectrum_has_hours_and_its_own_factor_or_temperature():
         assert duty == gears.Duty(100.0, pytest.approx(speed), pytest.approx(363.15), 1.2)
 
 
-@pytest.mark.usefixtures("warm")
-def test_the_doubt_of_a_critical_temperature_counts_in_each_verdict():
-    pair = gears.read_pair("fzg_a")
-    points = {"torque": ["372.6 N m"], "speed": ["2170 rpm"], "bulk temperature": ["165.7 degC"]}
-    near = pair.with_critical(pair.duty.bulk + 190, None)
-    assert gears.judge_spectrum(near, points)["verdict"].tolist() == ["mild"]
-    doubtful = near.with_critical(near.critical, 40.0)
-    assert gears.judge_spectrum(doubtful, points)["verdict"].tolist() == ["not decided"]
-
-
 def test_the_oil_s_temperature_of_a_row_gives_its_teeth_theirs():
     """As that of the file does, by ISO/TR 13989-2, Eq. 20."""
     columns = {"torque": ["534.5 N m"], "speed": ["2170 rpm"], "oil temperature": ["90 degC"]}
@@ -248,19 +219,6 @@ def test_the_doubt_of_a_failure_stage_is_in_all_that_is_written(irg, tmp_path):
         notes = pd.read_csv(tmp_path / "table.csv")["notes"]
         assert notes.str.startswith("not validated: no scuffing test of gears").all()
     assert notes.str.contains("250 °C, taken as exact").all()
-
-
-@pytest.mark.usefixtures("warm")
-def test_friction_that_is_given_holds_for_the_test_gears(irg, tmp_path):
-    """Of smooth flanks, whose flash goes with it; the bulk temperature does not."""
-    (tmp_path / "own.toml").write_text(OWN, encoding="utf-8")
-
-    def flash(friction):
-        given = ("--failure-stage", "10", "--set", f"friction.coefficient={friction}", "--json")
-        found = irg("gears", tmp_path / "own.toml", *given)
-        return found["hottest_place,_failed_stage"] - gears.stage_bulk(10)
-
-    assert flash(0.06) == pytest.approx(2 * flash(0.03))
 
 
 def test_values_of_a_pair_are_doubted_as_those_of_a_scene(irg):

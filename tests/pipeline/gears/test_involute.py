@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from pipeline.gears.involute import Involutes, fitting_distance
@@ -87,35 +86,6 @@ def test_a_helical_pair_is_a_spur_pair_of_its_transverse_section():
     for mine, plane in zip(helical.radii(0.1), spur.radii(0.1), strict=True):
         assert mine * lean == pytest.approx(plane)
     assert helical.overlap_ratio == pytest.approx(10 * math.sin(helix) / math.pi)
-
-
-def drawn_undercut(teeth):
-    """Radius of curvature up to which a rack takes the involute of gears of module 1, drawn.
-
-    The flank, a curve in the gear, is turned under the tooth of the rack; what lies within goes.
-    """
-    r, rb, tangent = teeth / 2, teeth / 2 * math.cos(TWENTY), math.tan(TWENTY)
-    curvature = np.linspace(1e-4, 1.2, 2000)
-    radius, unrolled = np.hypot(rb, curvature), curvature / rb
-    angle = math.tan(TWENTY) - TWENTY - (unrolled - np.arctan(unrolled))
-    gone = np.zeros(len(radius), bool)
-    for turned in np.linspace(-1.0, 1.0, 4001):
-        x, y = radius * np.sin(angle + turned), radius * np.cos(angle + turned) - r
-        # A tooth of the rack to the right of the flank that runs through the pitch point.
-        gone |= (y > -1.0) & (x - r * turned > -y * tangent + 1e-9) & (x - r * turned < 1.2)
-    return curvature[gone].max() if gone.any() else 0.0
-
-
-@pytest.mark.parametrize("teeth", [8, 10, 12])
-def test_undercut_is_what_a_drawn_rack_takes_away(teeth):
-    gears = object.__new__(Involutes)  # not one that could run
-    for name, value in FZG.items():
-        object.__setattr__(gears, name, value)
-    for name, value in (("module", 1.0), ("teeth", (teeth, 24)), ("profile_shifts", (0.0, 0.0))):
-        object.__setattr__(gears, name, value)
-    assert gears.undercut(0) == pytest.approx(drawn_undercut(teeth), abs=4e-3)
-    object.__setattr__(gears, "profile_shifts", (1 - teeth / 2 * math.sin(TWENTY) ** 2 + 1e-3, 0.0))
-    assert gears.undercut(0) == 0.0
 
 
 def test_a_centre_distance_may_be_a_tenth_of_a_module_off():

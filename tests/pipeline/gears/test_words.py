@@ -52,22 +52,6 @@ def test_facts_of_the_test_gears_are_those_of_the_standard(irg, mesh):
     assert "library_1" in facts
 
 
-def test_facts_of_other_pairs_have_their_overlap_their_friction_and_their_film(irg):
-    def facts(entries):
-        sets = (one for path, value in entries.items() for one in ("--set", f"{path}={value}"))
-        return irg("gears", "fzg_a", *sets, "--json")
-
-    helical = facts(HELICAL)
-    assert helical["overlap_ratio"] == pytest.approx(0.541, abs=5e-4)
-    long = facts(LONG | {"friction.coefficient": 0.05})
-    assert long["friction"] == 0.05
-    dry = facts({"without": "oil", "friction.coefficient": 0.05})
-    assert dry["integral_temperature"] is None
-    smooth = {"pinion.roughness": "0.05 um", "wheel.roughness": "0.05 um"}
-    polished = facts(smooth | {"temperature.bulk": "20 degC"})
-    assert max(polished["Λ"]) > 3
-
-
 # The share of the load, and the rule
 
 

@@ -159,11 +159,3 @@ def test_a_form_is_named_where_a_file_has_too_few_signs(tmp_path, irg):
 def test_each_export_has_a_sample():
     forms = {form for form, *_ in TRACES.values()}
     assert {*exports()} == forms | {"srv", "fzg", "twin_disc"}  # whose tests stand above
-
-
-def test_no_sample_is_taken_for_another_machine(tmp_path, irg):
-    titles = {}
-    for name, (form, given, _) in TRACES.items():
-        path = write(tmp_path, "run.txt", getattr(samples, name)())
-        titles[name] = irg("tests", path, *options(given), "--json")["form"][0]
-        assert titles[name] == exports()[form].title

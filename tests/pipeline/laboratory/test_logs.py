@@ -5,8 +5,6 @@ import pytest
 import pipeline
 from pipeline.laboratory.logs import outcome_of
 from pipeline.sweep.about import Measurement
-from tests.helpers import tiny
-from tests.helpers.entries import changed
 
 SCENE = """
 extends = "first_try"
@@ -80,25 +78,6 @@ def test_rows_that_lack_what_a_test_needs_are_left_out_and_counted(lab, tests):
     }  # fmt: skip
     (fault,) = tests(log + "#600,2,severe\n", code=2)["faults"]
     assert 'row 7, load: "#600 N" is not a number' in fault
-
-
-def test_a_transition_counts_with_its_own_bulk_and_hold():
-    sweep = tiny.sweep(wear=None)  # so that it gets warmer in the hold
-    plain, warm, held = (
-        pipeline.critical_temperatures(
-            changed(sweep, measured=(Measurement(300.0, 1.0, 0.1, **conditions),))
-        ).mean
-        for conditions in ({}, {"bulk_temperature": 333.15}, {"hold": 2.0})
-    )
-    bulk = sweep.conditions.bulk_temperature
-    assert warm - 333.15 == pytest.approx(plain - bulk, rel=1e-9)
-    assert held == pytest.approx(
-        pipeline.critical_temperatures(
-            changed(sweep.held(2.0), measured=(Measurement(300.0, 1.0, 0.1),))
-        ).mean,
-        rel=1e-12,
-    )
-    assert held > plain
 
 
 OFFICE = (

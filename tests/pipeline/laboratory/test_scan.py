@@ -88,16 +88,6 @@ def test_heights_too_flat_and_too_rough_are_doubted(scan):
     assert surface_statistics(scan, "um", sides).warnings == ()
 
 
-def test_noise_between_pixels_and_their_size_are_doubted(tmp_path):
-    np.save(tmp_path / "noise.npy", np.random.default_rng(0).normal(size=(40, 50)))
-    noise = surface_statistics(tmp_path / "noise.npy", "um", ("1 um", "1 um"))
-    assert not noise.is_like
-    assert noise.toml == ""
-    assert any("hardly depend on each other" in doubt for doubt in noise.warnings)
-    coarse = surface_statistics(tmp_path / "noise.npy", "um", ("1 m", "1 m"))
-    assert any("check the size of the pixels" in doubt for doubt in coarse.warnings)
-
-
 def likely(seed, lengths=(6e-6, 6e-6), ra=0.3e-6, hurst=0.8, shape=(384, 384)):
     return self_affine(Grid(shape, (0.5e-6, 0.5e-6)), ra, hurst, lengths, seed=seed)
 
@@ -138,18 +128,6 @@ def test_a_curvature_is_taken_off_and_told_with_its_radius(tmp_path):
     assert "curvature           R 4" in str(found)
     assert "a pin's radius belongs into pin.radius" in str(found)
     assert "curvature  " not in str(flat)
-
-
-def test_a_small_scan_says_how_much_to_measure(tmp_path):
-    np.save(tmp_path / "small.npy", likely(5, lengths=(15e-6, 15e-6), shape=(96, 96)))
-    found = surface_statistics(tmp_path / "small.npy", 1.0, ("0.5 um", "0.5 um"))
-    (said,) = [one for one in found.warnings if "single surfaces of this size" in one]
-    assert "measure at least" in said
-    assert "correlation lengths" in said
-    large = likely(6, lengths=(3e-6, 3e-6))
-    np.save(tmp_path / "large.npy", large)
-    large = surface_statistics(tmp_path / "large.npy", 1.0, ("0.5 um", "0.5 um"))
-    assert not any("single surfaces" in one for one in large.warnings)
 
 
 def test_a_scene_takes_what_the_command_takes_and_describes_the_same(tmp_path, irg):

@@ -109,16 +109,6 @@ def test_a_scan_that_is_too_small_is_repeated_on_request(read, library):
     assert f"{rows - 2} × {columns} heights were mirrored" in note.words
 
 
-def test_the_pixels_of_the_file_are_those_of_the_window(faults, library):
-    library.topography = FakeTopography(HEIGHTS)
-    library.topography.to_unit = lambda unit: SimpleNamespace(
-        heights=lambda: HEIGHTS, pixel_size=(2e-6, 2e-6)
-    )
-    (fault,) = faults(*with_table('file = "a.opd"\n'), overrides=FINEST)
-    assert fault.startswith("window.pixel_size: ")
-    assert "2 µm × 2 µm" in fault
-
-
 def test_a_surface_is_turned_with_its_pixels_and_its_heights_reversed():
     surface = MeasuredSurface(np.arange(6.0).reshape(2, 3), (1e-6, 2e-6))
     turned = oriented(surface, transpose=True)

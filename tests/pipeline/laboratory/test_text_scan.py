@@ -1,7 +1,6 @@
 """Heights in text come out the same, however a program writes them."""
 
 import io
-import math
 
 import numpy as np
 import pytest
@@ -93,28 +92,6 @@ def test_places_beside_and_above_a_matrix_are_no_heights(shape, corner, tmp_path
     assert surface.pixel_size == (pytest.approx((1.2e-6, 1e-6)) if corner != "0" else None)
 
 
-ROUGH = np.random.default_rng(1).normal(size=(6, 6))
-DOWN = np.arange(6.0, 0.0, -1.0)[:, None]
-
-
-@pytest.mark.parametrize(
-    ("rows", "heights"),
-    [
-        (np.hstack([DOWN, ROUGH]), ROUGH),  # places go down, too
-        (np.hstack([0 * DOWN, ROUGH]), None),  # a groove
-        (np.hstack([DOWN, DOWN, ROUGH]), None),  # a slope
-        (np.hstack([DOWN**2, ROUGH]), None),
-        (np.hstack([DOWN, ROUGH])[:4], None),  # four in a line may be chance
-        (np.hstack([DOWN, ROUGH])[:, :4], None),
-    ],
-)
-def test_even_numbers_beside_a_rough_matrix_are_places(rows, heights, tmp_path):
-    np.savetxt(tmp_path / "scan.txt", rows)
-    surface = read_surface(tmp_path / "scan.txt", 1.0)
-    np.testing.assert_allclose(surface.heights, (rows if heights is None else heights).T)
-    assert surface.pixel_size is None
-
-
 @pytest.mark.parametrize(
     ("off", "is_grid"),
     [
@@ -158,16 +135,6 @@ def test_holes_stay_holes(text, tmp_path):
     (tmp_path / "scan.txt").write_text(text, encoding="utf-8")
     heights = read_surface(tmp_path / "scan.txt", 1.0).heights
     np.testing.assert_array_equal(np.isnan(heights), [[0, 0, 0], [0, 1, 0], [0, 0, 1]])
-
-
-@pytest.mark.parametrize("separator", [" ", ";", "\t", ","])
-def test_rows_that_begin_with_holes_stay_rows(separator, tmp_path):
-    hole, rows = "*** *** ***\n", "1 2 3\n*** 5 6\n"
-    text = f"{hole}{hole}{rows}{hole}7 8 9\n{hole}".replace(" ", separator)
-    (tmp_path / "scan.txt").write_text(f"*** rig 3 ***\n***\n{text}", encoding="utf-8")
-    heights = read_surface(tmp_path / "scan.txt", 1.0).heights.T
-    hole = math.nan
-    np.testing.assert_array_equal(heights[:, 1], [hole, hole, 2, 5, hole, 8, hole])
 
 
 @pytest.mark.parametrize("hole", ["-9999", "1e24", "-32768", "9.9e37"])

@@ -188,22 +188,6 @@ def test_both_commands_that_change_make_a_run_of_tests(tmp_path, irg):
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("is_signed", [False, True])
-def test_reciprocation_counts_with_its_mean_speed(tmp_path, irg, is_signed):
-    time = np.arange(0, 30, 0.02)
-    speed = 0.5 * np.sin(2 * np.pi * 1.0 * time)
-    friction = (0.1 + noise(len(time))) * np.sign(speed + 1e-12)
-    speed, friction = (speed, friction) if is_signed else (abs(speed), abs(friction))
-    rows = zip(time, 200 + 0 * time, speed, friction, strict=True)
-    text = "\n".join(";".join(f"{x:.5g}" for x in row) for row in rows)
-    (tmp_path / "t.csv").write_text(f"Zeit / s;Normalkraft / N;v in m/s;Reibwert\n{text}\n")
-    (test,) = irg("tests", tmp_path / "t.csv", "--json")["tests"]
-    assert float(test["velocity"].split()[0]) == pytest.approx(2 / np.pi * 0.5, rel=0.01)
-    assert test["load"] == "200 N"
-    assert test["outcome"] == "mild"
-    assert test["friction"] == pytest.approx(0.1, rel=0.02)
-
-
 @pytest.mark.parametrize("is_signed", [True, False])
 def test_strokes_of_many_readings_count_with_their_mean_speed(tmp_path, irg, is_signed):
     """At 2 Hz and 500 readings a period, stroke 10 mm: 2 · 2 Hz · 10 mm = 0.04 m/s."""

@@ -71,13 +71,6 @@ def test_width_and_depth_are_those_of_a_smooth_cylinder(rate, load, velocity):
     assert facts.sliding_distance.low == pytest.approx(columns["sliding_distance"][-1], rel=1e-12)
 
 
-def test_width_and_depth_are_those_of_a_smooth_ball():
-    sweep = changed(BALL, wear=tribo.Wear(1e-15, "local"))
-    facts, columns = facts_of(sweep), run_point(sweep, 10.0, 1.0).columns
-    assert facts.contact_width.high == pytest.approx(columns["contact_width"][-1], rel=0.03)
-    assert facts.wear_depth.high == pytest.approx(columns["wear_depth_max"][-1], rel=0.1)
-
-
 def test_roughness_widens_the_contact_as_in_the_simulation():
     sweep = changed(
         SMOOTH,

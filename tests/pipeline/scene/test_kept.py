@@ -202,13 +202,6 @@ def test_a_stored_sweep_made_coarser_keeps_no_promise_of_its_preset():
     assert stored.changed("fidelity.preset", "fine").about.preset == "fine"
 
 
-def test_a_faulty_load_record_is_told_each_time():
-    sweep = pipeline.load_scene("first_try")
-    for _ in range(2):
-        with pytest.raises(tribo.InputError, match=r"loading.file: .*cannot be read"):
-            sweep.changed("loading", {"file": "no.csv", "reference_load": "100 N"})
-
-
 def test_a_store_is_read_from_no_file(tmp_path):
     told = json.loads(sweep_text(tiny.full(roughness=SCANNED)))
     rough = told["entries"]["disk"]["roughness"]
@@ -242,19 +235,3 @@ def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
     rows = [sweep.variant(name).scene.roughness.digest for name in sweep.variants.names]
     assert len({*rows}) == 3
     assert [row.values["disk.roughness.content"] for row in sweep.rows] == rows
-
-
-def median(rises, share, quantiles):
-    return np.moveaxis(rises, -1, 0)[0]
-
-
-def test_a_row_beside_a_criterion_of_the_user_says_what_it_replaces_alone():
-    rule = tribo.Rule("rise_quantile", median, "the lowest", "the lowest above")
-    bulks = ["25 degC", "40 degC"]
-    over = {"sweep.over": {"temperature.bulk": bulks}}
-    sweep = pipeline.load_scene("first_try", overrides=over, laws={"criterion": rule})
-    assert sweep.entries["temperature"]["criterion"].endswith(":median")
-    assert [dict(row.values) for row in sweep.rows] == [
-        {"temperature.bulk": t} for t in over["sweep.over"].popitem()[1]
-    ]
-    assert back(sweep) == sweep

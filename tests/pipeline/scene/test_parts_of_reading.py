@@ -6,8 +6,6 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.scene.doubts import doubts_of_row
-from pipeline.scene.facts import Span
 from pipeline.scene.units import (
     to_si,
 )
@@ -82,28 +80,3 @@ def test_grooves_along_sliding_are_doubted(lay, measured, pattern, said):
     scene = changed(SMOOTH, wear=tribo.Wear(1.2e-15, pattern) if pattern else None)
     found = said_of(scene, surface=surface(lay=lay, measured=measured))
     assert any("the grooves lie along sliding" in one for one in found) is said
-
-
-@pytest.mark.parametrize(
-    ("row", "words"),
-    [
-        ({"friction": 1.0}, []),
-        ({"friction": 10.0}, ["friction: 10, where 0 to 1 are usual: check the number and unit"]),
-        ({"friction": None, "bulk_temperature": None}, []),
-        ({"bulk_temperature": 223.15}, []),
-        ({"bulk_temperature": 523.15}, []),
-        ({"bulk_temperature": 523.25},
-         ["bulk temperature: 250 °C, where -50 to 250 °C are usual"]),
-        ({"bulk_temperature": 80.0, "friction": 2.0}, ["friction: 2", "-193 °C"]),
-    ],
-)  # fmt: skip
-def test_conditions_of_a_row_are_doubted_beyond_the_usual(row, words):
-    said = [*doubts_of_row(row)]
-    assert len(said) == len(words)
-    assert all(text in one for text, one in zip(words, said, strict=True))
-
-
-@pytest.mark.parametrize(("duration", "is_usual"), [(0.051, 1), (0.049, 0), (9.9e5, 1), (1.1e6, 0)])
-def test_a_test_of_unusual_duration_is_doubted(duration, is_usual):
-    said = said_of(SMOOTH, duration=Span(duration / 2, duration))
-    assert sum(doubt.startswith("loading: ") for doubt in said) == 1 - is_usual

@@ -43,24 +43,3 @@ def test_a_law_is_told_what_it_needs(changes, said):
     with pytest.raises(pipeline.SceneFileError) as error:
         pipeline.load_scene("first_try", overrides={"without": WITHOUT, "wear": entries})
     assert said in str(error.value)
-
-
-def test_a_misspelt_law_is_asked_for_by_the_laws_that_ship():
-    with pytest.raises(pipeline.SceneFileError) as caught:
-        pipeline.load_scene(
-            "first_try",
-            overrides={
-                "wear": {
-                    "law": "runing-in",
-                    "initial_rate": "6e-6 mm^3/(N m)",
-                    "final_rate": "1e-6 mm^3/(N m)",
-                    "distance": "2 m",
-                }
-            },
-        )
-    assert 'wear.law: "runing-in" is unknown (did you mean "running-in"?)' in str(caught.value)
-    for path, near in (("pin.shape", "cylindr"), ("temperature.criterion", "higest")):
-        with pytest.raises(pipeline.SceneFileError, match="did you mean"):
-            pipeline.load_scene("first_try", overrides={path: near})
-    with pytest.raises(pipeline.SceneFileError, match='did you mean "by_temperature"'):
-        pipeline.load_scene("first_try", overrides={"friction.by_temprature": []})
