@@ -15,10 +15,9 @@ OWN = "Not validated: no test of this steel."
 @pytest.fixture
 def store(tmp_path):
     """A small sweep of a scene with a caveat of its own."""
-    scene = pipeline.load_scene(
-        "first_try",
-        overrides={"caveat": OWN, "temperature.critical_sd": "8 K"},
-    )
+    few = {"sweep.loads": ["300 N", "500 N"], "sweep.velocities": ["1 m/s", "3 m/s"]}
+    own = {"caveat": OWN, "temperature.critical_sd": "8 K"}
+    scene = pipeline.load_scene("first_try", overrides=few | own)
     commit_all(tmp_path / "out.zarr", scene)
     return tmp_path / "out.zarr"
 

@@ -90,18 +90,6 @@ def test_corrections_cost_no_point_and_change_no_stored_number(store):
     commit_all(store, tiny.full(conditions=CONDITIONS))
 
 
-def test_searches_go_by_the_corrected_rise(tmp_path):
-    (tmp_path / "plain.toml").write_text(SCENE)
-    scene = tmp_path / "scene.toml"
-    scene.write_text(BESIDE)
-    fewer = {"increments": 3, "sweep.loads": ["400 N"]}
-    sweep = pipeline.load_scene(scene, overrides=fewer)
-    pipeline.run_sweep(sweep, tmp_path / "edge.zarr", workers=1, boundary_only=0.01)
-    velocities = pipeline.boundary(tmp_path / "edge.zarr")["critical_velocity"]
-    point = pipeline.run_point(sweep, 400.0, velocities.item()).verdict(sweep.conditions)
-    assert point.decisive_temperature == pytest.approx(418.15, abs=0.5)
-
-
 def test_each_command_has_the_friction_of_the_temperature_itself(store):
     """Fixed points iterated here, on the rises of the store; and the limit at 345 K."""
     nodes, factors = (300.0, 360.0), (1.1, 0.8)

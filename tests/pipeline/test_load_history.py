@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import pipeline
 import tribo
@@ -13,7 +12,7 @@ from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import momentary_rise
 from tests.helpers import tiny
 from tests.helpers.entries import changed
-from tests.helpers.sweeps import deciding, with_fields
+from tests.helpers.sweeps import with_fields
 from tests.pipeline.conftest import commit_all
 
 PIN, STEEL = tiny.sweep().scene.pin, tiny.sweep().scene.disk
@@ -72,37 +71,6 @@ def test_a_bulk_has_all_the_energy_of_a_record(tmp_path):
     energy = 0.1 * VELOCITY * LOAD / 750.0 * np.trapezoid(LOADS, TIMES)
     # Half of it would be missed by a line from no load to the last one.
     assert (rise - cold).item() == pytest.approx(share**2 * energy / 500.0, rel=5e-3)
-
-
-@pytest.mark.parametrize("loading", ["hold", "record"])
-def test_any_part_of_a_sweep_has_the_temperatures_that_it_has_in_the_whole(tmp_path, loading):
-    commit_all(tmp_path / "a.zarr", sweep_of(LOADINGS[loading], steps="course"))
-    ds, point = pipeline.open_sweep(tmp_path / "a.zarr"), {"load": LOAD, "velocity": VELOCITY}
-    all_steps = pipeline.temperatures(ds)
-    whole = all_steps["mean_temperature"].isel(step=-1)
-    for part in (ds.isel(step=-1), pipeline.end_of_point(ds), ds.isel(step=[-1]).squeeze("step")):
-        xr.testing.assert_allclose(
-            pipeline.temperatures(part)["mean_temperature"].drop_vars("step", errors="ignore"),
-            whole.drop_vars("step"), rtol=1e-12,
-        )  # fmt: skip
-        alone = pipeline.temperatures(part.sel(point))["mean_temperature"]
-        assert alone.item() == pytest.approx(whole.sel(point).item(), rel=1e-12)
-    for part in ([-2], [-3, -1]):
-        some = ds.isel(step=part)
-        xr.testing.assert_allclose(
-            pipeline.temperatures(some)["mean_temperature"],
-            all_steps["mean_temperature"].isel(step=part),
-            rtol=1e-12,
-        )
-        if -1 not in part:  # where a point ends is what decides
-            with pytest.raises(tribo.InputError, match="has not step 0"):
-                deciding(some)
-            continue
-        hottest = deciding(some).sel(point).item()
-        held = some["normal_load"].sel(load=LOAD) >= LOAD
-        quantiles = all_steps["temperature_quantile"].isel(step=part).sel(point)
-        at_share = quantiles.sel(cooler_share=0.9).where(held)
-        assert hottest == pytest.approx(at_share.max().item(), rel=1e-12)
 
 
 def test_a_hold_that_warms_a_body_is_judged_inside():

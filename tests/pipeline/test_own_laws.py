@@ -3,6 +3,7 @@
 import importlib
 import pickle
 import re
+import runpy
 import sys
 import textwrap
 from dataclasses import dataclass, replace
@@ -15,7 +16,7 @@ import pytest
 
 import pipeline
 import tribo
-from tests.helpers.processes import ROOT, python
+from tests.helpers.processes import ROOT
 from tests.helpers.scenes import SCENE, STEEL
 from tests.pipeline.conftest import commit_all
 
@@ -87,13 +88,15 @@ def resumed(laws, store="own.zarr", **overrides):
     return str(caught.value).splitlines()[1:]
 
 
-def test_the_examples_of_the_page_run(folder):
+def test_the_examples_of_the_page_run(folder, capsys, monkeypatch):
     first, *others = SCRIPT
     text = (first + textwrap.indent("".join(others), "    ")).replace("first_try", "small.toml")
     few = '    import pipeline\n    laws["criterion"] = hottest\n'
     (folder / "run.py").write_text(text + few + '    print(variations, "done")\n')
-    done = python("run.py", cwd=folder)
-    assert done.stdout.endswith("done\n"), done.stderr
+    monkeypatch.syspath_prepend(folder)
+    runpy.run_path("run.py", run_name="__main__")
+    sys.modules.pop("laws")
+    assert capsys.readouterr().out.endswith("done\n")
 
 
 def test_workers_have_a_law_whose_module_they_cannot_import(folder, laws):
@@ -200,18 +203,6 @@ def test_a_store_judged_by_a_criterion_refuses_verdicts_by_its_name(folder, laws
     assert any("temperature.criterion: laws:_median in the store" in str(one) for one in told)
 
 
-def test_a_page_judges_by_the_criterion_of_the_user(folder, laws):
-    commit_all("small.zarr", scene({}))
-    mean = tribo.Rule("mean_rise", lambda rises, *_: rises, "mean", "the mean above")
-    pages = [
-        pipeline.explore(pipeline.at("small.zarr", criterion=one), f"{number}.html")
-        for number, one in enumerate((mean, "mean", "highest"))
-    ]
-    planes = [re.findall(r'"plane":"(.+?)"', page.path.read_text()) for page in pages]
-    assert planes[0]
-    assert planes[0] == planes[1] != planes[2]
-
-
 def test_fields_of_a_law_are_entries(laws):
     given = {"wear": laws.Fading(*RATES)}
     several = scene(given, **POINT, **{"sweep.over": {"wear.parameters.distance": [0.5, 4.0]}})
@@ -289,18 +280,12 @@ class Called:
 @pytest.mark.parametrize(
     ("kind", "law", "overrides", "said"),
     [
-        ("waer", "fading", {}, "'waer' is unknown; give wear, surface, criterion, pin"),
-        ("wear", "Fading", {}, "<class 'laws.Fading'>: it is not an object of a dataclass"),
         ("wear", "Dimples(1, 2)", {}, "has no pattern, over; see tribo.WearLaw"),
-        ("surface", "fading", {}, "has no heights; see tribo.Surface"),
         ("pin", "Dimples(1, 2)", {}, "has no radius, length, material, words, profile"),
-        ("criterion", "mean_of_hottest", {}, "is not a tribo.Rule; give one"),
         ("wear", "Thawed()", {}, "write @dataclass(frozen=True), or with an array"),
         ("wear", "Called()", {}, "other fields are numbers or text"),
         ("wear", "fading", {"wear.parameters.distanc": 1.0}, "keyword argument 'distanc'"),
-        ("wear", "fading", {"wear.parameters.distance": "1 m"}, '"1 m" does not fit; give'),
         ("wear", "fading", {"wear.parameters": 3}, "must be a mapping, not int"),
-        ("wear", "fading", {"wear.pattern": "local"}, "wear: laws.wear stands in its place"),
         ("criterion", "median", {"temperature.criterion": "mean"}, "laws.criterion stands in"),
         ("pin", "Blunt(2e-3, 3e-3, STEEL, 0)", {"pin.radius": "1 mm"}, "pin.radius: laws.pin st"),
         ("surface", "Dimples(1, 2)", {"sweep.realizations": 3}, "made from a seed; give one"),

@@ -66,7 +66,6 @@ CHANGES = {
     "broken": ((AXES, AXES + MEASURED + TESTED),),
     "surfaces": ((AXES, FEWER + "realizations = 3"),),
     "over": ((AXES, FEWER + 'over = { "pin.radius" = ["2 mm", "4 mm"] }'),),
-    "motion": (("[wear]", "[motion]\nslide_roll_ratio = 1.0\n\n[wear]"), (AXES, FEWER)),
     "mean": (("failing_share = 0.1", 'criterion = "mean"'), (AXES, FEWER)),
     "rows": ((AXES, f"{FEWER}along = [{ROWS}]"),),
     "samples": (
@@ -171,7 +170,7 @@ def as_floats(values):
     return np.array(values, dtype=float)  # None is NaN
 
 
-@pytest.mark.parametrize("kind", ["plane", "broken", "surfaces", "over", "rows", "samples"])
+@pytest.mark.parametrize("kind", ["broken", "surfaces", "rows", "samples"])
 def test_status_and_verify_count_the_points_of_the_dataset(ask, stores, kind):
     ds = opened(stores(kind))
     counts = {flag: int((ds["status"] == flag).sum()) for flag in (0, 1, 2)}
@@ -252,11 +251,9 @@ def test_samples_that_lack_a_load_are_left_out_and_counted(ask):
 
 
 ASKED = [
-    *((kind, (), {}) for kind in ("plane", "broken", "surfaces", "motion", "mean", "samples")),
+    *((kind, (), {}) for kind in ("broken", "surfaces", "mean", "samples")),
     ("plane", *OTHERWISE),
-    ("plane", ("--criterion", "highest"), {"criterion": "highest"}),
     ("samples", ("--given-measured",), {"given_measured": True}),
-    ("samples", ("--at", "friction.coefficient=0.09"), {"friction.coefficient": 0.09}),
     ("over", ("--at", "pin.radius=4 mm"), {"pin.radius": "4 mm"}),
 ]  # fmt: skip
 
@@ -287,8 +284,7 @@ def test_a_margin_is_the_same_as_text_as_json_and_in_python(ask, stores, kind, o
 @pytest.mark.parametrize(
     ("kind", "options", "judged"),
     [
-        *ASKED,
-        ("over", (), {}),
+        *ASKED[2:],
         ("plane", ("--friction", 0.09, "--friction", 0.103), {"friction": (0.09, 0.103)}),
     ],
 )

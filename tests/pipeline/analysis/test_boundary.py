@@ -11,9 +11,7 @@ from pipeline.analysis.words import boundary_lines, next_run_line
 from pipeline.store.schema import PENDING
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
-from tests.helpers.sweeps import decisive_rise
 from tests.helpers.synthetic import LOADS, VELOCITIES
-from tribo.thermal import failed_share
 
 CROSSES, MILD, SEVERE, UNKNOWN = range(4)
 
@@ -57,28 +55,6 @@ def test_boundary_of_a_bent_rise_is_found_between_points_every_quarter_metre_per
     assert np.abs(error).max() < 6e-5  # measured 3.2e-5; straight lines give 3.2e-3
 
 
-def test_only_warming_over_friction_counts(sweep):
-    friction = 0.3
-    critical = 350.0 + 120.0 * friction / 0.1
-    plain = boundary(at(sweep, 0.1, bulk_temperature=300.0, critical_temperature=420.0))
-    scaled = boundary(at(sweep, friction, bulk_temperature=350.0, critical_temperature=critical))
-    for name in ("critical_velocity", "critical_load"):
-        np.testing.assert_allclose(scaled[name], plain[name], rtol=1e-12)
-
-
-@pytest.mark.parametrize("share", [0.03, 0.333, 0.9])
-def test_at_the_boundary_just_the_failing_share_is_too_hot(share):
-    ds = synthetic.sweep(
-        rise=lambda F, V, q=1.0: synthetic.rise(F, V) * (0.2 + 0.8 * np.asarray(q) ** 3)
-    )
-    stored = ds["rise_quantile"].isel(load=3, velocity=5).sel(step=0).values
-    # the share of that very point, computed as a simulation's own
-    rise = float(decisive_rise(ds, synthetic.conditions(share)).isel(load=3, velocity=5))
-    assert failed_share(stored, rise) == pytest.approx(share, abs=1e-12)
-    crossings = boundary(at(ds, critical_temperature=298.15 + 0.1 * rise, share=share))
-    assert float(crossings["critical_velocity"][3]) == pytest.approx(VELOCITIES[5], rel=1e-12)
-
-
 def test_nan_where_the_sweep_does_not_cross(sweep):
     for conditions in ({"critical_temperature": 3000.0}, {"friction": 0}):
         cold = boundary(at(sweep, **conditions))
@@ -94,23 +70,6 @@ def test_nan_where_the_sweep_does_not_cross(sweep):
         crossings["outcome_at_velocity"].values.tolist()
         == [MILD] * 3 + [CROSSES] * 10 + [SEVERE] * 2
     )
-
-
-def test_a_crossing_between_points_that_are_not_done_errs_by_its_gap():
-    """At 400 N four of the points about the crossing at 2.87 m/s are pending."""
-    status = {(400.0, velocity): PENDING for velocity in (2.25, 2.5, 2.75, 3.0)}
-    cases = [
-        synthetic.sweep(rise=curved, status=held, model_scatter=0.0, measured=())
-        for held in ({}, status)
-    ]
-    whole, partial = (boundary(ds).sel(load=400.0) for ds in cases)
-    critical = whole["critical_velocity"].item()
-    assert 2.75 < critical < 3.0
-    assert partial["critical_velocity"] == pytest.approx(critical, rel=1e-3)  # measured 2.8e-4
-    errors = [pipeline.margin(ds, 400.0, critical).error.interpolation for ds in cases]
-    gaps = np.log([3.0 / 2.75, 3.25 / 2.0])
-    assert errors[1] / errors[0] >= gaps[1] / gaps[0]
-    assert partial["mild_below"] < critical < partial["severe_above"]
 
 
 @pytest.mark.parametrize("kept", [0.3, 0.6])
@@ -131,15 +90,6 @@ def test_the_band_of_a_sweep_that_is_half_done_holds_the_boundary_of_the_whole(k
     assert told > 5  # of 28
 
 
-def test_a_load_without_points_is_unknown():
-    crossings = boundary(synthetic.sweep(status={(200.0, V): PENDING for V in VELOCITIES}))
-    assert np.isnan(crossings["critical_velocity"][0])
-    assert int(crossings["outcome_at_load"][0]) == UNKNOWN
-    alone = boundary(synthetic.sweep(loads=[400.0], velocities=[1.0]))
-    assert np.isnan(alone["critical_velocity"]).all()
-    assert alone["outcome_at_load"].values.tolist() == [MILD]
-
-
 def test_only_the_last_step_counts():
     ds = synthetic.sweep(interval=1)
     earlier = ds["step"] < 0
@@ -156,17 +106,6 @@ def test_decisive_temperature_is_that_of_the_closed_form(sweep):
     rise = synthetic.rise(places["load"], places["velocity"], 0.95)
     expected = 310.0 + 0.2 * rise - 273.15
     np.testing.assert_allclose(found["decisive temperature [°C]"], expected, rtol=1e-12)
-
-
-def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
-    crossings = boundary(at(sweep, friction=(0.09, 0.103), share=0.05))
-    assert crossings["critical_velocity"].dims == ("friction.coefficient", "load")
-    for friction in (0.09, 0.103):
-        alone = boundary(at(sweep, friction=friction, share=0.05))
-        part = crossings.sel({"friction.coefficient": friction})
-        for name in alone.data_vars:
-            np.testing.assert_array_equal(part[name], alone[name])
-    assert crossings.attrs["critical_temperature"] == 418.15
 
 
 def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
@@ -193,8 +132,3 @@ def test_a_boundary_over_surfaces_says_that_the_median_is_not_the_onset(sweep):
     said = "the median is not the onset: the hottest patch under the pin scuffs first"
     several = xr.concat([sweep, sweep], "realization", combine_attrs="override")
     assert [boundary_lines(boundary(ds)).count(said) for ds in (sweep, several)] == [0, 1]
-
-
-def test_the_one_quantile_that_decides_is_enough(sweep):
-    found = boundary(sweep.sel(cooler_share=[0.9]))["critical_velocity"]
-    np.testing.assert_allclose(found, boundary(sweep)["critical_velocity"], rtol=1e-9)

@@ -24,12 +24,11 @@ from pipeline.store.create import writing
 from pipeline.store.schema import MADE, STEPPED
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
-from tests.helpers.entries import changed, rows
+from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
-from tests.helpers.stores import commit, opened
+from tests.helpers.stores import commit
 from tests.helpers.sweeps import decisive_rise
 from tests.pipeline.conftest import commit_all
 from tribo.thermal import rise_exceeded
@@ -58,12 +57,6 @@ def test_every_variable_is_known_at_each_of_a_points_own_steps_and_before_at_non
     assert (rows["normal_load"].sel(step=0) == load).all()
 
 
-def test_the_course_of_a_load_is_that_of_the_higher_ones_as_far_as_it_goes(ds):
-    for name in STEPPED.keys() & ds.data_vars.keys():
-        lower = ds[name].sel(load=250.0, step=-1).values  # at 125 N, as of all on this trunk
-        assert lower.tobytes() == ds[name].sel(load=600.0, step=-4).values.tobytes(), name
-
-
 def test_no_answer_reads_a_step_on_the_grid_of_the_history(tmp_path):
     track = tribo.Track.under(tiny.sweep().scene.pin, tiny.sweep().scene.disk, 0.34)
     kept = tribo.Corrections(track=track, disk_bulk=tribo.Bulk(capacity=500.0))
@@ -82,16 +75,6 @@ def test_no_answer_reads_a_step_on_the_grid_of_the_history(tmp_path):
         xr.testing.assert_identical(boundary(ds), boundary(other))
         told, expected = (margin(one, 500.0, 1.2).as_dict() for one in (other, ds))
         assert repr(told) == repr(expected)  # NaN among them
-
-
-def test_a_sweep_is_written_to_netcdf_and_judged_as_before(alone, ds, tmp_path):
-    engine = "h5netcdf"
-    ds.to_netcdf(tmp_path / "sweep.nc", engine=engine)
-    with xr.open_dataset(tmp_path / "sweep.nc", engine=engine) as back:
-        xr.testing.assert_identical(boundary(back), boundary(ds))
-        assert pipeline.results(back).sweep == pipeline.results(ds).sweep == opened(alone).sweep
-        assert back.attrs["history"].startswith("computed by irg-transition")
-    boundary(ds).to_netcdf(tmp_path / "boundary.nc", engine=engine)
 
 
 @pytest.mark.parametrize(
@@ -113,16 +96,6 @@ def test_a_dataset_that_xarray_cut_or_chunked_answers_as_before(ds, cut):
 def test_a_dataset_goes_to_another_process_and_answers_there(ds):
     sent = pickle.loads(pickle.dumps(ds))
     assert repr(margin(sent, 300.0, 1.2).as_dict()) == repr(margin(ds, 300.0, 1.2).as_dict())
-
-
-def test_a_dataset_that_xarray_opened_or_interpolated_answers(alone, ds):
-    with xr.open_zarr(alone) as plain:
-        assert replace(warned(plain), example="") == replace(warned(ds), example="")
-        assert warned(plain).example == "150 N, 0.5 m/s: few nodes, coarse pixels"
-        told, expected = (margin(one, 300.0, 1.2).as_dict() for one in (plain, ds))
-        assert repr(told) == repr(expected)  # NaN among them
-    between = boundary(ds.interp(velocity=[0.6, 1.0, 1.4]))["critical_velocity"]
-    assert between["load"].values.tolist() == ds["load"].values.tolist()
 
 
 def test_units_are_such_as_other_programs_read(ds):
@@ -170,13 +143,6 @@ def test_a_point_is_as_severe_as_it_is_at_any_time_of_its_hold(held):
     assert decisive_rise(earlier, CONDITIONS).sel(load=600.0, velocity=1.0) == rise
 
 
-def test_a_ramp_is_drawn_through_its_own_hold_and_no_other(held):
-    axes = pipeline.plot(held, "ramp", load=600.0, velocity=1.0).axes[0]
-    times = next(line.get_xdata() for line in axes.lines if len(line.get_xdata()) > 2)
-    expected = [5 / 6, 5 / 3, 2.5, 10 / 3, 4.0, 4.75, 5.5, 6.25, 7.0]
-    np.testing.assert_allclose(times, expected)
-
-
 def test_the_failed_fraction_is_the_share_hotter_than_critical(copy):
     critical = 350.0
     commit(copy, tiny.full(conditions=Conditions(0.1, 298.15, critical)), ())
@@ -191,32 +157,10 @@ def test_the_failed_fraction_is_the_share_hotter_than_critical(copy):
     assert fraction == pytest.approx(share, abs=1e-12)
 
 
-def test_a_point_that_is_not_done_has_no_temperature(copy):
-    with writing(copy, tiny.full()) as store:
-        store.forget([Point(600.0, 1.0)])
-    with open_sweep(copy) as ds:
-        last = end_of_point(ds)
-        last = last.merge(temperatures(last))
-        for name in ("max_pressure", "rise_quantile", *DERIVED):
-            others = set(last[name].dims) - {"load", "velocity"}
-            np.testing.assert_array_equal(last[name].notnull().all(others), ds["status"] == 1)
-
-
 def test_a_store_without_a_point_opens(tmp_path):
     commit(tmp_path / "tiny.zarr", tiny.sweep(), ())
     with open_sweep(tmp_path / "tiny.zarr") as ds:
         assert np.isnan(temperatures(ds)["max_temperature"]).all()
-
-
-def test_a_number_that_lost_its_last_digits_is_the_value_of_its_row(tmp_path):
-    radii = rows("bore", {0.1: {"pin.radius": 2e-3}, 0.3: {"pin.radius": 6e-3}})
-    with writing(tmp_path / "rows.zarr", tiny.sweep(variants=radii)):
-        pass
-    ds = open_sweep(tmp_path / "rows.zarr")
-    one = ds.assign_coords(bore=ds["bore"].astype(np.float32).astype(float)).isel(bore=1)
-    assert one["bore"].item() != 0.3
-    assert pipeline.results(one).entries == pipeline.results(ds.isel(bore=1)).entries
-    assert pipeline.results(one).sweep.scene.pin.radius == 6e-3
 
 
 def test_rows_have_the_values_of_entries_only_where_each_has_one(tmp_path):

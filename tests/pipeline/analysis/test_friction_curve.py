@@ -10,8 +10,6 @@ import tribo
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import compared, own_conditions
 from pipeline.analysis.transition import MILD, SEVERE
-from pipeline.figures.plot import plot
-from pipeline.store.schema import PENDING
 from pipeline.sweep.about import Measurement, judged_by
 from tests.helpers import javascript, synthetic
 from tests.helpers.sweeps import with_fields
@@ -51,22 +49,6 @@ def test_friction_is_that_of_the_place_and_not_interpolated():
         assert margin.decisive_temperature == pytest.approx(expected, abs=1e-6)
 
 
-def test_boundary_margin_page_and_figure_cross_at_one_velocity():
-    ds = swept(FALLING)
-    crossings = pipeline.boundary(ds)["critical_velocity"].sel(load=[500.0, 600.0])
-    for load, velocity in zip((500.0, 600.0), crossings.values, strict=True):
-        assert temperature(FALLING, load, velocity) == pytest.approx(
-            418.15, abs=0.02
-        )  # straight in logarithms
-        margin = pipeline.margin(ds, load, 1.0)
-        assert margin.critical_velocity == pytest.approx(velocity, rel=1e-9)
-    on_page = javascript.run(ds, "return boundaries().velocity.map(({ middle }) => middle);")
-    whole = pipeline.boundary(ds)["critical_velocity"]
-    np.testing.assert_allclose(on_page, whole, rtol=2e-3)
-    axes = plot(ds, "temperature", load="600 N").axes[0]
-    assert f"transition, {crossings[1]:.3g} m/s" in [line.get_label() for line in axes.lines]
-
-
 @pytest.mark.parametrize("corrections", [FALLING, BACK], ids=("falling", "back"))
 def test_beyond_done_points_only_the_heat_goes_on_and_friction_stays_known(corrections):
     """A part has the margins of the whole, whose heat is a power of the velocity."""
@@ -86,22 +68,6 @@ def test_beyond_done_points_only_the_heat_goes_on_and_friction_stays_known(corre
         assert node["verdict"] == here.verdict
     outcomes = {*pipeline.boundary(part)["outcome_at_load"].values.tolist()}
     assert not {MILD, SEVERE} & outcomes  # throughout what nobody computed
-
-
-def test_a_verdict_of_a_sweep_that_is_half_done_has_the_side_of_its_temperature():
-    """Between two loads without a common velocity, too, where the heat of each goes on."""
-    whole = with_fields(swept(BACK), model_scatter=0.0, measured=())
-    chance, decided = np.random.default_rng(2), 0
-    for _ in range(8):
-        is_done = chance.random(whole["status"].shape) < 0.4
-        part = whole.assign(status=whole["status"].where(is_done, PENDING))
-        places = {"load": chance.uniform(210, 740, 10), "velocity": chance.uniform(0.6, 5.9, 10)}
-        found = pipeline.margin(part, places)
-        for side, verdict in ((1, "mild"), (-1, "severe")):
-            distances = found["distance [K]"][found["verdict"] == verdict]
-            assert (side * distances > 0).all()
-            decided += len(distances)
-    assert decided > 20  # of 80
 
 
 def test_a_test_is_compared_at_the_friction_that_it_measured():

@@ -10,8 +10,6 @@ from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
 from pipeline.analysis.curve import Curve, certain
-from pipeline.analysis.model_error import ModelError
-from pipeline.analysis.transition import Line
 from tests.helpers.answers import crossings
 
 
@@ -26,17 +24,6 @@ def test_a_crossing_is_where_the_logarithms_of_scipy_reach_the_limit(seed, size)
     scipys = PchipInterpolator(np.log(x), np.log(y))
     slope = scipys(np.log(root), nu=1)
     assert abs(scipys(np.log(root)) - np.log(limit)) <= 1e-14 * (10 + np.log(limit) + slope)
-
-
-def turns(y, limit=4.0):
-    return crossings(Curve(np.arange(1.0, len(y) + 1), np.array(y)), limit)
-
-
-def test_all_places_count_at_which_a_curve_passes_a_limit():
-    assert [int(place) for place in turns([1.0, 2.0, 6.0, 2.0, 9.0])] == [2, 3, 4]
-    assert [int(place) for place in turns([5.0, 2.0, 6.0, 2.0, 9.0])] == [1, 2, 3, 4]
-    assert [int(place) for place in turns([5.0, 3.0, 2.0, 1.0, 0.5])] == [1]
-    assert turns([5.0, np.nan, 6.0]) == turns([1.0, np.nan, 3.0]) == ()
 
 
 @settings(max_examples=40)
@@ -88,15 +75,3 @@ def test_rises_go_on_beyond_the_points_only_where_that_cannot_cross_the_limit():
         assert found == pytest.approx([5.0, 10.0, 20.0, beyond], nan_ok=True)
         assert certain(x, y, np.array([2.0]), limit) == pytest.approx(10 * math.sqrt(2))
     assert certain(x[:1], y[:1], places[:2], 30.0) == pytest.approx([np.nan, 10.0], nan_ok=True)
-
-
-def test_wear_that_turns_often_is_severe_in_each_range_and_beyond_the_last():
-    x = np.arange(1.0, 7.0)
-    rises = np.array([5.0, 2.0, 6.0, 2.0, 9.0, 12.0])
-    line = Line(Curve(x, rises), np.array(4.0), (1.0, 6.0), x)
-    exact = ModelError(usual=0.0)
-    shares = [float(line.severe_share(np.array(place), exact)) for place in (*x, 100.0)]
-    assert shares == [1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0]
-    turns = line.places[np.isfinite(line.places)]
-    assert [float(line.severe_share(turn, exact)) for turn in turns] == [0.5] * 4
-    assert line.severe_share(np.array(0.01), exact) == 0  # by the power law of the first points

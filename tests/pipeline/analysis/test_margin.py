@@ -96,19 +96,6 @@ def surfaces(*rises, **told):
     return xr.concat(several, labels, combine_attrs="override")
 
 
-@pytest.mark.parametrize("hot", [1, 2, 3])
-def test_a_median_over_surfaces_some_of_which_never_turn_is_none_and_not_between(hot):
-    def hotter(*place):
-        return 3.0 * synthetic.rise(*place)
-
-    found = margin(surfaces(*[hotter] * hot, *[synthetic.rise] * (4 - hot)), 400.0, 2.2)
-    critical = synthetic.critical_load(2.2, LIMIT)
-    assert found.load_outcome == f"crosses on {4 - hot} of 4"
-    expected = critical if hot == 1 else np.nan
-    assert found.critical_load == pytest.approx(expected, rel=1e-9, nan_ok=True)
-    assert found.intervals["critical_load"] == pytest.approx((0.0, critical), rel=1e-9)
-
-
 def test_medians_over_surfaces_are_those_of_the_first_turn_of_each():
     """Surface k is severe from 1.1/k to 2.4/k m/s, so that the nearest turn is often to mild."""
     factors = np.array([1.0, 1.05, 0.97, 1.2])
@@ -121,15 +108,6 @@ def test_medians_over_surfaces_are_those_of_the_first_turn_of_each():
             (first.min(), first.max()), rel=4e-3
         )
         assert found.velocity_outcome == "severe at some velocity and mild at a higher one"
-
-
-def test_a_surface_that_is_severe_at_the_lowest_velocity_has_no_first_turn():
-    """Wear is severe from 1.1 to 2.4 m/s, and the sweep begins at 1.5 m/s."""
-    one = synthetic.sweep(rise=synthetic.falling, velocities=[1.5, 2.0, 3.0, 4.0])
-    found = pipeline.margin(one, 400.0, 3.0)
-    assert np.isnan(found.critical_velocity)
-    assert found.velocity_outcome == "severe up to 2.41 m/s"
-    assert found.distance > 0
 
 
 def wavy(load, velocity, quantile=1.0):
@@ -212,15 +190,6 @@ def test_a_place_of_the_grid_that_is_not_done_has_the_error_of_interpolation(sta
         off = abs(here.decisive_temperature - true.decisive_temperature)
         assert not here.is_computed
         assert 0 < off <= here.error.interpolation
-
-
-def test_where_the_sweep_does_not_cross_it_says_how_far_it_looked():
-    result = margin(synthetic.sweep(), 320.0, 1.1, critical_temperature="800 degC")
-    assert (result.velocity_outcome, result.load_outcome) == ("mild throughout", "mild throughout")
-    assert np.isnan(result.velocity_factor)
-    assert result.velocity_range == (0.5, 4.0)
-    hot = margin(synthetic.sweep(), 700.0, 3.9, friction=0.9)
-    assert hot.velocity_outcome == "severe throughout"
 
 
 def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocity():

@@ -1,19 +1,15 @@
 """Words, ends and tables of margins at numbers that are given."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 import pipeline
 from pipeline.analysis.margin import (
     clipped,
     percent,
-    verdict_between,
 )
 from pipeline.analysis.margin_frame import (
     LONG,
-    counts_in_words,
-    row_labels,
 )
 from pipeline.analysis.rise_error import RiseError
 from tests.helpers import synthetic
@@ -25,22 +21,6 @@ def here():
 
 
 # Verdicts and their words
-
-
-@pytest.mark.parametrize(
-    ("lowest", "highest", "verdict"),
-    [
-        (0.0, 0.05, "mild"),
-        (0.0, 0.051, "not decided"),
-        (0.949, 1.0, "not decided"),
-        (0.95, 1.0, "severe"),
-        (0.0, 1.0, "not decided"),
-    ],
-)
-def test_a_verdict_is_given_with_95_percent_probability_at_the_worst_error(
-    lowest, highest, verdict
-):
-    assert verdict_between(lowest, highest) == verdict
 
 
 @pytest.mark.parametrize(
@@ -120,27 +100,6 @@ def test_what_is_not_decided_says_what_kind_of_thing_would_decide_it(here, error
 
 
 # Tables
-
-
-def frame(*rows):
-    names = ("sample", "load [N]", "velocity [m/s]", "verdict", "distance [K]")
-    return pd.DataFrame([*rows], columns=names)
-
-
-def test_verdicts_of_a_table_are_counted_and_the_least_margin_is_named():
-    several = frame(
-        (1, 400.0, 1.5, "mild", 30.0), (2, 600.0, 2.0, "severe", -12.345), (3, 1.0, 1.0, "mild", 9)
-    )
-    said = "2 mild, 1 severe; the least margin is -12.3 K, at 600 N and 2 m/s"
-    assert counts_in_words(several) == said
-    assert counts_in_words(several[:1]) == "1 mild"
-    unknown = frame(*[(k, 400.0, 1.5, "not known", np.nan) for k in range(2)])
-    assert counts_in_words(unknown) == "2 not known"
-    beside = frame((1, 400.0, 1.5, "not known", None), (2, 500.0, 2.5, "mild", 8.0))
-    assert counts_in_words(beside) == (
-        "1 mild, 1 not known; the least margin is 8 K, at 500 N and 2.5 m/s"
-    )
-    assert row_labels(several) == ["sample", "load [N]", "velocity [m/s]"]
 
 
 def test_a_table_of_points_has_an_answer_or_a_note_for_each():

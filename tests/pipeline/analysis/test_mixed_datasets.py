@@ -5,10 +5,8 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.variants import surfaces
-from tests.helpers import synthetic, tiny
+from tests.helpers import tiny
 from tests.helpers.entries import rows
 from tests.helpers.stores import commit
 from tests.pipeline.conftest import commit_all
@@ -80,18 +78,6 @@ def test_rows_of_a_table_are_told_apart(parts):
         crossings(swapped)
 
 
-def test_surfaces_without_their_seeds_are_not_mixed(stores):
-    path = stores / "surfaces.zarr"
-    table = surfaces((1, 2))
-    commit_all(path, tiny.sweep(variants=table))
-    ds = pipeline.open_sweep(path)
-    first, second = (ds.isel(realization=k, drop=True) for k in (0, 1))
-    np.testing.assert_array_equal(crossings(second), crossings(ds.isel(realization=[1]))[0])
-    mixed = joined([first.isel(load=[0, 1]), second.isel(load=[2])])
-    with pytest.raises(InputError, match="mixes scenes"):
-        crossings(mixed)
-
-
 def test_missing_points_are_not_computed_and_interpolated_ids_are_rounded(parts):
     (ds,) = parts("low")
     wider = ds.reindex(load=[150.0, 200.0, 250.0])
@@ -113,18 +99,3 @@ def test_other_conditions_make_another_scene(parts):
     unlike = joined([judged[0], pipeline.at(high, friction=0.1)])
     with pytest.raises(InputError, match="at load 600 N are of another"):
         crossings(unlike)
-
-
-def test_the_oil_whose_tests_count_makes_another_scene():
-    tests = tuple(Measurement(400.0, 2.0, oil=oil) for oil in ("A", "B"))
-    ds = synthetic.sweep(measured=tests)
-    first, second = (pipeline.at(ds, oil=oil) for oil in ("A", "B"))
-    assert (first["scene_id"] != second["scene_id"]).all()
-    with pytest.raises(InputError, match="mixes scenes"):
-        crossings(joined([first.isel(load=[0, 1]), second.isel(load=[2])]))
-
-
-def test_a_scene_without_simulation_is_told_by_its_conditions_alone(parts):
-    high, rubbing = parts("high", "rubbing")
-    same = pipeline.at(high, friction=0.2)
-    np.testing.assert_array_equal(same["scene_id"], rubbing["scene_id"])

@@ -1,7 +1,6 @@
 """The model's own error (pipeline/analysis/model_error.py), and what a verdict makes of it."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,19 +8,15 @@ from scipy import integrate, stats
 
 import pipeline
 from pipeline import plot
-from pipeline.analysis.field import fields, point_field
+from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import (
     NOT_KNOWN,
     compared,
     model_error,
 )
-from pipeline.analysis.margin import NOT_DECIDED, error_band
 from pipeline.analysis.model_error import ModelError
 from pipeline.sweep.about import Measurement
 from tests.helpers import synthetic
-from tests.helpers.answers import answer
-from tests.helpers.sweeps import with_fields
-from tribo import Corrections, Friction
 
 EXPONENT = synthetic.VELOCITY_EXPONENT
 
@@ -124,20 +119,10 @@ def beyond(load, velocity, **at):
     return math.log(velocity / float(synthetic.critical_velocity(load, limit)))
 
 
-@pytest.mark.parametrize(("velocity", "outcome"), [(0.1, "severe"), (30.0, "mild"), (30.0, None)])
-def test_a_test_at_a_velocity_beyond_the_sweep_counts_where_the_line_is_known(velocity, outcome):
-    ds = swept_with((600.0, velocity, outcome))
-    assert counted(ds) == pytest.approx([math.log(velocity / CRITICAL)], abs=0.01)
-    (row,) = compared(ds).to_dict("records")
-    assert row["agrees"] == "no"
-    assert "where the points end" in row["notes"]
-
-
 MILD, SEVERE = (
     {"critical_temperature": 1200.0},
     {"critical_temperature": 310.0},
 )  # at every velocity
-FALLING = Corrections(friction=Friction(by_velocity=((1.0, 1.0), (4.0, 0.9))))
 
 
 @pytest.mark.parametrize(
@@ -164,13 +149,6 @@ def test_a_test_that_velocities_beyond_the_computed_ones_may_make_right_does_not
     assert scatter_of(ds).residuals == ()  # so that a transition out of reach narrows nothing
     told = "yes" if outcome == ("mild" if everywhere is MILD else "severe") else NOT_KNOWN
     assert compared(ds)["agrees"].to_list() == ["no" if is_wrong else told]
-
-
-@pytest.mark.parametrize(("velocity", "outcome"), [(0.1, "severe"), (30.0, "mild")])
-def test_with_friction_by_velocity_nothing_is_known_beyond_the_velocities(velocity, outcome):
-    ds = swept_with((600.0, velocity, outcome))
-    judged = replace(pipeline.results(ds).conditions, corrections=FALLING)
-    assert scatter_of(with_fields(ds, conditions=judged)).residuals == ()
 
 
 @pytest.mark.parametrize("velocity", [0.6, 1.0, 1.2, 1.6, 2.2, 2.6, 3.5])
@@ -231,19 +209,6 @@ def test_the_tests_of_the_chosen_oil_alone_count_in_any_order_and_answers_name_i
     assert "of oil A" in pipeline.margin(pipeline.at(of_scene, oil="A"), 600.0, 1.0).model_error
 
 
-def test_at_a_row_with_its_own_place_a_test_of_that_place_counts():
-    hot = Measurement(600.0, 0.7 * CRITICAL, outcome="severe")
-    far = Measurement(400.0, 1.0, outcome="severe")
-    ds = synthetic.sweep(measured=(hot, far))
-    row = ds.isel(velocity=[3]).sel(load=[600.0])
-    place = 600.0, float(row["velocity"][0])
-    (there,) = fields(row.isel(load=0, velocity=0))
-    assert there.source.place == place
-    held = model_error(there.source, there)
-    assert held.scales[0] > 0.1
-    assert len(held.wrong) == 1
-
-
 def test_a_test_beside_a_place_that_has_other_conditions_is_named_with_them():
     own = {"friction": 0.14, "bulk_temperature": 330.0}
     tests = Measurement(600.0, 1.5, outcome="mild"), Measurement(600.0, 1.5, outcome="mild", **own)
@@ -255,13 +220,3 @@ def test_a_test_beside_a_place_that_has_other_conditions_is_named_with_them():
     assert pipeline.margin(pipeline.at(ds, **own), 600.0, 1.5).tested == (said + usual, said)
     cool = pipeline.at(ds, critical_temperature=320.0)  # below the bulk of one of them
     assert pipeline.margin(cool, 600.0, 1.5).tested == (said,)
-
-
-def test_a_model_that_its_tests_contradict_decides_nothing():
-    ds = swept_with()
-    field = replace(point_field(ds), misfit="the tests contradict the model")
-    far = answer(field, 400.0, 0.5, scatter_of(ds))
-    assert answer(point_field(ds), 400.0, 0.5, scatter_of(ds)).verdict == "mild"
-    assert (far.verdict, far.as_dict()["verdict"]) == (NOT_DECIDED, NOT_DECIDED)
-    band = error_band(field, np.array([400.0]), np.geomspace(0.3, 6.0, 50), scatter_of(ds))
-    assert np.isnan(band).all()

@@ -1,6 +1,5 @@
 """All refusals of answers: what causes each, and what its message says."""
 
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -20,7 +19,7 @@ from tests.helpers.refusals import refusal_tests
 from tests.helpers.samples import dataset, ensemble
 from tests.helpers.sweeps import with_fields
 from tests.helpers.unknowns import ALL
-from tribo import Bulk, Corrections, Motion
+from tribo import Motion
 
 plane = cache(synthetic.sweep)
 
@@ -37,11 +36,6 @@ def made(friction=0.1, **values):
     with writing(path, tiny.sweep(conditions=conditions, **values)):
         pass
     return pipeline.open_sweep(path)
-
-
-def warming():
-    bulk = Corrections(disk_bulk=Bulk(650.0))
-    return synthetic.sweep(conditions=replace(synthetic.conditions(), corrections=bulk))
 
 
 def places():
@@ -136,7 +130,6 @@ REFUSALS = {
     "one body": (at(bulk_temperature={"pin": 300.0}), "bulk_temperature names pin"),
     "bodies": (at(bulk_temperature={"pin": 300.0, "disk": 310.0}), "bodies of one bulk"),
     "measured": (at(given_measured=True), "for samples, and the sweep has none"),
-    "scatter": (at(scatter=0.1), "for samples, and the sweep has none"),
     "scatter alone": (drawn(scatter=0.1), "scatter is 0.1, but measured velocities"),
     "weighed": (drawn(given_measured=True, friction=0.1), "friction: the tests weigh"),
     "label": (lambda: pipeline.at(pins(), pin="c"), "pin is c, which the sweep does not have"),
@@ -149,8 +142,6 @@ REFUSALS = {
     "variables": (lambda: pipeline.boundary(plane()[["max_rise"]]), "the dataset has no status"),
     "no flags": (lambda: pipeline.margin(plane().drop_vars("warning_flags"), 400.0, 2.0),
                  "the dataset has no warning_flags; take all of its variables"),
-    "no rise": (lambda: pipeline.boundary(warming().drop_vars("mean_rise")),
-                "the dataset has no mean_rise; take all of its variables"),
     "no sweep": (lambda: pipeline.boundary(plane().drop_attrs()), "has no attribute sweep"),
     "dimension": (lambda: pipeline.margin(joined([plane()] * 2, "k"), 400.0, 2.0),
                   "a dimension k, which its sweep does not have; take one of its values"),
@@ -163,14 +154,7 @@ REFUSALS = {
     "one load": (lambda: pipeline.boundary(plane().isel(load=0)), "the dataset has a single load"),
     "one point": (lambda: pipeline.boundary(plane().isel(load=0, velocity=0)),
                   "the dataset has a single load"),
-    "one row": (lambda: pipeline.explore(plane().isel(load=0), "page.html"),
-                "the dataset has a single load"),
-    "a point": (lambda: pipeline.diff(plane().isel(load=0, velocity=0), plane()),
-                "the dataset has a single load"),
     "end cut off": (lambda: pipeline.end_of_point(plane().isel(step=[0])), "has not step 0"),
-    "page": (lambda: pipeline.explore(plane()[["max_rise"]], "page.html"),
-             "the dataset has no status"),
-    "difference": (lambda: pipeline.diff(plane()[["max_rise"]], plane()), "has no status"),
     "an unknown place": (lambda: point_field(plane()).temperatures(9e3, 1.0).require_known(),
         "load is 9000 N; the sweep has 200 to 750 N: give one within"),
     "temperatures": (lambda: pipeline.temperatures(plane()[["status", "max_rise"]]),
@@ -192,8 +176,6 @@ REFUSALS = {
     # places
     "load": (margin(900.0, 2.0), "load is 900 N; the sweep has 200 to 750 N"),
     "velocity": (margin(400.0, 0.1), "velocity is 0.1 m/s; the sweep has 0.5 to 4 m/s"),
-    "at rest": (margin(400.0, 0.0), "velocity is 0 m/s; the sweep has 0.5 to 4 m/s"),
-    "unloaded": (margin(0.0, 2.0), "load is 0 N; the sweep has 200 to 750 N"),
     "nothing": (margin(400.0, 2.1, status=synthetic.NOTHING),
                 "too few points about 400 N and 2.1 m/s"),
     "no load": (margin(None, 2.0), "velocity is given without a load"),

@@ -1,7 +1,5 @@
 """A result is not read from a damaged point in silence."""
 
-import shutil
-
 import pytest
 import zarr
 
@@ -9,9 +7,6 @@ import pipeline
 from pipeline.cli import main
 from tests.helpers import tiny
 from tests.helpers.stores import contents
-
-# Between the rises of the tiny sweep, so that boundaries cross it.
-CRITICAL = {"critical_temperature": 380.0}
 
 
 @pytest.mark.parametrize("command", ["boundary", "plot", "explore", "margin"])
@@ -48,10 +43,3 @@ def test_commands_that_read_write_nothing_into_a_store(copy, irg, tmp_path):
     irg("margin", copy, "--load", "300 N", "--velocity", "1.1 m/s")
     irg("plot", copy, "-o", tmp_path / "a.png")
     assert contents(copy) == before
-
-
-def test_a_dataset_in_memory_outlives_its_store(copy):
-    ds = pipeline.open_sweep(copy).load()
-    before = pipeline.boundary(pipeline.at(pipeline.open_sweep(copy), **CRITICAL))
-    shutil.rmtree(copy)
-    assert pipeline.boundary(pipeline.at(ds, **CRITICAL)).equals(before)

@@ -8,12 +8,11 @@ import pytest
 import xarray as xr
 
 from pipeline import boundary, margin
-from pipeline.analysis.field import point_field
-from pipeline.analysis.laboratory import compared, model_error
+from pipeline.analysis.laboratory import compared
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.sweep.about import Measurement
 from tests.helpers import synthetic
-from tribo import Corrections, Friction, InputError, WarningKind
+from tribo import Corrections, Friction, WarningKind
 
 FALLING = Corrections(friction=Friction(by_velocity=((0.5, 1.0), (4.0, 0.8))))
 TESTS = (Measurement(600.0, 1.5), Measurement(400.0, 1.2, outcome="severe"))
@@ -21,17 +20,6 @@ TESTS = (Measurement(600.0, 1.5), Measurement(400.0, 1.2, outcome="severe"))
 
 def critical(load):
     return synthetic.critical_velocity(load, synthetic.limit())
-
-
-def test_severe_wear_goes_on_below_the_lowest_velocity_that_was_computed():
-    load, few = 600.0, (2.0, 3.0, 4.0)
-    assert critical(load) < few[0]
-    cut, whole = (
-        margin(synthetic.sweep(velocities=v, measured=()), load, 2.0)
-        for v in (few, synthetic.VELOCITIES)
-    )
-    assert cut.probability == pytest.approx(whole.probability, rel=1e-3)
-    assert cut.probability > 0.95
 
 
 @pytest.mark.parametrize("corrections", [None, FALLING])
@@ -49,18 +37,6 @@ def test_a_velocity_of_0_in_a_sweep_changes_no_answer_from_the_lowest_moving_one
     xr.testing.assert_identical(*both)
 
 
-def test_below_the_lowest_moving_velocity_of_a_sweep_from_rest_the_error_holds():
-    ds = synthetic.sweep(velocities=(0.0, 1.0, 1.6, 2.5), measured=(), preset="draft")
-    for velocity in (0.1, 0.5, 0.9):
-        found = margin(ds, 400.0, velocity)
-        true = 298.15 + 0.1 * synthetic.rise(400.0, velocity, 0.9)
-        assert abs(found.decisive_temperature - true) < found.temperature_error
-        assert found.error.interpolation > 0
-        assert found.is_continued
-    with pytest.raises(InputError, match="the sweep has 1 to"):
-        margin(synthetic.sweep(velocities=(1.0, 1.6, 2.5)), 400.0, 0.5)
-
-
 def test_an_error_that_one_surface_does_not_know_decides_nothing():
     ds = synthetic.sweep(measured=(), preset="draft")
     unstable = ds.copy(deep=True)
@@ -70,19 +46,6 @@ def test_an_error_that_one_surface_does_not_know_decides_nothing():
         both = xr.concat(surfaces, xr.Variable("realization", range(2)), combine_attrs="override")
         found = margin(both, 400.0, 0.75)
         assert (found.temperature_error, found.verdict) == (None, NOT_DECIDED)
-
-
-@pytest.mark.parametrize("hotter", [1, 2])
-def test_surfaces_that_a_test_finds_severe_are_counted_and_not_the_mild_ones(hotter):
-    tests = (Measurement(400.0, critical(400.0), outcome="severe"),)
-    factors = (0.7, 1.4, 1.4)[: hotter + 1] + (0.7,) * (2 - hotter)
-    surfaces = [
-        synthetic.sweep(measured=tests, rise=lambda *place, f=f: f * synthetic.rise(*place))
-        for f in factors
-    ]
-    ds = xr.concat(surfaces, xr.Variable("realization", range(3)), combine_attrs="override")
-    (row,) = compared(ds).to_dict("records")
-    assert row["computed"] == f"severe on {hotter} of 3 surfaces"
 
 
 def test_a_film_that_is_counted_afterwards_errs():
@@ -96,15 +59,6 @@ def test_a_film_that_is_counted_afterwards_errs():
     rise = found.decisive_temperature - conditions.bulk_temperature
     assert found.error.counted == pytest.approx(0.032 * rise)
     assert found.temperature_error > plain.temperature_error
-
-
-def test_of_outcomes_of_one_run_that_are_wrong_the_farthest_counts():
-    load = 400.0
-    wrong = [share * critical(load) for share in (0.9, 0.6, 0.8)]
-    tests = tuple(Measurement(load, v, outcome="severe", run="a") for v in wrong)
-    ds = synthetic.sweep(measured=tests)
-    (residual,) = model_error(ds, point_field(ds)).wrong
-    assert residual == pytest.approx(math.log(0.6), abs=1e-3)
 
 
 PLACES = {

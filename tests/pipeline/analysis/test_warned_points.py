@@ -5,12 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 import zarr
 
 import pipeline
 from pipeline.analysis.results import results
-from pipeline.analysis.warned_points import Warned, warned, warning_flags
+from pipeline.analysis.warned_points import warned, warning_flags
 from pipeline.cli import main
 from pipeline.sweep.model import Point
 from tests.helpers import synthetic, tiny
@@ -52,27 +51,6 @@ def test_conditions_move_the_boundary_away_from_a_warning():
     assert warned(ds).at_boundary == 1
     for friction, beside in ((0.05, 0), ([0.05, 0.1], 1), (0.0, 0)):
         assert warned(pipeline.at(ds, friction=friction)).at_boundary == beside
-
-
-def test_each_surface_has_its_own_boundary():
-    mild = replace_rises(with_flags({(400.0, 2.0): EDGE}), 1e-3)
-    other = with_flags({(400.0, 2.0): EDGE})
-    both = xr.concat([mild, other], xr.Variable("realization", [3, 8]), combine_attrs="override")
-    warnings = warned(both)
-    assert (warnings.points, warnings.at_boundary) == (2, 1)
-    assert warnings.example.startswith("400 N, 2 m/s, surface 8")
-
-
-def test_warnings_of_two_sweeps_add_up_and_the_first_is_the_example():
-    one, other = Warned(2, {"molten": 1, "contact at edge": 2}, 1, ""), Warned(3, {"molten": 2}, 2)
-    assert one + replace(other, example="here") == Warned(
-        5, {"molten": 3, "contact at edge": 2}, 3, "here"
-    )
-    assert (one + replace(other, at_boundary=None)).at_boundary is None
-
-
-def replace_rises(ds, factor):
-    return ds.assign(rise_quantile=ds["rise_quantile"] * factor)
 
 
 COOL = replace(tiny.sweep().conditions, critical_temperature=330.0)

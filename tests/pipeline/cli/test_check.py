@@ -1,6 +1,5 @@
 """``irg check`` says what a scene means before it says what it costs."""
 
-import re
 from pathlib import Path
 
 import pytest
@@ -46,21 +45,6 @@ def test_a_check_has_at_most_20_lines_of_100_letters_and_the_same_rows_as_a_docu
 
 
 @pytest.mark.parametrize(
-    ("loads", "velocities", "is_small"),
-    [
-        ('["200 N", "750 N"]', '["1 m/s", "2 m/s", "3 m/s", "4 m/s"]', False),
-        ('["200 N"]', '["1 m/s"]', True),
-    ],
-)
-def test_the_space_that_a_sweep_takes_is_said_in_megabytes(check, loads, velocities, is_small):
-    sweep = "--preset", "draft", "--set", f"sweep.loads={loads}"
-    sweep += "--set", f"sweep.velocities={velocities}"
-    (said,) = (row["meaning"] for row in check(*sweep, "--json") if row["subject"] == "time")
-    assert said.endswith("less than 1 MB of disk") == is_small
-    assert (re.search(r"; about \d+ MB of disk$", said) is None) == is_small
-
-
-@pytest.mark.parametrize(
     ("setting", "said"),
     [
         ('sweep.loads=["75 kN"]', "sweep.loads: 75000 N is more than the window of"),
@@ -71,24 +55,3 @@ def test_what_cannot_be_run_fails_here_and_in_a_run(check, irg, setting, said, t
     assert said in check("--set", setting, code=2)
     assert said in irg("run", SCENE, "--set", setting, "-o", tmp_path / "out.zarr", code=2)
     assert not [*tmp_path.iterdir()]
-
-
-def test_what_comes_from_the_library_is_printed_with_its_source(tmp_path, check):
-    scene = tmp_path / "scene.toml"
-    scene.write_text(
-        f'extends = "{SCENE}"\nwithout = ["materials"]\noil = "medicinal white oil"\n'
-        '[pin]\nmaterial = "AISI 52100"\n[disk]\nmaterial = "alumina"\n'
-        '[sweep]\nloads = ["200 N"]\nvelocities = ["1 m/s"]\n',
-        encoding="utf-8",
-    )
-    said = " ".join(check(scene=scene).split())
-    for words in (
-        'materials."AISI 52100": elastic modulus 210 GPa',
-        "from Bosman & de Rooij, Table 3",
-        "materials.alumina: elastic modulus 416 GPa",
-        "from Munro, J. Am. Ceram. Soc. 80 (1997) 1919",
-        "150 mPa s at the bulk temperature",
-        "Λ 0.8",
-        ": boundary lubrication",
-    ):
-        assert words in said

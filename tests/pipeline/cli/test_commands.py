@@ -8,16 +8,11 @@ import shutil
 import pytest
 
 import pipeline
-from pipeline.analysis.rise_error import error_of_point
 from pipeline.cli import main
 from tests.helpers.scenes import SCENE
-from tribo import WarningKind
 
 # With a preset, whose error is promised.
 DRAFT = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "draft"')
-
-
-NOT_KNOWN = "how far boundary velocities err is not known"
 
 
 def run(*arguments):
@@ -72,24 +67,6 @@ def test_status_tells_of_points_that_the_scene_no_longer_asks_for(scene, store, 
     assert (record["done"], record["pending"], record["preset"]) == (3, 0, "draft")
 
 
-def test_boundary_moves_with_the_conditions_given(store, irg):
-    several = [irg("boundary", store, "--friction", mu, "--json")[2] for mu in (0.08, 0.1)]
-    at_600 = [record["critical velocity [m/s]"] for record in several]
-    assert at_600 == sorted(at_600, reverse=True)
-    assert (several[0]["friction"], several[0]["load [N]"]) == (0.08, 600.0)
-    # 60 and 180 °C leave the same 120 K as 25 and 145 °C.
-    warmer = ("--bulk-temperature", "60 degC", "--critical-temperature", "180 degC")
-    again = irg("boundary", store, *warmer, "--json")[2]["critical velocity [m/s]"]
-    assert again == pytest.approx(at_600[1])
-    said = irg("boundary", store)
-    assert "more than 10 % of the contact above 145 °C; friction 0.1, bulk 25 °C" in said
-    assert [line.split() for line in said.splitlines()[2:5]] == [
-        ["load", "[N]", "critical", "outcome", "mild", "below", "severe"],
-        ["velocity", "[m/s]", "above", "[m/s]"],
-        ["[m/s]"],
-    ]
-
-
 def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     out = tmp_path / "point.csv"
     place = ("--load", "600 N", "--velocity", "4 m/s", "--preset", "draft")
@@ -105,36 +82,6 @@ def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     assert re.search(rf"contact width \[µm\] +{width:.4g}\n", said)
     said = irg("point", scene, "--load", "200 N", "--velocity", "-1 m/s", code=2)
     assert "velocity is -1 m/s; give one above 0" in said
-
-
-def test_a_point_within_its_error_is_not_decided_and_what_would_decide_it_is_said(
-    scene, store, irg, irg_both
-):
-    """By the numerical error alone: the model has none of its own here."""
-    place = ["point", scene, "--load", "200 N", "--velocity", "2 m/s", "--preset", "draft"]
-    place += ["--set", "model.scatter=0"]
-    (at_first,) = irg(*place, "--json")
-    temperature = at_first["decisive temperature [°C]"]
-    critical = f"{temperature + 1:.6g} degC"
-    said, (near,) = irg_both(*place, "--critical-temperature", critical)
-    assert near["verdict"] == "not decided"
-    assert "few nodes" in said
-    few = int(WarningKind.FEW_NODES)
-    relative = error_of_point(few, 4.0, 0.05).total
-    expected = relative * (temperature - 25)
-    assert near["temperature error [K]"] == pytest.approx(expected, rel=1e-6)
-    (stored,) = irg("margin", store, *place[2:6], "--critical-temperature", critical, "--json")
-    assert stored["temperature error [K]"] == pytest.approx(expected, rel=1e-6)
-    assert "\n  would decide it     a finer preset\n" in said
-    (finer,) = irg(*place, "--set", "contact_tolerance=0.1", "--json")
-    assert finer["temperature error [K]"] == pytest.approx(
-        relative * (finer["decisive temperature [°C]"] - 25), rel=1e-6
-    )
-    said, (coarser,) = irg_both(*place, "--set", "increments=4")
-    assert coarser["temperature error [K]"] is None
-    assert coarser["verdict"] == "not decided"
-    assert "numerical error     not known" in said
-    assert f"{NOT_KNOWN}; irg run SCENE -o STORE --measure measures it\n" in said
 
 
 TESTS = """

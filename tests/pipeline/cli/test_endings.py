@@ -80,18 +80,6 @@ def test_results_that_cannot_be_printed_end_a_command_and_python_does_not_try_ag
     assert capsys.readouterr().err == f"irg: cannot go on: {no_space}{SAFE}\n"
 
 
-def test_a_document_that_is_lost_on_its_way_to_a_file_is_told(monkeypatch, capsys):
-    """Python alone would tell so at its very end, by another code."""
-
-    class Full(io.StringIO):
-        def flush(self):
-            raise OSError(errno.ENOSPC, "No space left on device")
-
-    monkeypatch.setattr(sys, "stdout", Full())
-    assert carry_out(Result({"a": 1}, []), json=True) == 2
-    assert "irg: cannot go on: " in capsys.readouterr().err
-
-
 def test_a_reader_that_wants_no_more_is_no_error(monkeypatch):
     closed = io.StringIO()
     monkeypatch.setattr(sys, "stderr", closed)

@@ -1,9 +1,6 @@
 """Options of figures, and how pages are printed."""
 
-import io
 import re
-import sys
-from types import SimpleNamespace
 
 import pytest
 
@@ -73,23 +70,6 @@ def test_pages_are_listed_with_their_titles_and_printed_as_they_are(irg):
     )
     said = irg("help", "qqqq", code=2)
     assert said.endswith('no page or command is called "qqqq"; irg help lists them\n')
-
-
-def test_a_page_is_shown_by_a_pager_on_a_terminal_alone(monkeypatch):
-    class Terminal(io.StringIO):
-        def isatty(self):
-            return True
-
-    paged = []
-    monkeypatch.setattr(begin.pydoc, "pager", paged.append)
-    options = SimpleNamespace(topic="first-hour", json=False)
-    with monkeypatch.context() as patch:
-        patch.setattr(sys, "stdout", Terminal())
-        assert (begin.help_(options).document, len(paged)) == ({}, 1)
-        assert begin.help_(SimpleNamespace(topic="first-hour", json=True)).document != {}
-    monkeypatch.setattr(sys, "stdout", io.StringIO())
-    assert begin.help_(options).document["text"] == paged[0]
-    assert len(paged) == 1
 
 
 def test_shipped_scenes_are_listed_with_their_titles(irg, monkeypatch):

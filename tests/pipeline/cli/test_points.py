@@ -3,14 +3,11 @@
 import csv
 import math
 
-import numpy as np
 import pandas as pd
 import pytest
 
 import pipeline
-from pipeline.analysis.boundary import boundary
 from pipeline.cli import main
-from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 
 DUTY = "gear;load [kN];velocity [m/min];remark\n1;0.3;90;cold start\n2;0.5;120;\n3;9;120;\n"
@@ -40,15 +37,6 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
     assert "load is 9000 N; the sweep has" in beyond["notes"]
 
 
-def test_a_margin_of_a_sweep_that_is_not_finished_says_how_many_points_are_missing(
-    monkeypatch, irg
-):
-    ds = synthetic.sweep(status={(450.0, 2.0): PENDING, (200.0, 1.0): FAILED})
-    monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
-    place = ("--load", "400 N", "--velocity", "2 m/s")
-    assert "2 points are pending or failed and were left out" in irg("margin", "out.zarr", *place)
-
-
 def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, irg):
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s]\n400,2\n\n-1,2\n400,fast\n400\n")
@@ -59,30 +47,6 @@ def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, ir
     duty.write_text("load [N],velocity [m/s]\n400,2\n400\n")
     said = irg("margin", "out.zarr", "--points", duty)
     assert said.startswith("2 rows: 1 used, 1 left out: row 3 has no velocity\n1 operating point")
-
-
-HEADS = ["friction.coefficient", "load [N]", "critical velocity [m/s]", "outcome"]
-
-
-def read(path):
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def test_a_boundary_is_written_as_numbers_with_its_conditions(store, tmp_path, irg):
-    out = tmp_path / "table.csv"
-    arguments = ["--friction", "0.09", "--friction", "0.1", "--bulk-temperature", "60 degC"]
-    assert f"written: {out}" in irg("boundary", "out.zarr", *arguments, "-o", out)
-    several = pipeline.at(synthetic.sweep(), (0.09, 0.1), "60 degC")
-    rows, crossings = read(out), boundary(several)
-    assert list(rows[0])[:4] == HEADS
-    at_load = [row for row in rows if row["load [N]"] and row["friction.coefficient"] == "0.1"]
-    velocities = [float(row["critical velocity [m/s]"] or "nan") for row in at_load]
-    expected = crossings.sel({"friction.coefficient": 0.1})["critical_velocity"].values
-    np.testing.assert_allclose(velocities, expected, rtol=1e-5)
-    assert len(rows) == 2 * crossings.sizes["load"]
-    assert {row["bulk temperature [°C]"] for row in rows} == {"60"}
-    assert all(row["outcome"] == "crosses" for row in at_load)
 
 
 FORMS = {
@@ -125,17 +89,6 @@ def test_a_row_is_judged_by_its_own_friction_and_temperatures(store, tmp_path, f
     assert table["distance [K]"][0] < table["distance [K]"][1] - 35
 
 
-def test_conditions_that_are_given_hold_where_no_column_has_them(store):
-    points = {"load": ["400 N"] * 2, "velocity": [1.2, 1.2], "friction": [0.12, 0.05]}
-    table = pipeline.margin(
-        pipeline.at(store, friction=0.09, critical_temperature="120 degC"), points
-    )
-    for row, friction in enumerate((0.12, 0.05)):
-        given = {"friction": friction, "critical_temperature": "120 degC"}
-        margin = pipeline.margin(pipeline.at(store, **given), 400.0, 1.2)
-        assert table["distance [K]"][row] == margin.distance
-
-
 def test_what_is_not_used_is_named_and_what_cannot_act_refused(store, tmp_path, irg):
     points = tmp_path / "duty.csv"
     points.write_text("part,load [N],velocity [m/s],Grenztemperatur [°C]\nA,400,1.2,100\n")
@@ -174,26 +127,6 @@ def test_conditions_of_a_row_in_another_unit_are_doubted_or_refused(store, tmp_p
     assert "out of range, which is from -53 degC" in irg(
         "margin", "out.zarr", "--points", points, code=2
     )
-
-
-def test_a_sheet_of_a_workbook_is_chosen_and_the_others_are_named(store, tmp_path, irg):
-    book = tmp_path / "duty.xlsx"
-    with pd.ExcelWriter(book) as sheets:
-        for name, load in (("cold", 400.0), ("warm", 300.0)):
-            row = {"load [N]": [load], "velocity [m/s]": [1.2]}
-            pd.DataFrame(row).to_excel(sheets, sheet_name=name, index=False)
-        pd.DataFrame({"remark": ["none"]}).to_excel(sheets, sheet_name="notes", index=False)
-    said = irg("margin", "out.zarr", "--points", book)
-    assert 'sheet "cold" (not read: warm, notes; --sheet names another)' in said
-    (record,) = irg("margin", "out.zarr", "--points", book, "--sheet", "warm", "--json")
-    assert record["load [N]"] == 300.0
-    said = irg("margin", "out.zarr", "--points", book, "--sheet", "notes", code=2)
-    assert 'duty.xlsx, sheet "notes" (not read: cold, warm; --sheet names another): no col' in said
-    assert 'has no sheet "hot"; give one of cold, warm, notes' in irg(
-        "margin", "out.zarr", "--points", book, "--sheet", "hot", code=2
-    )
-    place = ["--load", "400 N", "--velocity", "1 m/s", "--sheet", "warm"]
-    assert "--sheet names a sheet of --points" in irg("margin", "out.zarr", *place, code=2)
 
 
 def test_each_friction_has_its_verdict_in_at_most_fourteen_lines(store, irg):

@@ -62,17 +62,6 @@ def test_a_figure_that_cannot_be_written_is_refused_first(small, irg, monkeypatc
     assert f"cannot write {out}" in irg("trade", small / "small.toml", "-o", out, code=2)
 
 
-def test_a_store_that_does_not_keep_an_accuracy_is_refused_before_the_probe(
-    small, irg, monkeypatch
-):
-    arguments = ["run", str(small / "small.toml"), "--workers", "1"]
-    fast = ["--set", "increments=1", "--set", "sweep.loads=['200 N']", "-o", str(small / "a.zarr")]
-    irg(*arguments, *fast, "--set", "sweep.velocities=['1 m/s']")
-    monkeypatch.setattr("pipeline.tradeoff.choose.choose_fidelity", fail)
-    said = irg(*arguments, "--accuracy", "0.01%", "-o", small / "a.zarr", code=3)
-    assert "computed with the scene's own fidelity, not one picked for its accuracy" in said
-
-
 def test_a_run_on_a_terminal_has_a_bar_that_stays_and_a_stage_without_a_total_none(
     capsys, monkeypatch
 ):

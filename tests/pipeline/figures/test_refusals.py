@@ -47,12 +47,6 @@ def begun():
     return pipeline.plot(synthetic.sweep(loads=[400.0], status=status), "ramp")
 
 
-def begun_at():
-    status = {(400.0, velocity): PENDING for velocity in (1.0, 2.0)}
-    ds = synthetic.sweep([300.0, 400.0], [1.0, 2.0], status=status)
-    return pipeline.plot(ds, "temperature", load=400.0)
-
-
 def without_figure():
     axes = Figure().add_subplot()
     axes.remove()
@@ -69,7 +63,6 @@ VARIED = Variations("A scene", (400.0,), BASE, (), points=1, contacts=1)
 REFUSALS = {
     "kind": (plot("pie"), "kind is 'pie'; allowed are diagram, ramp, fields"),
     "option": (plot("diagram", load=750.0), "diagram has no option 'load'; it has realization"),
-    "study": (lambda: pipeline.plot(VARIED, "ramp"), "is 'ramp'; allowed are variations"),
     "its option": (lambda: pipeline.plot(VARIED, log=True), "has no option 'log'; it has none"),
     "suffix": (plot("diagram", "figure.gif"), "the suffix must be one of .pdf, .png, .svg"),
     "folder": (plot("diagram", "no/figure.png"), "there is no folder no"),
@@ -83,7 +76,6 @@ REFUSALS = {
     "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done: out of memory"),
     "pending": (plot("fields", velocity=4.0), "750 N, 4 m/s is not done; give another"),
     "begun": (begun, "no point at 400 N is done"),
-    "begun at": (begun_at, "no point at 400 N is done"),
     "load": (plot("fields", load=74.0), "load is 74 N; the sweep has 200 to 750 N: give one of"),
     "velocity": (plot("fields", velocity=9.0), "velocity is 9 m/s; the sweep has 0.5 to"),
     "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the sweep holds no fields"),

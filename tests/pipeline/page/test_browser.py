@@ -9,21 +9,17 @@ from urllib.parse import unquote
 
 import numpy as np
 import pytest
-import xarray as xr
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.support.select import Select
 
 import pipeline
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import percent
-from pipeline.sweep.about import Measurement
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import samples, synthetic
 from tests.helpers.answers import answer
 from tests.helpers.browser import chromium
-from tests.helpers.entries import two_pins
 from tests.helpers.page_sweeps import column, same
 
 
@@ -88,43 +84,6 @@ def signs(driver):
     """Names of the signs that the legend shows."""
     listed = driver.find_elements(By.CSS_SELECTOR, "#legend li")
     return {one.get_attribute("id").removeprefix("sign-") for one in listed if one.is_displayed()}
-
-
-def test_the_legend_has_the_signs_of_what_the_diagram_holds(page):
-    few = [200.0, 400.0, 600.0], [1.0, 2.0, 4.0, 6.0]
-    regions = {"boundary", "region-mild", "region-severe", "open", "mild", "severe"}
-    tested = Measurement(400.0, 2.0, None, outcome="severe")
-    driver = page(synthetic.sweep(*few, tested=(tested,)))
-    assert signs(driver) == regions | {"friction", "transition", "own", "test-severe"}
-    for name, text in (("at-load", "400"), ("at-velocity", "2")):
-        typed(driver, name, text)
-    assert "operating" in signs(driver)
-    ds = synthetic.sweep(*few, friction_band=None, measured=())
-    ds["message"][0, 0] = "careful"
-    assert signs(page(ds)) == regions | {"warned"}
-    driver = page(sweeps.over_surfaces())
-    assert {"median", "band", "mixed"} < signs(driver)
-    assert "boundary" not in signs(driver)
-    Select(driver.find_element(By.ID, "surface")).select_by_visible_text("surface 0")
-    assert "boundary" in signs(driver)
-    assert not {"median", "band", "mixed"} & signs(driver)
-
-
-def test_a_value_acts_on_enter_or_when_its_field_is_left(page):
-    driver = page(synthetic.sweep())
-    script = "return [chosen.conditions.friction, chosen.load]"
-    friction, load = (driver.find_element(By.ID, name) for name in ("friction", "at-load"))
-    before = driver.execute_script(script)
-    friction.clear()
-    friction.send_keys("0.12")
-    assert driver.execute_script(script) == before
-    changed = driver.find_element(By.CSS_SELECTOR, ".own-only")
-    assert not changed.is_displayed()
-    load.send_keys("400")
-    assert driver.execute_script(script) == [0.12, None]  # NaN of the load, as yet
-    assert changed.is_displayed()
-    load.send_keys(Keys.ENTER)
-    assert driver.execute_script(script) == [0.12, 400]
 
 
 def test_what_is_typed_or_moved_changes_the_boundary_unless_it_cannot_be(page):
@@ -229,27 +188,6 @@ def test_a_page_of_samples_tells_the_probability_at_any_place(page, monkeypatch)
     assert "within the sweep" in driver.find_element(By.ID, "margin").text
     link = driver.find_element(By.ID, "velocities-csv").get_attribute("href")
     assert len(rows(link)) == len(loads)
-
-
-def test_another_value_of_an_entry_keeps_the_conditions_that_were_changed(page):
-    radii = [1e-3, 2e-3]
-    ds = xr.concat(
-        [synthetic.sweep(rise=sweeps.uneven(seed), variants=two_pins()) for seed in range(2)],
-        xr.DataArray(radii, dims="pin.radius", name="pin.radius", attrs={"units": "m"}),
-        combine_attrs="override",
-    )
-    driver = page(ds)
-    for number, radius in enumerate(radii):
-        there = pipeline.at(ds, **{"pin.radius": radius})
-        if number:
-            typed(driver, "friction", "0.12")
-            driver.execute_script("document.getElementById('scene').focus()")
-            driver.switch_to.active_element.send_keys(Keys.ARROW_DOWN)
-            assert driver.switch_to.active_element.get_attribute("value") == str(number)
-        conditions = {"friction": 0.12} if number else {}
-        expected = pipeline.boundary(pipeline.at(there, **conditions))["critical_velocity"]
-        same(critical_velocities(driver), expected)
-        assert driver.find_element(By.ID, "title").text.endswith(f"pin.radius {1e3 * radius:g} mm")
 
 
 def test_an_operating_point_gets_the_verdict_of_the_nearest_node(page):

@@ -24,7 +24,6 @@ from pipeline.store.schema import DONE
 from pipeline.sweep.digest import digest
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import samples, synthetic
-from tests.helpers.sweeps import with_fields
 
 OWN = synthetic.conditions()
 
@@ -140,16 +139,6 @@ def test_a_page_lets_conditions_be_changed_that_its_sweep_answers_for(make, name
     assert held["conditions"].get("disk_temperature") == disk
 
 
-def test_without_a_critical_temperature_the_hottest_points_have_their_fields():
-    ds = synthetic.sweep(
-        [200.0, 400.0], [1.0, 2.0, 4.0], fields=True,
-        conditions=replace(OWN, critical_temperature=None),
-    )  # fmt: skip
-    rises = synthetic.rise(np.array([[200.0], [400.0]]), np.array([1.0, 2.0, 4.0])).ravel()
-    hottest = sorted(np.argsort(rises)[-2:].tolist())
-    assert sorted(map(int, content(ds, 2)["fields"]["points"])) == hottest
-
-
 def test_a_page_of_samples_has_the_probability_between_their_ends(monkeypatch, tmp_path):
     samples.fewer_draws(monkeypatch)
     test = {"normal_load": 400.0, "velocity": 2.0, "friction": None}
@@ -179,29 +168,6 @@ def test_a_page_of_samples_has_the_probability_between_their_ends(monkeypatch, t
     assert f"he model's own error: {scatter.text}" in unescape(text)
     assert (page.points, page.points_with_fields) == (int((ds["status"] == DONE).sum()), 0)
     assert "<th>friction</th>" not in text  # each sample has its own
-
-
-def test_tests_have_their_nearest_node_and_lie_inside_or_not():
-    ds = with_fields(
-        synthetic.sweep(),
-        measured=synthetic.MEASURED[:1],
-        tested=(
-            replace(synthetic.MEASURED[3], normal_load=150.0, outcome="mild"),
-            replace(synthetic.MEASURED[3], outcome="severe"),
-        ),
-    )
-    held = content(ds)
-    first, mild, lowest = held["measured"]
-    for test in (first, mild, lowest):
-        k, j = test["node"]
-        loads, velocities = (np.array(held["fine"][name]) for name in ("load", "velocity"))
-        inner = velocities[held["first"] : held["first"] + len(held["inner"])]
-        assert abs(loads - test["load"]).argmin() == k
-        assert abs(inner - test["velocity"]).argmin() == j - held["first"]
-    inside = [test["isInside"] for test in (first, mild, lowest)]
-    assert inside == [True, False, True]  # at 750, 150 and 200 N
-    assert first["own"]["friction"] == 0.103
-    assert (first["own"]["strip_friction"], mild["own"]["strip_friction"]) == (True, False)
 
 
 # Pictures

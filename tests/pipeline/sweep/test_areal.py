@@ -33,15 +33,6 @@ def test_amplitudes_are_those_of_the_measured_heights():
     assert (found.skewness, found.kurtosis) == pytest.approx((0, 3), abs=0.1)
 
 
-def test_a_patch_of_holes_does_not_lower_the_roughness_as_filling_does():
-    patchy = ROUGH.copy()
-    patchy[:, :40] = np.nan
-    filled = np.where(np.isnan(patchy), np.nanmean(patchy), patchy)
-    whole, some, flat = (areal_roughness(one, SPACING).rq for one in (ROUGH, patchy, filled))
-    assert some == pytest.approx(whole, rel=0.02)
-    assert flat < 0.85 * whole
-
-
 @pytest.mark.parametrize("share", [0.0, 0.3])
 def test_the_plane_and_both_curvatures_are_taken_off(share):
     form = 0.02 * X - 0.01 * Y - X**2 / (2 * 0.03) + Y**2 / (2 * 0.05) + 4.0 * X * Y
@@ -58,14 +49,6 @@ def test_a_curvature_within_the_roughness_is_left():
     level, _, radii = remove_form(ROUGH - X**2 / (2 * radius), SPACING)
     assert radii == (math.inf, math.inf)
     assert level.mean(axis=1)[[0, -1]].mean() < level.mean(axis=1)[70:90].mean()
-
-
-def test_roughness_scales_with_heights_and_lengths_with_pixels():
-    rough = self_affine(Grid((128, 128), (1e-6, 1e-6)), 2e-7, 0.8, (4e-6, 4e-6), seed=2)
-    one, other = areal_roughness(rough, (1e-6, 1e-6)), areal_roughness(3 * rough, (5e-6, 5e-6))
-    assert (other.ra, other.rq) == pytest.approx((3 * one.ra, 3 * one.rq))
-    assert other.sal == pytest.approx(5 * one.sal)
-    assert other.aspect == pytest.approx(one.aspect)
 
 
 @pytest.mark.parametrize(("lengths", "lay"), [((3e-6, 12e-6), 90.0), ((12e-6, 3e-6), 0.0)])

@@ -44,13 +44,6 @@ def test_a_patch_is_known_to_the_same_share_of_its_length_along_both_axes():
         assert (shortest, longest) == (pytest.approx(19 * PIXEL, rel=0.1), math.inf)
 
 
-def test_unequal_pixels_count():
-    heights = gaussian(6e-6, 12e-6)
-    shortest, longest, _ = autocorrelation_lengths(heights, (2 * PIXEL, PIXEL))
-    assert shortest == pytest.approx(12e-6, rel=0.12)
-    assert longest == pytest.approx(12e-6, rel=0.12)
-
-
 def test_lines_have_no_length_along_themselves():
     lines = np.broadcast_to(gaussian(8e-6, 8e-6)[:, :1], (480, 400))
     _, longest, direction = autocorrelation_lengths(lines, (PIXEL, PIXEL))

@@ -51,11 +51,6 @@ def test_what_is_correlated_with_nothing_before_it_is_drawn_as_if_it_were_alone(
     assert same.tolist() == [True, False, True, False, True]
 
 
-def test_a_correlation_is_shown():
-    assert "correlated" not in CRITICAL.as_dict()
-    assert str(PAIRS[1]).endswith("factor 1.5, correlated by 0.6 with temperature.critical")
-
-
 @pytest.mark.parametrize("last", [-0.5, 0.0, 0.99])
 def test_the_first_unfit_input_is_the_one_that_makes_the_matrix_no_correlation(last):
     matrix = np.array([[1.0, 0.8, last], [0.8, 1.0, 0.5], [last, 0.5, 1.0]])

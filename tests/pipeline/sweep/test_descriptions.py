@@ -6,27 +6,11 @@ from dataclasses import replace
 import pytest
 
 import tribo
-from pipeline.sweep.about import Measurement, judged_by, oils_of, own_tests
+from pipeline.sweep.about import judged_by
 from pipeline.sweep.surface import SurfaceFacts, surface_facts
-from pipeline.uncertain.unknown import Unknown, without
 from tests.helpers import tiny
 
 BENT = tribo.Corrections(friction=tribo.Friction(by_velocity=((1.0, 1.2), (4.0, 0.8))))
-
-
-def test_tests_are_of_the_scene_s_oil_if_they_name_none_or_the_first_by_name():
-    plain, mineral, ester = (
-        Measurement(400.0, velocity, oil=oil)
-        for velocity, oil in ((1.0, None), (2.0, "mineral"), (3.0, "ester"))
-    )
-    assert oils_of(test.oil for test in (mineral, plain, ester)) == ["", "ester", "mineral"]
-    assert own_tests((mineral, plain, ester)) == (plain,)
-    assert own_tests((mineral, ester)) == own_tests((ester, mineral)) == (ester,)
-    assert own_tests(()) == ()
-    assert Measurement.of({"load": 400.0, "velocity": 1.0, "number": 7, "run": None}) == (
-        Measurement(400.0, 1.0, number="7")
-    )
-    assert plain.as_dict() == {"normal_load": 400.0, "velocity": 1.0, "friction": None}
 
 
 @pytest.mark.parametrize(
@@ -41,25 +25,6 @@ def test_a_large_random_surface_has_the_lay_of_lengths_that_differ_by_two(length
     assert (facts.lay, facts.slope, facts.ra) == (lay, None, 0.27e-6)
     assert facts.rq == pytest.approx(0.27e-6 * math.sqrt(math.pi / 2))
     assert (facts.mean_height, facts.rise) == (0.0, (0.0, 0.0))
-
-
-def test_inputs_say_their_distribution():
-    first = Unknown("a", "normal", (418.15, 8.0), "K", "°C")
-    second = Unknown("b", "uniform", (1.0, 2.0), correlated=(("a", 0.5), ("c", 0.1)))
-    assert str(first) == "a: normal, mean 145 °C, sd 8 K"
-    assert (
-        str(second) == "b: uniform from 1 to 2, correlated by 0.5 with a, correlated by 0.1 with c"
-    )
-    assert str(replace(second, varies=True)).endswith("with c, from part to part")
-    assert str(Unknown("d", "list", (3.0, 5.0), varies=True)) == "d: one of 3, 5"
-    assert [one.correlated for one in without((first, second), {"a"})] == [(("c", 0.1),)]
-    assert first.as_dict()["written"] == "°C"
-    assert second.as_dict() == {
-        "path": "b", "kind": "uniform", "parameters": (1.0, 2.0), "unit": "1",
-        "correlated": (("a", 0.5), ("c", 0.1)),
-    }  # fmt: skip
-    assert not first.is_relative
-    assert Unknown("r", "log-normal", (1.0, 1.5)).is_relative
 
 
 def test_conditions_of_several_are_said_once_each_and_what_is_drawn_as_that():

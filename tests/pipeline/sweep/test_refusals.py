@@ -49,7 +49,6 @@ REFUSALS = {
     "disk above": (conditions(disk_temperature=420.0), "must be above the bulk temperature, 420 K"),
     "critical sd": (conditions(critical_sd=0.0), "critical_sd is 0.0 K; it must be above 0"),
     "share": (conditions(failing_share=1.0), "share is 1.0"),
-    "share nan": (conditions(failing_share=math.nan), "failing_share is nan"),
     "curve": (conditions(corrections=CURVE, disk_temperature=350.0), "friction.by_velocity: "),
     "criterion": (conditions(criterion="laws:median"), "allowed are share, highest, mean"),
     "no critical": (lambda: conditions(critical_temperature=None)().known_critical_temperature(),

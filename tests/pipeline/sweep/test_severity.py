@@ -17,11 +17,10 @@ from pipeline.sweep.severity import (
     rise_limit,
     rises_above_colder,
     verdict,
-    worst_moment,
     worst_rises,
 )
 from tests.helpers import tiny
-from tribo import QUANTILES, Corrections, Ramp
+from tribo import QUANTILES, Corrections
 from tribo.thermal import BULK_RATIOS
 
 OWN = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
@@ -102,22 +101,6 @@ def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
     assert judged.time == 3.0
     assert judged.max_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 2000)
     assert judged.decisive_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 1800)
-
-
-def test_moments_without_a_temperature_do_not_count():
-    rise = np.array([[np.nan, 3.0, np.nan], [np.nan, np.nan, np.nan]])
-    loads = np.array([[100.0, 200.0, 200.0], [300.0, 300.0, 300.0]])
-    worst = worst_moment(rise, loads, np.array([[200.0], [300.0]]))
-    assert rise[[0, 1], worst].tolist()[0] == 3.0
-    assert math.isnan(rise[1, worst[1]])
-
-
-def test_a_point_that_is_held_is_judged_at_its_hottest_moment_under_load():
-    sweep = tiny.sweep(steps="course", loading=Ramp(150.0, 750.0, hold=4.0), wear=None)
-    result = run_point(sweep, 600.0, 1.5)
-    hottest = result.columns["max_rise"][result.columns["normal_load"] >= 600.0]
-    judged = result.verdict(sweep.conditions.changed(share=0.0))
-    assert judged.max_temperature == judged.decisive_temperature == 298.15 + 0.1 * hottest.max()
 
 
 def test_the_error_of_a_boundary_velocity_is_that_of_a_power_law():

@@ -29,15 +29,12 @@ def stored(**values):
 
 REFUSALS = {
     "no accuracy": (lambda: choose_fidelity(PAPER, 0.0), "accuracy is 0.0; it must be between 0"),
-    "all": (lambda: choose_fidelity(PAPER, 1.0), "accuracy is 1.0; it must be between 0 and 1"),
-    "nan": (lambda: choose_fidelity(PAPER, float("nan")), "accuracy is nan; it must be between"),
     "share": (lambda: choose_fidelity(PAPER, "two"), '"two": give a share such as'),
     "no friction": (lambda: choose_fidelity(COLD, 0.02), "friction is 0, so there is no boundary"),
     "still": (lambda: choose_fidelity(PAPER, 0.02, [Point(600.0, 0.0)]), "velocity is 0, so there"),
     "own": (stored(), "was computed with the scene's own fidelity"),
     "coarser": (stored(selection=synthetic.selection(error=0.05)), "whose boundary errs by 5 %"),
     "preset": (lambda: trade(PAPER, ("fast",)), "preset 'fast' is unknown; known are draft"),
-    "trade": (lambda: trade(COLD), "friction is 0, so there is no boundary; give one above 0"),
     "no velocity": (lambda: trade(changed(PAPER, velocities=(0.0,))), "no velocity but 0"),
 }  # fmt: skip
 

@@ -1,6 +1,5 @@
 """Risk, sensitivity and inference, on a rise that is known in closed form."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 
 import pipeline
 from pipeline.uncertain.sensitivity import indices
-from pipeline.uncertain.unknown import Fixed, Unknown, drawn
+from pipeline.uncertain.unknown import Unknown, drawn
 from tests.helpers.samples import (
     critical_velocity,
     dataset,
@@ -47,19 +46,6 @@ def test_an_input_is_fixed_without_a_new_run_as_if_it_had_been_drawn_so():
     assert margin(fixed, 400.0, 2.0).probability == pytest.approx(severe.mean(), abs=0.01)
     free = margin(ensemble(), 400.0, 2.0).probability
     assert abs(free - severe.mean()) > 0.03
-
-
-def test_an_input_of_the_samples_that_their_scene_fixed_takes_another_value():
-    of_samples = ensemble()
-    known = tuple(entry for entry in ALL if entry != RATE)
-    fixed = (Fixed(RATE, 1.2e-15),)
-    ds = dataset(dataclasses.replace(of_samples, unknown=known, fixed=fixed))
-    assert [one.value for one in pipeline.Ensemble.of(ds).fixed] == [1.2e-15]
-    moved, drawn_so = (
-        pipeline.at(one, **{RATE.path: 2.4e-15}) for one in (ds, dataset(of_samples))
-    )
-    assert [one.value for one in pipeline.Ensemble.of(moved).fixed] == pytest.approx([2.4e-15])
-    assert pipeline.margin(moved, 400.0, 2.0) == pipeline.margin(drawn_so, 400.0, 2.0)
 
 
 # Sensitivity

@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.sweep.leads import Lead
 from pipeline.sweep.model import Point
-from pipeline.uncertain.samples import Design, Draw
+from pipeline.uncertain.samples import Design
 from pipeline.uncertain.unknown import Unknown
 from tests.helpers import tiny
 from tests.helpers.entries import rows
@@ -48,26 +48,6 @@ def test_a_longer_draw_begins_with_the_shorter(per_contact):
         assert (long[:24] == short).all()
     other = replace(made, seed=8)
     assert (other.draw(24)[1] != made.draw(24)[1]).any()
-
-
-# Inputs at one value
-
-
-def test_an_input_that_is_fixed_leaves_the_others_and_may_be_fixed_anew():
-    critical = Unknown("temperature.critical", "normal", (418.15, 8.0), "K",
-                       correlated=(("friction.coefficient", 0.4),))  # fmt: skip
-    friction = Unknown("friction.coefficient", "uniform", (0.08, 0.12))
-    draw = Draw((friction, critical), design((HEAT,), ("heat",), 64))
-    open_paths = ["temperature.critical"]
-    fixed = draw.fixed_at({"friction.coefficient": 0.1, "pin.radius": 1.0})
-    assert [one.path for one in fixed.unknown] == open_paths
-    assert fixed.unknown[0].correlated == ()
-    (kept,) = fixed.fixed
-    assert (kept.unknown, kept.value) == (friction, 0.1)
-    assert [*fixed.open_inputs] == ["friction.coefficient", *open_paths]
-    assert Draw.of(fixed.as_dict()) == fixed
-    again = fixed.fixed_at({"friction.coefficient": 0.11, "temperature.critical": 400.0})
-    assert [one.value for one in again.fixed] == [0.11, 400.0]
 
 
 # Contacts that variants share

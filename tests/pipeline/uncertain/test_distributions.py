@@ -95,37 +95,6 @@ def test_samples_are_part_of_what_a_store_is_of_but_conditions_are_not(tmp_path)
     assert reasons_against(sweep, changed(sweep, variants=Variants()))
 
 
-def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(tmp_path):
-    si = {
-        "1.2e-6 mm^3/(N m)": "1.2e-15 1/Pa",
-        '"12 um", to = "24 um"': '"0.012 mm", to = "24000 nm"',
-        "145 degC": "418.15 K",
-    }
-    spelled = UNKNOWN
-    for before, after in si.items():
-        spelled = spelled.replace(before, after)
-    sweep = pipeline.load_scene(scene(tmp_path))
-    other = pipeline.load_scene(scene(tmp_path, spelled))
-    assert other == sweep
-    assert not reasons_against(sweep, other)
-    said = str(Draw.of(other.variants.draw).unknown[3])
-    assert said.endswith("normal, mean 418.15 K, sd 8 K")
-
-
-def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
-    entry = '[[measured]]\nload = "400 N"\nvelocity = "2 m/s"\nfriction = 0.1\n'
-    scatter = 'load_scatter = "8 N"\nvelocity_scatter = "10 cm/s"\nfriction_scatter = 0.004\n'
-    (plain,) = pipeline.load_scene(scene(tmp_path, UNKNOWN + entry)).about.measured
-    place = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1}
-    assert plain.as_dict() == place | {"number": "1"}
-    (transition,) = pipeline.load_scene(scene(tmp_path, UNKNOWN + entry + scatter)).about.measured
-    assert transition.as_dict() == plain.as_dict() | {
-        "load_scatter": 8.0,
-        "velocity_scatter": 0.1,
-        "friction_scatter": 0.004,
-    }
-
-
 # Inputs that vary from part to part
 
 
@@ -160,16 +129,3 @@ def test_an_input_given_by_a_setting_is_fixed_in_the_draw_too(tmp_path):
     assert any("is fixed at 15 µm" in note.words for note in fixed.about.notes)
     assert reasons_against(drawn, fixed)
     assert Draw.of(drawn.variants.draw).fixed == ()
-
-
-def test_a_scene_that_extends_another_fixes_what_it_gives(tmp_path):
-    scene(tmp_path)
-    above = tmp_path / "above.toml"
-    above.write_text('extends = "scene.toml"\n[friction]\ncoefficient = 0.12\n')
-    (friction,) = Draw.of(pipeline.load_scene(above).variants.draw).fixed
-    assert (friction.unknown.path, friction.value) == ("friction.coefficient", 0.12)
-    above.write_text(
-        'extends = "scene.toml"\n[friction]\ncoefficient = 0.12\n[unknown]\n'
-        '"friction.coefficient" = { mean = 0.12, sd = 0.001 }\n'
-    )
-    assert Draw.of(pipeline.load_scene(above).variants.draw).fixed == ()  # beside its distribution

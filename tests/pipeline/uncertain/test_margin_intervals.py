@@ -129,14 +129,3 @@ def test_what_samples_scatter_by_widens_the_interval():
     assert here == pytest.approx(expected, rel=0.25)  # 64 samples tell a scatter to 9 %
     alone = margin(ensemble(few), 400.0, 2.0)
     assert here > 1.5 * width(alone.intervals["decisive_temperature"])
-
-
-def test_a_boundary_beyond_the_sweep_is_said_to_lie_there():
-    found = margin(ensemble(), 200.0, 2.0)
-    assert found.intervals["critical_load"][0] > 200.0
-    assert found.load_range[1] == 750.0
-    slow = margin(ensemble(), 750.0, 0.6)
-    assert (math.isnan(slow.critical_load), slow.load_outcome) == (True, "mild throughout")
-    assert slow.intervals["critical_load"] == (math.inf, math.inf)
-    fast = margin(ensemble(), 750.0, 5.9)
-    assert fast.intervals["critical_load"][0] == 0.0

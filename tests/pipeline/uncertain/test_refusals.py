@@ -164,13 +164,9 @@ REFUSALS = {
     "text": (rough, 'disk.roughness.hurst_exponent: "a" is not a number'),
     "too far": (lambda: pipeline.at(dataset(ensemble()), **{RATE.path: 1.0}), "beyond the samples"),
     "sd": (an_input("normal", 0.1, 0.0), "sd is 0; give above 0"),
-    "median": (an_input("log-normal", -1.0, 1.5), "median is -1; give above 0"),
-    "factor": (an_input("log-normal", 1.0, 1.0), "factor is 1; give above 1"),
     "falling": (an_input("uniform", 6.0, 3.0), "from 6 to 3 does not rise"),
     "one": (an_input("list", 1.0), "at least two different values"),
-    "equal": (an_input("list", 1.0, 1.0), "at least two different values"),
     "nan": (an_input("normal", math.nan, 1.0), "is not a distribution; give finite numbers"),
-    "kind": (an_input("even", 0.0, 1.0), "even with (0.0, 1.0) is not a distribution"),
     # the scene
     "critical twice": (
         scene(FRICTIONS, overrides={"temperature.critical_sd": "8 K"}),
@@ -220,10 +216,6 @@ REFUSALS = {
         joint('"disk.roughness.seed"', '"disk.roughness.seed" = [0, 1]'),
         "neither a list nor",
     ),
-    "varying": (
-        joint('"friction.coefficient"', FRICTIONS, inner=", varies = true"),
-        "alone varies",
-    ),
     "twice": (
         joint(
             '"pin.radius"',
@@ -263,10 +255,6 @@ REFUSALS = {
     "not computed": (
         asked("infer", "--workers", "2", "--store", "other.zarr"),
         "stay as they were computed; leave out --store, --workers",
-    ),
-    "not judged": (
-        asked("infer", "--bulk-temperature", "60 degC"),
-        "stay as they were computed; leave out --bulk-temperature",
     ),
     "needs samples": (inferred("--scatter", "0.1"), "--scatter needs samples of unknown inputs"),
     "ignored": (inferred("--duration", "9 s"), "--duration belongs to --contact-width"),

@@ -102,18 +102,6 @@ def test_the_friction_of_another_machine_tells_nothing_of_the_scene_s():
     assert rig["posterior"]["sd"] < 0.5 * friction["posterior"]["sd"]
 
 
-def test_a_friction_that_few_tests_measured_acts_in_the_others_too():
-    severe = {"normal_load": 400.0, "velocity": 2.0}
-    tests = [*idle_tests([0.108] * 4), severe]
-    (critical, *_) = pipeline.posterior(ensemble((CRITICAL, FRICTION), tests=tests)).summary()
-    (unlearnt, *_) = pipeline.posterior(ensemble((CRITICAL, FRICTION), tests=[severe])).summary()
-    (known, *_) = pipeline.posterior(
-        ensemble((CRITICAL,), tests=[severe | {"friction": 0.108}])
-    ).summary()
-    begin, middle, end = (row["posterior"]["mean"] for row in (unlearnt, critical, known))
-    assert 0.5 < (middle - begin) / (end - begin) < 1.0
-
-
 def test_transitions_narrow_the_critical_temperature_and_hide_the_wear_rate_behind_it():
     truth = np.array([425.0, 1.5e-15, 0.1, 4e-6])
     posterior = pipeline.posterior(ensemble(tests=transitions(truth, 0.01)), 0.02)
@@ -325,30 +313,6 @@ def test_friction_by_velocity_is_known_however_it_bends():
         dataclasses.replace(corrected, tests=({"normal_load": 400.0, "velocity": first},)), 0.001
     ).judged
     assert test.critical_velocity[1] == pytest.approx(first, rel=0.01)
-
-
-def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
-    falling = Corrections(friction=Friction(by_velocity=((1.0, 1.2), (4.0, 0.8))))
-    entry = {"normal_load": 400.0, "velocity": 1.2, "outcome": "mild"}  # which tells nothing new
-    limit = (CRITICAL.parameters[0] - 298.15) / 0.1
-    steady = alone(limit, 400.0)
-    critical = {}
-    for friction in (None, 0.1):
-        plain = ensemble((CRITICAL,), tests=[entry | {"friction": friction}])
-        conditions = dataclasses.replace(plain.conditions, corrections=falling)
-        # Rises of samples include the correction; so it is added to the closed form, too.
-        factor = np.array([conditions.friction_at(v) / 0.1 for v in plain.sample_velocities])
-        corrected = dataclasses.replace(
-            plain, conditions=conditions, rises=plain.rises * factor[:, None]
-        )
-        (judged,) = pipeline.posterior(corrected).judged
-        critical[friction] = judged.critical_velocity[1]
-    assert critical[0.1] == pytest.approx(steady, rel=0.02)
-    velocities = critical[None]
-    assert velocities == pytest.approx(
-        steady * (0.1 / conditions.friction_at(velocities)) ** (1 / EXPONENT), 0.02
-    )
-    assert abs(math.log(critical[None] / critical[0.1])) > 0.03
 
 
 # What varies from part to part
