@@ -31,7 +31,7 @@ NEEDS = {
         tradeoff/test_forecast.*share_the_time
     """,
     "laboratory": """
-        cli/test_commands.*duty.csv cli/test_points.*(German|xlsx|each_row|not_used|rotation|sheet)
+        cli/test_commands.*duty.csv cli/test_points.*(German|xlsx|each_row|not_used|rotation)
         cli/test_refusals.*(word|every_refusal)
         scene/test_along.*rotation scene/test_extends.*beside
         scene/test_refusals.*(measured.seeds|scan|points.decimals|every_refusal)

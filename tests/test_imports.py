@@ -19,13 +19,6 @@ from tests.helpers.processes import python
 
 ROOT = Path(__file__).parents[1]
 API = (ROOT / "workflows" / "API.md").read_text(encoding="utf-8")
-HEAVY = {"dask", "zarr", "xarray", "pandas", "matplotlib", "pint", "numpy", "scipy"}
-
-
-def loaded_by(code):
-    """Heavy libraries that a fresh interpreter has loaded after `code`."""
-    report = f"import sys\n{code}\nprint(*sorted({HEAVY!r} & set(sys.modules)))"
-    return set(python("-c", report, check=True).stdout.splitlines()[-1].split())
 
 
 def test_the_physics_need_numpy_and_scipy_alone():
@@ -37,15 +30,6 @@ def test_the_physics_need_numpy_and_scipy_alone():
             elif isinstance(line, ast.ImportFrom) and line.level == 0:
                 needed.add(line.module.partition(".")[0])
     assert needed - sys.stdlib_module_names == {"numpy", "scipy", "tribo"}
-
-
-@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["--version"]])
-def test_help_waits_for_no_heavy_library(arguments):
-    code = (
-        "import contextlib, pipeline.cli as cli\n"
-        f"with contextlib.suppress(SystemExit): cli.main({arguments!r})"
-    )
-    assert loaded_by(code) <= {"numpy", "scipy"}  # which cost 0.2 s
 
 
 def test_a_scene_loads_only_the_readers_of_what_it_names():

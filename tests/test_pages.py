@@ -8,8 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.cli import main
-
 ROOT = Path(__file__).parents[1]
 WORKFLOWS = ROOT / "workflows"
 
@@ -43,17 +41,3 @@ def test_the_front_shows_five_figures():
     figures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", front)
     assert len(set(figures)) == 5
     assert all((WORKFLOWS / Path(name).name).exists() for name in figures)
-
-
-def test_pages_are_printed_in_a_terminal(capsys):
-    assert main(["help"]) == 0
-    names = re.findall(r"^irg help ([\w-]+)", capsys.readouterr().out, re.MULTILINE)
-    assert {"first-hour", "model", "scene", "dataset"} <= set(names)
-    for name in names:
-        assert main(["help", name]) == 0
-        assert "# " in capsys.readouterr().out
-    for name in ("FIRST_HOUR.md", "workflows/FIRST_HOUR.md", "README"):
-        assert main(["help", name]) == 0
-    capsys.readouterr()
-    assert main(["help", "first-our"]) == 2
-    assert '(did you mean "first-hour"?)' in capsys.readouterr().err
