@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference notebooks docs test lowest javascript slow promises samples core mutants crash cluster many measured scaling bench bench-peers release clean
+.PHONY: help diagram gallery reference notebooks docs test lowest javascript slow promises samples mutants crash cluster many measured scaling bench bench-peers release clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -79,9 +79,6 @@ samples: .venv/test   ## judge samples by 2000 simulations, irg infer and next r
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.stages
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.stages --direct --truths 60
-
-core: .venv/test      ## the tests of the core in a copy without any extra, in 6 minutes
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.core
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, in an hour or two
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.mutants

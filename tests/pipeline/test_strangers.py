@@ -11,7 +11,6 @@ from pipeline.store.place import place_of
 from pipeline.store.root import read_root
 from pipeline.sweep.laws import Law
 from tests.helpers.entries import changed
-from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 
@@ -144,13 +143,6 @@ def test_looking_at_a_folder_of_strangers_runs_nothing(strangers, done, ran, irg
     assert not ran()
 
 
-def test_settings_of_matplotlib_in_a_folder_of_strangers_are_not_read(strangers):
-    (strangers / "matplotlibrc").write_text("text.usetex: True\nbackend: module://payload\n")
-    code = "from pipeline.cli import main; main(['status', '.']); from matplotlib import rcParams"
-    done = python("-c", f"{code}; print(rcParams['text.usetex'])", cwd=strangers)
-    assert done.stdout.endswith("False\n")
-
-
 STORED = ["payload:rule", "{folder}/payload:rule", "small.zarr/payload:rule", "os:_exit"]
 READING = [
     ["boundary"],
@@ -211,19 +203,3 @@ def test_a_store_names_no_files_outside_it(strangers, done, irg, name):
         said = irg(command, store, code=2)
         assert "is unknown or missing" in said
     assert not (strangers / "outside").exists()
-
-
-def test_a_store_s_links_lead_nobody_to_write_elsewhere(strangers, done, irg):
-    store = strangers / forged(done, strangers, "small.zarr", "share")
-    own = strangers / "own.txt"
-    own.write_text("mine")
-    (store / "load/zarr.json").write_text("{}")
-    (store / "load/zarr.json.partial").symlink_to(own)
-    irg("run", done / "small.toml", "-o", store)
-    assert own.read_text() == "mine"
-    (store / "about/message").rename(strangers / "message")
-    (store / "about/message").symlink_to(strangers / "message")
-    (store / "about/message/zarr.json").write_text("{}")
-    said = irg("run", done / "small.toml", "-o", store, code=2)
-    assert "message cannot be read" in said
-    assert (strangers / "message/zarr.json").read_text() == "{}"

@@ -31,10 +31,9 @@ from tribo import (
     Wear,
     simulate,
 )
-from tribo.analytic import hertz_ellipse, moving_band_rise, rolling_sliding_rise
+from tribo.analytic import rolling_sliding_rise
 from tribo.contact import ElasticHalfSpace, solve_contact
 from tribo.inverse import specific_wear_rate
-from tribo.material import minimum_line_film, minimum_point_film
 from tribo.numerics import Convolution
 from tribo.simulation import moment_of, start
 from tribo.simulation.verdict import rise_limit
@@ -59,10 +58,6 @@ RIG = critical_temperature_rig()
 INFINITE = math.inf
 
 
-OVAL = {"normal_load": 1.0, "radius_x": 1.0, "radius_y": 1.0, "contact_modulus": 1e9}
-BAND = {"position": 0.0, "heat_flux": 1.0, "half_width": 1.0, "velocity": 1.0,
-        "thermal_conductivity": 45.0, "thermal_diffusivity": 1e-5}  # fmt: skip
-OILED = {"speed": 1.0, "viscosity": 1e-2, "pressure_coefficient": 1e-8, "contact_modulus": 1e11}
 TRACK = Track(0.3, 3e-3, 1.0, 1e-5, 4e6, 1e-2)
 
 
@@ -136,25 +131,6 @@ REFUSALS = {
     "spectrum": (lambda: Convolution(GRID, np.ones((4, 4))), "the spectrum has shape (4, 4)"),
     "backwards": (lambda: rolling_sliding_rise(0.1, 1e5, 2e-4, (-1.0, 2.0), 1e4),
                   "both must be at least 0"),
-    **{
-        f"ellipse {name}": (lambda name=name: hertz_ellipse(**OVAL | {name: 0.0}), f"{name} is 0.0")
-        for name in ("normal_load", "radius_x", "radius_y")
-    },
-    **{
-        f"band {name}": (lambda name=name: moving_band_rise(**BAND | {name: 0.0}), f"{name} is 0.0")
-        for name in ("half_width", "velocity")
-    },
-    **{
-        f"{film.__name__} {name}": (
-            lambda film=film, loads={load: 1.0, "radius": 1.0, name: 0.0}: film(**OILED, **loads),
-            f"{name} is 0.0",
-        )
-        for film, load in (
-            (minimum_line_film, "load_per_length"),
-            (minimum_point_film, "normal_load"),
-        )
-        for name in (load, "radius")
-    },
     # surfaces, wear, loading
     "hurst": (lambda: self_affine(GRID, 1e-7, 1.2, 1e-6, 0), "hurst_exponent is 1.2"),
     "single": (lambda: self_affine(Grid((1, 1), (1.0, 1.0)), 1e-7, 0.8, 1e-6, 0),

@@ -69,22 +69,6 @@ def test_several_values_are_rows_and_each_is_as_alone(sweep):
     assert len(table.drop_duplicates()) == 4
 
 
-def test_conditions_outlive_what_xarray_does_to_a_dataset(alone, tmp_path):
-    hot = pipeline.at(alone, friction=0.12, critical_temperature=380.0)
-    expected = pipeline.boundary(hot)["critical_velocity"]
-    cut = pipeline.boundary(hot.sel(load=[250.0, 600.0]).isel(velocity=[0, 2]))
-    assert cut.attrs["friction"] == 0.12
-    assert pipeline.results(hot.copy(deep=True)).conditions.critical_temperature == 380.0
-    several = pipeline.at(hot, friction=(0.1, 0.12))
-    selected = pipeline.boundary(several.isel({"friction.coefficient": 1}))["critical_velocity"]
-    np.testing.assert_array_equal(selected, expected)
-    with xr.open_zarr(alone) as plain:
-        hot = pipeline.at(plain, friction=0.12, critical_temperature=380.0)
-        hot.to_netcdf(tmp_path / "hot.nc", engine="scipy", format="NETCDF3_64BIT")
-    with xr.open_dataset(tmp_path / "hot.nc", engine="scipy") as back:
-        xr.testing.assert_equal(pipeline.boundary(back)["critical_velocity"], expected)
-
-
 def test_what_acts_later_and_is_not_taken_is_refused_with_what_to_run(irg, tmp_path):
     store = tmp_path / "s.zarr"
     sweep = pipeline.load_scene("first_try", overrides={"fidelity.preset": "draft", **FEW})

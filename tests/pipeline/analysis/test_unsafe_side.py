@@ -105,21 +105,6 @@ def test_no_wrong_outcome_narrows_the_error_or_makes_the_other_outcome_likelier(
     np.testing.assert_array_equal(chances([*held, right]), before)  # a right one counts nothing
 
 
-@pytest.mark.parametrize("outcome", ["mild", "severe"])
-@pytest.mark.parametrize("distance", [0.02, 0.5])
-def test_ten_tests_that_contradict_the_model_leave_at_least_the_error_without_tests(
-    outcome, distance
-):
-    sign = 1 if outcome == "mild" else -1
-    ten = [
-        Measurement(load, critical(load) * math.exp(sign * distance), outcome=outcome)
-        for load in np.linspace(250.0, 700.0, 10)
-    ]
-    moved = -sign * (chances(ten) - chances([]))
-    assert moved.min() > -1e-12
-    assert (moved.max() > 0.1) == (distance > 0.1)
-
-
 def test_a_test_within_the_numerical_error_neither_agrees_nor_contradicts():
     load = 400.0
     tests = [

@@ -40,31 +40,6 @@ def test_the_status_of_a_folder_names_its_stores_and_their_damage(tmp_path, caps
     assert record["state"].startswith("unreadable: ")
 
 
-def test_two_stores_are_printed_with_their_points_counted(monkeypatch, irg):
-    """The second is hotter at the higher load by a tenth; the third has one velocity less."""
-
-    def hotter(load, *place):
-        return (1.1 if np.max(load) > 300.0 else 1.0) * synthetic.rise(load, *place)
-
-    loads, velocities = (200.0, 400.0), synthetic.VELOCITIES[:11]
-    held = {
-        "a": synthetic.sweep(loads, velocities),
-        "b": synthetic.sweep(loads, velocities, rise=hotter),
-        "c": synthetic.sweep(loads, velocities[1:]),
-    }
-    monkeypatch.setattr(pipeline, "open_sweep", lambda path: held[str(path)])
-    said = irg("diff", "a", "b").splitlines()
-    assert said[:2] == ["A a", "B b"]
-    assert "their scenes are equal" in said
-    counts = "points: 11 alike, 11 unlike (by up to 10 % of the rise), 0 done in one alone"
-    assert counts in said
-    assert "and 1 more, which -o TABLE.csv writes" in said  # than ten
-    assert said[-1].startswith("rise: the highest of the contact at the end of the point")
-    fewer = irg("diff", "a", "c").splitlines()
-    assert "points: 20 alike, 0 unlike, 2 done in one alone" in fewer
-    assert not any(line.startswith("and ") for line in fewer)
-
-
 def test_both_stores_are_judged_at_what_at_gives(monkeypatch, irg):
     held = synthetic.sweep((200.0, 400.0), synthetic.VELOCITIES[:11])
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: held)

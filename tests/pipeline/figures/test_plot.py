@@ -9,7 +9,6 @@ import pytest
 from matplotlib.figure import Figure
 
 import pipeline
-from pipeline.analysis.boundary import boundary
 from pipeline.cli.options import OF_PLOT
 from pipeline.figures import plot as live
 from pipeline.figures.diagram import diagram
@@ -158,13 +157,6 @@ def test_fields_of_the_point_nearest_to_the_transition(sweep):
         np.testing.assert_allclose(edges[-1, -1], [192.0, 426.0])
 
 
-@pytest.mark.parametrize(("suffix", "magic"), [(".pdf", b"%PDF"), (".SVG", b"<?xml")])
-def test_the_suffix_decides_the_format(sweep, tmp_path, suffix, magic):
-    out = tmp_path / f"figure{suffix}"
-    assert plot(sweep.isel(load=[0, -3], velocity=[2, 6]), "fields", out) == out
-    assert out.read_bytes().startswith(magic)
-
-
 def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     assert not [line for line in drawn.collections if "Λ" in str(line.get_gid())]
     ds = synthetic.sweep(oil=synthetic.OIL, roughness=of_height(0.2e-6))
@@ -210,27 +202,3 @@ def test_each_test_is_drawn_over_the_velocity_of_the_closed_form_at_its_own_fric
     said = [text.get_text() for text in axes.figure.legends[0].get_texts()]
     assert "measured transition, beyond what was computed" in said
     assert "1 of 5 tests: not known" in said
-
-
-def test_a_ramp_shows_any_stored_variable_and_names_them(alone):
-    axes = pipeline.plot(alone, "ramp", load=600.0, velocity=1.0, show="wear_volume").axes[1]
-    with pipeline.open_sweep(alone) as ds:
-        expected = ds["wear_volume"].sel(load=600, velocity=1).values
-    np.testing.assert_array_equal(axes.lines[0].get_ydata(), expected)
-    with pytest.raises(InputError, match="stored at each step are contact_fraction, "):
-        pipeline.plot(alone, "ramp", show="nothing")
-
-
-def test_the_temperature_crosses_the_critical_one_at_the_transition(sweep):
-    axes = plot(sweep, "temperature", load="400 N").axes[0]
-    named = {line.get_label(): line for line in axes.lines}
-    (label,) = (name for name in named if name.startswith("transition"))
-    expected = float(boundary(sweep).sel(load=400.0)["critical_velocity"])
-    time = named[label].get_xdata()[0]
-    assert time == pytest.approx(expected)
-    highest = 25.0 + 0.1 * sweep["max_rise"].sel(load=400.0, step=0).values
-    drawn = [line.get_ydata() for line in axes.lines if len(line.get_ydata()) == len(highest)]
-    assert any(np.allclose(temperatures, highest) for temperatures in drawn)
-    curves = (line for line in axes.lines if line.get_marker() == "None")
-    exceeded = next(line for line in curves if line.get_ls() == "-")
-    assert np.interp(time, *exceeded.get_data()) == pytest.approx(145.0, abs=0.2)

@@ -14,7 +14,6 @@ from pipeline.gears.reading import shipped_pairs
 from pipeline.gears.rules import stage_torque, warm_duty
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import read_spectrum
-from pipeline.scene.faults import SceneFileError
 from tests.helpers.refusals import command, refusal_tests
 from tests.pipeline.gears.test_answer import CRITICAL, OWN
 from tests.pipeline.gears.test_involute import pair as toothed
@@ -119,27 +118,6 @@ ELSEWHERE = {
     "judge._worst_margins pipeline.ExecutionError": "by nobody: a place that fails, as in a run",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
-
-
-@pytest.mark.parametrize(("quality", "best"), [(0, 1), (13, 12)])
-def test_numbers_out_of_range_are_all_named_and_those_at_the_ends_are_not(quality, best):
-    beyond = {
-        "mesh.quality": quality, "pinion.teeth": 3, "wheel.teeth": 10_001,
-        "pinion.profile_shift": -2.01, "wheel.profile_shift": 3.01, "duty.load_factor": 0,
-        "friction.lubricant_factor": 0, "surface.hurst_exponent": 1.01,
-    }  # fmt: skip
-    ends = {
-        "mesh.quality": best, "pinion.teeth": 4, "wheel.teeth": 10_000, "pinion.profile_shift": -2,
-        "wheel.profile_shift": 3, "duty.load_factor": 0.01, "friction.lubricant_factor": 0.01,
-        "surface.hurst_exponent": 1,
-    }  # fmt: skip
-    faults = []
-    for entries in (beyond, ends):  # those at the ends make no gears that could run
-        with pytest.raises(SceneFileError) as caught:
-            gears.read_pair("fzg_a", entries)
-        faults.append([one for one in caught.value.faults if "out of range" in one])
-    assert {*beyond} == {fault.partition(":")[0] for fault in faults[0]}
-    assert faults[1] == []
 
 
 def test_hours_and_factors_of_a_spectrum_are_in_range():

@@ -50,7 +50,6 @@ CASES = {
     "within a stage": (SIX, 1.5, risen(430), {"mild_up_to": 400, "severe_at": 500}),
     "at a step": (SIX, 1.5, risen(500), {"mild_up_to": 500, "severe_at": 600}),
     "no rise": (SIX, 1.5, LEVEL, {"mild_up_to": 600}),
-    "noisy friction": (SIX, 1.5, 0.1 + noise(COUNT, 0.015), {"mild_up_to": 600}),
     "noisy friction that rises": (
         SIX, 1.5, risen(550, base=0.1 + noise(COUNT, 0.015)), {"mild_up_to": 500, "severe_at": 600},
     ),
@@ -61,26 +60,12 @@ CASES = {
         300.0, 1.5, np.linspace(0.08, 0.22, COUNT) + noise(COUNT),
         {"load": 300, "outcome": "severe"},
     ),
-    "loads that scatter by 3 %": (
-        SIX * (1 + noise(COUNT, 0.03, seed=8)), 1.5, risen(530),
-        {"mild_up_to": 500, "severe_at": 600},
-    ),
     "a rise that falls back": (SIX, 1.5, risen(230, end=240), {"mild_up_to": 600}),
-    "spikes": (SIX, 1.5, LEVEL + 0.2 * (np.arange(COUNT) % 37 == 0), {"mild_up_to": 600}),
     "the last rows": (SIX, 1.5, risen(590), {"mild_up_to": 500, "severe_at": 600}),
     "ramps between": (ramps(), 1.5, risen(520), {"mild_up_to": 500, "severe_at": 600}),
-    "long ramps between": (
-        ramps(rise=18), 1.5, risen(520), {"mild_up_to": 500, "severe_at": 600},
-    ),
-    "noisy loads": (
-        ramps() * (1 + noise(COUNT, 0.01)), 1.5, risen(520), {"mild_up_to": 500, "severe_at": 600},
-    ),
     "friction that falls by stages": (
         SIX, 1.5, risen(530, to=0.2, base=np.repeat(np.linspace(0.12, 0.04, 6), 100)),
         {"mild_up_to": 500, "severe_at": 600},
-    ),
-    "friction 12 % more each stage": (
-        SIX, 1.0, 0.08 * np.repeat(1.12 ** np.arange(6), 100) + noise(COUNT), {"mild_up_to": 600},
     ),
     "steps of the velocity": (
         300.0, steps(0.5, 1, 1.5, 2, 2.5, 3), risen(350, to=0.2),
@@ -91,14 +76,6 @@ CASES = {
         {"mild_up_to": 2},
     ),
     "one stage": (300.0, 2.0, risen(400), {"load": 300, "velocity": 2, "outcome": "severe"}),
-    "one stage that rises slowly": (
-        300.0, 2.0, 0.08 + 0.035 * np.linspace(0, 1, COUNT) + noise(COUNT),
-        {"load": 300, "outcome": "mild"},
-    ),
-    "one stage that runs in": (
-        300.0, 2.0, 0.1 - 0.02 * np.linspace(0, 1, COUNT) + noise(COUNT),
-        {"load": 300, "outcome": "mild"},
-    ),
     "one stage that doubles by and by": (
         300.0, 2.0, 0.1 + np.clip((np.arange(COUNT) - 400) * 0.002, 0, 0.2) + noise(COUNT),
         {"load": 300, "outcome": "severe"},

@@ -118,27 +118,6 @@ def test_facts_of_a_page_are_those_of_its_sweep():
     assert json.dumps(held, allow_nan=False)
 
 
-@pytest.mark.parametrize(
-    ("make", "names", "disk"),
-    [
-        (sweeps.one, ["friction", "bulk_temperature", "critical_temperature", "failing_share"],
-         None),
-        (lambda: sweeps.one(conditions=replace(OWN, criterion="mean")),
-         ["friction", "bulk_temperature", "critical_temperature"], None),
-        (sweeps.of_a_warm_pin,
-         ["friction", "bulk_temperature", "disk_temperature", "critical_temperature"], 298.15),
-        (lambda: sweeps.of_two_bulks(disk_temperature=298.15),  # as warm as the pin, so far
-         ["friction", "bulk_temperature", "disk_temperature", "critical_temperature",
-          "failing_share"], 298.15),
-    ],
-    ids=["share", "mean", "warm pin", "equal bulks"],
-)  # fmt: skip
-def test_a_page_lets_conditions_be_changed_that_its_sweep_answers_for(make, names, disk):
-    held = content(make(), 0)
-    assert [control["name"] for control in held["controls"]] == names
-    assert held["conditions"].get("disk_temperature") == disk
-
-
 def test_a_page_of_samples_has_the_probability_between_their_ends(monkeypatch, tmp_path):
     samples.fewer_draws(monkeypatch)
     test = {"normal_load": 400.0, "velocity": 2.0, "friction": None}

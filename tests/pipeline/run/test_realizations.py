@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import pipeline
 from pipeline.analysis.boundary import boundary
@@ -64,33 +63,8 @@ LIFTS = {0: 1.0, 1: 1.1, 2: 0.9, 3: 1.05}
 LIMIT = synthetic.limit()
 
 
-def ensemble(lifts=LIFTS, **changes):
-    """Surfaces whose rise, and with it the boundary, is known in closed form."""
-    sweeps = [
-        synthetic.sweep(rise=lambda F, V, q=1.0, k=lift: k * synthetic.rise(F, V, q), **changes)
-        for lift in lifts.values()
-    ]
-    return xr.concat(sweeps, xr.Variable("realization", list(lifts)), combine_attrs="override")
-
-
 def velocities(load, lifts=LIFTS):
     return np.array([synthetic.critical_velocity(load, LIMIT / lift) for lift in lifts.values()])
-
-
-def test_the_band_is_that_of_the_surfaces():
-    crossings = boundary(ensemble())
-    assert crossings["critical_velocity"].dims == ("realization", "load")
-    for load in (300.0, 600.0):
-        band, expected = crossings.sel(load=load), velocities(load)
-        np.testing.assert_allclose(band["critical_velocity"], expected, rtol=1e-12)
-        np.testing.assert_allclose(
-            band["critical_velocity_quantile"], np.quantile(expected, [0.1, 0.5, 0.9])
-        )
-        assert (int(band["crossing_at_load"]), int(band["known_at_load"])) == (4, 4)
-    one = boundary(ensemble().sel(realization=1))
-    assert one["critical_velocity"].dims == ("load",)
-    for name in one.data_vars.keys() - {"mild_below", "severe_above"}:  # of all surfaces
-        np.testing.assert_array_equal(one[name], crossings[name].sel(realization=1), name)
 
 
 # Boundary mode, figures, command

@@ -1,8 +1,6 @@
 """Pairs: rows of a file or of the scene, each with a place and entries of its own."""
 
 import math
-import re
-import sys
 
 import pytest
 
@@ -72,29 +70,3 @@ def test_check_and_run_refuse_a_label_that_the_dataset_uses_before_they_make_a_s
         assert main([*command, str(path)]) == 2
         assert f"is called {name}, as is one of the dataset; give it" in capsys.readouterr().err
     assert not out.exists()
-
-
-def calls_for(tmp_path, count):
-    """Function calls in which a scene with some rows is read."""
-    lines = (f"{2 + 0.001 * k},0.1,{200 + k},{1 + 0.01 * k},a" for k in range(count))
-    path = scene(tmp_path, rows="\n".join([FILE.splitlines()[0], *lines, ""]))
-    path.write_text(re.sub(r"(?m)^(loads|velocities) = .*\n", "", path.read_text()))
-    calls = 0
-
-    def count_call(_, event, __):
-        nonlocal calls
-        calls += event == "call"
-
-    sys.setprofile(count_call)
-    try:
-        assert len(pipeline.load_scene(path).variants) == count
-    finally:
-        sys.setprofile(None)
-    return calls
-
-
-def test_twice_the_rows_take_twice_the_calls_to_read(tmp_path):
-    """Each row reads anew what differs in it, and not the loads and velocities of all."""
-    calls_for(tmp_path, 50)  # fills what is kept for good
-    base, once, twice = (calls_for(tmp_path, count) for count in (50, 150, 250))
-    assert twice - once < 1.2 * (once - base)

@@ -38,22 +38,14 @@ STEELS = "materials.AISI 52100"
 USUAL = [
     (f"{STEELS}.elastic_modulus", 1, 1200, "GPa", {f"{STEELS}.hardness": "20 MPa"}),
     (f"{STEELS}.hardness", 0.21, 42, "GPa", {f"{STEELS}.elastic_modulus": "210 GPa"}),
-    (f"{STEELS}.thermal_conductivity", 0.05, 2500, "W/(m K)", {}),
-    (f"{STEELS}.density", 500, 25000, "kg/m^3", {}),
-    (f"{STEELS}.specific_heat", 100, 5000, "J/(kg K)", {}),
     ("pin.radius", 0.1, 1000, "mm", {}),
-    ("pin.length", 0, 1000, "mm", {}),
-    ("pin.crown_radius", 0.1, 1e5, "mm", {"without": ["pin.length"], "pin.shape": "crowned"}),
     ("temperature.bulk", -50, 250, "degC", {"temperature.critical": "700 degC"}),
     ("wear.specific_wear_rate", 1e-11, 1e-2, "mm^3/(N m)", {}),
     ("disk.roughness.ra", 0.001, 10, "um", {}),
     ("sweep.velocities", 0, 100, "m/s", {}),
     ("friction.coefficient", 0, 1, "", {"without": ["friction.band"]}),
     ("oil.kinematic_viscosity", 0.5, 1e5, "mm^2/s", {"oil": {"density": "860 kg/m^3"}}),
-    ("oil.density", 500, 2000, "kg/m^3", {"oil.kinematic_viscosity": ["95 mm^2/s", "11 mm^2/s"]}),
     ("loading.reference_load", 7.5, 75e3, "N", {"sweep.loads": ["750 N"]}),
-    ("disk.capacity", 0.5, 1e6, "J/K", {}),
-    ("motion.slide_roll_ratio", -2, 2, "", {}),
 ]
 
 

@@ -1,17 +1,14 @@
 """Points, tasks and the computation of one point (pipeline/sweep/plan.py)."""
 
-import time
 from dataclasses import replace
 from itertools import groupby
 
 import numpy as np
 import pytest
 
-import pipeline
 import tribo
 from pipeline.store.schema import COLUMNS, MADE
 from pipeline.sweep import plan
-from pipeline.sweep.about import Measurement
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point, run_points, tasks
 from pipeline.sweep.station_choice import choose_stations
@@ -160,17 +157,6 @@ def test_heat_that_is_not_found_at_an_increment_costs_no_end(monkeypatch):
     assert columns["wear_volume"].tobytes() == whole["wear_volume"].tobytes()
 
 
-def test_the_distance_slid_does_not_show_on_which_elements_the_lower_loads_were():
-    """The distance is that of the whole way, and no sum of steps."""
-    sweep, trunks = pipeline.load_scene("first_try"), Trunks()
-    velocity = 3.8495  # at which the sum of the steps has another last bit than their whole
-    for load in sweep.plane.loads:
-        (result,) = run_points(sweep, [Point(load, velocity)], trunks)
-    alone = run_point(sweep, load, velocity)
-    distances = [one.columns["sliding_distance"].tobytes() for one in (result, alone)]
-    assert distances[0] == distances[1]
-
-
 def test_fields_of_smaller_elements_are_means_over_those_of_the_scene():
     sweep = tiny.sweep(pixels=WIDE, fidelity=SMALLER)
     result = run_point(sweep, 250.0, 1.0)
@@ -188,22 +174,6 @@ def test_the_moments_of_a_hold_are_stored_on_reaching_the_load_and_at_the_end():
     assert held["time"].tolist() == [250 / 150, 250 / 150 + 1.0]
     every = run_point(changed(sweep, steps="course"), 250.0, 1.0).columns
     assert every["normal_load"].tolist() == [125.0, 250.0, 250.0, 250.0]
-
-
-def test_points_of_one_contact_share_its_time_evenly():
-    oils = rows("oil", {"a": {}, "b": {"disk.thermal_conductivity": 30.0}})
-    sweep, began = tiny.sweep(variants=oils), time.perf_counter()
-    both = run_points(sweep, [Point(250.0, 1.0, name) for name in sweep.variants.names])
-    elapsed = time.perf_counter() - began
-    assert len(both) == 2
-    assert both[0].wall_time == both[1].wall_time
-    assert 0 < sum(one.wall_time for one in both) <= elapsed
-
-
-def test_the_hold_of_each_test_is_stored():
-    tests = Measurement(600.0, 1.0, hold=0.5), Measurement(600.0, 1.0, hold=0.7)
-    held = run_point(tiny.sweep(loading=RAMP, measured=tests), 250.0, 1.0).columns
-    assert held["time"].tolist() == [250 / 150, 250 / 150 + 0.5, 250 / 150 + 1.0]
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,6 @@ from tests.helpers.samples import (
 )
 from tests.helpers.unknowns import ALL, CRITICAL
 from tests.pipeline.analysis.test_model_error import density
-from tribo import Corrections, Friction
 
 ENDS = (0.05, 0.95)
 DIRECT = drawn(ALL, 99, 8192)
@@ -57,26 +56,6 @@ def test_the_probability_is_that_of_the_next_run_over_inputs_and_the_models_own_
     found = margin(ensemble(), load, velocity, scatter=0.10)
     assert found.probability == pytest.approx(expected, abs=0.006)
     assert found.probability != pytest.approx(np.mean(off < 0), abs=0.006)
-
-
-PEAK = Friction(by_velocity=((2.0, 0.6), (2.1, 1.6), (2.2, 0.6), (6.0, 0.9), (9.0, 0.2)))
-
-
-@pytest.mark.parametrize("place", [(400.0, 2.1), (200.0, 2.15), (750.0, 2.05), (750.0, 5.9)])
-def test_friction_by_velocity_acts_within_a_step_and_beyond_the_samples(place):
-    load, velocity = place
-    plain = ensemble()
-    conditions = dataclasses.replace(plain.conditions, corrections=Corrections(friction=PEAK))
-    factor = conditions.friction_factor(plain.sample_velocities)[:, None]
-    bent = dataclasses.replace(plain, conditions=conditions, rises=plain.rises * factor)
-    error = np.linspace(-3.0, 3.0, 6001)
-    weights = density(error, 4, 0.10) * (error[1] - error[0])
-    velocities = velocity * np.exp(error)
-    heat = np.log(rise(DIRECT, load, 1.0) / limit(DIRECT))
-    along = EXPONENT * np.log(velocities) + np.log(conditions.friction_factor(velocities))
-    is_severe = np.searchsorted(np.sort(-heat), along) / len(heat)
-    found = margin(bent, load, velocity, scatter=0.10)
-    assert found.probability == pytest.approx(float(weights @ is_severe), abs=0.006)
 
 
 def test_the_band_of_a_boundary_has_the_velocities_of_these_probabilities():

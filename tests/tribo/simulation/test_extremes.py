@@ -12,7 +12,6 @@ from tests.helpers.scenes import STEEL, small_scene
 from tests.helpers.sound import assert_sound
 from tribo import (
     Ball,
-    ConvergenceError,
     Fidelity,
     Grid,
     InputError,
@@ -147,14 +146,6 @@ def times():
         )
 
 
-def peclet_numbers():
-    for exponent in range(-6, 7, 3):
-        velocity = 10.0**exponent * 2 * STEEL.thermal_diffusivity / 8e-6
-        yield Extreme(
-            "Péclet number", f"1e{exponent} an element", changed(wear=None), velocity=velocity
-        )
-
-
 def grids():
     for shape in [(1, 1), (1, 16), (48, 1), (2, 2), (47, 17)]:
         pixels = Grid(shape, (8e-6, 8e-6))
@@ -234,35 +225,14 @@ def materials():
         )  # fmt: skip
 
 
-def tolerances():
-    for tolerance in (1e-1, 1e-9, 1e-12):
-        fidelity = Fidelity(pixels_per_element=1, increments=5, contact_tolerance=tolerance)
-        yield Extreme("tolerance", f"contact {tolerance:g}", changed(fidelity=fidelity))
-    fidelity = Fidelity(pixels_per_element=1, increments=5, contact_tolerance=1e-17)
-    yield Extreme(
-        "tolerance", "contact 1e-17", changed(fidelity=fidelity), "falls no further",
-        ConvergenceError,
-    )  # fmt: skip
-    for tolerance in (0.9, 1e-12):
-        fidelity = Fidelity(pixels_per_element=1, increments=5, heat_tolerance=tolerance)
-        yield Extreme("tolerance", f"heat {tolerance:g}", changed(fidelity=fidelity))
-    yield Extreme(
-        "tolerance", "heat 1e-15",
-        lambda: replace(small_scene(), fidelity=Fidelity(heat_tolerance=1e-15)),
-        "heat_tolerance is 1e-15", InputError,
-    )  # fmt: skip
-
-
 EXTREMES = [
     *velocities(),
     *loads(),
     *wear(),
     *times(),
-    *peclet_numbers(),
     *grids(),
     *surfaces(),
     *materials(),
-    *tolerances(),
 ]
 
 

@@ -121,17 +121,6 @@ def test_units_scale(drawn, velocity, length_power, force_power):
 
 
 @few
-@given(scenes())
-def test_at_rest_a_mirrored_scene_has_the_mirrored_pressure(drawn):
-    load, scene = drawn
-    heights = scene.roughness.heights(scene.pixels)
-    for axis in (0, 1):
-        mirrored = replace(scene, roughness=MeasuredRoughness(np.flip(heights, axis)))
-        here, there = (last(s, load, 0.0) for s in (scene, mirrored))
-        assert_alike(here, replace(there, pressure=np.flip(there.pressure, axis)))
-
-
-@few
 @given(scenes(), st.floats(0.1, 20.0), st.integers(1, 19))
 def test_translation_along_the_period_translates_everything(drawn, velocity, places):
     load, scene = drawn
