@@ -11,7 +11,6 @@ _ALLOWED = {
     "pipeline/figures/test_fit.py _suptitle": "matplotlib has no public name of it",
     "pipeline/store/test_s3.py _registry": "fsspec as it is without s3fs",
     "pipeline/store/test_s3.py _send": "requests are counted where they leave",
-    "pipeline/store/test_schema.py _VARIABLES": "a new variable, as a contributor adds one",
     "pipeline/sweep/test_refusals.py _hidden": "that it is refused",
     "pipeline/tradeoff/test_forecast.py _increment_values": "temperatures are counted where solved",
     "pipeline/uncertain/test_difference.py _describe_contrast": "the sentence without a second run",

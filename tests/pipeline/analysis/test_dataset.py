@@ -9,7 +9,6 @@ import pint
 import pytest
 import xarray as xr
 
-import pipeline
 import tribo
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import (
@@ -19,15 +18,12 @@ from pipeline.analysis.dataset import (
 from pipeline.analysis.decisive import temperatures
 from pipeline.analysis.margin_frame import margin
 from pipeline.analysis.warned_points import warned
-from pipeline.scene.scenefile import load_scene
-from pipeline.store.create import writing
 from pipeline.store.schema import MADE, STEPPED
 from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
 from tests.helpers.entries import changed
-from tests.helpers.scenes import SCENE
 from tests.helpers.stores import commit
 from tests.helpers.sweeps import decisive_rise
 from tests.pipeline.conftest import commit_all
@@ -161,17 +157,3 @@ def test_a_store_without_a_point_opens(tmp_path):
     commit(tmp_path / "tiny.zarr", tiny.sweep(), ())
     with open_sweep(tmp_path / "tiny.zarr") as ds:
         assert np.isnan(temperatures(ds)["max_temperature"]).all()
-
-
-def test_rows_have_the_values_of_entries_only_where_each_has_one(tmp_path):
-    text = SCENE.replace("fields = true", "")
-    over = {"pin.radius": ["2 mm", "4 mm"], "loading.rate": ["150 N/s", "300 N/s"]}
-    (tmp_path / "scene.toml").write_text(text)
-    sweep = load_scene(tmp_path / "scene.toml", overrides={"sweep.over": over})
-    with writing(tmp_path / "out.zarr", sweep):
-        pass
-    ds = open_sweep(tmp_path / "out.zarr")
-    one = ds.isel({"pin.radius": 1})
-    assert pipeline.results(one).entries == {}
-    both = pipeline.results(one.isel({"loading.rate": 0})).entries
-    assert both == {"pin.radius": "4 mm", "loading.rate": "150 N/s"}

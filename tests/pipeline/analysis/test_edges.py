@@ -4,8 +4,6 @@ import pytest
 
 import pipeline
 from tests.helpers import synthetic
-from tests.helpers.samples import dataset, ensemble
-from tests.helpers.unknowns import ALL
 from tribo import InputError
 
 
@@ -21,12 +19,3 @@ def test_a_place_beyond_the_edge_by_rounding_is_the_edge(place):
 def test_a_place_beyond_by_more_than_rounding_is_refused(place):
     with pytest.raises(InputError, match="the sweep has"):
         pipeline.margin(synthetic.sweep(), *place)
-
-
-def test_samples_have_the_same_edges():
-    ds = dataset(ensemble(ALL, 32))
-    load, velocity = float(ds["load"][-1]), float(ds["velocity"].max())
-    here = pipeline.margin(ds, load * (1 + 1e-6), velocity * (1 - 0.2))
-    assert here.load == load
-    with pytest.raises(InputError, match="the samples have"):
-        pipeline.margin(ds, load * 1.001, velocity * 0.8)

@@ -78,18 +78,6 @@ def test_rows_of_a_table_are_told_apart(parts):
         crossings(swapped)
 
 
-def test_missing_points_are_not_computed_and_interpolated_ids_are_rounded(parts):
-    (ds,) = parts("low")
-    wider = ds.reindex(load=[150.0, 200.0, 250.0])
-    np.testing.assert_array_equal(crossings(wider)[[0, 2]], crossings(ds))
-    assert np.isnan(crossings(wider)[1])
-    between = ds.interp(load=[150.0, 200.0, 250.0])
-    np.testing.assert_allclose(crossings(between)[[0, 2]], crossings(ds), rtol=1e-12)
-    lost = ds.assign_coords(scene_id=ds["scene_id"].where(ds["load"] > 200))
-    with pytest.raises(InputError, match="points at load 150 N"):  # done, but of no known scene
-        crossings(lost)
-
-
 def test_other_conditions_make_another_scene(parts):
     low, high = parts("low", "high")
     judged = [pipeline.at(ds, friction=0.15) for ds in (low, high)]

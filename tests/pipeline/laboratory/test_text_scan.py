@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from pipeline.laboratory.surfaces import read_surface
-from tribo import InputError
 
 HEIGHTS = (
     np.arange(20.0).reshape(4, 5) + 0.25
@@ -90,29 +89,6 @@ def test_places_beside_and_above_a_matrix_are_no_heights(shape, corner, tmp_path
     surface = read_surface(tmp_path / "scan.csv", 1e-6)
     np.testing.assert_allclose(surface.heights, 1e-6 * rough.T)
     assert surface.pixel_size == (pytest.approx((1.2e-6, 1e-6)) if corner != "0" else None)
-
-
-@pytest.mark.parametrize(
-    ("off", "is_grid"),
-    [
-        (lambda x, y: 1e-4 * (y == 1), True),  # as rounding makes them
-        (lambda x, y: 0.09 * (x == 2), True),
-        (lambda x, y: 0.103 * (x == 2), False),
-    ],
-)
-def test_places_may_be_off_their_grid_by_a_tenth_of_its_step(off, is_grid, tmp_path):
-    """And those without a row are holes."""
-    x, y = map(np.ravel, np.indices((5, 4)))
-    rows = np.column_stack([2.0 + 0.5 * (x + off(x, y)), 3.0 + y, 10.0 * x + y])
-    np.savetxt(tmp_path / "scan.csv", np.delete(rows, 6, axis=0))
-    if not is_grid:
-        with pytest.raises(InputError, match="not on a regular grid"):
-            read_surface(tmp_path / "scan.csv", 1.0)
-        return
-    heights = read_surface(tmp_path / "scan.csv", 1.0).heights
-    expected = rows[:, 2].reshape(5, 4)
-    expected[1, 2] = np.nan
-    np.testing.assert_array_equal(heights, expected)
 
 
 @pytest.mark.parametrize("word", ["-9999", "-3.4028235e+38"])

@@ -76,6 +76,10 @@ CASES = {
         {"mild_up_to": 2},
     ),
     "one stage": (300.0, 2.0, risen(400), {"load": 300, "velocity": 2, "outcome": "severe"}),
+    "one stage that rises slowly": (
+        300.0, 2.0, 0.08 + 0.035 * np.linspace(0, 1, COUNT) + noise(COUNT),
+        {"load": 300, "outcome": "mild"},
+    ),
     "one stage that doubles by and by": (
         300.0, 2.0, 0.1 + np.clip((np.arange(COUNT) - 400) * 0.002, 0, 0.2) + noise(COUNT),
         {"load": 300, "outcome": "severe"},

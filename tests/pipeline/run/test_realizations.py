@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.boundary import boundary
 from pipeline.run.sweep import run_sweep
 from pipeline.sweep.plan import points, run_point
-from pipeline.sweep.variants import Variants, surfaces
+from pipeline.sweep.variants import surfaces
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
@@ -68,26 +67,6 @@ def velocities(load, lifts=LIFTS):
 
 
 # Boundary mode, figures, command
-
-
-def test_boundary_mode_follows_the_boundary_of_each_surface(tmp_path):
-    sweep = changed(
-        several((4, 1)),
-        loads=(200.0, 400.0),
-        velocities=tuple(np.arange(0.5, 8.01, 0.5).tolist()),
-        fields=False,
-    )
-    outcome = pipeline.run_sweep(sweep, tmp_path / "a.zarr", workers=1, boundary_only=0.02)
-    crossings = boundary(pipeline.open_sweep(tmp_path / "a.zarr"))
-    assert np.isfinite(crossings["critical_velocity"]).all()
-    assert crossings.attrs["missing_points"] == 0
-    assert outcome.total < len(points(sweep)) / 2
-    alone = changed(sweep, roughness=alone_on(4).scene.roughness, variants=Variants())
-    pipeline.run_sweep(alone, tmp_path / "4.zarr", workers=1, boundary_only=0.02)
-    np.testing.assert_array_equal(
-        boundary(pipeline.open_sweep(tmp_path / "4.zarr"))["critical_velocity"],
-        crossings["critical_velocity"].sel(realization=4),
-    )
 
 
 def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):

@@ -84,13 +84,6 @@ def test_entries_may_be_left_out(write):
     assert sweep.scene.disk.elastic_modulus == 210e9
 
 
-def test_scenes_extend_one_another_in_a_chain(write):
-    write(middle='extends = "base.toml"\nwithout = ["wear"]\n[pin]\nradius = "4 mm"')
-    sweep = load_scene(write(own='extends = "middle.toml"\n[pin]\nlength = "5 mm"'))
-    assert sweep.scene.wear is None
-    assert (sweep.scene.pin.radius, sweep.scene.pin.length) == (4e-3, 5e-3)
-
-
 def test_a_preset_takes_the_place_of_the_others_numerical_choices(write):
     write(base=TEXT.replace('preset = "draft"', "increments = 7"))
     sweep = load_scene(write(own=f'{EXTENDS}[fidelity]\npreset = "fine"'))

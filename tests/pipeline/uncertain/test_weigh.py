@@ -102,16 +102,6 @@ def test_the_friction_of_another_machine_tells_nothing_of_the_scene_s():
     assert rig["posterior"]["sd"] < 0.5 * friction["posterior"]["sd"]
 
 
-def test_transitions_narrow_the_critical_temperature_and_hide_the_wear_rate_behind_it():
-    truth = np.array([425.0, 1.5e-15, 0.1, 4e-6])
-    posterior = pipeline.posterior(ensemble(tests=transitions(truth, 0.01)), 0.02)
-    critical, *_ = posterior.summary()
-    assert critical["posterior"]["sd"] < 0.75 * critical["prior"]["sd"]
-    (pair, *_) = posterior.hidden()
-    assert set(pair[:2]) == {CRITICAL.path, RATE.path}
-    assert pair[2] < -0.6
-
-
 @pytest.mark.parametrize(
     ("scatters", "share"),
     [
@@ -206,22 +196,6 @@ def test_many_tests_are_weighed_in_steps_to_the_same_distribution(monkeypatch):
     # Drawn near the tests, and not weighed draws of the prior.
     assert np.ptp(sharp.draws.inputs[:, 0]) < 0.8 * np.ptp(sharp.prior.inputs[:, 0])
     assert 0.4 < sharp.draws.effective / len(sharp.draws.weights) < 1
-    inputs, _, parity = pipeline.plot(sharp).axes
-    (critical, *_) = sharp.summary()
-    for patch, one in zip(inputs.patches, ("prior", "posterior"), strict=True):
-        x, y = patch.get_xy().T  # steps, whose area is 1
-        assert np.sum(y[1:] * np.diff(x)) == pytest.approx(1.0)
-        mean = np.sum(y[1:] * np.diff(x**2)) / 2
-        assert mean == pytest.approx(critical[one]["mean"], abs=0.5)
-    marks = next(line for line in parity.lines if line.get_marker() == "D")
-    np.testing.assert_allclose(marks.get_xdata(), [entry["velocity"] for entry in measured])
-    ends = np.array([judged.critical_velocity for judged in sharp.judged])
-    np.testing.assert_allclose(marks.get_ydata(), ends[:, 1])
-    upwards = [part.get_segments() for part in parity.collections]
-    assert any(
-        np.allclose([segment[:, 1] for segment in segments], ends[:, [0, 2]])
-        for segments in upwards
-    )
     many = prior(sharp.unknown, 5, 2**15)
     likelihood = np.zeros(len(many.inputs))
     for entry in measured:

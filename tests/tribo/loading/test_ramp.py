@@ -70,10 +70,3 @@ def test_each_step_of_a_hold_has_the_same_share_of_the_impulse_so_far(hold, incr
     assert impulses[1:] / impulses[:-1] == pytest.approx((1 + hold / 2) ** (1 / len(held)))
     assert len(held) <= 1 + increments * math.log1p(hold / 2) / 4
     assert held[-1].time == pytest.approx(4.0 + hold)
-
-
-def test_a_step_of_a_hold_ends_at_each_stop_within_it():
-    held = Ramp(150.0, 750.0, hold=60.0, stops=(90.0, 10.0, 3.0, 10.0))
-    times = {round(station.time - 4.0, 9) for station in held.stations(600.0, 25)}
-    assert {3.0, 10.0, 60.0} <= times
-    assert max(times) == 60.0

@@ -41,16 +41,6 @@ def test_loading_ends_where_the_reference_load_is_first_reached():
     assert list(plateau.stations(750.0, 5))[-1].time == pytest.approx(5.5)
 
 
-@pytest.mark.parametrize("loads", [(0.0, 300.0, 600.0), (0.0, 590.0, 600.0)], ids=("even", "jump"))
-def test_the_clock_of_a_record_may_begin_anywhere(loads):
-    times = np.array([0.0, 1.0, 2.0])
-    late, own = (
-        list(MeasuredLoad(begin + times, np.array(loads)).stations(600.0, 8)) for begin in (90.0, 0)
-    )
-    for one, other in zip(late, own, strict=True):
-        assert (one.time, one.impulse) == pytest.approx((other.time, other.impulse), rel=1e-9)
-
-
 def test_a_load_that_falls_is_followed_and_noise_below_zero_is_no_load():
     record = MeasuredLoad(np.arange(5.0), np.array([-2.0, 200.0, 100.0, -3.0, 300.0]))
     stations = list(record.stations(300.0, 1000))

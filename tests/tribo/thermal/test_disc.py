@@ -94,15 +94,3 @@ def test_the_half_space_and_the_series_meet(name):
     at = 4e-4 * wall**2 / DIFFUSIVITY * np.array([1 - 1e-9, 1 + 1e-9])
     before, after = disc.rim_response(at, DIFFUSIVITY, CAPACITY)
     assert before == pytest.approx(after, rel=3e-4)
-
-
-def test_a_disc_says_its_sizes_and_the_losses_that_it_has():
-    whole = Disc(**PLAIN, bore=0.0305, rim_loss=12.0, face_loss=34.0, shaft_loss=5.67)
-    assert str(whole) == (
-        "100 × 10 mm, bore 30.5 mm, rim 12 W/(m² K), faces 34 W/(m² K), shaft 5.67 W/K"
-    )
-    assert whole.as_dict() == PLAIN | {
-        "bore": 0.0305, "rim_loss": 12.0, "face_loss": 34.0, "shaft_loss": 5.67
-    }  # fmt: skip
-    assert str(Disc(**PLAIN)) == "100 × 10 mm"
-    assert Disc(**PLAIN).as_dict() == PLAIN

@@ -30,21 +30,6 @@ def test_quantiles_are_those_of_numpy(nodes):
     assert contact_quantiles(rise, rise > 0) == pytest.approx(expected, rel=1e-13)
 
 
-def test_shares_that_a_user_asks_for_are_kept_and_not_interpolated():
-    asked = [0.0, 0.1, 1.0, 2.5, *range(5, 100, 5), 99.0, 100.0]  # % of the contact, the highest 0
-    kept = {round(100 * (1 - quantile), 6) for quantile in QUANTILES}
-    assert {*asked} <= kept
-    assert kept - {*asked} == {7.5, 9.0, 11.0, 12.5, 17.5}  # finer about the usual 10 %
-    assert sorted(QUANTILES) == [*QUANTILES]
-
-
-def test_bulk_ratios_of_a_store_are_those_of_its_format():
-    """A store lists them along its axis, and another list would be another format."""
-    positive = (200.0, 500.0, 1e3, 2e3, 5e3, 1e4, 3e4, 1e8)
-    assert tuple(-ratio for ratio in BULK_RATIOS[::-1]) == BULK_RATIOS
-    assert BULK_RATIOS[8:] == positive
-
-
 def test_only_the_contact_counts():
     rise = np.array([[10.0, 500.0], [20.0, 30.0]])
     contact = np.array([[True, False], [True, True]])

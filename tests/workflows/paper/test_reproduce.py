@@ -221,20 +221,6 @@ def test_only_swept_wear_leaves_the_temperatures_of_table_4(small):
     assert np.all(np.array(data["failed_percent"]["unworn"]) > 20)
 
 
-def test_one_friction_gives_the_shares_of_table_4_and_the_measured_ones_scatter_them(small):
-    data = small("table4").data
-    single = np.mean(data["failed_percent"]["swept"], axis=1)
-    level = np.mean(data["failed_percent_at_scene_friction"], axis=1)
-    printed = 100 * TABLE_4.failed_share
-    assert np.ptp(level) < 0.7 * np.ptp(single)
-    assert np.abs(level - printed).max() < 8
-    assert np.abs(level - printed).max() < 0.8 * np.abs(single - printed).max()
-    needed = np.mean(data["friction_for_printed_share"], axis=1)
-    assert needed == pytest.approx(np.full(4, 0.1), rel=0.06)
-    # A share above the printed one takes less friction, one below it more.
-    assert (np.sign(level - printed) == np.sign(0.1 - needed)).all()
-
-
 def test_the_hot_rows_of_table_6_are_those_of_room_temperature(small):
     data = small("table6").data
     assert data["misfit_by_bulk_celsius"]["100"] == pytest.approx(0.276, abs=5e-4)
