@@ -19,7 +19,7 @@ from decimal import (
     localcontext,
 )
 from importlib import resources
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 _LONGEST = 80
-_GRAVITY = 9.80665  # [m/s²], of weights
+_GRAVITY = Decimal("9.80665")  # [m/s²], of weights
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 # The unit's characters leave out "_", and so delta_degC, which would make 25 K of 25 °C.
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
@@ -95,34 +95,29 @@ def exact_decimals() -> Iterator[None]:
         yield
 
 
+class Unit(NamedTuple):
+    """A unit: its dimension by the unit of SI as CF writes it, its size, and what 0 of it is."""
+
+    dimension: str
+    size: Decimal
+    zero: Decimal = Decimal(0)
+
+
 @functools.lru_cache(maxsize=65536)  # samples repeat nearly all of their entries
 @exact_decimals()
 def exact_si(text: str, like: str) -> Decimal:
     """Value in SI of a quantity such as ``"0.27 um"``, without rounding; hardness is a pressure."""
-    needed = _split_hardness(like)[1]
-    if needed in ("m/s", "mm/s") and (turns := _TURNS.fullmatch(text)):
+    needed = si_unit(like)
+    if needed == "m s-1" and (turns := _TURNS.fullmatch(text)):
         radius = exact_si(turns["length"], "1 m") / (1 if turns["which"] == "radius" else 2)
         if radius <= 0:
             which = f"{turns['which']} of the track"
             raise UnitError(f"{_quoted(text)}: the {which} is not above 0; give its own")
         return Decimal(turns["number"]) / 60 * Decimal(2 * math.pi) * radius
-    number, unit = _split_hardness(text)
-    for one in DIMENSIONS.values():  # which need no pint
-        if unit in one.units and needed in one.units:
-            return Decimal(number) * Decimal(one.units[unit]) + ZERO.get(unit, 0)
-    quantity = _parsed(text)
-    try:
-        value: Decimal = quantity.to_base_units().magnitude
-    except Exception as error:  # pint raises more than its own
-        raise UnitError(f"{_quoted(text)} cannot be expressed in SI") from error
-    if not quantity.check(_parsed(like).dimensionality):
-        if quantity.unitless:
-            raise UnitError(f"{_quoted(text)} has no unit")
-        if unit in ("C", "F") and needed in ("K", "degC"):
-            raise UnitError(f"{_quoted(text)} has no unit of temperature; write {number} deg{unit}")
-        hint = _what_to_give(quantity, needed)
-        raise UnitError(f"{_quoted(text)} cannot be converted to {needed}{hint}")
-    return value
+    number, unit = _read(text)
+    if unit.dimension != needed:
+        raise UnitError(f"{_quoted(text)} {_misfit(text, unit, like)}")
+    return number * unit.size + unit.zero
 
 
 def to_si(text: str, like: str) -> float:
@@ -156,8 +151,7 @@ def to_si(text: str, like: str) -> float:
 def difference_in_si(text: str, like: str) -> float:
     """Value in SI of a difference of quantities, which is in K for temperatures."""
     difference = to_si(text, like)
-    unit = _parts(text)[1]
-    if unit and to_si(f"0 {unit}", like) != 0:
+    if _read(text)[1].zero:
         raise UnitError(f'"{text}" is a temperature; give a difference, such as "8 K"')
     return difference
 
@@ -166,18 +160,7 @@ def difference_in_si(text: str, like: str) -> float:
 @exact_decimals()
 def si_unit(text: str) -> str:
     """SI unit of the dimension of a quantity, as CF writes units, such as ``"W m-1 K-1"``."""
-    unit = _split_hardness(text)[1]
-    for cf, one in DIMENSIONS.items():
-        if unit in one.units:
-            return cf
-    quantity = _parsed(text)
-    for cf, one in DIMENSIONS.items():
-        if quantity.check(_parsed(one.limits[0]).dimensionality):
-            return cf
-    parts: Any = quantity.to_base_units().unit_items()
-    powers = [(_registry().get_symbol(name), int(power)) for name, power in parts]
-    powers.sort(key=lambda power: power[1] < 0)
-    return " ".join(f"{name}{power if power != 1 else ''}" for name, power in powers) or "1"
+    return _read(text)[1].dimension
 
 
 def unit_of_table(unit: str) -> str:
@@ -198,14 +181,12 @@ def as_entry(cell: str, unit: str = "") -> str | float:
 def is_unit(unit: str, like: str | None = None) -> bool:
     """True of a unit of any dimension, or of that of another one; a number may be in percent."""
     try:
-        if like is not None:
-            return unit == "%" if like == "" else to_si(f"1 {unit}", f"1 {like}") is not None
-        # A lone µ, once a micron, is a coefficient of friction.
-        return unit == "%" or (
-            unit not in "µμ" and not unit.isdigit() and bool(si_unit(f"1 {unit}"))
-        )
+        found = si_unit(f"1 {unit}")
     except UnitError:
-        return False
+        return unit == "%" and not like
+    if like is not None:
+        return bool(like) and found == si_unit(f"1 {like}")
+    return unit not in "µμ" and not unit.isdigit()  # a lone µ, once a micron, is friction
 
 
 def clock_time(text: str) -> float:
@@ -245,22 +226,46 @@ def _parts(text: str) -> tuple[str, str]:
     return match[1], match[2].strip()
 
 
-def _split_hardness(text: str) -> tuple[str, str]:
-    """Split text into a number and a unit, with the pressure in place of a hardness number."""
+def _read(text: str) -> tuple[Decimal, Unit]:
+    """Number and unit of a quantity; a hardness number is a pressure."""
     number, unit = _parts(text)
     try:
-        pressure = hardness_pressure(Decimal(number), unit)
+        scale = _SCALE.fullmatch(unit) if unit.startswith("H") else None
+        if scale:
+            return _hardness_pressure(Decimal(number), scale[scale.lastindex or 0]), _unit("Pa")
+        return Decimal(number), _unit(unit)
     except InputError as error:
         raise UnitError(f"{_quoted(text)} {error}") from error
-    return (number, _typed(unit)) if pressure is None else (str(pressure), "Pa")
 
 
-@functools.lru_cache(maxsize=256)
-def _typed(unit: str) -> str:
-    """A unit as data sheets print it, as pint reads it."""
+@functools.lru_cache(maxsize=1024)
+@exact_decimals()
+def _unit(unit: str) -> Unit:
+    """A unit as data sheets print it; an `InputError` if it is unknown."""
     for pattern, read in _PRINTED:
         unit = pattern.sub(read, unit)
-    return unit
+    for cf, one in DIMENSIONS.items():  # which need no pint
+        if unit in one.units:
+            return Unit(cf, Decimal(one.units[unit]), Decimal(ZERO.get(unit, 0)))
+    import pint
+
+    registry = _registry()
+    try:
+        parsed = registry.parse_units(unit)
+        zero, one_unit = (registry.Quantity(Decimal(k), parsed).to_base_units() for k in (0, 1))
+    except pint.UndefinedUnitError as error:
+        raise InputError(f"has an unknown unit: {error}") from error
+    except Exception as error:  # pint raises more than its own
+        raise InputError("has a unit that cannot be read") from error
+    size = one_unit.magnitude - zero.magnitude
+    for cf, one in DIMENSIONS.items():
+        if one_unit.check(registry.parse_units(next(iter(one.units))).dimensionality):
+            return Unit(cf, size, zero.magnitude)
+    parts: Any = one_unit.unit_items()
+    powers = [(registry.get_symbol(name), int(power)) for name, power in parts]
+    powers.sort(key=lambda power: power[1] < 0)
+    cf = " ".join(f"{name}{power if power != 1 else ''}" for name, power in powers)
+    return Unit(cf or "1", size)
 
 
 def middle_of_range(text: str) -> str | None:
@@ -279,26 +284,19 @@ def middle_of_range(text: str) -> str | None:
     return f"{ends.get(sign, low + high) / 2} {scale}"
 
 
-def _parsed(text: str) -> pint.Quantity[Decimal]:
-    number, unit = _split_hardness(text)
-    import pint
-
-    try:
-        return _registry().Quantity(Decimal(number), _registry().parse_units(unit))
-    except pint.UndefinedUnitError as error:
-        raise UnitError(f"{_quoted(text)} has an unknown unit: {error}") from error
-    except Exception as error:  # pint raises more than its own
-        raise UnitError(f"{_quoted(text)} has a unit that cannot be read") from error
-
-
-def _what_to_give(quantity: pint.Quantity[Decimal], needed: str) -> str:
-    """What a mass stands for where a force is due, or rotation where a speed is."""
-    if needed in ("N", "kN") and quantity.check("[mass]"):
-        weight = float(quantity.to("kg").magnitude) * _GRAVITY
-        return f"; its weight is {weight:.4g} N"
-    if needed == "m/s" and quantity.check("1/[time]"):
-        return '; give its track, too, such as "500 rpm at radius 30 mm"'
-    return ""
+def _misfit(text: str, unit: Unit, like: str) -> str:
+    """Why a quantity of another dimension does not fit, and what to give."""
+    (number, typed), needed = _parts(text), _parts(like)[1]
+    if unit.dimension == "1":
+        return "has no unit"
+    if typed in ("C", "F") and si_unit(like) == "K":
+        return f"has no unit of temperature; write {number} deg{typed}"
+    hint = ""
+    if (unit.dimension, si_unit(like)) == ("kg", "N"):
+        hint = f"; its weight is {Decimal(number) * unit.size * _GRAVITY:.4g} N"
+    if unit.dimension in ("rad s-1", "s-1") and si_unit(like) == "m s-1":
+        hint = '; give its track, too, such as "500 rpm at radius 30 mm"'
+    return f"cannot be converted to {needed}{hint}"
 
 
 def _quoted(text: str) -> str:
@@ -306,8 +304,7 @@ def _quoted(text: str) -> str:
     return json.dumps(short, ensure_ascii=False)
 
 
-_KGF_PER_MM2 = Decimal("9.80665e6")  # Pa
-_SCALE = re.compile(r"(HV) ?[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HRC)")
+_SCALE = re.compile(r"(HV) ?[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HR)[Cc]")
 
 
 @functools.cache
@@ -315,24 +312,21 @@ def _hardness_of_steel() -> dict[str, tuple[list[int], list[int]]]:
     """Numbers of two scales, and Vickers numbers beside them."""
     file = resources.files("pipeline.scene").joinpath("hardness.toml")
     vickers, brinell = tomllib.loads(file.read_text(encoding="utf-8")).values()
-    return {"HRC": ([*range(20, 69)], vickers), "HB": (brinell, vickers[: len(brinell)])}
+    return {"HR": ([*range(20, 69)], vickers), "HB": (brinell, vickers[: len(brinell)])}
 
 
-def hardness_pressure(number: Decimal, unit: str) -> Decimal | None:
-    """Pressure of a hardness number [Pa]; None if the unit is not HV, HB, HBW or HRC."""
-    match = _SCALE.fullmatch(unit.strip().replace("HRc", "HRC"))
-    if match is None:
-        return None
-    scale = str(match[match.lastindex or 0])
-    if scale == "HV":
-        return number * _KGF_PER_MM2
-    numbers, vickers = _hardness_of_steel()[scale]
-    if not numbers[0] <= number <= numbers[-1]:
-        raise InputError(
-            f"is outside the conversion of ASTM E140 for steel, {numbers[0]} to {numbers[-1]} "
-            f"{scale}; give it in HV, or as a pressure"
-        )
-    return Decimal(float(np.interp(float(number), numbers, vickers))) * _KGF_PER_MM2
+def _hardness_pressure(number: Decimal, scale: str) -> Decimal:
+    """Pressure of a hardness number [Pa]."""
+    if scale != "HV":
+        numbers, vickers = _hardness_of_steel()[scale]
+        if not numbers[0] <= number <= numbers[-1]:
+            name = {"HR": "HRC"}.get(scale, scale)
+            raise InputError(
+                f"is outside the conversion of ASTM E140 for steel, {numbers[0]} to {numbers[-1]} "
+                f"{name}; give it in HV, or as a pressure"
+            )
+        number = Decimal(float(np.interp(float(number), numbers, vickers)))
+    return number * _GRAVITY * 10**6  # of kgf/mm²
 
 
 def in_si(name: str, value: float | str, like: str) -> float:
