@@ -87,7 +87,10 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
             "that of the file is for its own duty; give temperature.bulk of the other duty, too, "
             "or without=temperature.bulk and temperature.oil, from which it follows",
         )
-    oil = oil_of(tables.oil, faults) if not faults else None
+    oil = None
+    if tables.oil and not faults:
+        with faults.at("oil"):
+            oil = oil_of(tables.oil)
     if faults:
         raise SceneFileError(given, [*map(document.line, faults)])
     try:

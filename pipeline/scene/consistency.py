@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
 import tribo
 from pipeline.quantities import display
 from pipeline.scene.faults import Fault, Faults, did_you_mean, quoted
-from pipeline.scene.format import Bulks, Ramp
+from pipeline.scene.format import Bulks
 from pipeline.scene.library import library
 from pipeline.scene.parts import DISC, around
 from pipeline.scene.runs import run_faults
@@ -38,11 +37,6 @@ def _check(*paths: str) -> Callable[[Callable[[Any], Misfits]], Callable[[Any], 
 
 def check_tables(scene: Any, changed: Collection[str], faults: Faults) -> None:
     """Note every conflict between the tables of a scene, of which some have changed."""
-    if not any(fault.key == "materials" for fault in faults):
-        for body in ("pin", "disk"):
-            name = getattr(getattr(scene, body), "material", None)
-            if problem := unknown_material(name, scene.materials or {}):
-                faults.refuse(f"{body}.material", problem)
     for paths, names, find in _CHECKS:
         if not names.isdisjoint(changed) and not (faults and any(map(faults.touch, paths))):
             faults.extend(Fault(path, words) for path, words in find(scene))
@@ -58,18 +52,11 @@ def unknown_material(name: Any, materials: Mapping[str, Any]) -> str:
     return f"{problem}; give {choices}, or add a table for it"
 
 
-def _refused(path: str, make: Callable[[], Any]) -> Misfits:
-    """What an object of the physics has against its values."""
-    try:
-        make()
-    except tribo.InputError as error:
-        yield path, str(error)
-
-
-@_check("window.pixel_size", "window.pixels")
-def _unfit_sides(scene: Any) -> Misfits:
-    window = scene.window
-    yield from _refused("window.pixel_size", lambda: tribo.Grid(window.pixels, window.pixel_size))
+@_check("materials", "pin.material", "disk.material")
+def _unknown_materials(scene: Any) -> Misfits:
+    for body in ("pin", "disk"):
+        if words := unknown_material(getattr(scene, body).material, scene.materials or {}):
+            yield f"{body}.material", words
 
 
 @_check("window.pixels", "fidelity.pixels_per_element")
@@ -103,12 +90,6 @@ def _unfit_sizes(scene: Any) -> Misfits:
         if size not in sizes_of(shape) and is_given:
             shapes = " or ".join(f'"{other}"' for other in tribo.PINS if size in sizes_of(other))
             yield f"pin.{size}", f"does not fit a {shape}; leave it out, or give shape = {shapes}"
-
-
-@_check("motion")
-def _unfit_motion(scene: Any) -> Misfits:
-    if scene.motion:
-        yield from _refused("motion", lambda: tribo.Motion(**vars(scene.motion)))
 
 
 @_check("motion", "pin.diameter", "pin.track_length")
@@ -208,13 +189,3 @@ def _unfit_tests(scene: Any) -> Misfits:
                 yield f"{name}[{number}].friction_scatter", problem
     for number, problem in run_faults(scene.tested or ()):
         yield f"tested[{number}].run", problem
-
-
-@_check("loading", "sweep.loads", "fidelity")
-def _many_steps(scene: Any) -> Misfits:
-    """Loads that take more steps than anybody waits for."""
-    if isinstance(scene.loading, Ramp):
-        ramp, fidelity = tribo.Ramp(**vars(scene.loading)), scene.fidelity
-        steps = fidelity.increments, fidelity.hold_increments
-        stations = ramp.stations(max(scene.sweep.loads), *steps)
-        yield from _refused("loading", lambda: deque(stations, maxlen=0))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, fields, is_dataclass, replace
 from typing import Any
 
@@ -35,16 +35,6 @@ _NAMES = {
 _PARAMETERS = {kind: f"{path.rpartition('.')[0]}.parameters" for kind, path in _NAMES.items()}
 """Tables of the fields of each law, where the scene gives them other values."""
 _SOURCE = "source_sha256"
-
-
-def named_code(entries: dict[str, Any]) -> Iterator[str]:
-    """Say of each law that a scene names as ``"module:name"`` that it is an object in Python."""
-    for kind, path in _NAMES.items():
-        if ":" in str(name := entry_at(entries, path)):
-            yield (
-                f"{path}: {quoted(name)} is code, which a scene file cannot name; give the object "
-                f'in Python, pipeline.load_scene(…, laws={{"{kind}": …}})'
-            )
 
 
 def replace_by_laws(document: Document, laws: Mapping[str, Any]) -> Document:

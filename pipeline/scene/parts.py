@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,11 +19,13 @@ from pipeline.scene.format import (
     LoadRecord,
     Material,
     MeasuredSurface,
+    Motion,
     Oil,
     Plate,
     Ramp,
     RandomSurface,
     Rod,
+    Window,
 )
 from pipeline.scene.names import UNITS
 from pipeline.scene.sheet import read_sheet
@@ -65,12 +66,8 @@ class Contents:
         return key
 
     def take(self, key: str, shape: tuple[int, ...]) -> Array:
-        """An array by its digest; raise an `InputError` if it is another one."""
-        with suppress(ValueError):  # of another size
-            array = self.arrays[key].reshape(shape)
-            if array_digest(array) == key:
-                return array
-        raise tribo.InputError(f"the array {key} is another one")
+        """An array by its digest."""
+        return self.arrays[key].reshape(shape)
 
     def find(self, asked: Any, path: str, faults: Faults) -> Path | None:
         """The file of a table, if its content is not known; a store opens none."""
@@ -85,34 +82,28 @@ class Contents:
 
 
 def loading_of(
-    asked: Ramp | LoadRecord | None, contents: Contents, faults: Faults, stops: tuple[float, ...]
-) -> tuple[Loading, str | None] | None:
+    asked: Ramp | LoadRecord, contents: Contents, faults: Faults, stops: tuple[float, ...]
+) -> tuple[Loading, str | None]:
     """The ramp or the recorded load, and the digest of a record; a note tells of a fitted line.
-
-    None where they are faulty.
 
     Steps of a hold end at the stops that are shorter [s].
     """
-    if asked is None or faults.touch("loading"):
-        return None
-    with faults.at("loading" if isinstance(asked, Ramp) else "loading.file"):
-        if isinstance(asked, Ramp):
-            stops = tuple(s for s in stops if s < asked.hold)
-            return tribo.Ramp(**vars(asked), stops=stops), None
-        if path := contents.find(asked, "loading", faults):
-            record = _read_record(path, asked.reference_load, faults)
-            content = contents.keep(np.array([record.times, record.loads]))
-        else:
-            content = str(asked.content)
-            times, loads = contents.take(content, (2, -1))
-            record = tribo.MeasuredLoad(times, loads, asked.reference_load)
-        if not asked.fit:
-            return record, content
-        rate, onset = record.linear_fit()
-        line = f"{rate:.4g} N/s from {round(onset, 3) + 0:g} s on"
-        faults.note("loading.file", f"fitted by {line}")
-        return record.ramp(), content
-    return None
+    if isinstance(asked, Ramp):
+        stops = tuple(s for s in stops if s < asked.hold)
+        return tribo.Ramp(**vars(asked), stops=stops), None
+    if path := contents.find(asked, "loading", faults):
+        record = _read_record(path, asked.reference_load, faults)
+        content = contents.keep(np.array([record.times, record.loads]))
+    else:
+        content = str(asked.content)
+        times, loads = contents.take(content, (2, -1))
+        record = tribo.MeasuredLoad(times, loads, asked.reference_load)
+    if not asked.fit:
+        return record, content
+    rate, onset = record.linear_fit()
+    line = f"{rate:.4g} N/s from {round(onset, 3) + 0:g} s on"
+    faults.note("loading.file", f"fitted by {line}")
+    return record.ramp(), content
 
 
 def _read_record(path: Path, reference_load: float | None, faults: Faults) -> tribo.MeasuredLoad:
@@ -129,39 +120,41 @@ def _read_record(path: Path, reference_load: float | None, faults: Faults) -> tr
     return tribo.MeasuredLoad(times, loads, reference_load)
 
 
-def wear_of(asked: Any, faults: Faults) -> Any:
+def grid_of(window: Window, pin: Any) -> tribo.Grid:
+    """Pixels of the window, which a cylinder continues along y."""
+    return tribo.Grid(window.pixels, window.pixel_size, periodic=(False, pin.shape == "cylinder"))
+
+
+def wear_of(asked: Any) -> Any:
     """Archard's wear, or a law that ships."""
-    if asked is None or faults.touch("wear"):
-        return None
     values = dict(vars(asked))
-    with faults.at("wear.law"):
-        law: Any = tribo.LAWS[values.pop("law")] if "law" in values else tribo.Wear
-        return law(**values)
+    law: Any = tribo.LAWS[values.pop("law")] if "law" in values else tribo.Wear
+    return law(**values)
 
 
-def oil_of(asked: Oil | None, faults: Faults) -> tribo.Oil | None:
+def oil_of(asked: Oil) -> tribo.Oil:
     """The lubricant; the equation of ASTM D341 is applied to a dynamic viscosity in mPa s, too."""
-    if asked is None or faults.touch("oil"):
-        return None
-    coefficient, kinematic = asked.pressure_viscosity_coefficient, asked.kinematic_viscosity
-    pair = coefficient if isinstance(coefficient, tuple) else (coefficient, coefficient)
+    kinematic = asked.kinematic_viscosity
     dynamic: Any = tuple(value / _NOMINAL for value in asked.dynamic_viscosity or ())
-    with faults.at("oil"):
-        if bool(kinematic) == bool(dynamic) or (kinematic and asked.density is None):
-            raise tribo.InputError(
-                "its viscosity is not known; give kinematic_viscosity and density, or "
-                "dynamic_viscosity alone"
-            )
-        return tribo.Oil(
-            asked.temperatures,
-            kinematic or dynamic,
-            asked.density if kinematic and asked.density else _NOMINAL,
-            None if coefficient is None else pair,
+    if bool(kinematic) == bool(dynamic) or (kinematic and asked.density is None):
+        raise tribo.InputError(
+            "its viscosity is not known; give kinematic_viscosity and density, or "
+            "dynamic_viscosity alone"
         )
-    return None
+    density = asked.density if kinematic and asked.density else _NOMINAL
+    coefficient = asked.pressure_viscosity_coefficient
+    pair = None if coefficient is None else _pair(coefficient)
+    return tribo.Oil(asked.temperatures, kinematic or dynamic, density, pair)
 
 
-def corrections_of(scene: Any, pin: tribo.Pin, disk: tribo.Material) -> tribo.Corrections | None:
+def _pair(value: Any) -> tuple[float, float]:
+    """One value, or two."""
+    return value if isinstance(value, tuple) else (value, value)
+
+
+def corrections_of(
+    scene: Any, pin: tribo.Pin, disk: tribo.Material, motion: tribo.Motion | None
+) -> tribo.Corrections | None:
     """Physics beside the two half-spaces, of a sound scene."""
     friction, rod, film = scene.friction, scene.pin.stem, scene.disk.film
     curves: dict[str, Any] = {
@@ -183,17 +176,14 @@ def corrections_of(scene: Any, pin: tribo.Pin, disk: tribo.Material) -> tribo.Co
         film_resistance=film.thickness / film.thermal_conductivity if film else 0.0,
         pin_bulk=_bulk_of(scene.pin, pin.material),
         disk_bulk=_bulk_of(scene.disk, disk),
-        motion=motion_of(scene) if around(scene.pin) or around(scene.disk) else None,
+        motion=motion if around(scene.pin) or around(scene.disk) else None,
     )
     return corrections if corrections != tribo.Corrections() else None
 
 
-def motion_of(scene: Any) -> tribo.Motion | None:
+def motion_of(asked: Motion, pin: Body) -> tribo.Motion:
     """The motion of both bodies; the pin's wear spreads over the track around it."""
-    asked = scene.motion
-    if asked is None:
-        return None
-    return tribo.Motion(**vars(asked) | {"track_length": asked.track_length or around(scene.pin)})
+    return tribo.Motion(**vars(asked) | {"track_length": asked.track_length or around(pin)})
 
 
 def around(body: Body) -> float | None:
@@ -240,32 +230,29 @@ def realizations_of(scene: Any, faults: Faults) -> tuple[int, ...]:
     return tuple(sorted(asked))
 
 
-def roughness_of(scene: Any, contents: Contents, faults: Faults) -> Roughness | None:
-    """The disk's roughness; None if there is none, or a faulty one."""
-    asked = entry_at(scene, "disk.roughness")
-    if asked is None or faults.touch("disk.roughness"):
+def roughness_of(
+    asked: Any, window: Window, contents: Contents, faults: Faults
+) -> Roughness | None:
+    """The disk's roughness; None of a faulty scan."""
+    if not isinstance(asked, MeasuredSurface):
+        if window.pixels == (1, 1):
+            raise tribo.InputError(
+                "one pixel cannot be rough; give more window.pixels, or no table"
+            )
+        pair = _pair(asked.correlation_length)
+        return tribo.SelfAffineRoughness(**vars(asked) | {"correlation_length": pair})
+    try:
+        path = contents.find(asked, "disk.roughness", faults)
+    except MissingError as error:
+        return MissingSurface(asked.content or "", str(error))
+    if path is None:
+        return tribo.MeasuredRoughness(contents.take(str(asked.content), window.pixels))
+    scans = extras.module("surfaces")
+    heights = scans.window_heights(vars(asked), vars(window), path, faults)
+    if heights is None:
         return None
-    if isinstance(asked, MeasuredSurface):
-        with faults.at("disk.roughness.file"):
-            try:
-                path = contents.find(asked, "disk.roughness", faults)
-            except MissingError as error:
-                return MissingSurface(asked.content or "", str(error))
-            if path is None:
-                heights = contents.take(str(asked.content), scene.window.pixels)
-                return tribo.MeasuredRoughness(heights)
-            scans = extras.module("surfaces")
-            window = vars(scene.window) if scene.window else {}
-            heights = scans.window_heights(vars(asked), window, path, faults)
-            if heights is not None and (pixels := window.get("pixels", heights.shape)):
-                if heights.shape != pixels:
-                    raise tribo.InputError(_WRONG_SIZE.format(*heights.shape, *pixels))
-                contents.keep(made := tribo.MeasuredRoughness(heights).array)
-                return tribo.MeasuredRoughness(made)
-        return None
-    if scene.window and scene.window.pixels == (1, 1):
-        problem = "[1, 1] cannot be rough; give more pixels, or no disk.roughness"
-        faults.refuse("window.pixels", problem)
-    length = asked.correlation_length
-    pair = length if isinstance(length, tuple) else (length, length)
-    return tribo.SelfAffineRoughness(**vars(asked) | {"correlation_length": pair})
+    if heights.shape != window.pixels:
+        raise tribo.InputError(_WRONG_SIZE.format(*heights.shape, *window.pixels))
+    made = tribo.MeasuredRoughness(heights)
+    contents.keep(made.array)
+    return made

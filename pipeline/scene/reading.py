@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import tribo
@@ -17,6 +18,7 @@ from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import (
     Contents,
     corrections_of,
+    grid_of,
     loading_of,
     material_of,
     motion_of,
@@ -78,28 +80,32 @@ class SceneReader:
         scene, changed = self._declared(tables, faults)
         fidelity, preset = self._fidelity(scene.fidelity, faults)
         realizations_of(scene, faults)
-        roughness = laws.get("surface") or self._once(
-            ("surface", entry_at(scene, "disk.roughness"), scene.window),
-            lambda: roughness_of(scene, self.contents, faults),
+        part, contents, stops = (
+            partial(self._part, scene, faults),
+            self.contents,
+            tested_holds(scene),
         )
-        stops = tested_holds(scene)
-        loading, record = self._once(
-            ("loading", scene.loading, stops),
-            lambda: loading_of(scene.loading, self.contents, faults, stops),
+        loading, record = part(
+            lambda one, *stops: loading_of(one, contents, faults, stops), "loading", more=stops
         ) or (None, None)
-        check_tables(replace(scene, fidelity=fidelity), changed, faults)
-        oil = self._once(("oil", scene.oil), lambda: oil_of(scene.oil, faults))
-        wear = laws.get("wear") or wear_of(scene.wear, faults)
-        if faults or loading is None:
-            return None, taken
-        physics = _scene_of(
-            scene,
-            laws.get("pin"),
-            loading=loading,
-            roughness=roughness,
-            wear=wear,
-            fidelity=fidelity,
+        roughness = laws.get("surface") or part(
+            lambda one, window: roughness_of(one, window, contents, faults),
+            "disk.roughness",
+            "window",
         )
+        made = {
+            "pixels": part(grid_of, "window", "pin"),
+            "motion": part(motion_of, "motion", "pin"),
+            "wear": laws.get("wear") or part(wear_of, "wear"),
+            "loading": loading,
+            "roughness": roughness,
+            "fidelity": fidelity,
+        }
+        oil = part(oil_of, "oil")
+        check_tables(replace(scene, fidelity=fidelity), changed, faults)
+        if faults:
+            return None, taken
+        physics = _scene_of(scene, laws.get("pin"), **made)
         parts = Parts(
             declared=_with_contents(scene, getattr(roughness, "digest", None), record),
             scene=physics,
@@ -148,10 +154,18 @@ class SceneReader:
             self.first = entries, scene
         return scene, kind.keys
 
-    def _once(self, made_of: tuple[Any, ...], make: Callable[[], Any]) -> Any:
-        """The part of a scene that is made of some tables; a faulty one is told each time."""
-        self.parts[made_of] = self.parts.get(made_of) or make()
-        return self.parts[made_of]
+    def _part(
+        self, scene: Any, faults: Faults, make: Callable[..., Any], *paths: str, more: Any = ()
+    ) -> Any:
+        """What some tables make, and keep it; None without the first, or if one is faulty."""
+        tables = [entry_at(scene, path) for path in paths]
+        if tables[0] is None or any(map(faults.touch, paths)):
+            return None
+        made_of = (*paths, *tables, *more)
+        if made_of not in self.parts:
+            with faults.at(f"{paths[0]}.file" if hasattr(tables[0], "file") else paths[0]):
+                self.parts[made_of] = make(*tables, *more)
+        return self.parts.get(made_of)
 
     def _fidelity(self, asked: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:
         """Fidelity of a table, and the name of its preset if it equals that."""
@@ -187,16 +201,12 @@ def contents_of(parts: Parts) -> dict[str, str]:
 
 def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:
     """What is simulated of a sound scene, with parts that were made, or a pin of the user's own."""
-    pin, window, friction = scene.pin, scene.window, scene.friction
+    pin, friction = scene.pin, scene.friction
     kind: Any = tribo.PINS[pin.shape]
     sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}
     return tribo.Scene(
         pin=own_pin or kind(**sizes, material=material_of(scene.materials[pin.material])),
         disk=material_of(scene.materials[scene.disk.material]),
-        pixels=tribo.Grid(
-            window.pixels, window.pixel_size, periodic=(False, pin.shape == "cylinder")
-        ),
-        motion=motion_of(scene),
         friction_heat=max([friction.coefficient, *(friction.band or [])]) > 0,
         unequal_bulks=_bulks_of(scene)["disk_temperature"] is not None,
         **parts,
@@ -213,7 +223,7 @@ def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Co
         failing_share=asked.failing_share,
         criterion=name_of(rule) if rule else asked.criterion,
         rule=rule,
-        corrections=corrections_of(scene, made.pin, made.disk),
+        corrections=corrections_of(scene, made.pin, made.disk, made.motion),
         **_bulks_of(scene),
     )
 

@@ -14,7 +14,7 @@ from pipeline.scene.document import override_entries, read_document
 from pipeline.scene.extensions import Reading, begin
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean
 from pipeline.scene.format import Fidelity, SceneFile
-from pipeline.scene.laws import named_code, replace_by_laws
+from pipeline.scene.laws import replace_by_laws
 from pipeline.scene.parts import Contents, realizations_of
 from pipeline.scene.reading import SceneReader, contents_of
 from pipeline.scene.reference import FILES, all_keys
@@ -77,8 +77,6 @@ def load_scene(
     except tribo.InputError as error:
         raise SceneFileError(path, [str(error)]) from error
     document = override_entries(document, replaced, faults)
-    if named := [*named_code(document.entries())]:
-        raise SceneFileError(path, named)  # alone, for a law stands in place of more entries
     document, extensions = begin(document, faults)
     entries = document.entries()
     if isinstance(entries.get("oil"), str):

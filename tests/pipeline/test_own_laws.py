@@ -295,18 +295,3 @@ def test_each_mistake_is_named(laws, kind, law, overrides, said):
     with pytest.raises(pipeline.SceneFileError) as caught:
         scene({kind: eval(law, names)}, **overrides)
     assert said in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("setting", "kind"),
-    [
-        ("wear={law='laws:Fading', parameters={distance=1}}", "wear"),
-        ("disk.surface={law='laws:Dimples'}", "surface"),
-        ("temperature.criterion=laws:median", "criterion"),
-    ],
-)
-def test_a_scene_that_names_code_is_told_in_a_line_where_laws_are_given(folder, irg, setting, kind):
-    said = irg("check", "small.toml", "--set", setting, code=2)
-    (line,) = said.splitlines()
-    assert "is code, which a scene file cannot name; give the object in Python" in line
-    assert f'laws={{"{kind}": …}}' in line
