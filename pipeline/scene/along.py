@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -29,7 +28,7 @@ from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.tables import CURVES, entry_at, flat
 from pipeline.sweep.tables import FRICTION as COEFFICIENT
-from pipeline.sweep.variants import PLACE_UNITS, Column, Label, Row, numbered_rows
+from pipeline.sweep.variants import PLACE_UNITS, Column, Row, numbered_rows
 from tribo import InputError
 
 
@@ -157,80 +156,65 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
             )
 
 
-def _pairs(document: Document, faults: Faults) -> list[dict[str, Any]]:
-    """Rows of ``sweep.along``, places in SI and else as written; none if not asked or if faulty."""
-    asked, before = entry_at(document.entries(), "sweep.along"), len(faults)
-    if isinstance(asked, str) and asked:
-        rows = _file_rows(document.file_of("sweep.along").parent / user_path(asked), faults)
-    elif isinstance(asked, list) and asked and all(isinstance(row, dict) for row in asked):
-        rows = [dict(flat(row)) for row in asked]
-    else:
-        return []  # which the format tells
-    if len(faults) > before:
-        return []
-    rows = [{CONDITIONS.get(head, head): cell for head, cell in row.items()} for row in rows]
-    first = set(rows[0])
-    for number, row in enumerate(rows):
-        place = {name: row[name] for name in _PLACE.keys.keys() & row.keys()}
-        if row.keys() != first:
-            other = ", ".join(sorted(row.keys() ^ first))
-            faults.refuse(f"sweep.along[{number}]", f"not all rows have {other}; give it in each")
-        read = _PLACE.read(place, f"sweep.along[{number}]", faults)
-        row |= {name: (one, row[name]) for name, one in read.items() if name in row}
-    return rows if len(faults) == before else []
-
-
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
     """The document with the first row's values and all places as its lowest layer, and the rest."""
-    pairs = _pairs(document, faults)
-    if not pairs:
+    rows, before = _rows(document, faults), len(faults)
+    loads, velocities = set[float](), set[float]()
+    for number, row in enumerate(rows):
+        if other := row.keys() ^ rows[0].keys():
+            problem = f"not all rows have {', '.join(sorted(other))}; give it in each"
+            faults.refuse(f"sweep.along[{number}]", problem)
+        place = {name: row[name] for name in _PLACE.keys.keys() & row.keys()}
+        read = _PLACE.read(place, f"sweep.along[{number}]", faults)
+        loads.add(read["load"])
+        velocities.add(read["velocity"])
+    if not rows or len(faults) > before:
         return document, None
     places = {
-        f"sweep.{name}": [f"{one!r} {unit}" for one in sorted({row[key][0] for row in pairs})]
-        for name, key, unit in (("loads", "load", "N"), ("velocities", "velocity", "m/s"))
+        "sweep.loads": [f"{load!r} N" for load in sorted(loads)],
+        "sweep.velocities": [f"{velocity!r} m/s" for velocity in sorted(velocities)],
     }
-    first = {path: pairs[0][path] for path in pairs[0] if "." in path}  # others are labels
-    return document.above(places | first), partial(_extend, pairs)
+    first = {path: value for path, value in rows[0].items() if "." in path}  # others are labels
+    return document.above(places | first), partial(_extend, rows)
 
 
-def _extend(pairs: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Sweep:
+def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:
+    """Rows of ``sweep.along`` as they are written; none if not asked for or if faulty."""
+    asked = entry_at(document.entries(), "sweep.along")
+    rows = list[dict[str, Any]]()
+    if isinstance(asked, str) and asked:
+        rows = _file_rows(document.file_of("sweep.along").parent / user_path(asked), faults)
+    elif isinstance(asked, list) and all(isinstance(row, dict) for row in asked):
+        rows = [dict(flat(row)) for row in asked]
+    return [{CONDITIONS.get(head, head): cell for head, cell in row.items()} for row in rows]
+
+
+def _extend(rows: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Sweep:
     """The sweep with a row of its table of variants for each place; raises at a faulty one."""
     if entry_at(reading.scene, "sweep.samples"):
         raise InputError(
             "sweep.along: its rows have their own loads and velocities, as samples have; leave out "
             "sweep.along or sweep.samples"
         )
-    if len(pairs) > MOST_SCENES:
-        raise InputError(f"sweep.along: {len(pairs)} rows are too many; give {MOST_SCENES} at most")
-    found = dict[str, tuple[tuple[Label, ...], str | None]]()
-    for head in [head for head in pairs[0] if head not in PLACE_UNITS]:
-        cells = [row[head] for row in pairs]
-        found[head] = labels_of(cells) if "." in head else _numbers(cells)
-    for name, unit in PLACE_UNITS.items():
-        found[name] = tuple(row[name][0] for row in pairs), unit
+    if len(rows) > MOST_SCENES:
+        raise InputError(f"sweep.along: {len(rows)} rows are too many; give {MOST_SCENES} at most")
+    heads = sorted(rows[0], key=lambda head: head in PLACE_UNITS)
+    found = {head: labels_of([row[head] for row in rows]) for head in heads}
     columns = [
-        Column(head, unit, meaning=f"{head} of the row") for head, (_, unit) in found.items()
+        Column(head, PLACE_UNITS.get(head, unit), meaning=f"{head} of the row")
+        for head, (_, unit) in found.items()
     ]
     labels = zip(*(one for one, _ in found.values()), strict=True)
     # Friction that is measured at a place is not one by velocity.
     curves = dict.fromkeys(CURVES if COEFFICIENT in found else ())
-    rows = (
+    table = (
         Row(
             dict(zip(found, values, strict=True)),
             curves | {path: value for path, value in row.items() if "." in path},
         )
-        for row, values in zip(pairs, labels, strict=True)
+        for row, values in zip(rows, labels, strict=True)
     )
-    return with_rows(sweep, numbered_rows(columns, rows), "sweep.along")
-
-
-def _numbers(cells: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
-    """Labels of the rows: numbers of one unit in that, or words."""
-    numbers, _, units = zip(*(str(cell).partition(" ") for cell in cells), strict=True)
-    if len(set(units)) == 1:
-        with suppress(ValueError):
-            return tuple(map(float, numbers)), units[0] or "1"
-    return tuple(map(str, cells)), None
+    return with_rows(sweep, numbered_rows(columns, table), "sweep.along")
 
 
 def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
@@ -254,4 +238,4 @@ def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
         faults.note("sweep.along", f"{path.name}, {note}")
     if not tables and not sheet.faults:
         faults.refuse("sweep.along", f"{path} has no rows; give a load and a velocity in each")
-    return tables
+    return [] if sheet.faults else tables

@@ -5,7 +5,6 @@ Every combination is read as if its values stood in the file, or were given by `
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -47,30 +46,15 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     table = Variants()
     for path, values in asked.items():
         table *= _axis(path, values)
-    made = with_rows(sweep, table, "sweep.over")
-    scenes = map(made.variant, made.variants.given)
-    read = ((scene.scene, scene.conditions, scene.about) for scene in scenes)
-    first = next(read)
-    if count > 1 and all(one == first for one in read):
-        raise InputError(
-            f"sweep.over: {' and '.join(asked)} changes nothing in this scene; leave it out"
-        )
-    return made
+    return with_rows(sweep, table, "sweep.over")
 
 
 def _axis(path: str, values: Sequence[Any]) -> Variants:
     """The rows of an entry, by its values in SI in rising order, or as words."""
-    key = f"sweep.over.{quoted(path)}"
-    if len({isinstance(value, str) for value in values}) > 1:
-        raise InputError(f"{key}: {quoted(list(values))}: give all with a unit, or none")
     labels, unit = labels_of(values)
     pairs = [*zip(labels, values, strict=True)]
     if unit is not None:
         pairs.sort(key=lambda pair: pair[0])
-    for (one, text), (other, again) in itertools.pairwise(pairs):
-        if one == other:
-            both = f"{quoted(text)} and {quoted(again)}"
-            raise InputError(f"{key}: {both} are the same; give each value once")
     column = Column(path, unit, meaning=f"{path} of the scene", entry=_LIKE.get(path, ""))
     rows = (Row({path: label}, dict(_entries(path, text))) for label, text in pairs)
     return Variants((column,), tuple(rows))

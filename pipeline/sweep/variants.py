@@ -98,7 +98,7 @@ class Variants:
         dims = [one.name for one in self.columns if not one.along]
         rows = {tuple([(dim, row.labels[dim]) for dim in dims]): row for row in self.rows}
         if len(rows) < len(self.rows):
-            raise InputError("the rows of the sweep do not have a label each")
+            raise InputError("two rows of the sweep have the same values; give each value once")
         return rows
 
     @cached_property

@@ -48,13 +48,13 @@ def test_a_rotation_is_a_velocity_where_a_column_has_the_radius(tmp_path):
     assert "at radius" in faults(scene(tmp_path, TABLES.replace("1 m/s", "600 rpm")))
 
 
-def test_a_label_in_numbers_keeps_its_unit(tmp_path):
+def test_a_label_in_numbers_is_in_si(tmp_path):
     heads = "cycle time [min],angle [deg],gear,load [N],velocity [m/s]"
     rows = f"{heads}\n0.5,30,2a,300,1\n1,60,3,600,2\n"
     table = pipeline.load_scene(scene(tmp_path, rows=rows)).variants
     held = {column.name: (table.labels(column.name), column.unit) for column in table.columns}
-    assert held["cycle time"] == ((0.5, 1.0), "min")
-    assert held["angle"] == ((30.0, 60.0), "deg")
+    assert held["cycle time"] == ((30.0, 60.0), "s")
+    assert held["angle"] == (pytest.approx((math.pi / 6, math.pi / 3)), "rad")
     assert held["gear"] == (("2a", "3"), None)
 
 
