@@ -181,8 +181,7 @@ def _weighed(
 
 def _of_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
     """The dataset in which the tests of an oil count."""
-    about = scene_sweep(ds).about
-    names = [name for name in oils_of(t.oil for t in (*about.measured, *about.tested)) if name]
+    names = [name for name in oils_of(test.oil for test in scene_sweep(ds).tests) if name]
     if oil not in names:
         known = f"give one of {', '.join(names)}" if names else "they name none, so leave it out"
         raise InputError(f"oil is {oil!r}, which no test of the scene names; {known}")

@@ -169,7 +169,7 @@ def _taken_at(text: str, source: _Source, rule: str, at: str, name: Variant) -> 
     if not name:
         return whole
     words = ", ".join(f"{path} {value}" for path, value in whole.variants.written(name).items())
-    title = f"{whole.parts().about.title or whole.name}, {words}"
+    title = f"{whole.declared.title or whole.name}, {words}"
     return whole.below(name).changed("title", title)
 
 

@@ -23,7 +23,7 @@ from pipeline.analysis.rise_error import totals
 from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import frame_of, notes_of, short
 from pipeline.quantities import display
-from pipeline.sweep.about import About, Measurement, oils_of, own_tests
+from pipeline.sweep.about import Measurement, oils_of, own_tests
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.severity import rise_limit
@@ -47,20 +47,19 @@ def laboratory_tests(ds: xr.Dataset | Results) -> tuple[Measurement, ...]:
 
     All of them where that is not told.
     """
-    about = results(ds).sweep.about
-    tests = (*about.measured, *about.tested)
-    return tests if len(untold_oils(about)) > 1 else own_tests(tests)
+    sweep = results(ds).sweep
+    return sweep.tests if len(untold_oils(sweep)) > 1 else own_tests(sweep.tests)
 
 
-def untold_oils(about: About) -> list[str]:
+def untold_oils(sweep: Sweep) -> list[str]:
     """Oils that the tests of a scene name, if it is not told whose tests count."""
-    names = oils_of(test.oil for test in (*about.measured, *about.tested))
-    return [] if "" in names or about.tested_oil else names
+    names = oils_of(test.oil for test in sweep.tests)
+    return [] if "" in names or sweep.oil else names
 
 
-def require_one_oil(about: About) -> None:
+def require_one_oil(sweep: Sweep) -> None:
     """Raise an `InputError` if tests name several oils, and it is not told whose count."""
-    names = untold_oils(about)
+    names = untold_oils(sweep)
     if len(names) > 1:
         raise InputError(
             f"the tests are of {len(names)} oils, and the answer is for one: {', '.join(names)}; "
@@ -82,7 +81,7 @@ def model_error(ds: xr.Dataset | Results, field: Field) -> Scatter:
     """The model's own error in a scene, by its tests."""
     held = results(ds)
     scatter: Scatter | None = getattr(field, "scatter", None)  # that samples have inferred
-    require_one_oil(held.sweep.about)
+    require_one_oil(held.sweep)
     if scatter is not None:
         return scatter
     plain, tests = untested_error(held.sweep), laboratory_tests(held)
@@ -95,10 +94,9 @@ def model_error(ds: xr.Dataset | Results, field: Field) -> Scatter:
 
 def untested_error(sweep: Sweep) -> ModelError:
     """The model's own error in a scene, without its tests."""
-    about = sweep.about
-    names = untold_oils(about)
-    oil = about.tested_oil or (names[0] if len(names) == 1 else "")
-    return ModelError(usual=USUAL if about.model_scatter is None else about.model_scatter, oil=oil)
+    names = untold_oils(sweep)
+    oil, model = sweep.oil or (names[0] if len(names) == 1 else ""), sweep.declared.model
+    return ModelError(usual=model.scatter if model else USUAL, oil=oil)
 
 
 def _known(held: Results, field: PointField, test: Measurement) -> Comparison | None:

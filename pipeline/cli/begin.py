@@ -19,9 +19,7 @@ from tribo import InputError
 def new(options: argparse.Namespace) -> Result:
     """Write a scene to start from, or list those that are shipped."""
     if options.list:
-        titles = {
-            name: pipeline.load_scene(path).about.title for name, path in shipped_scenes().items()
-        }
+        titles = {name: pipeline.load_scene(path).title for name, path in shipped_scenes().items()}
         return Result(titles, [f"{name:16} {title}" for name, title in titles.items()])
     if options.file is None:
         raise InputError("no file is named; give one to write, such as: irg new scene.toml")

@@ -114,8 +114,8 @@ def scene_in(
         sweep = choose_accuracy(sweep, accuracy, points, store, tell)
     elif store is not None and options.measure:
         sweep = measure_error(sweep, store, tell)
-    if sweep.about.selection:
-        tell(str(sweep.about.selection))
+    if sweep.selection:
+        tell(str(sweep.selection))
     return sweep
 
 

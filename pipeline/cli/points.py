@@ -37,7 +37,7 @@ def point(options: argparse.Namespace) -> Result:
     if options.velocity <= 0:
         raise InputError(f"velocity is {options.velocity:g} m/s; give one above 0")
     if options.oil is None:
-        require_one_oil(sweep.about)
+        require_one_oil(sweep)
     sweep = sweep.take_surface(options.realization).changed("sweep.steps", "end")
     places = sweep.take_place(*place, options.alone)
     with stored(None) as path:

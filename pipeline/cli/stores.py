@@ -73,7 +73,7 @@ def _stores_below(folder: Path) -> Iterator[Path]:
 def _row(path: Path | str, name: str) -> list[object]:
     """State of a store by column."""
     try:
-        state, preset = summary(path), read_sweep(path).about.preset
+        state, preset = summary(path), read_sweep(path).preset
     except StoreError as error:
         reason = str(error).split(";")[0].replace(str(Path(path).absolute()), "").strip(": ")
         return [name, f"unreadable: {reason}", *[None] * (len(_HEADS) - 2)]

@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> Result:
     """Run or resume a sweep, or the part of it that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_in(options, store=out)
-    tell(*map(str, sweep.about.notes))
+    tell(*map(str, sweep.notes))
     require_bearable_load(sweep, min(sweep.plane.loads), "sweep.loads")
     tell(*remarks("warning", note_on_turns(sweep)))
     is_elsewhere = options.scheduler or options.scheduler_file
@@ -92,7 +92,7 @@ def check(options: argparse.Namespace) -> Result:
     on_unknown = list[_Row]()
     for extra in extras.modules("drawn") if sweep.variants.draw else ():
         on_unknown += extra.described(sweep.variants.draw, len(sweep.variants.axes[VARIANT]))
-    said = *sweep.about.notes, *doubts(sweep, facts)
+    said = *sweep.notes, *doubts(sweep, facts)
     nx, ny = sweep.scene.grid.shape
     rows = [
         *_meaning(sweep, facts),
@@ -103,7 +103,7 @@ def check(options: argparse.Namespace) -> Result:
     ]
     meaning = frame_of(_HEADS, rows)
     if not options.json:
-        output.show_text([sweep.about.title, "", meaning])
+        output.show_text([sweep.title, "", meaning])
     if memory > machine:
         raise InputError(
             f"this machine has {display(machine, 'GB', '.0f')} of memory, less than a worker "
@@ -159,13 +159,13 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
 
 def _film(sweep: Sweep) -> Iterator[_Row]:
     """Film of the oil, or the entry that is missing to compute it; none without an oil."""
-    if sweep.about.oil is None:
+    if sweep.lubricant is None:
         return
     bulk = sweep.conditions.mean_bulk_temperature
-    viscosity = f"{display(sweep.about.oil.viscosity(bulk), 'mPa s', 3)} at the bulk temperature"
+    viscosity = f"{display(sweep.lubricant.viscosity(bulk), 'mPa s', 3)} at the bulk temperature"
     lubrication = find_lubrication(sweep)
     if lubrication is None:
-        has_pressure_coefficient = sweep.about.oil.pressure_coefficients is not None
+        has_pressure_coefficient = sweep.lubricant.pressure_coefficients is not None
         missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
         yield "oil", f"{viscosity}; its film is not known without {missing}"
         return
@@ -183,7 +183,7 @@ def _film(sweep: Sweep) -> Iterator[_Row]:
 
 def _library(sweep: Sweep) -> Iterator[_Row]:
     """Values from the library, a line for each table and source."""
-    for values, source in library_tables(sweep.about.sources):
+    for values, source in library_tables(sweep.sources):
         yield "library", f"{values}, from {source}"
 
 

@@ -196,7 +196,7 @@ def _shade_surfaces(axes: Axes, x: Array, y: Array, excess: Array) -> list[Artis
 
 def _friction_lines(axes: Axes, field: PointField, x: Array, y: Array) -> list[Artist]:
     """Draw the boundaries at the lowest and the highest friction measured."""
-    band = field.source.sweep.about.friction_band
+    band = field.source.sweep.declared.friction.band
     if not band or min(band) == max(band):
         return []
     look: dict[str, Any] = {"color": GREY, "lw": style.THIN, "ls": "--"}

@@ -229,7 +229,7 @@ def write_title(owner: Axes | Figure, words: str) -> None:
 
 def title_of(held: Results) -> str:
     """Title of a sweep."""
-    return as_text(held.sweep.about.title)
+    return as_text(held.sweep.title)
 
 
 def entry_label(path: str) -> str:

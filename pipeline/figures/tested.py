@@ -57,7 +57,7 @@ def measured_over_computed(ds: xr.Dataset | Results, ax: Axes | None = None) -> 
     figure, axes = style.canvas(ax, (8.0, 5.6))
     places = np.array([(one.critical, test.velocity) for _, test, one in found])
     ends = places.min() / _ROOM, places.max() * _ROOM
-    oils = untold_oils(read.sweep.about)
+    oils = untold_oils(read.sweep)
     scatter = model_error(read, field) if len(oils) < 2 else None  # one error is of one oil
     _draw_band(axes, np.array(ends), scatter)
     labels = set[str]()

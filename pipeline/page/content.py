@@ -68,7 +68,7 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
     held = results(ds).take_moving()
     held.require_plane()
     sweep, conditions = held.sweep, held.conditions
-    require_one_oil(sweep.about)
+    require_one_oil(sweep)
     unequal = held.rest["bulk_ratio"].values.tolist() if "bulk_ratio" in held.rest.coords else []
     ratios, shares, done = sorted([*unequal, 0.0]), _shares(held, conditions), held.done
     columns = corrected_columns(held.columns, conditions)
@@ -106,12 +106,12 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
 
 def _page_facts(held: Results) -> dict[str, Any]:
     """What a page shows of the scene and its axes."""
-    about = held.sweep.about
+    sweep = held.sweep
     return {
-        "name": about.name,
+        "name": sweep.name,
         "outside": _outside(held.loads, held.velocities),
         "origins": _ORIGINS,
-        "friction_band": about.friction_band,
+        "friction_band": sweep.declared.friction.band,
         "range": {name: range_of(held, name) for name in ("load", "velocity")},
         "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
         "loads": held.loads.tolist(),
@@ -191,7 +191,7 @@ def content_of_samples(held: Results) -> dict[str, Any]:
     velocities = np.linspace(slowest, fastest, _VELOCITIES)
     plane = field.probability(loads[:, None], velocities, scatter)
     return {
-        "name": held.sweep.about.name,
+        "name": held.sweep.name,
         "measured": [_test_facts(test) for test in laboratory_tests(held)],
         "outside": _outside(loads, velocities),
         "misfit": [("wear", field.misfit)] if field.misfit else [],

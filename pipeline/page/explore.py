@@ -118,7 +118,7 @@ def explore(
         _filled(
             "scene.html",
             {
-                "title": html.escape(part.sweep.about.title),
+                "title": html.escape(part.sweep.title),
                 "main": main.html,
                 "data": _json_text(main.data),
                 **sections(part, points),
@@ -128,7 +128,7 @@ def explore(
     ]
     words = (", ".join(f"{key} {text}" for key, text in part.entries.items()) for part in parts)
     names = [*words] if len(parts) > 1 else []
-    write_text(_page(held.sweep.about.title, names, bodies, _OWN_SCRIPTS[held.kind]), path)
+    write_text(_page(held.sweep.title, names, bodies, _OWN_SCRIPTS[held.kind]), path)
     done = int(held.done.sum())
     return Page(path, done, sum(len(main.data["fields"]["points"]) for main in made))
 

@@ -112,7 +112,7 @@ def _inputs(held: Results) -> Iterator[str | pd.DataFrame]:
         if not path.startswith(("fidelity", "measured", "tested")) and path not in held.rows.coords
     )
     yield frame_of(("entry", "value", "meaning"), rows)
-    if library := sweep.about.sources:
+    if library := sweep.sources:
         yield frame_of(("from the library", "value", "source"), library)
     prefix = "fidelity."
     choices = (
@@ -136,10 +136,10 @@ def _origin(held: Results) -> Iterator[str]:
     """Model, programs and scene that the answers are from, and how to cite them."""
     sweep = held.sweep
     yield _MODEL
-    if sweep.about.selection:
-        yield str(sweep.about.selection)
+    if sweep.selection:
+        yield str(sweep.selection)
     yield from str(held.rest.attrs.get("history", "")).splitlines()
-    yield f"scene {sweep.about.name}, {digest(sweep.scene)} (SHA-256 of its inputs)"
+    yield f"scene {sweep.name}, {digest(sweep.scene)} (SHA-256 of its inputs)"
     yield f"written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
     yield from citation()
 

@@ -152,7 +152,7 @@ def vary(
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {(*varied.contact_of(point), point.load) for point in done}
         ds = at(path, criterion=laws.get("criterion"))
-        ds = at(ds, oil=next(iter(untold_oils(varied.about)), None))  # no test moves the boundary
+        ds = at(ds, oil=next(iter(untold_oils(varied)), None))  # no test moves the boundary
         found, carried = boundary(ds).transpose(_ROW, ...), warned(ds)
         velocities = found["critical_velocity"].values.tolist()
         words = np.reshape(frames_of(found)[0]["outcome"], found["outcome_at_load"].shape).tolist()
@@ -162,7 +162,7 @@ def vary(
     )
     counts = len(done), len(contacts)
     loads = sweep.plane.loads
-    return Variations(sweep.about.title, loads, unvaried, tuple(rest), *counts, carried)
+    return Variations(sweep.title, loads, unvaried, tuple(rest), *counts, carried)
 
 
 def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequence[Sweep]) -> Sweep:

@@ -87,7 +87,7 @@ def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
 def _test_doubts(sweep: Sweep) -> Iterator[_Doubt]:
     """Tests so far outside the sweep that their units are in doubt."""
     loads, velocities = Span.of(sweep.plane.loads), Span.of(sweep.plane.velocities)
-    for test in (*sweep.about.measured, *sweep.about.tested):
+    for test in sweep.tests:
         places = (test.normal_load, loads), (test.velocity, velocities)
         if any(not low / _REACH <= value <= high * _REACH for value, (low, high) in places):
             place = f"{test.normal_load:g} N at {test.velocity:g} m/s"

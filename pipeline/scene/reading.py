@@ -27,9 +27,9 @@ from pipeline.scene.parts import (
     roughness_of,
     wear_of,
 )
-from pipeline.scene.runs import expand_tests, tested_holds
+from pipeline.scene.runs import expand_tests, tested_holds, tests_of
 from pipeline.scene.written import complete_fidelity, completed, entries_of
-from pipeline.sweep.about import About, FromLibrary, Measurement
+from pipeline.sweep.about import FromLibrary, Measurement
 from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.laws import name_of
 from pipeline.sweep.model import Parts
@@ -110,18 +110,9 @@ class SceneReader:
             declared=_with_contents(scene, getattr(roughness, "digest", None), record),
             scene=physics,
             conditions=_conditions_of(scene, physics, laws.get("criterion")),
-            about=About(
-                name="",
-                title=scene.title or "",
-                measured=tuple(Measurement.of(vars(test)) for test in scene.measured or ()),
-                tested=tuple(Measurement.of(vars(test)) for test in scene.tested or ()),
-                caveat=scene.caveat,
-                friction_band=scene.friction.band,
-                same_rig=scene.friction.same_rig,
-                model_scatter=scene.model and scene.model.scatter,
-                oil=oil,
-                preset=preset,
-            ),
+            tests=tuple(Measurement.of(vars(test)) for test in tests_of(scene)),
+            oil=oil,
+            preset=preset,
         )
         for path, fault in track_faults(parts):
             faults.refuse(path, fault)
@@ -132,7 +123,7 @@ class SceneReader:
 
         Those are entries with defaults, values of the library and the choices of the preset.
         """
-        fidelity = complete_fidelity(parts.about.preset, parts.scene.fidelity)
+        fidelity = complete_fidelity(parts.preset, parts.scene.fidelity)
         declared, kind = vars(replace(parts.declared, fidelity=fidelity)), table_of(SceneFile)
         before = vars(like.declared) if like else {}
         kept = [k for k in kind.keys if not like or getattr(parts.declared, k) != before[k]]

@@ -59,8 +59,12 @@ def tested_holds(scene: Any) -> tuple[float, ...]:
     """Durations at the full load of the tests that samples are compared with [s]."""
     if not entry_at(scene, "sweep.samples"):
         return ()
-    tests = [*(scene.measured or ()), *(scene.tested or ())]
-    return tuple(sorted({test.hold for test in tests if test and test.hold}))
+    return tuple(sorted({test.hold for test in tests_of(scene) if test and test.hold}))
+
+
+def tests_of(scene: Any) -> tuple[Any, ...]:
+    """Transitions and tests of a scene."""
+    return (*(scene.measured or ()), *(scene.tested or ()))
 
 
 def run_faults(tests: Sequence[Test]) -> Iterator[tuple[int, str]]:

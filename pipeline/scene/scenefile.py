@@ -67,7 +67,7 @@ def load_scene(
     --------
     >>> import pipeline
     >>> scene = pipeline.load_scene("workflows/first_try.toml", preset="standard")
-    >>> scene.about.preset, scene.plane.loads
+    >>> scene.preset, scene.plane.loads
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
     path, faults, laws = scene_path(path), Faults(), laws or {}

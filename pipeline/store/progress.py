@@ -54,8 +54,8 @@ def summarized(store: Store) -> Summary:
     failed = np.nonzero(asked & (flags == FAILED))
     messages = store.read("message", ...)[failed] if failed[0].size else ()
     return Summary(
-        name=store.sweep.about.name,
-        title=store.sweep.about.title,
+        name=store.sweep.name,
+        title=store.sweep.title,
         total=int(np.count_nonzero(asked)),
         done=int(np.count_nonzero(asked & (flags == DONE))),
         pending=int(np.count_nonzero(asked & (flags == PENDING))),

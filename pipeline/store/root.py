@@ -103,7 +103,7 @@ class Root:
         """Attributes of the dataset: words for people, and the texts of the sweep and its ids."""
         return {
             "Conventions": "CF-1.11",
-            "title": self.sweep.about.title,
+            "title": self.sweep.title,
             "source": "simulated by irg-transition",
             "history": "\n".join(self.history),
             "license": "BSD-3-Clause for the program; the data are their author's",

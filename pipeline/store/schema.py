@@ -10,7 +10,7 @@ from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import ROWS, VARIANT, Column, Label
 from tribo import InputError, WarningKind
 
-FORMAT = 11
+FORMAT = 12
 """Version of the layout."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""

@@ -1,4 +1,4 @@
-"""Parts of a scene that are neither simulated nor judged, and words on when wear is severe."""
+"""Tests of a scene, numbers from the library, and words on when wear is severe."""
 
 from __future__ import annotations
 
@@ -8,10 +8,7 @@ from typing import Any, Literal, NamedTuple
 
 from pipeline.quantities import display
 from pipeline.sweep.conditions import PATHS, Conditions
-from pipeline.sweep.remarks import Remark
-from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import Line
-from tribo import Oil
 
 _UNNAMED = "without a name"  # oil of tests that name none, in a scene of another
 OUTCOMES = ("mild", "severe")
@@ -41,8 +38,10 @@ class Measurement:
         names = {k: str(entry[k]) for k in ("number", "run", "oil") if entry.get(k) is not None}
         return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 
-    def under_oil(self, oil: str) -> Measurement:
-        """The test in a scene of an oil, which its tests do not name."""
+    def under_oil(self, oil: str | None) -> Measurement:
+        """The test in a scene of an oil, which its tests do not name; itself if None."""
+        if oil is None:
+            return self
         name = self.oil or _UNNAMED
         return replace(self, oil=None if name == oil else name)
 
@@ -79,34 +78,6 @@ def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
         tables.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
     for (table, source), values in tables.items():
         yield f"{table}: {', '.join(values)}", source
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class About:
-    """Parts of a scene that are neither simulated nor judged."""
-
-    name: str  # that of the file, without its ending
-    title: str  # a line for people
-    caveat: str | None = None  # what a reader of each verdict must know
-    measured: tuple[Measurement, ...] = ()  # transitions
-    tested: tuple[Measurement, ...] = ()  # tests that stayed mild or turned severe
-    friction_band: tuple[float, float] | None = None  # lowest and highest friction measured
-    model_scatter: float | None = None  # how runs scatter about the model; what is usual if None
-    same_rig: bool = True  # the friction that tests measured is that of the scene's machine
-    tested_oil: str | None = None  # whose tests count; the scene's own if None
-    oil: Oil | None = None  # tells the regime of lubrication; enters no simulation
-    preset: str | None = None  # that the fidelity equals
-    selection: Selection | None = None  # reasons of a fidelity picked for its accuracy
-    sources: tuple[FromLibrary, ...] = ()
-    notes: tuple[Remark, ...] = ()  # assumptions made on reading the scene
-
-    def under_oil(self, oil: str) -> About:
-        """The same where the tests of an oil count, which names its tests in a scene of another."""
-        measured, tested = (
-            tuple(test.under_oil(oil) for test in tests) for tests in (self.measured, self.tested)
-        )
-        title = f"{self.title}, oil {oil}"
-        return replace(self, title=title, tested_oil=oil, measured=measured, tested=tested)
 
 
 def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Iterator[Line]:

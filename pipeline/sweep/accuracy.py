@@ -19,7 +19,7 @@ _FEW = 0.05  # failing share below which the temperature that decides is taken f
 
 def velocity_error(sweep: Sweep) -> float | None:
     """Largest known relative error of the boundary velocity: measured, or of the preset."""
-    if selection := sweep.about.selection:
+    if selection := sweep.selection:
         return selection.error
     preset, rule = str(_preset(sweep)), sweep.conditions
     is_highest = rule.criterion == "highest"
@@ -36,7 +36,7 @@ def has_unknown_error(sweep: Sweep) -> bool:
 
 def error_in_words(sweep: Sweep) -> str:
     """The one error of a sweep: the largest known of its boundary velocity, and its origin."""
-    if selection := sweep.about.selection:
+    if selection := sweep.selection:
         return str(selection)
     error = velocity_error(sweep)
     if error is None:
@@ -46,4 +46,4 @@ def error_in_words(sweep: Sweep) -> str:
 
 def _preset(sweep: Sweep) -> str | None:
     """Preset of a sweep, or the finest whose promise its fidelity keeps."""
-    return sweep.about.preset or preset_of(sweep.scene.fidelity)
+    return sweep.preset or preset_of(sweep.scene.fidelity)

@@ -18,7 +18,7 @@ def caveats(sweep: Sweep, conditions: Conditions, counts_inputs: bool = False) -
     """Caveats of answers on a sweep under some conditions; samples count errors of the inputs."""
     critical, sd = conditions.critical_temperature, conditions.critical_sd
     lines = [
-        sweep.about.caveat,
+        sweep.declared.caveat,
         note_on_ends(sweep),
         None if counts_inputs else "inputs such as the steel's conductivity are taken as exact",
         critical_in_words(critical, sd) if critical and sd else None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import hashlib
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import fields
 from typing import Any
 
 from pipeline.sweep.digest import digest
@@ -25,8 +25,7 @@ def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
     def of_scene(name: Variant) -> str:
         row = sweep.variant(name)
         parts = [of_part(getattr(row.scene, one.name)) for one in fields(row.scene)]
-        about = replace(row.about, name="", title="", sources=(), notes=())
-        return digest((*parts, row.conditions, about, table.rule.answers, choices))
+        return digest((*parts, row.conditions, row.beside, table.rule.answers, choices))
 
     for name, row in table.by_name.items():
         found = of_scene(table.base(name))

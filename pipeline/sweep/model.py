@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
-from pipeline.sweep.about import About, FromLibrary
+from pipeline.sweep.about import FromLibrary, Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.digest import digest
 from pipeline.sweep.leads import Lead, leads_of, leads_of_samples
@@ -17,7 +17,7 @@ from pipeline.sweep.shown import shown
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.tables import Entries, replace_value, replace_values
 from pipeline.sweep.variants import PLACE_UNITS, SEED, Row, Variant, Variants
-from tribo import InputError, Ramp, Scene, SelfAffineRoughness
+from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness
 
 
 class Point(NamedTuple):
@@ -47,7 +47,9 @@ class Parts:
     declared: Any  # the file as it is declared
     scene: Scene
     conditions: Conditions
-    about: About
+    tests: tuple[Measurement, ...]  # transitions first
+    oil: Oil | None  # tells the regime of lubrication; enters no simulation
+    preset: str | None  # that the fidelity equals
 
     @property
     def plane(self) -> Any:
@@ -123,13 +125,13 @@ class Sweep:
 
     @cached_property
     def _meaning(self) -> str:
-        about = replace(self.about, name="", sources=(), notes=(), title=self.parts().about.title)
         rows = [(row.scene, row.conditions) for row in map(self.variant, self.variants.names)]
         labels = self.variants.columns, [row.labels for row in self.rows]
         plane = self.plane.loads, self.plane.velocities, self.plane.fields, self.plane.steps
         own = self.scene, self.conditions, *plane
         chosen = None if self.chosen is None else sorted(self.chosen)
-        return digest((own, chosen, about, labels, self.variants.rule, rows))
+        words = self.declared.title, self.declared.caveat, self.oil
+        return digest((own, chosen, words, self.beside, labels, self.variants.rule, rows))
 
     @cached_property
     def _parts(self) -> Parts:
@@ -157,19 +159,47 @@ class Sweep:
         """Table `[sweep]`: loads [N] and velocities [m/s], and what is kept of each point."""
         return self.parts().plane
 
-    @cached_property
-    def about(self) -> About:
-        """Names, tests, oil and sources."""
-        about = self.parts().about
-        about = replace(
-            about,
-            name=self.name,
-            title=about.title or self.name,
-            selection=self.selection,
-            sources=self.sources,
-            notes=tuple(self.notes),
-        )
-        return about if self.oil is None else about.under_oil(self.oil)
+    @property
+    def declared(self) -> Any:
+        """The scene file as its format declares it."""
+        return self.parts().declared
+
+    @property
+    def title(self) -> str:
+        """A line for people, with the oil whose tests count."""
+        title = self.declared.title or self.name
+        return title if self.oil is None else f"{title}, oil {self.oil}"
+
+    @property
+    def tests(self) -> tuple[Measurement, ...]:
+        """Tests of the scene, transitions first."""
+        return tuple(test.under_oil(self.oil) for test in self.parts().tests)
+
+    @property
+    def measured(self) -> tuple[Measurement, ...]:
+        """Transitions among the tests."""
+        return tuple(test for test in self.tests if not test.outcome)
+
+    @property
+    def tested(self) -> tuple[Measurement, ...]:
+        """Tests that stayed mild or turned severe."""
+        return tuple(test for test in self.tests if test.outcome)
+
+    @property
+    def lubricant(self) -> Oil | None:
+        """The oil between the bodies, which enters no simulation."""
+        return self.parts().oil
+
+    @property
+    def preset(self) -> str | None:
+        """Preset that the fidelity equals."""
+        return self.parts().preset
+
+    @property
+    def beside(self) -> tuple[Any, ...]:
+        """What verdicts depend on beside the simulation and the conditions."""
+        friction, own = self.declared.friction, (self.lubricant, self.preset, self.selection)
+        return (self.tests, friction.band, friction.same_rig, self.declared.model, *own)
 
     @cached_property
     def entries(self) -> dict[str, Any]:
@@ -201,7 +231,7 @@ class Sweep:
 
     def description(self) -> tuple[str, dict[str, Any]]:
         """Title, its tables of entries, and the number of its rows."""
-        return f"{self.name}: {self.about.title}", self.entries | {"rows": str(len(self.rows))}
+        return f"{self.name}: {self.title}", self.entries | {"rows": str(len(self.rows))}
 
     @property
     def ramps(self) -> int:
@@ -283,6 +313,6 @@ class Sweep:
 
         In a store of it `pipeline.margin` at that place is the verdict of ``irg point``.
         """
-        tests = () if alone else (*self.about.measured, *self.about.tested)
+        tests = () if alone else self.tests
         own = (Point(test.normal_load, test.velocity) for test in tests)
         return replace(self.variant(), chosen=frozenset((Point(load, velocity), *own)))

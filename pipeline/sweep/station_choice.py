@@ -11,7 +11,7 @@ def choose_stations(sweep: Sweep) -> Stations:
     """Stations of a sweep, or those that its store has."""
     if sweep.stations:
         return sweep.stations
-    tests = (*sweep.about.measured, *sweep.about.tested)
+    tests = sweep.tests
     holds = {test.hold for test in tests if test.hold is not None}
     steps = sweep.plane.steps or _usual(sweep)
     return Stations(steps, _warms_in_hold(sweep), tuple(sorted(holds)))

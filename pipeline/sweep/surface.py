@@ -68,7 +68,7 @@ def surface_words(sweep: Sweep) -> str | None:
     if isinstance(unknown := sweep.scene.roughness, UnknownHeights):
         return str(unknown)
     facts = surface_facts(sweep)
-    noted = [note for note in sweep.about.notes if note.grade == "note"]
+    noted = [note for note in sweep.notes if note.grade == "note"]
     done = [note.text for note in noted if note.place.startswith("disk.roughness")]
     return None if facts is None else "; ".join([facts.words, *done])
 
@@ -121,7 +121,7 @@ def find_lubrication(sweep: Sweep) -> Lubrication | None:
 
     A surface or a pin of the user's own is not known from a store.
     """
-    scene, oil = sweep.scene, sweep.about.oil
+    scene, oil = sweep.scene, sweep.lubricant
     is_known = not any(isinstance(part, UnknownHeights) for part in (scene.roughness, scene.pin))
     if oil is None or oil.pressure_coefficients is None or not is_known:
         return None

@@ -28,7 +28,7 @@ def choose_accuracy(
     """Give a sweep the cheapest fidelity within an accuracy, or the fidelity of its store."""
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     stored = _find_stored(store)
-    selection = stored and stored.about.selection
+    selection = stored and stored.selection
     if stored and not selection:
         raise StoreMismatchError(
             f"{store} was computed with the scene's own fidelity, not one picked for its "
@@ -48,7 +48,7 @@ def choose_accuracy(
 def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
     """Give a sweep the error of its own fidelity, which its store has or is measured now."""
     stored = _find_stored(store)
-    selection = stored and stored.about.selection
+    selection = stored and stored.selection
     selection = selection or choose_fidelity(sweep, None, progress=progress)
     return replace(sweep, selection=selection)
 

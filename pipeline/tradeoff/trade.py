@@ -194,7 +194,7 @@ def measure(
     if fine:
         choices = [replace(one, share_of_fine=one.seconds / fine) for one in choices]
     return Trade(
-        title=sweep.about.title,
+        title=sweep.title,
         points=near,
         choices=tuple(choices),
         not_converged=tuple(failed),
@@ -225,7 +225,7 @@ def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
         name: with_dividing_elements(sweep, replace(PRESETS[name], **changes))
         for name in ("reference", *presets)
     }
-    named.setdefault(sweep.about.preset or OWN, sweep.scene.fidelity)
+    named.setdefault(sweep.preset or OWN, sweep.scene.fidelity)
     names: dict[Fidelity, str] = {}
     for name, fidelity in named.items():
         names.setdefault(fidelity, name)

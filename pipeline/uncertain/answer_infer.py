@@ -56,10 +56,10 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
         return _wear_rate(options, sweep)
     if ignored := values_in(options, "load", "velocity", "duration"):
         raise InputError(f"{flags_of(ignored)} belongs to --contact-width, which is not given")
-    tests = sweep.about.measured or sweep.about.tested
+    tests = sweep.measured or sweep.tested
     own = own_tests(tests)
-    tested = () if sweep.about.measured else own
-    sweep = take_own_tests(sweep, "measured" if sweep.about.measured else "tested")
+    tested = () if sweep.measured else own
+    sweep = take_own_tests(sweep, "measured" if sweep.measured else "tested")
     if left := len(tests) - len(own):
         name = own[0].oil or "the one without a name"
         tell(f"{counted(left, 'test', 'tests')} of other oils than {name} left out")

@@ -126,9 +126,9 @@ def critical_temperatures(
     """
     sweep = sweep_of(sweep)
     sweep = take_own_tests(sweep, "measured")
-    if not sweep.about.measured:
+    if not sweep.measured:
         raise InputError(
-            f"the scene {sweep.about.name} has no measured transition; give it a [[measured]] with "
+            f"the scene {sweep.name} has no measured transition; give it a [[measured]] with "
             "load and velocity"
         )
     conditions = sweep.conditions
@@ -138,7 +138,7 @@ def critical_temperatures(
             entry.velocity,
             conditions.replace_friction(entry.friction).friction_at(entry.velocity),
         )
-        for entry in sweep.about.measured
+        for entry in sweep.measured
     )
     seeds = tuple(map(int, sweep.variants.axes.get("realization", ())))
     on: tuple[int | None, ...] = seeds or (getattr(sweep.scene.roughness, "seed", None),)
@@ -163,7 +163,7 @@ def critical_temperatures(
 
 def take_own_tests(sweep: Sweep, key: str) -> Sweep:
     """The sweep with the tests at a key as its measured transitions, of its own oil alone."""
-    tests = getattr(sweep.about, key)
+    tests = getattr(sweep, key)
     own, pairs = own_tests(tests), zip(sweep.entries.get(key, ()), tests, strict=True)
     entries = [
         {name: value for name, value in entry.items() if name not in ("outcome", "run")}
@@ -176,7 +176,7 @@ def take_own_tests(sweep: Sweep, key: str) -> Sweep:
 def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
     """The sweep with a row for each transition, which has a place and conditions of its own."""
     changes: dict[Label, dict[str, Any]] = {}
-    for number, test in enumerate(sweep.about.measured):
+    for number, test in enumerate(sweep.measured):
         row: dict[str, Any] = {"temperature.critical": None, "temperature.critical_sd": None}
         if test.friction is not None:  # measured there, and not by velocity
             row |= {**dict.fromkeys(CURVES), "friction.coefficient": test.friction}
@@ -186,8 +186,8 @@ def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
             _ = sweep.held(test.hold)  # refuses the hold of a record
             row["loading.hold"] = f"{test.hold!r} s"
         changes[number] = row
-    loads = [test.normal_load for test in sweep.about.measured]
-    velocities = [test.velocity for test in sweep.about.measured]
+    loads = [test.normal_load for test in sweep.measured]
+    velocities = [test.velocity for test in sweep.measured]
     table = labelled_rows("test", changes, load=loads, velocity=velocities) * seeds
     entries: dict[str, Any] = {"sweep.fields": False}
     for name, values, unit in (("loads", loads, "N"), ("velocities", velocities, "m/s")):

@@ -153,14 +153,14 @@ class Ensemble:
         done = np.isfinite(rises.sum(axis=1))
         _require_enough(int(np.count_nonzero(done)), len(numbers))
         hold = float(getattr(sweep.scene.loading, "hold", 0.0))
-        tests = tuple(test.as_dict() for test in (*sweep.about.measured, *sweep.about.tested))
+        tests = tuple(test.as_dict() for test in sweep.tests)
         rises_by_hold = {
             other: decisive_rises(until, loads, of_rows)[done]
             for other in {float(test.get("hold", hold)) for test in tests}
             if other < hold and (until := columns_until(columns, loads, other, done)) is not None
         }
         return cls(
-            title=sweep.about.title,
+            title=sweep.title,
             unknown=draw.unknown,
             design=design,
             conditions=conditions,
@@ -174,7 +174,7 @@ class Ensemble:
             rises_by_hold=rises_by_hold,
             fixed=draw.fixed,
             missing=int(np.count_nonzero(~done)),
-            same_rig=sweep.about.same_rig,
+            same_rig=sweep.declared.friction.same_rig,
             velocity_error=velocity_error(sweep),
             keeper=held.keeper,
         )

@@ -12,7 +12,6 @@ from pipeline.scene.format import Fidelity as FidelityTable
 from pipeline.scene.format import Motion as MotionTable
 from pipeline.scene.kinds import Quantity
 from pipeline.scene.written import complete_fidelity, entries_of
-from pipeline.sweep.about import About
 from pipeline.sweep.conditions import FIELDS as PATHS_OF
 from pipeline.sweep.conditions import UNITS as UNITS_OF
 from pipeline.sweep.tables import replace_value
@@ -20,8 +19,10 @@ from pipeline.sweep.variants import Column, Row, Variants, labelled_rows, number
 from tribo.simulation.pins import sizes_of
 
 _OF_SWEEP = {"name", "variants", "notes", "sources", "selection", "chosen", "stations", "judged"}
-_PARTS = {"scene": tribo.Scene, "about": About}
-PART_OF = {one.name: part for part, kind in _PARTS.items() for one in fields(kind)}
+_TESTS = {"measured": False, "tested": True}  # whether each has an outcome
+_DECLARED = ("title", "caveat", "friction_band", "same_rig", "model_scatter")
+PART_OF = {one.name: "scene" for one in fields(tribo.Scene)}
+PART_OF |= dict.fromkeys((*_TESTS, "oil", "preset", *_DECLARED), "parts")
 PART_OF |= dict.fromkeys(("loads", "velocities", "fields", "steps"), "plane")
 FIELDS = {*PART_OF, *_OF_SWEEP, "conditions", "tested_oil"}
 
@@ -41,6 +42,12 @@ class Given:
         for name, value in self.values.items():
             if name == "conditions":
                 parts = replace(parts, conditions=value)
+            elif name in _TESTS:
+                others = (one for one in parts.tests if bool(one.outcome) != _TESTS[name])
+                tests = sorted((*others, *value), key=lambda one: bool(one.outcome))
+                parts = replace(parts, tests=tuple(tests))
+            elif PART_OF[name] == "parts":
+                parts = replace(parts, **{name: value})
             elif PART_OF[name] == "plane":
                 plane = replace(parts.plane, **{name: value})
                 parts = replace(parts, declared=replace(parts.declared, sweep=plane))
@@ -56,8 +63,7 @@ class Given:
 def changed(sweep, **values):
     """The sweep with other values of fields of its parts, as entries where there are such."""
     assert values.keys() <= FIELDS, values.keys() - FIELDS
-    kinds = {"measured": False, "tested": True}
-    if any(bool(test.outcome) != kinds[k] for k in kinds for test in values.get(k, ())):
+    if any(bool(test.outcome) != _TESTS[k] for k in _TESTS for test in values.get(k, ())):
         tests = (*values.get("measured", ()), *values.get("tested", ()))
         values["measured"] = tuple(test for test in tests if not test.outcome)
         values["tested"] = tuple(test for test in tests if test.outcome)
@@ -85,8 +91,12 @@ def changed(sweep, **values):
 def _has(sweep, name, value):
     if name == "conditions":
         return sweep.parts().conditions == value
-    present = getattr(getattr(sweep.parts(), PART_OF[name]), name)
-    if name in ("measured", "tested"):  # of which each has a number, its own or the next one
+    if name in _DECLARED:
+        return True
+    part = PART_OF[name]
+    held = sweep if name in _TESTS else sweep.parts()
+    present = getattr(held if part == "parts" else getattr(held, part), name)
+    if name in _TESTS:  # of which each has a number, its own or the next one
         return len(present) == len(value) and all(
             test == replace(asked, number=asked.number or test.number)
             for test, asked in zip(present, value, strict=True)

@@ -44,7 +44,7 @@ def attributes_of(sweep, held=frozenset()):
     Arrays of the sweep lie beside its text, in the dataset, which must hold them by these digests.
     """
     assert files_of(sweep).keys() <= held, "arrays of a scene lie beside its text"
-    return {"title": sweep.about.title, "sweep": sweep_text(sweep)}
+    return {"title": sweep.title, "sweep": sweep_text(sweep)}
 
 
 def with_fields(ds, **values):

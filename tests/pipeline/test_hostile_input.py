@@ -61,7 +61,7 @@ def test_any_title_is_shown_and_drawn(tmp_path, capsys):
     assert main(["status", str(path), "--json"]) == 0
     assert "\x9b" not in capsys.readouterr().out
     assert main(["plot", str(path), "--kind", "diagram", "-o", str(tmp_path / "a.png")]) in (0, 2)
-    assert open_sweep(path).attrs["title"] == read_sweep(path).about.title == title
+    assert open_sweep(path).attrs["title"] == read_sweep(path).title == title
 
 
 def test_what_cannot_be_looked_into_is_left_out_of_a_folder_s_stores(tmp_path, capsys):

@@ -36,7 +36,7 @@ def fig5(study: Study) -> Report:
     """Highest temperature against time at 600 N and 1.25 m/s."""
     sweep = study.scene("fig5")
     if not isinstance(sweep.scene.loading, Ramp):
-        raise InputError(f"the scene {sweep.about.name} must have a ramp, `rate` under [loading]")
+        raise InputError(f"the scene {sweep.name} must have a ramp, `rate` under [loading]")
     load, velocity = sweep.plane.loads[-1], sweep.plane.velocities[-1]
     curves = {
         name: history(worn(sweep, _LOOKS[name][0]), load, velocity, HIGHEST)[:2]

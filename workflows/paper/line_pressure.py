@@ -32,7 +32,7 @@ def fig4(study: Study) -> Report:
     sweep = study.scene("fig4")
     pin = sweep.scene.pin
     if not isinstance(pin, Cylinder):
-        raise InputError(f'the scene {sweep.about.name} must have a pin of shape "cylinder"')
+        raise InputError(f'the scene {sweep.name} must have a pin of shape "cylinder"')
     load_per_length = sweep.plane.loads[-1] / pin.length
     hertz = load_per_length, pin.radius, contact_modulus(pin.material, sweep.scene.disk)
     peak, half_width = hertz_line_peak_pressure(*hertz), hertz_line_half_width(*hertz)

@@ -30,7 +30,7 @@ def fig8(study: Study) -> Report:
     sweep = study.scene("fig8")
     record = sweep.scene.loading
     if not isinstance(record, MeasuredLoad):
-        raise InputError(f"the scene {sweep.about.name} must have a record, `file` under [loading]")
+        raise InputError(f"the scene {sweep.name} must have a record, `file` under [loading]")
     load, velocity = sweep.plane.loads[-1], sweep.plane.velocities[-1]
     rate, onset = record.linear_fit()
     ramp = {"rate": f"{LOADING_RATE!r} N/s", "reference_load": f"{load!r} N"}

@@ -61,7 +61,7 @@ def sensitivity(study: Study) -> Report:
     sweep = study.scene("table4")
     rough = sweep.scene.roughness
     if not isinstance(rough, SelfAffineRoughness):
-        raise InputError(f"the scene {sweep.about.name} must have a random surface, as in Table 4")
+        raise InputError(f"the scene {sweep.name} must have a random surface, as in Table 4")
     kinds = _kinds(rough)
     names = {
         surface: f"{kind} {name}"

@@ -22,17 +22,17 @@ _SMALL = 0.05  # relative: a spread that the choice of a surface may have
 def band(study: Study) -> Report:
     """The transition on each of several surfaces, and at the ends of the friction band."""
     scene = study.scene("irg_transition")
-    if scene.about.friction_band is None:
-        raise InputError(f"the scene {scene.about.name} must have a friction band")
-    least, most = scene.about.friction_band
+    if scene.declared.friction.band is None:
+        raise InputError(f"the scene {scene.name} must have a friction band")
+    least, most = scene.declared.friction.band
     seeds = tuple(study.seeds(_SURFACES))
     sweep = scene.changed("sweep.loads", [f"{load} N" for load in _LOADS])
     sweep = sweep.changed("sweep.velocities", [f"{velocity} m/s" for velocity in _VELOCITIES])
     sweep = replace(sweep.changed("sweep.fields", False), variants=surfaces(seeds))
-    _, ds = study.sweep(sweep, f"{sweep.about.name}_surfaces_{study.preset or sweep.about.preset}")
+    _, ds = study.sweep(sweep, f"{sweep.name}_surfaces_{study.preset or sweep.preset}")
     ds = ds.sel(realization=list(seeds))
 
-    measured = sorted(sweep.about.measured, key=lambda entry: -entry.normal_load)
+    measured = sorted(sweep.measured, key=lambda entry: -entry.normal_load)
     loads = [entry.normal_load for entry in measured]
     at_load = boundary(ds).sel(load=loads).transpose("load", ...)
     velocities = at_load["critical_velocity"].values

@@ -20,7 +20,7 @@ _GOOD = 0.1  # relative, as in report.agree
 def fig10(study: Study) -> Report:
     """The diagram of the paper's system, from its store or computed into it."""
     sweep = study.scene("irg_transition")
-    name = sweep.about.name if study.preset is None else f"{sweep.about.name}_{study.preset}"
+    name = sweep.name if study.preset is None else f"{sweep.name}_{study.preset}"
     outcome, ds = study.sweep(sweep, name)
     _, by_local_wear = study.sweep(worn(sweep, "local"), f"{name}_local")
 
@@ -28,7 +28,7 @@ def fig10(study: Study) -> Report:
         return float(boundary(at(ds, friction=friction))["critical_velocity"].sel(load=load))
 
     rows, transitions, off = [], [], []
-    for entry in sweep.about.measured:
+    for entry in sweep.measured:
         load, measured = entry.normal_load, entry.velocity
         pair = critical(load), critical(load, entry.friction)
         errors = [velocity / measured - 1 for velocity in pair]

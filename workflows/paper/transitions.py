@@ -157,7 +157,7 @@ def worn(sweep: Sweep, wear: Wear) -> Sweep:
     if wear == "unworn":
         return sweep.changed("wear", None)
     if not isinstance(sweep.scene.wear, ArchardWear):
-        raise InputError(f"the scene {sweep.about.name} must have a [wear] of a constant rate")
+        raise InputError(f"the scene {sweep.name} must have a [wear] of a constant rate")
     return sweep.changed("wear.pattern", wear)
 
 
@@ -165,7 +165,7 @@ def film_parameter(sweep: Sweep, test: Any) -> float:
     """Minimum film over the roughness at a test, Λ."""
     lubrication, bulk = find_lubrication(sweep), sweep.conditions.bulk_temperature
     if lubrication is None:
-        raise InputError(f"the scene {sweep.about.name} must have an [oil]")
+        raise InputError(f"the scene {sweep.name} must have an [oil]")
     return float(lubrication.film_parameter(test.normal_load, test.velocity, bulk))
 
 

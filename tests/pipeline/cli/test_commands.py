@@ -120,7 +120,7 @@ def test_an_accuracy_is_stored_with_what_it_picked(scene, tmp_path, irg):
     few = ("--set", 'sweep.loads=["400 N"]', "--set", 'sweep.velocities=["1 m/s", "2 m/s"]')
     arguments = ("run", scene, *few, "-o", out, "--workers", 1, "--accuracy", "10%")
     irg(*arguments)
-    picked = pipeline.results(pipeline.open_sweep(out)).sweep.about.selection
+    picked = pipeline.results(pipeline.open_sweep(out)).sweep.selection
     assert picked.error <= picked.accuracy == 0.1
     assert picked.fidelity.increments > 0
     again = irg(*arguments)

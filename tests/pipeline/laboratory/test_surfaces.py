@@ -93,7 +93,7 @@ def test_a_scene_takes_a_patch_levelled_and_filled(read, library):
     patch = holed((10, 12), (20, 20)).filled(np.nan)[4:44, 6:38]
     expected = filled(remove_form(patch, SIDES)[0])
     np.testing.assert_array_equal(sweep.scene.roughness.array, expected)
-    note, _ = sweep.about.notes
+    note, _ = sweep.notes
     assert "2 of 1280 heights (0.16 %) are missing and were filled" in note.words
 
 
@@ -105,7 +105,7 @@ def test_a_scan_that_is_too_small_is_repeated_on_request(read, library):
     kept, second = np.split(sweep.scene.roughness.array, [rows - 2])
     np.testing.assert_array_equal(kept, HEIGHTS[2:])
     np.testing.assert_array_equal(second[: rows - 2], HEIGHTS[2:][::-1])
-    note, _ = sweep.about.notes
+    note, _ = sweep.notes
     assert f"{rows - 2} × {columns} heights were mirrored" in note.words
 
 

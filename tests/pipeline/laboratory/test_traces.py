@@ -163,7 +163,7 @@ def test_both_commands_that_change_make_a_run_of_tests(tmp_path, irg):
     (tmp_path / "lab.toml").write_text(
         f'extends = "first_try"\nwithout = ["measured"]\n{document["toml"]}\n'
     )
-    tested = pipeline.load_scene(tmp_path / "lab.toml").about.tested
+    tested = pipeline.load_scene(tmp_path / "lab.toml").tested
     assert [(one.normal_load, one.outcome) for one in tested] == [
         (100.0, "mild"), (200.0, "mild"), (300.0, "severe"),
     ]  # fmt: skip

@@ -72,7 +72,7 @@ def test_values_are_doubted_beyond_the_usual_and_not_within(path, low, high, uni
             entry = [f"{higher!r} {unit}", f"{lower!r} {unit}"]
         scene = load_scene("first_try", overrides={**beside, path: entry})
         key = path.rpartition(".")[2]
-        said = *scene.about.notes, *doubts(scene, facts_of(scene))
+        said = *scene.notes, *doubts(scene, facts_of(scene))
         unusual = (one.place.split("[")[0] for one in said if "are usual" in one.words)
         return any(place.endswith(key) for place in unusual)
 
@@ -93,7 +93,7 @@ def test_a_test_far_outside_the_sweep_is_doubted(load, is_far):
 def test_a_ratio_in_percent_is_doubted_or_read():
     def doubted(ratio):
         rolling = load_scene("twin_disc", overrides={"motion.slide_roll_ratio": ratio})
-        return any(note.place == "motion.slide_roll_ratio" for note in rolling.about.notes)
+        return any(note.place == "motion.slide_roll_ratio" for note in rolling.notes)
 
     assert [doubted(ratio) for ratio in (-2.1, -2.0, 0.5, 2.0, 50.0)] == [1, 0, 0, 0, 1]
     read = load_scene("twin_disc", overrides={"motion.slide_roll_ratio": "50 %"})
@@ -158,6 +158,6 @@ def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
 
 def test_a_surface_is_described_without_the_doubts_about_it():
     rough = load_scene("first_try", overrides={"disk.roughness.ra": "50 um"})
-    assert "usual" in "".join(map(str, rough.about.notes))
+    assert "usual" in "".join(map(str, rough.notes))
     assert "Ra 50 µm" in surface_words(rough)
     assert "usual" not in surface_words(rough)

@@ -78,8 +78,8 @@ def test_entries_of_its_own_stand_in_place_of_the_others(write):
 def test_entries_may_be_left_out(write):
     keys = '"wear", "friction.band", "measured", "materials.steel.hardness", "disk.roughness.seed"'
     sweep = load_scene(write(own=f"{EXTENDS}without = [{keys}]"))
-    assert sweep.scene.wear is sweep.about.friction_band is None
-    assert sweep.about.measured == ()
+    assert sweep.scene.wear is sweep.declared.friction.band is None
+    assert sweep.measured == ()
     assert sweep.scene.hardness == np.inf
     assert sweep.scene.disk.elastic_modulus == 210e9
 
@@ -124,6 +124,6 @@ def test_settings_reach_whole_entries_and_leave_some_out():
     wear = {"wear.specific_wear_rate": "1e-6 mm^3/(N m)", "wear.pattern": "local"}
     overrides = {"title": "Mine", "without": ["wear"], "oil": "oil A"}
     sweep = load_scene("first_try", overrides=overrides)
-    assert (sweep.about.title, sweep.scene.wear, sweep.about.oil.density) == ("Mine", None, 862.0)
+    assert (sweep.title, sweep.scene.wear, sweep.lubricant.density) == ("Mine", None, 862.0)
     sweep = load_scene("first_try", overrides=wear | {"without": ["wear", "oil"]})
-    assert (sweep.scene.wear.pattern, sweep.about.oil) == ("local", None)
+    assert (sweep.scene.wear.pattern, sweep.lubricant) == ("local", None)

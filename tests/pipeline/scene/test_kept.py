@@ -176,7 +176,7 @@ def test_a_store_keeps_its_meaning_when_the_program_changes(
     change(monkeypatch)
     again = pipeline.results(pipeline.open_sweep(path)).sweep
     assert again == sweep
-    assert again.about.preset == sweep.about.preset == "standard"
+    assert again.preset == sweep.preset == "standard"
     new = pipeline.load_scene(own)
     assert new != sweep
     with pytest.raises(pipeline.StoreMismatchError) as told, writing(path, new):
@@ -196,10 +196,10 @@ def test_sweeps_are_equal_if_their_entries_mean_the_same():
 
 def test_a_stored_sweep_made_coarser_keeps_no_promise_of_its_preset():
     stored = text_sweep(sweep_text(pipeline.load_scene("first_try")), {})
-    assert stored.about.preset == "draft"
+    assert stored.preset == "draft"
     for path, value in (("pixels_per_element", 16), ("increments", 2), ("fewest_elements", 1)):
-        assert stored.changed(f"fidelity.{path}", value).about.preset is None
-    assert stored.changed("fidelity.preset", "fine").about.preset == "fine"
+        assert stored.changed(f"fidelity.{path}", value).preset is None
+    assert stored.changed("fidelity.preset", "fine").preset == "fine"
 
 
 def test_a_store_is_read_from_no_file(tmp_path):

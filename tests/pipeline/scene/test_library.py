@@ -19,9 +19,9 @@ LINE = 'kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]'
 def test_a_material_of_the_library_is_the_same_written_in_full(read):
     sweep, written = read(text=NO_TABLE), read(text=TEXT)
     assert sweep.scene.disk == written.scene.disk == STEEL
-    assert {entry.source for entry in sweep.about.sources} == {"Bosman & de Rooij, Table 3"}
-    assert len(sweep.about.sources) == 6
-    assert written.about.sources == ()
+    assert {entry.source for entry in sweep.sources} == {"Bosman & de Rooij, Table 3"}
+    assert len(sweep.sources) == 6
+    assert written.sources == ()
 
 
 def test_own_entries_go_before_those_of_the_library(read):
@@ -31,7 +31,7 @@ def test_own_entries_go_before_those_of_the_library(read):
     ))  # fmt: skip
     assert sweep.scene.pin.material.hardness == pytest.approx(746 * 9.80665e6)
     assert sweep.scene.disk.hardness == 6.6e9
-    assert "materials.ball.hardness" not in [entry.key for entry in sweep.about.sources]
+    assert "materials.ball.hardness" not in [entry.key for entry in sweep.sources]
 
 
 def test_a_table_under_a_name_of_the_library_may_be_a_part_or_whole(read):
@@ -40,7 +40,7 @@ def test_a_table_under_a_name_of_the_library_may_be_a_part_or_whole(read):
     elastic = re.sub("hardness = .*\n", "", TABLE).replace("steel", '"AISI 52100"')
     sweep = read(text=NO_TABLE + elastic)
     assert sweep.scene.disk.hardness == float("inf")
-    assert sweep.about.sources == ()
+    assert sweep.sources == ()
 
 
 def test_every_entry_of_the_library_is_a_sound_material_or_oil(read):
@@ -50,7 +50,7 @@ def test_every_entry_of_the_library_is_a_sound_material_or_oil(read):
         assert 80e9 < sweep.scene.disk.elastic_modulus < 420e9 or name.startswith("aluminium")
         assert 1e-7 < sweep.scene.disk.thermal_diffusivity < 2e-4
     for name in library()["oils"]:
-        oil = read(text=f'oil = "{name}"\n{TEXT}').about.oil
+        oil = read(text=f'oil = "{name}"\n{TEXT}').lubricant
         assert 1 < oil.viscosity(303.15) / oil.viscosity(373.15) < 100
 
 
@@ -64,7 +64,7 @@ def test_every_number_of_the_library_has_a_source():
 
 def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
     """The source has 23.3 mPa s at 60 °C as well, the equation of ASTM D341 within 3 %."""
-    oil = read(text=f'oil = "medicinal white oil"\n{TEXT}').about.oil
+    oil = read(text=f'oil = "medicinal white oil"\n{TEXT}').lubricant
     assert oil.viscosity(303.15) == pytest.approx(0.107)
     assert oil.viscosity(373.15) == pytest.approx(0.0064)
     assert oil.viscosity(333.15) == pytest.approx(0.0233, rel=0.03)
@@ -78,9 +78,9 @@ def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
      (460, 30.3), (680, 39.1)],
 )  # fmt: skip
 def test_every_grade_from_32_to_680_has_its_viscosity_at_40_and_100_degrees(read, grade, warm):
-    oil = read(text=f'oil = "ISO VG {grade}"\n{TEXT}').about.oil
+    oil = read(text=f'oil = "ISO VG {grade}"\n{TEXT}').lubricant
     assert oil.viscosities == pytest.approx((1e-6 * grade, 1e-6 * warm), rel=0.01)
     assert oil.pressure_coefficients[0] > oil.pressure_coefficients[1] > 0
-    line = read(text=f'{TEXT}[oil]\nlike = "ISO VG {grade}"\n{LINE}\n').about.oil
+    line = read(text=f'{TEXT}[oil]\nlike = "ISO VG {grade}"\n{LINE}\n').lubricant
     assert line.viscosities == (32e-6, 5e-6)
     assert line.pressure_coefficients is None  # that of the grade belongs to its temperatures

@@ -43,7 +43,7 @@ print(json.dumps({
     "height": one.scene.roughness.heights(one.scene.pixels).mean(),
     "is told": PATH in dict(all_keys()) and "#waviness" in open("full.toml").read(),
     "fault": fault(),
-    "doubt": str(load("20 um").about.notes[0]),
+    "doubt": str(load("20 um").notes[0]),
     "is kept": text_sweep(sweep_text(one), {}) == one != other,
     "is another scene": scene_ids(one, {}) != scene_ids(other, {}),
     "misfits": [*misfits(one, other)],

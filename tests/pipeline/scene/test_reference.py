@@ -71,6 +71,6 @@ def test_a_copy_replaces_no_file_that_the_scene_names(tmp_path):
 
 def test_the_command_writes_and_lists(tmp_path, irg):
     assert f"irg check {tmp_path / 'mine.toml'}" in irg("new", tmp_path / "mine.toml")
-    assert load_scene(tmp_path / "mine.toml").about.preset == "standard"
+    assert load_scene(tmp_path / "mine.toml").preset == "standard"
     assert set(shipped_scenes()) <= set(irg("new", "--list").split())
     assert "irg new scene.toml" in irg("new", code=2)

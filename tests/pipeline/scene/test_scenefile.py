@@ -47,7 +47,7 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
         oil=tribo.Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (2e-8, 2e-8)),
         fidelity=tribo.PRESETS["standard"],
         name="irg_transition",
-        title=sweep.about.title,
+        title=sweep.title,
         loads=tuple(200.0 + 50.0 * i for i in range(12)),
         velocities=tuple(0.5 + 0.25 * i for i in range(19)),
         conditions=Conditions(0.1, 298.15, 418.15, failing_share=0.1),
@@ -68,7 +68,7 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
 @pytest.mark.parametrize("path", sorted(WORKFLOWS.glob("*.toml")), ids=lambda path: path.stem)
 def test_every_shipped_scene_loads_and_says_what_it_shows(path):
     sweep = load_scene(path)
-    assert sweep.about.name == path.stem
+    assert sweep.name == path.stem
     header = path.read_text(encoding="utf-8").split("\n\n")[0]
     assert all(word in header for word in ("# Shows", "# Expect", "# Costs"))
     assert pickle.loads(pickle.dumps(sweep)) == sweep
@@ -99,13 +99,13 @@ def test_what_may_be_left_out_takes_its_default(read):
         ("fields = true\n", ""),
         (TEXT[TEXT.index("[[measured]]") :], ""),
     )
-    assert sweep.about.title == "scene"
+    assert sweep.title == "scene"
     assert sweep.scene.hardness == math.inf
-    assert sweep.scene.roughness is sweep.scene.wear is sweep.about.friction_band is None
+    assert sweep.scene.roughness is sweep.scene.wear is sweep.declared.friction.band is None
     assert sweep.conditions.failing_share == 0.1
-    assert (sweep.about.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
+    assert (sweep.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
     assert not sweep.plane.fields
-    assert sweep.about.measured == ()
+    assert sweep.measured == ()
 
 
 def test_a_ball_has_a_free_window_and_a_cylinder_a_periodic_one(read):
@@ -117,19 +117,19 @@ def test_a_ball_has_a_free_window_and_a_cylinder_a_periodic_one(read):
 
 def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(read):
     entries = ('preset = "draft"', 'preset = "draft"\nincrements = 30\npartition = "uniform"')
-    assert read().about.preset == "draft"
+    assert read().preset == "draft"
     sweep = read(entries)
     steps = {"increments": 30, "hold_increments": 0, "imprint": 0.0}
     assert sweep.scene.fidelity == replace(tribo.PRESETS["draft"], **steps, partition="uniform")
-    assert sweep.about.preset is None
+    assert sweep.preset is None
     sweep = read(entries, preset="standard")
-    assert (sweep.about.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
+    assert (sweep.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
     sweep = read(entries, preset="standard", overrides={"increments": 40})
-    assert (sweep.about.preset, sweep.scene.fidelity.increments) == (None, 40)
+    assert (sweep.preset, sweep.scene.fidelity.increments) == (None, 40)
     sweep = read(entries, overrides={"increments": 30, "imprint": 2.0})
     assert sweep.scene.fidelity.imprint == 2.0
     same = tribo.PRESETS["draft"].contact_tolerance
-    assert read(overrides={"contact_tolerance": same}).about.preset == "draft"
+    assert read(overrides={"contact_tolerance": same}).preset == "draft"
 
 
 def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
@@ -170,7 +170,7 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     record += '\nreference_load = "500 N"'
     fitted = read((ramp, record + "\nfit = true"))
     assert fitted.scene.loading == tribo.MeasuredLoad(times, loads, 500.0).ramp()
-    (note,) = fitted.about.notes
+    (note,) = fitted.notes
     assert note.place == "loading.file"
     assert "fitted by" in note.words
     assert "N/s" in note.words
@@ -288,5 +288,5 @@ def test_both_bodies_may_move(read):
 def test_the_middle_of_a_range_of_hardness_is_taken_and_told(given, taken):
     sweep = load_scene(WORKFLOWS / "first_try.toml", overrides={"materials.steel.hardness": given})
     assert sweep.scene.hardness == pytest.approx(to_si(taken, "1 Pa"), rel=1e-12)
-    (note,) = [note.text for note in sweep.about.notes if "hardness" in note.text]
+    (note,) = [note.text for note in sweep.notes if "hardness" in note.text]
     assert f"{taken}, its middle, is taken" in note

@@ -171,7 +171,7 @@ def test_a_load_record_is_read_as_duties_are(tmp_path, name):
 
 
 def test_rows_of_a_record_without_a_load_are_told(tmp_path):
-    notes = record(tmp_path, RECORDS["plain"] + "2,\n").about.notes
+    notes = record(tmp_path, RECORDS["plain"] + "2,\n").notes
     said = [note.words for note in notes if note.place == "loading.file"]
     assert "4 rows: 3 used, 1 left out: row 5 has no load" in said
 
@@ -190,5 +190,5 @@ def test_rows_of_pairs_that_rest_are_left_out_and_told(tmp_path):
     head = "flank;pin.radius [mm];load [N];velocity [m/s]\n"
     sweep = along(tmp_path, head + "root;3,0;300;1\npitch;3,5;300;0\ntip;4,0;600;2\n")
     assert [(one.load, one.velocity) for one in points(sweep)] == [(300.0, 1.0), (600.0, 2.0)]
-    said = [note.words for note in sweep.about.notes if note.place == "sweep.along"]
+    said = [note.words for note in sweep.notes if note.place == "sweep.along"]
     assert said == ["mesh.csv, 3 rows: 2 used, 1 left out: row 3 is at rest"]

@@ -61,7 +61,7 @@ def test_axes_are_exact_and_attributes_say_what_was_computed(path):
         *("Conventions", "title", "source", "history", "license", "sweep", "scene_id")
     }
     kept = text_sweep(ds.attrs["sweep"], {})
-    assert (kept.scene, kept.conditions, kept.about) == (sweep.scene, sweep.conditions, sweep.about)
+    assert kept == sweep
     assert zarr.open_group(path)["about"].attrs["history"] == [ds.attrs["history"]]
     assert f"numpy {np.__version__}" in ds.attrs["history"]
 
@@ -114,9 +114,9 @@ def test_conditions_and_titles_follow_the_scene_file(path):
         (),
     )
     kept = opened(path).sweep
-    assert kept.about.title == "Renamed"
+    assert kept.title == "Renamed"
     assert kept.conditions.friction == 0.2
-    assert kept.about.measured == ()
+    assert kept.measured == ()
     assert_is_as_computed(path, [POINT])
 
 

@@ -75,7 +75,7 @@ def test_any_value_of_the_root_may_be_any_other(forged, alone, data):
         assert found.equals(before)
         assert (found.attrs["sweep"], found.attrs["title"]) == (
             before.attrs["sweep"],
-            SWEEP.about.title,
+            SWEEP.title,
         )
 
 

@@ -62,7 +62,7 @@ REFUSALS = {
     "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion: unknown key (did you mean"),
     "surface": (lambda: SMOOTH.take_surface(3), "realization is 3"),
     "labels": (lambda: Variants((Column("a"),), (Row({"a": 1}, {}),) * 2).by_name,
-               "do not have a label each"),
+               "have the same values"),
     "row": (lambda: surfaces((1, 2)).values((("realization", 5),)),
             "the sweep has no realization 5; it has realization 1, 2"),
     "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(

@@ -92,12 +92,12 @@ def test_a_store_whose_choice_errs_by_the_accuracy_goes_on(tmp_path):
     sweep = tiny.sweep(selection=synthetic.selection(error=0.05))
     with writing(tmp_path / "a.zarr", sweep):
         pass
-    assert choose_accuracy(tiny.sweep(), 0.05, store=tmp_path / "a.zarr").about.preset == "fine"
+    assert choose_accuracy(tiny.sweep(), 0.05, store=tmp_path / "a.zarr").preset == "fine"
 
 
 def test_the_error_of_an_own_fidelity_is_measured(rig, tmp_path):
     own = changed(WORN, fidelity=Fidelity(increments=30), preset=None)
     measured = measure_error(own, tmp_path / "new.zarr", rig.said.append)
     assert changed(measured, selection=None) == own
-    assert measured.about.selection.name == OWN
+    assert measured.selection.name == OWN
     assert rig.said[0].words.startswith("2 choices at 3 places")

@@ -25,7 +25,7 @@ WORN, UNWORN = (
 
 def test_it_picks_the_cheapest_that_is_good_enough_and_says_why():
     changed = choose_accuracy(WORN, 0.05)
-    selection = changed.about.selection
+    selection = changed.selection
     cheapest = next(one for one in selection.choices if one.error_at_any_load <= 0.05)
     assert (selection.name, selection.error) == (cheapest.name, cheapest.error_at_any_load)
     assert changed.scene.fidelity == selection.fidelity == cheapest.fidelity
@@ -34,7 +34,7 @@ def test_it_picks_the_cheapest_that_is_good_enough_and_says_why():
     for word in ("accuracy 5 %", f"picked {selection.name}", "err by at most"):
         assert word in said
     assert selection.points[0][0] == 60.0
-    assert changed.about.preset == (selection.name if selection.name in PRESETS else None)
+    assert changed.preset == (selection.name if selection.name in PRESETS else None)
 
 
 def test_it_is_accurate_at_points_that_are_asked_for_and_says_where_nothing_is_enough():
@@ -60,8 +60,8 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_measur
     small = changed(tiny.sweep(), loads=(250.0, 600.0), velocities=(1.0, 1.5))
     begun = choose_accuracy(small, 0.1, store=out)  # not there yet
     pipeline.run_sweep(begun, out, workers=1)
-    assert read_sweep(out).about.selection == begun.about.selection
-    assert pipeline.results(pipeline.open_sweep(out)).sweep.about.selection == begun.about.selection
+    assert read_sweep(out).selection == begun.selection
+    assert pipeline.results(pipeline.open_sweep(out)).sweep.selection == begun.selection
 
     def refused(*_):
         raise AssertionError("another measurement")
@@ -70,15 +70,15 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_measur
     grown = changed(small, velocities=(1.0, 1.5, 2.0))
     for accuracy in (0.1, 0.3):
         again = choose_accuracy(grown, accuracy, store=out)
-        assert (again.scene.fidelity, again.about.selection) == (
+        assert (again.scene.fidelity, again.selection) == (
             begun.scene.fidelity,
-            begun.about.selection,
+            begun.selection,
         )
     outcome = pipeline.run_sweep(again, out, workers=1)
     assert (outcome.computed, outcome.done) == (2, 6)
     # Without --accuracy, but with the same fidelity, the reasons stay.
     pipeline.run_sweep(changed(again, selection=None), out, workers=1)
-    assert read_sweep(out).about.selection == begun.about.selection
-    stricter = begun.about.selection.error / 2
+    assert read_sweep(out).selection == begun.selection
+    stricter = begun.selection.error / 2
     with pytest.raises(pipeline.StoreMismatchError, match=r"errs by .* another store"):
         choose_accuracy(grown, stricter, store=out)

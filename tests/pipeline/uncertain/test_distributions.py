@@ -51,7 +51,7 @@ KNOWN_CONTACT = """
 def test_no_more_samples_are_drawn_than_suffice(tmp_path):
     sweep = pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT, samples=500))
     assert len(sweep.variants) == Draw.of(sweep.variants.draw).design.sufficient == 64
-    assert any(note.text.startswith("sweep.samples: 64 are computed") for note in sweep.about.notes)
+    assert any(note.text.startswith("sweep.samples: 64 are computed") for note in sweep.notes)
     lists = '"disk.roughness.seed" = [0, 1, 2, 3, 4, 5, 6, 7]\n'
     assert len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + lists, 500)).variants) == 128
     drawn = '"disk.roughness.correlation_length" = { from = "12 um", to = "24 um" }\n'
@@ -79,7 +79,7 @@ def reasons_against(one, other):
 def test_what_is_unknown_counts_only_with_samples(tmp_path):
     plain = pipeline.load_scene(scene(tmp_path, "", None))
     sweep = pipeline.load_scene(scene(tmp_path, UNKNOWN, None))
-    assert tuple(note.text for note in sweep.about.notes) == (
+    assert tuple(note.text for note in sweep.notes) == (
         "unknown: inputs: 5; give sweep.samples to draw them",
     )
     assert changed(sweep, notes=()) == plain
@@ -126,6 +126,6 @@ def test_an_input_given_by_a_setting_is_fixed_in_the_draw_too(tmp_path):
         one.path for one in Draw.of(fixed.variants.draw).unknown
     ]
     assert fixed.variant((("variant", 5),)).scene.roughness.correlation_length == (15e-6, 15e-6)
-    assert any("is fixed at 15 µm" in note.words for note in fixed.about.notes)
+    assert any("is fixed at 15 µm" in note.words for note in fixed.notes)
     assert reasons_against(drawn, fixed)
     assert Draw.of(drawn.variants.draw).fixed == ()

@@ -293,7 +293,7 @@ def test_the_paper_s_own_choices_are_a_preset_of_its_results_alone():
     fidelity = sweep.scene.fidelity
     assert fidelity.kernel == fidelity.heat_kernel == "nearest-image"
     assert (fidelity.wear_scheme, fidelity.contact_criterion) == ("explicit", "pressure-change")
-    assert sweep.about.preset is None
+    assert sweep.preset is None
     with pytest.raises(tribo.TriboError, match='give "draft", "standard", "fine" or "reference"'):
         load_scene("table4", preset="as-published")
 
