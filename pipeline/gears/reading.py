@@ -87,13 +87,10 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
             "that of the file is for its own duty; give temperature.bulk of the other duty, too, "
             "or without=temperature.bulk and temperature.oil, from which it follows",
         )
-    oil = None
-    if tables.oil and not faults:
-        with faults.at("oil"):
-            oil = oil_of(tables.oil)
     if faults:
         raise SceneFileError(given, [*map(document.line, faults)])
     try:
+        oil = oil_of(tables.oil) if tables.oil else None
         return replace(_make_pair(tables, oil, filled, sources), notes=tuple(faults.notes))
     except InputError as error:
         raise SceneFileError(given, [str(error)]) from error

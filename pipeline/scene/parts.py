@@ -138,7 +138,7 @@ def oil_of(asked: Oil) -> tribo.Oil:
     dynamic: Any = tuple(value / _NOMINAL for value in asked.dynamic_viscosity or ())
     if bool(kinematic) == bool(dynamic) or (kinematic and asked.density is None):
         raise tribo.InputError(
-            "its viscosity is not known; give kinematic_viscosity and density, or "
+            "the viscosity of the oil is not known; give kinematic_viscosity and density, or "
             "dynamic_viscosity alone"
         )
     density = asked.density if kinematic and asked.density else _NOMINAL
