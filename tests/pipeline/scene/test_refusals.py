@@ -282,7 +282,7 @@ def unkept():
 
 
 KEPT = {
-    "number": (lambda: text_sweep("3", {}), "is not the text of a sweep"),
+    "text": (lambda: text_sweep("3", {}), "is not the text of a sweep"),
     "no array": (scanned, "is not beside the sweep"),
     "law": (unkept, "other fields are numbers or text"),
 }
