@@ -23,6 +23,7 @@ def pytest_configure(config):
 
 # What takes minutes begins first, so that no process is left alone with it in the end.
 LONG = {"workflows", "run", "uncertain", "page", "test_pages.py", "test_verify.py"}
+LONG |= {"test_printed_numbers.py", "test_own_laws.py", "test_doors.py", "test_extras.py"}
 
 
 def pytest_collection_modifyitems(config, items):

@@ -96,7 +96,7 @@ def when_done(act):
     return report
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def elsewhere():
     """A cluster with certificates, and Dask's configuration with them."""
     security, tls = Security.temporary(), "distributed.comm.tls"
@@ -184,9 +184,8 @@ def test_a_cluster_that_dask_fails_to_end_leaves_no_process(monkeypatch):
 def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
     forkserver.start()
     monkeypatch.setattr(of_run, "_START", 0.5)
-    (server,) = (
-        child for child in psutil.Process().children() if "forkserver" in str(child.cmdline())
-    )
+    alive = (one for one in psutil.Process().children() if one.status() != psutil.STATUS_ZOMBIE)
+    (server,) = (child for child in alive if "forkserver" in str(child.cmdline()))
     server.suspend()
     try:
         with (
