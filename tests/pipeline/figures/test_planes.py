@@ -76,27 +76,6 @@ def surfaces(*factors):
     return xr.concat(several, labels, combine_attrs="override")
 
 
-def test_over_surfaces_points_are_mild_severe_or_of_both_kinds():
-    axes, words, _ = drawn(surfaces(0.9, 1.0, 1.1))
-    assert "computed transition, median" in words
-    assert "10 to 90 % of 3 surfaces" in words
-    places = {(v, load) for load in LOADS for v in VELOCITIES}
-    critical = {
-        factor: {load: synthetic.critical_velocity(load, LIMIT / factor) for load in LOADS}
-        for factor in (0.9, 1.1)
-    }
-    both = {(v, load) for v, load in places if critical[1.1][load] < v < critical[0.9][load]}
-    assert both
-    assert marks(axes, "severe on some surfaces") == both
-    found = {kind: marks(axes, f"{kind} wear, computed") for kind in ("mild", "severe")}
-    assert found["mild"] == {(v, load) for v, load in places if v < critical[1.1][load]}
-    assert found["severe"] == {(v, load) for v, load in places if v > critical[0.9][load]}
-    assert any(one.get_gid() == "surface band" for one in axes.collections)
-    pair, alike = (drawn(surfaces(*factors))[0] for factors in ((0.9, 1.1), (1.0, 1.0)))
-    assert any(one.get_gid() == "surface band" for one in pair.collections)
-    assert not any(one.get_gid() == "surface band" for one in alike.collections)
-
-
 # Points
 
 

@@ -17,6 +17,7 @@ from tests.helpers.stores import (
     commit,
     fail,
     killed_after,
+    opened,
     record,
 )
 
@@ -106,3 +107,15 @@ def test_a_dataset_keeps_its_points_while_values_are_added_at_the_ends_of_axes(c
         commit(copy, tiny.full(velocities=(*tiny.VELOCITIES, 2.0)), [Point(250.0, 2.0)])
         assert ds.load().sizes == before
         assert ds["mean_rise"].notnull().any("step").all()
+
+
+def test_a_lack_of_threads_is_no_damage(alone, monkeypatch):
+    """Or a repair would throw away what is sound."""
+
+    def none_left(*_, **__):
+        raise RuntimeError("can't start new thread")
+
+    store = opened(alone)
+    monkeypatch.setattr(type(store.arrays["mean_rise"]), "__getitem__", none_left)
+    with pytest.raises(RuntimeError, match="new thread"):
+        store.read("mean_rise", ...)

@@ -1,6 +1,8 @@
 """Creation and growth of stores, also of ones that were cut short, and refusals."""
 
+import errno
 import os
+import stat
 import subprocess
 import sys
 
@@ -101,6 +103,19 @@ def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, 
     commit(path, SWEEP, [POINT])
     assert_is_as_computed(path, [POINT])
     assert not list(path.rglob(f"*{PARTIAL}"))
+
+
+def test_a_folder_whose_names_cannot_be_synced_is_written_all_the_same(path, monkeypatch):
+    sync = os.fsync
+
+    def refused(descriptor):
+        if stat.S_ISDIR(os.fstat(descriptor).st_mode):
+            raise OSError(errno.EINVAL, "Invalid argument")
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", refused)
+    commit(path, SWEEP, [POINT])
+    assert_is_as_computed(path, [POINT])
 
 
 # Growth
