@@ -42,11 +42,6 @@ def over_surfaces(axis="realization", count=5):
     return xr.concat(parts, xr.Variable(axis, np.arange(count)), combine_attrs="override")
 
 
-def over_equal_surfaces(ds, count):
-    """So many surfaces, each with the results of one."""
-    return xr.concat([ds] * count, xr.Variable("realization", np.arange(count)))
-
-
 def held():
     """The load is held for eight steps more; one part of the contact warms, another cools."""
     ds = one()
@@ -90,13 +85,6 @@ def along_boundary(seed=0, left_out=()):
     return ds.assign(asked=(("load", "velocity"), np.array(asked, np.int8)))
 
 
-def searched_surfaces():
-    """Five surfaces, each along its own boundary; two are mild at 200 N, one lacks 750 N."""
-    lacking = [(750.0, velocity) for velocity in _VELOCITIES]
-    parts = [along_boundary(k, lacking if k == 4 else ()) for k in range(5)]
-    return xr.concat(parts, xr.Variable("realization", np.arange(5)), combine_attrs="override")
-
-
 def of_a_warm_pin():
     """Bodies of unequal bulk temperatures, the pin the warmer one, judged by the mean."""
     bulks = {"bulk_temperature": 378.15, "disk_temperature": 298.15}
@@ -121,7 +109,6 @@ KINDS = {
     "zero velocity": with_zero_velocity,
     "several surfaces": lambda: over_surfaces(count=3),
     "a hold": held,
-    "searched surfaces": searched_surfaces,
     "two bulk temperatures": of_two_bulks,
     "a warm pin": of_a_warm_pin,
 }

@@ -85,7 +85,7 @@ FORGED = st.sampled_from(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(data=st.data())
 def test_a_forged_text_is_an_error_or_another_sweep(data):
     text = sweep_text(tiny.sweep(variants=surfaces((1, 2))))

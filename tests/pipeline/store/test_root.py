@@ -50,7 +50,7 @@ def forged(alone, tmp_path_factory):
     return shutil.copytree(alone, tmp_path_factory.mktemp("forged") / "tiny.zarr")
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_any_value_of_the_root_may_be_any_other(forged, alone, data):
     text = (alone / ROOT).read_text()
