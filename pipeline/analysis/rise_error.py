@@ -53,8 +53,9 @@ _OF_WARNED = {
     WarningKind.FEW_STEPS: 0.10,
     WarningKind.FEW_TURNS: 0.10,
     WarningKind.COARSE_PIXELS: 0.70,
-    # The elements are the pixels then. Other surfaces and smaller pixels are no error of these.
-    WarningKind.FEW_NODES: 0.01,
+    # Where 15 to 38 elements touch; with some hundreds it was 0.6 %. The elements are the pixels
+    # then. Other surfaces and smaller pixels are no error of these.
+    WarningKind.FEW_NODES: 0.11,
     # At the highest friction that the table has, or with the error of each part alone.
     WarningKind.IGNITION: 0.0,
     WarningKind.UNSOLVED_FRICTION: 0.0,
