@@ -87,7 +87,8 @@ def test_the_walk_from_a_scan_to_a_boundary_leads_there(folder, monkeypatch, cap
     assert len(commands) == 5
     capsys.readouterr()
     for command in commands:
-        few = ["--set", 'sweep.loads=["400 N"]', "--workers", "1"] if " run " in command else []
+        few = ["--set", 'sweep.loads=["400 N"]', "--set", 'sweep.velocities=["1 m/s", "3 m/s"]']
+        few = [*few, "--workers", "1"] if " run " in command else []
         assert main([*shlex.split(command)[1:], *few]) == 0
     printed = capsys.readouterr().out
     assert "surface measured" in " ".join(printed.split())

@@ -189,6 +189,24 @@ def test_flashes_are_those_of_the_rule_by_hand(tips, approach):
     assert found.mean_flash == pytest.approx(share * found.tip_flash, rel=1e-9)
 
 
+def test_the_mean_flash_has_no_jump_where_the_standard_takes_another_formula():
+    """Eqs. (39) to (44), between 1 and 2 pairs in mesh, longer ends, and 2 pairs or more."""
+    rig = FINE | {"friction.coefficient": 0.07}
+    factors, ends = [], []
+    for longer in np.linspace(0.0, 2.4, 241):
+        tips = {f"{name}.tip_diameter": f"{over + longer} mm"
+                for name, over in (("pinion", 84), ("wheel", 124))}  # fmt: skip
+        pair = gears.read_pair(FZG, rig | tips)
+        found, toothing = gears.integral_temperature(pair, pair.duty), pair.gears
+        first, second = toothing.path.e, -toothing.path.a
+        whole = 2 * (first + second) * first / toothing.base_pitch**2
+        factors.append(found.mean_flash / found.tip_flash * whole)
+        ends.append((max(first, second) / toothing.base_pitch, toothing.contact_ratio))
+    assert np.less(ends[0], (1, 2)).all()
+    assert np.greater(ends[-1], (1, 2)).all()
+    assert np.abs(np.diff(factors, 2)).max() < 0.001
+
+
 def test_a_spur_pair_is_that_of_another_program():
     """GEARpie (github.com/cfernandesFEUP/GEARpie), REPORT/C14.txt."""
     c14 = {"mesh.face_width": "14 mm", "pinion.profile_shift": 0.1817, "duty.speed": "1500 rpm",
