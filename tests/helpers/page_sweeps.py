@@ -59,7 +59,7 @@ def held():
     return ds.assign_attrs(one().attrs)
 
 
-def along_boundary(seed=0, left_out=()):
+def along_boundary(seed=0):
     """Points about the boundary alone, each load at velocities of its own on both sides of it."""
     ds = one(status={}, rise=uneven(seed))
     severe = ds["rise_quantile"].isel(cooler_share=22).max("step") > synthetic.limit()
@@ -76,7 +76,7 @@ def along_boundary(seed=0, left_out=()):
         for load in ds["load"].values
         for velocity in ds["velocity"].values
         if (float(load), float(velocity)) not in chosen
-    } | dict.fromkeys(left_out, 0)
+    }
     ds = one(status=status, rise=uneven(seed))
     asked = [
         [(float(load), float(velocity)) in chosen for velocity in ds["velocity"].values]
