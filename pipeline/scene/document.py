@@ -25,7 +25,7 @@ from pipeline.scene.faults import (
 from pipeline.scene.format import SceneFile
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
 from pipeline.sweep.limits import MOST_BYTES_OF_SCENE
-from pipeline.sweep.tables import entry_at, replace_value
+from pipeline.sweep.tables import entry_at, flat, replace_value
 
 _KEYS = table_of(SceneFile).keys
 _REPLACED = {"count": "step", "step": "count"}
@@ -112,7 +112,9 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
         base = read_document(other, faults, chain)
     except SceneFileError as error:
         raise SceneFileError(path, [f"extends: {error}"]) from error
-    _leave_out(without, "preset" in (_table(table, "fidelity") or {}), base, path, faults)
+    base = _leave_out(base, without, path, faults)
+    if "preset" in (_table(table, "fidelity") or {}):
+        base = base.replaced("fidelity", None)
     return Document((*document.layers, *base.layers))
 
 
@@ -121,7 +123,9 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
     overrides = dict(overrides)
     without = overrides.pop("without", None)
     listed = [without] if isinstance(without, str) else without
-    _leave_out(listed, "fidelity.preset" in overrides, document, document.file, faults)
+    document = _leave_out(document, listed, document.file, faults)
+    if "fidelity.preset" in overrides:
+        document = document.replaced("fidelity", None)
     entries, top = document.entries(), dict[str, Any]()
     for key, value in overrides.items():
         *tables, _ = key.split(".")
@@ -132,25 +136,18 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
     return Document((FileEntries(document.file, top), *document.layers))
 
 
-def _leave_out(value: Any, has_preset: bool, base: Document, path: Path, faults: Faults) -> None:
-    """Remove the entries that ``without`` names from a document, and its fidelity for a preset."""
-    wrong, entries = Faults(), base.entries()
+def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Document:
+    """The document without the entries at the paths that ``without`` of a file has."""
+    wrong, entries = Faults(), document.entries()
     keys = [] if value is None else _KEYS["without"].kind.read(value, "without", wrong) or []
     for index, key in enumerate(keys):
-        parts = key.split(".")
-        depth = _depth(entries, parts)
-        if depth < len(parts):
-            present = list(_table(entries, *parts[:depth]) or {})
-            wrong.refuse(
-                f"without[{index}]",
-                f"{quoted(key)} is not an entry of {name_of(base.file)}"
-                f"{did_you_mean(parts[depth], present)}; give one that it has",
-            )
-    faults += [fault._replace(file=path) for fault in wrong]
-    for layer in base.layers:
-        for key in (*keys, "fidelity") if has_preset else keys:
-            *tables, last = key.split(".")
-            (_table(layer.entries, *tables) or {}).pop(last, None)
+        if entry_at(entries, key) is None:
+            hint = did_you_mean(key, [*entries, *(path for path, _ in flat(entries))])
+            problem = f"is not an entry of {name_of(document.file)}{hint}; give one that it has"
+            wrong.refuse(f"without[{index}]", f"{quoted(key)} {problem}")
+        document = document.replaced(key, None)
+    faults += [fault._replace(file=file) for fault in wrong]
+    return document
 
 
 def _table(entries: dict[str, Any], *keys: str) -> dict[str, Any] | None:
