@@ -26,7 +26,7 @@ from pipeline.scene.sheet import EMPTY, Sheet
 from pipeline.sweep.about import OUTCOMES
 
 MAY_LACK = (
-    "friction", "friction_scatter", "load_scatter", "velocity_scatter", "mild_up_to", "severe_at",
+    "friction", "friction_scatter", "velocity_scatter", "mild_up_to", "severe_at",
     "number", "load", "velocity",
 )  # fmt: skip
 """Entries of a test whose cells may be empty; a test without load or velocity is left out."""

@@ -421,9 +421,6 @@ Sweep = _extended(_Sweep, _brought_entries("sweep"))
 @declared
 class _AnyTest:
     load: A[float, LOAD, "Normal load on the pin."]
-    load_scatter: A[float | None, Quantity("10 N"),
-        "Standard deviation of the load in repeated tests, for `irg infer` with samples; none by "
-        "default."] = None
     velocity: A[float, VELOCITY, "Sliding velocity."]
     velocity_scatter: A[float | None, Quantity("0.1 m/s"),
         "Standard deviation of the velocity; by default `--scatter`, 5 % of the velocity."] = None

@@ -22,8 +22,7 @@ class Measurement:
     normal_load: float  # on the whole pin [N]
     velocity: float  # [m/s]
     friction: float | None = None
-    load_scatter: float | None = None  # standard deviations [N, m/s, 1]
-    velocity_scatter: float | None = None
+    velocity_scatter: float | None = None  # standard deviations [m/s, 1]
     friction_scatter: float | None = None
     bulk_temperature: float | None = None  # the same in both bodies [K]
     hold: float | None = None  # at the full load [s]

@@ -34,7 +34,6 @@ Test = Mapping[str, Any]
 SIGNS = {"severe": 1.0, "mild": -1.0}
 """Sign of the distances that agree with an outcome."""
 _NODES, _FINE = 9, 65  # velocities at which rises are looked at, and where friction bends them
-_SPAN = 1.05  # ratio of loads between which a slope is taken
 
 
 class Distances(NamedTuple):
@@ -62,11 +61,6 @@ def require_possible(ensemble: Ensemble) -> None:
                 f"{place} held the load for {hold:g} s, the samples for {ensemble.hold:g} s: give "
                 "loading.hold of the longest test, and run the samples with it"
             )
-        if "load_scatter" in test and len(ensemble.loads) < 2:
-            raise InputError(
-                f"{place} has a load_scatter, and the samples one load alone: give more "
-                "sweep.loads, or leave out the scatter"
-            )
 
 
 class Truths(NamedTuple):
@@ -82,8 +76,7 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths
     inputs, rig, oils = truths
     count = _FINE if ensemble.conditions.has_friction_curve else _NODES
     nodes = np.geomspace(*ensemble.velocities, count)
-    ends = ensemble.loads[[0, -1]]
-    loads = sorted({load for test in tests for load in (test["normal_load"], *_around(test, ends))})
+    loads = sorted({test["normal_load"] for test in tests})
     excess = ensemble.excess(inputs, loads, nodes)
     rises = excess.values + ensemble.log_limit(inputs)[:, None, None]
     x = np.log(nodes)
@@ -106,12 +99,7 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths
             friction = np.exp(acted)
         place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, count - 2))
         slope = (rise[:, place + 1] - rise[:, place]) / (x[place + 1] - x[place])
-        variance = excess.error[:, number, place] ** 2
-        if around := _around(test, ends):
-            low, high = (rises[:, loads.index(load), place] for load in around)
-            steepness = (high - low) / math.log(around[1] / around[0])
-            variance = variance + (steepness * test["load_scatter"] / test["normal_load"]) ** 2
-        variance = variance + by_friction
+        variance = excess.error[:, number, place] ** 2 + by_friction
         limit = ensemble.log_limit(
             inputs, friction, test.get("bulk_temperature"), critical=critical,
             was_measured=friction is not None,
@@ -142,14 +130,6 @@ def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array,
         for own, other in ((distances, log_velocity - critical), (turns, 1))
     )
     return values, signs
-
-
-def _around(test: Test, ends: Array) -> tuple[float, ...]:
-    """Loads between which the slope over the load is taken, if the load scatters."""
-    if "load_scatter" not in test:
-        return ()
-    low, high = np.clip([test["normal_load"] / _SPAN, test["normal_load"] * _SPAN], *ends)
-    return float(low), float(high)
 
 
 def fix_varying(unknown: Sequence[Unknown], inputs: Array) -> Array:

@@ -230,10 +230,6 @@ REFUSALS = {
     "far load": (weighed(load=900.0), "the test at 900 N and 2 m/s: load is 900 N"),
     "beyond": (lambda: ensemble().require_within([400.0], [9.0]), "the samples have 0.5 to 6 m/s"),
     "hold": (weighed(hold=60.0), "held the load for 60 s, the samples for 0 s"),
-    "one load": (
-        weighed(1, load=200.0, load_scatter=5.0),
-        "has a load_scatter, and the samples one",
-    ),
     "no draw": (weighed(velocity=0.55, velocity_scatter=0.005), "hardly any draw agrees"),
     "scatter": (lambda: pipeline.posterior(ensemble(), 2.0), "scatter is 2; give a share between"),
     "no tests": (

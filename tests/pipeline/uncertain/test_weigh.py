@@ -105,13 +105,10 @@ def test_the_friction_of_another_machine_tells_nothing_of_the_scene_s():
 @pytest.mark.parametrize(
     ("scatters", "share"),
     [
+        ({"velocity_scatter": 0.04}, EXPONENT * 0.02),
         (
-            {"velocity_scatter": 0.02, "load_scatter": 16.0},
-            math.hypot(EXPONENT * 0.01, 0.58 * 0.04),
-        ),
-        (
-            {"velocity_scatter": 0.04, "load_scatter": 8.0, "friction_scatter": 0.002},
-            math.hypot(EXPONENT * 0.02, 0.58 * 0.02, 0.02),
+            {"velocity_scatter": 0.04, "friction_scatter": 0.002},
+            math.hypot(EXPONENT * 0.02, 0.02),
         ),
     ],
 )
