@@ -124,36 +124,28 @@ def _turning_rod(scene: Any) -> Misfits:
             )
 
 
-def _unfit_body(scene: Any, name: str) -> Misfits:
+@_check("pin", "disk")
+def _unfit_bodies(scene: Any) -> Misfits:
     """A disc of all that it needs, and said in one way."""
-    body, length = getattr(scene, name), scene.pin.length
-    plate, disc = (
-        [key for key in keys if getattr(body, key) is not None] for keys in (_PLATE, DISC)
-    )
-    if body.diameter and plate:
-        words = f"a disc, and {' and '.join(plate)} of a plate, would count one heat twice"
-        yield f"{name}.diameter", f"{words}; give one of them"
-    elif disc and not body.diameter:
-        problem = f"belongs to a disc; give {name}.diameter and {name}.width, or leave it out"
-        yield f"{name}.{disc[0]}", problem
-    elif body.diameter and not body.width:
-        yield f"{name}.width", "missing; a disc of a diameter needs it"
-    elif body.bore and body.bore >= body.diameter:
-        problem = f"is not smaller than the diameter, {display(body.diameter, 'mm')}"
-        yield f"{name}.bore", f"{display(body.bore, 'mm')} {problem}; give less"
-    if body.diameter and body.width and length and body.width < length:
-        problem = f"is narrower than the contact, {display(length, 'mm')} of pin.length"
-        yield f"{name}.width", f"{display(body.width, 'mm')} {problem}; give at least that"
-
-
-@_check(*(f"pin.{key}" for key in (*DISC, *_PLATE, "length")))
-def _unfit_pin(scene: Any) -> Misfits:
-    yield from _unfit_body(scene, "pin")
-
-
-@_check(*(f"disk.{key}" for key in (*DISC, *_PLATE)), "pin.length")
-def _unfit_disk(scene: Any) -> Misfits:
-    yield from _unfit_body(scene, "disk")
+    for name in ("pin", "disk"):
+        body, length = getattr(scene, name), scene.pin.length
+        plate, disc = (
+            [key for key in keys if getattr(body, key) is not None] for keys in (_PLATE, DISC)
+        )
+        if body.diameter and plate:
+            words = f"a disc, and {' and '.join(plate)} of a plate, would count one heat twice"
+            yield f"{name}.diameter", f"{words}; give one of them"
+        elif disc and not body.diameter:
+            problem = f"belongs to a disc; give {name}.diameter and {name}.width, or leave it out"
+            yield f"{name}.{disc[0]}", problem
+        elif body.diameter and not body.width:
+            yield f"{name}.width", "missing; a disc of a diameter needs it"
+        elif body.bore and body.bore >= body.diameter:
+            problem = f"is not smaller than the diameter, {display(body.diameter, 'mm')}"
+            yield f"{name}.bore", f"{display(body.bore, 'mm')} {problem}; give less"
+        if body.diameter and body.width and length and body.width < length:
+            problem = f"is narrower than the contact, {display(length, 'mm')} of pin.length"
+            yield f"{name}.width", f"{display(body.width, 'mm')} {problem}; give at least that"
 
 
 @_check("temperature.critical", "temperature.bulk")

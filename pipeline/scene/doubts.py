@@ -65,8 +65,7 @@ def _narrow_window(sweep: Sweep, facts: Facts) -> str:
     side, pin = facts.window[0], sweep.scene.pin
     if pin.length is None:
         side = min(side, facts.window[1] / pin.hertz(1.0, 1e11).aspect)
-    widths = [width for row in facts.contact_widths for width in row]
-    widest = max(*widths, 2 * facts.hertz_half_width.high)
+    widest = max(facts.contact_width.high, 2 * facts.hertz_half_width.high)
     if widest < side:
         return ""
     return (

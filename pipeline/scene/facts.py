@@ -48,7 +48,6 @@ class Facts:
     disk_velocity: Span | None  # the same; both are None where the pin is at rest
     pin_turns: Span | None  # around its track until the end; None likewise
     greatest_load: float  # all the window at the hardness [N]; may be infinite
-    contact_widths: tuple[tuple[float, ...], ...]  # by load and velocity [m]
     surface: SurfaceFacts | None  # surface of the disk; None if it is smooth
 
 
@@ -64,7 +63,6 @@ def facts_of(sweep: Sweep | Parts) -> Facts:
         hertz_pressure=Span.of(expected.peak_pressures),
         hertz_half_width=Span.of(expected.half_widths),
         contact_width=Span.of(expected.widths),
-        contact_widths=tuple(tuple(row) for row in expected.widths.tolist()),
         window=scene.grid.size,
         duration=Span.of(expected.durations),
         sliding_distance=Span.of(expected.distances),

@@ -27,9 +27,6 @@ from pipeline.sweep.stages import Report, silent
 from pipeline.sweep.tables import entry_at, replace_value, replace_values
 from pipeline.sweep.variants import SEED, surfaces
 
-_UNSET = ("extends", "materials", "fidelity", "measured", "tested")
-"""Tables whose entries are not named by their path alone."""
-
 
 @np.errstate(under="ignore")
 def load_scene(
@@ -138,13 +135,9 @@ def _path_overrides(
         elif "." in key or (key in table_of(SceneFile).keys and key != "extends"):
             replaced[key] = value
         else:
-            fields = [field for field in table_of(Fidelity).listed if field != "preset"]
-            paths = [path for path, _ in all_keys() if path.partition(".")[0] not in _UNSET]
-            hint = did_you_mean(key, [*fields, *paths])
-            problem = f"unknown key{hint}; give one of {', '.join(fields)}"
-            faults.refuse(
-                key, f"{problem}; or an entry such as wear.pattern, loading.hold or title"
-            )
+            choices = table_of(Fidelity).listed
+            hint = did_you_mean(key, [*choices, *(path for path, _ in all_keys())])
+            faults.refuse(key, f"unknown key{hint}; give an entry such as wear.pattern or title")
     return replaced
 
 

@@ -120,9 +120,6 @@ def in_words(value: Any) -> str:
     if isinstance(value, dict):
         return " ".join(f"{key} {in_words(one)}" for key, one in value.items())
     if isinstance(value, list):
-        pairs = [in_words(one).partition(" ")[::2] for one in value]
-        if len(units := {unit for _, unit in pairs}) == 1:
-            return f"{', '.join(number for number, _ in pairs)} {units.pop()}".strip()
         return ", ".join(map(in_words, value))
     if not isinstance(value, str):
         return f"{value:g}"

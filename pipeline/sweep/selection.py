@@ -9,6 +9,7 @@ from typing import Any
 
 from pipeline.sweep.shown import shown
 from tribo import PRESETS, Fidelity
+from tribo.simulation.element_size import TIGHTEST
 from tribo.simulation.parts_of_steps import ENOUGH_STEPS
 
 KEPT_FIELDS = ("heat_model",)
@@ -44,11 +45,16 @@ def preset_of(fidelity: Fidelity) -> str | None:
 
 def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
     """True if no field is coarser than that of a preset, except those that a scene keeps."""
+    without_effect = {*KEPT_FIELDS}
+    if fidelity.pixels_per_element == 1:
+        without_effect |= {"averaging", "fewest_summits"}
+        if fidelity.history_coarsening == 1 and fidelity.contact_tolerance <= TIGHTEST:
+            without_effect |= {"elements_per_summit", "fewest_elements"}
     own, least = (_acting(one) for one in (fidelity, preset))
     return all(
         _FINER.get(name, operator.eq)(value, least[name])
         for name, value in own.items()
-        if name not in KEPT_FIELDS
+        if name not in without_effect
     )
 
 

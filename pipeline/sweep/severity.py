@@ -68,15 +68,11 @@ def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
     return failed_share(rise_quantile, rise_limit(conditions))
 
 
-def momentary_rises(scene: Scene, state: State, conditions: Conditions) -> Mapping[str, Any]:
-    """Rises at one moment of a simulation with temperature, as `rises_above_colder` gives them."""
-    plain = replace(conditions, corrections=None)
-    return rises_above_colder(moment_of(scene, state, conditions.corrections), plain)
-
-
 def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
     """Rise that decides at one moment of a simulation [K]."""
-    return float(conditions.decisive.rise(momentary_rises(scene, state, conditions)))
+    moment = moment_of(scene, state, conditions.corrections)
+    rises = rises_above_colder(moment, replace(conditions, corrections=None))
+    return float(conditions.decisive.rise(rises))
 
 
 def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:

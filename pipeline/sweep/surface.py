@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import functools
 import math
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from pipeline.quantities import display, shown_in
-from pipeline.sweep.areal import areal_roughness, remove_form
+from pipeline.sweep.areal import areal_roughness
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Parts, Sweep
 from tribo import Grid, InputError, MeasuredRoughness, SelfAffineRoughness
-from tribo.surface import UnknownHeights, rms_height
+from tribo.surface import UnknownHeights
 from tribo.types import Array
 
 _MOST_PIXELS = 1_000_000  # pixels of a random surface that is made only to describe it
@@ -104,18 +103,6 @@ def _heights(rough: Any, pixels: Grid) -> Array:
     return heights
 
 
-@functools.lru_cache(maxsize=1)  # asked for by each answer
-def _rms_height(rough: Any, pixels: Grid) -> float:
-    """Root mean square height above the form [m]; 0 of a smooth or a plane surface."""
-    if rough is None:
-        return 0.0
-    if isinstance(rough, SelfAffineRoughness) and math.prod(pixels.shape) > _MOST_PIXELS:
-        return rough.ra * _RQ_OF_RA
-    with suppress(InputError):
-        return rms_height(remove_form(_heights(rough, pixels), pixels.spacing)[0])
-    return 0.0
-
-
 def find_lubrication(sweep: Sweep) -> Lubrication | None:
     """Lubrication that a scene says; None if it gives no oil, or not enough, or no roughness.
 
@@ -125,5 +112,5 @@ def find_lubrication(sweep: Sweep) -> Lubrication | None:
     is_known = not any(isinstance(part, UnknownHeights) for part in (scene.roughness, scene.pin))
     if oil is None or oil.pressure_coefficients is None or not is_known:
         return None
-    rq = _rms_height(scene.roughness, scene.pixels)
-    return Lubrication.make(scene, oil, rq) if rq else None
+    facts = surface_facts(sweep)
+    return Lubrication.make(scene, oil, facts.rq) if facts and facts.rq else None

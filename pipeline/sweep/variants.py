@@ -6,7 +6,6 @@ import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from textwrap import shorten
 from typing import Any, NamedTuple
 
 from pipeline import extras
@@ -28,7 +27,6 @@ Label = float | int | str
 Variant = tuple[tuple[str, Label], ...]
 """Name of a row: the dimensions in front of load and velocity, each with the row's value."""
 SEED = "disk.roughness.seed"
-_LONGEST = 100  # letters of the labels that a message lists
 
 
 class Row(NamedTuple):
@@ -152,10 +150,9 @@ class Variants:
             return {**dict(self._numbers(row)), **row.values}
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
         if not own or len(name) != len(self.chosen):
-            asked = " and ".join(f"{key} {value}" for key, value in name)
-            held = "; ".join(f"{key} {', '.join(map(str, one))}" for key, one in self.axes.items())
-            held = shorten(held or "one scene alone", _LONGEST, placeholder=" …")
-            raise InputError(f"the sweep has no {asked}; it has {held}")
+            wanted = " and ".join(f"{key} {value}" for key, value in name)
+            ends = "; ".join(f"{key} {one[0]} to {one[-1]}" for key, one in self.axes.items())
+            raise InputError(f"the sweep has no {wanted}; it has {ends or 'one scene alone'}")
         drawn = {one.key for one in self._drawn}
         return {key: one for key, one in own[0].values.items() if key not in drawn}
 

@@ -64,7 +64,7 @@ REFUSALS = {
     "labels": (lambda: Variants((Column("a"),), (Row({"a": 1}, {}),) * 2).by_name,
                "have the same values"),
     "row": (lambda: surfaces((1, 2)).values((("realization", 5),)),
-            "the sweep has no realization 5; it has realization 1, 2"),
+            "the sweep has no realization 5; it has realization 1 to 2"),
     "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(
         surfaces((2,)) * rows("pin", {"b": {}})), "such as realization 1, pin b"),
     # surfaces

@@ -13,7 +13,6 @@ from pipeline.sweep.severity import (
     boundary_velocity_error,
     failed_fraction,
     momentary_rise,
-    momentary_rises,
     rise_limit,
     rises_above_colder,
     verdict,
@@ -120,11 +119,8 @@ def test_a_moment_of_a_simulation_has_the_rises_that_are_stored_of_it(disk):
     warm = tiny.sweep(conditions=conditions, unequal_bulks=disk is not None)
     result = run_point(warm, 600.0, 1.5)
     expected = rises_above_colder(result.columns, conditions)
-    found = momentary_rises(warm.scene, result.state, conditions)
-    for name in ("max_rise", "mean_rise", "rise_quantile"):
-        np.testing.assert_allclose(found[name], expected[name][-1], rtol=1e-6)
     plain = rises_above_colder(result.columns, replace(conditions, corrections=None))
-    assert found["mean_rise"] > 1.001 * plain["mean_rise"][-1]
+    assert expected["mean_rise"][-1] > 1.001 * plain["mean_rise"][-1]
     assert momentary_rise(warm.scene, result.state, conditions) == pytest.approx(
         worst_rises(result.columns, 600.0, conditions), rel=1e-6
     )
