@@ -204,7 +204,9 @@ def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
     """
     sweep.require_search()
     searches = {
-        variant: BoundarySearch.of(sweep.variant(variant), tolerance, sweep.leads[variant].ratio)
+        variant: BoundarySearch.of(
+            sweep.variant(variant), tolerance, sweep.contact_sources[variant].ratio
+        )
         for variant in sweep.variants.names
     }
     alike: dict[Scene, list[Variant]] = {}  # whose points have the same numbers

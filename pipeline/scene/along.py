@@ -179,13 +179,13 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
 
 
 def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:
-    """Rows of ``sweep.along`` as they are written; none if not asked for or if faulty."""
-    asked = entry_at(document.entries(), "sweep.along")
+    """Rows of ``sweep.along`` as they are written; none if not given or if faulty."""
+    written = entry_at(document.entries(), "sweep.along")
     rows = list[dict[str, Any]]()
-    if isinstance(asked, str) and asked:
-        rows = _file_rows(document.file_of("sweep.along").parent / user_path(asked), faults)
-    elif isinstance(asked, list) and all(isinstance(row, dict) for row in asked):
-        rows = [dict(flat(row)) for row in asked]
+    if isinstance(written, str) and written:
+        rows = _file_rows(document.file_of("sweep.along").parent / user_path(written), faults)
+    elif isinstance(written, list) and all(isinstance(row, dict) for row in written):
+        rows = [dict(flat(row)) for row in written]
     return [{CONDITIONS.get(head, head): cell for head, cell in row.items()} for row in rows]
 
 

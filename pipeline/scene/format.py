@@ -64,7 +64,7 @@ def one_or_two(kind: Kind) -> Either:
 def _extended(
     declared: type, others: tuple[type, ...] = (), entries: Any = (), form: str = ""
 ) -> Any:
-    """A declared table with the entries of others, and with further ones."""
+    """A declared table with the entries of other tables, and with more entries."""
     inner = {"form_name": form} if form else {}
     return make_dataclass(
         declared.__name__,

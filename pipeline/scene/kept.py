@@ -49,11 +49,11 @@ def sweep_text(sweep: Sweep) -> str:
 
 def files_of(sweep: Sweep) -> dict[str, Array]:
     """What was read of files for a sweep, by its digests."""
-    held: Any = sweep.reader
+    contents = sweep.reader.contents
     values = itertools.chain(*(row.values.items() for row in sweep.rows))
     rows = (value for path, value in values if path.endswith(".content") and value)
     digests = dict.fromkeys([*contents_of(sweep.parts()).values(), *rows])
-    return {digest: held.contents.arrays[digest] for digest in digests}
+    return {digest: contents.arrays[digest] for digest in digests}
 
 
 def text_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:

@@ -45,7 +45,7 @@ class Kind(ABC):
 
     @property
     def leaf_keys(self) -> Collection[str]:
-        """Keys of a table that is one value, rather than a table of further paths."""
+        """Keys of a table that is one value, rather than a table of paths."""
         return ()
 
     def __str__(self) -> str:

@@ -38,13 +38,13 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
 
 def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     """The sweep with a row for every combination; `InputError` at the first that is unfit."""
-    asked = reading.scene.sweep.over
-    if not asked:
+    over = reading.scene.sweep.over
+    if not over:
         return sweep
-    if (count := math.prod(map(len, asked.values()))) > MOST_SCENES:
+    if (count := math.prod(map(len, over.values()))) > MOST_SCENES:
         raise InputError(f"sweep.over: {count} values are too many; give {MOST_SCENES} at most")
     table = Variants()
-    for path, values in asked.items():
+    for path, values in over.items():
         table *= _axis(path, values)
     return with_rows(sweep, table, "sweep.over")
 

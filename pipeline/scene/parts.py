@@ -47,9 +47,9 @@ _WRONG_SIZE = (
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
-def material_of(asked: Material) -> tribo.Material:
+def material_of(table: Material) -> tribo.Material:
     """A material of sound entries."""
-    given = {key: value for key, value in vars(asked).items() if value is not None}
+    given = {key: value for key, value in vars(table).items() if value is not None}
     return tribo.Material(**{key: value for key, value in given.items() if key != "like"})
 
 
@@ -69,36 +69,36 @@ class Contents:
         """An array by its digest."""
         return self.arrays[key].reshape(shape)
 
-    def find(self, asked: Any, path: str, faults: Faults) -> Path | None:
+    def find(self, table: Any, path: str, faults: Faults) -> Path | None:
         """The file of a table, if its content is not known; a store opens none."""
-        if asked.content in self.arrays:
+        if table.content in self.arrays:
             return None
-        if faults.is_complete or asked.content:
-            name = quoted(asked.file)
+        if faults.is_complete or table.content:
+            name = quoted(table.file)
             raise MissingError(
                 f"{path}: what was read of {name} is not beside the sweep; open its store"
             )
-        return self.folders[f"{path}.file"] / user_path(asked.file)
+        return self.folders[f"{path}.file"] / user_path(table.file)
 
 
 def loading_of(
-    asked: Ramp | LoadRecord, contents: Contents, faults: Faults, stops: tuple[float, ...]
+    table: Ramp | LoadRecord, contents: Contents, faults: Faults, stops: tuple[float, ...]
 ) -> tuple[Loading, str | None]:
     """The ramp or the recorded load, and the digest of a record; a note tells of a fitted line.
 
     Steps of a hold end at the stops that are shorter [s].
     """
-    if isinstance(asked, Ramp):
-        stops = tuple(s for s in stops if s < asked.hold)
-        return tribo.Ramp(**vars(asked), stops=stops), None
-    if path := contents.find(asked, "loading", faults):
-        record = _read_record(path, asked.reference_load, faults)
+    if isinstance(table, Ramp):
+        stops = tuple(s for s in stops if s < table.hold)
+        return tribo.Ramp(**vars(table), stops=stops), None
+    if path := contents.find(table, "loading", faults):
+        record = _read_record(path, table.reference_load, faults)
         content = contents.keep(np.array([record.times, record.loads]))
     else:
-        content = str(asked.content)
+        content = str(table.content)
         times, loads = contents.take(content, (2, -1))
-        record = tribo.MeasuredLoad(times, loads, asked.reference_load)
-    if not asked.fit:
+        record = tribo.MeasuredLoad(times, loads, table.reference_load)
+    if not table.fit:
         return record, content
     rate, onset = record.linear_fit()
     line = f"{rate:.4g} N/s from {round(onset, 3) + 0:g} s on"
@@ -125,26 +125,26 @@ def grid_of(window: Window, pin: Any) -> tribo.Grid:
     return tribo.Grid(window.pixels, window.pixel_size, periodic=(False, pin.shape == "cylinder"))
 
 
-def wear_of(asked: Any) -> Any:
+def wear_of(table: Any) -> Any:
     """Archard's wear, or a law that ships."""
-    values = dict(vars(asked))
+    values = dict(vars(table))
     law: Any = tribo.LAWS[values.pop("law")] if "law" in values else tribo.Wear
     return law(**values)
 
 
-def oil_of(asked: Oil) -> tribo.Oil:
+def oil_of(table: Oil) -> tribo.Oil:
     """The lubricant; the equation of ASTM D341 is applied to a dynamic viscosity in mPa s, too."""
-    kinematic = asked.kinematic_viscosity
-    dynamic: Any = tuple(value / _NOMINAL for value in asked.dynamic_viscosity or ())
-    if bool(kinematic) == bool(dynamic) or (kinematic and asked.density is None):
+    kinematic = table.kinematic_viscosity
+    dynamic: Any = tuple(value / _NOMINAL for value in table.dynamic_viscosity or ())
+    if bool(kinematic) == bool(dynamic) or (kinematic and table.density is None):
         raise tribo.InputError(
             "the viscosity of the oil is not known; give kinematic_viscosity and density, or "
             "dynamic_viscosity alone"
         )
-    density = asked.density if kinematic and asked.density else _NOMINAL
-    coefficient = asked.pressure_viscosity_coefficient
+    density = table.density if kinematic and table.density else _NOMINAL
+    coefficient = table.pressure_viscosity_coefficient
     pair = None if coefficient is None else _pair(coefficient)
-    return tribo.Oil(asked.temperatures, kinematic or dynamic, density, pair)
+    return tribo.Oil(table.temperatures, kinematic or dynamic, density, pair)
 
 
 def _pair(value: Any) -> tuple[float, float]:
@@ -181,9 +181,9 @@ def corrections_of(
     return corrections if corrections != tribo.Corrections() else None
 
 
-def motion_of(asked: Motion, pin: Body) -> tribo.Motion:
+def motion_of(table: Motion, pin: Body) -> tribo.Motion:
     """The motion of both bodies; the pin's wear spreads over the track around it."""
-    return tribo.Motion(**vars(asked) | {"track_length": asked.track_length or around(pin)})
+    return tribo.Motion(**vars(table) | {"track_length": table.track_length or around(pin)})
 
 
 def around(body: Body) -> float | None:
@@ -213,42 +213,42 @@ def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
 
 def realizations_of(scene: Any, faults: Faults) -> tuple[int, ...]:
     """Seeds of the random surfaces; the scene takes the first."""
-    asked, rough = entry_at(scene, "sweep.realizations"), entry_at(scene, "disk.roughness")
-    if asked is None or scene.disk is None:
+    wanted, rough = entry_at(scene, "sweep.realizations"), entry_at(scene, "disk.roughness")
+    if wanted is None or scene.disk is None:
         return ()
     if not isinstance(rough, RandomSurface):
         if not faults.touch("disk.roughness"):
             faults.refuse(
                 "sweep.realizations",
-                f"{quoted(asked if isinstance(asked, int) else list(asked))} needs a "
+                f"{quoted(wanted if isinstance(wanted, int) else list(wanted))} needs a "
                 "[disk.roughness] that is made from a seed; give one, or leave this out",
             )
         return ()
-    if isinstance(asked, int):
+    if isinstance(wanted, int):
         first = rough.seed or 0
-        return tuple(range(first, first + asked))
-    return tuple(sorted(asked))
+        return tuple(range(first, first + wanted))
+    return tuple(sorted(wanted))
 
 
 def roughness_of(
-    asked: Any, window: Window, contents: Contents, faults: Faults
+    table: Any, window: Window, contents: Contents, faults: Faults
 ) -> Roughness | None:
     """The disk's roughness; None of a faulty scan."""
-    if not isinstance(asked, MeasuredSurface):
+    if not isinstance(table, MeasuredSurface):
         if window.pixels == (1, 1):
             raise tribo.InputError(
                 "one pixel cannot be rough; give more window.pixels, or no table"
             )
-        pair = _pair(asked.correlation_length)
-        return tribo.SelfAffineRoughness(**vars(asked) | {"correlation_length": pair})
+        pair = _pair(table.correlation_length)
+        return tribo.SelfAffineRoughness(**vars(table) | {"correlation_length": pair})
     try:
-        path = contents.find(asked, "disk.roughness", faults)
+        path = contents.find(table, "disk.roughness", faults)
     except MissingError as error:
-        return MissingSurface(asked.content or "", str(error))
+        return MissingSurface(table.content or "", str(error))
     if path is None:
-        return tribo.MeasuredRoughness(contents.take(str(asked.content), window.pixels))
+        return tribo.MeasuredRoughness(contents.take(str(table.content), window.pixels))
     scans = extras.module("surfaces")
-    heights = scans.window_heights(vars(asked), vars(window), path, faults)
+    heights = scans.window_heights(vars(table), vars(window), path, faults)
     if heights is None:
         return None
     if heights.shape != window.pixels:

@@ -158,11 +158,11 @@ class SceneReader:
                 self.parts[made_of] = make(*tables, *more)
         return self.parts.get(made_of)
 
-    def _fidelity(self, asked: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:
+    def _fidelity(self, table: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:
         """Fidelity of a table, and the name of its preset if it equals that."""
-        name = (asked and asked.preset) or USUAL_PRESET
+        name = (table and table.preset) or USUAL_PRESET
         fidelity = tribo.PRESETS[name]
-        listed = (vars(asked) if asked else {}).items()
+        listed = (vars(table) if table else {}).items()
         given = {key: value for key, value in listed if key != "preset" and value is not None}
         if "increments" in given:  # instead of steps by the wear
             given = {"hold_increments": 0, "imprint": 0.0} | given
@@ -170,7 +170,7 @@ class SceneReader:
             with faults.at(f"fidelity.{key}"):
                 fidelity = replace(fidelity, **{key: value})
         if self.is_stored:  # whatever the preset is today
-            return fidelity, asked and asked.preset
+            return fidelity, table and table.preset
         return fidelity, name if fidelity == tribo.PRESETS[name] else None
 
 
@@ -206,13 +206,13 @@ def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scen
 
 def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Conditions:
     """The conditions of a sound scene, or with a rule of the user's own."""
-    asked = scene.temperature
+    temperature = scene.temperature
     return Conditions(
         friction=scene.friction.coefficient,
-        critical_temperature=asked.critical,
-        critical_sd=asked.critical_sd,
-        failing_share=asked.failing_share,
-        criterion=name_of(rule) if rule else asked.criterion,
+        critical_temperature=temperature.critical,
+        critical_sd=temperature.critical_sd,
+        failing_share=temperature.failing_share,
+        criterion=name_of(rule) if rule else temperature.criterion,
         rule=rule,
         corrections=corrections_of(scene, made.pin, made.disk, made.motion),
         **_bulks_of(scene),

@@ -141,11 +141,11 @@ def usual_range(path: str) -> Ends:
 
 
 Listed = dict[str, str]
-"""Headers of the lists of tables that have told each key."""
+"""Header of the list of tables that first has each key."""
 
 
 def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:
-    """Keys of a section that no list of tables before it has told; the one that has told others."""
+    """Keys of a section that no list before it has, and the header of a list that has others."""
     keys = section.keys()
     if "." in section.path or not section.is_list:
         return keys, ""

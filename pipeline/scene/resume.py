@@ -49,15 +49,17 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
         yield f"axes {by}: {have} in the store, {gives} in the scene"
         return
     if old.rule.rows != new.rule.rows:
-        told = [_differs(*one) for one in differing(stored, sweep)]
-        yield from told or ["sweep.samples are drawn by another rule than in the store"]
+        reasons = [_differs(*one) for one in differing(stored, sweep)]
+        yield from reasons or ["sweep.samples are drawn by another rule than in the store"]
         return
     yield from _different_scenes(stored, sweep)
     labels = {column.name: values for column, values in old.coordinates.items()}
     for column, values in new.coordinates.items():
-        held = labels.get(column.name, {})
-        for label in (label for label in values if label in held and held[label] != values[label]):
-            yield _differs(f"{column.name}.{label}", held[label], values[label])
+        present = labels.get(column.name, {})
+        for label in (
+            label for label in values if label in present and present[label] != values[label]
+        ):
+            yield _differs(f"{column.name}.{label}", present[label], values[label])
     if (steps := sweep.plane.steps) not in (None, choose_stations(stored).steps):
         yield _differs("sweep.steps", choose_stations(stored).steps, steps)
     if sweep.plane.fields and not stored.plane.fields:

@@ -1,7 +1,7 @@
 """One reader of tables: rows below headings, of text, of a workbook, or of columns in Python.
 
 Every row and cell is used, left out with the reason, or refused. A column is found by the plain
-name of a quantity, such as ``load [N]``. The extra of laboratories hands in further names, reads
+name of a quantity, such as ``load [N]``. The extra of laboratories hands in more names, reads
 workbooks, and derives quantities from others, as its module ``tables``.
 """
 
@@ -128,10 +128,10 @@ class Sheet:
         """Refuse a needed quantity without a column; leave out rows without it, or at rest."""
         missing = {name: self.units[name] for name in needed if name not in self.places}
         if missing and not self.faults:
-            asked = (f"{name} [{unit}]" if unit else name for name, unit in missing.items())
+            wanted = (f"{name} [{unit}]" if unit else name for name, unit in missing.items())
             near = "".join(did_you_mean(heading.name, missing) for heading in self.headings)
             heads = ", ".join(quoted(heading.text) for heading in self.headings) or "an empty file"
-            self.faults.append(f"no column {', '.join(asked)} in {heads}{near}")
+            self.faults.append(f"no column {', '.join(wanted)} in {heads}{near}")
         columns = {name: self.places[name] for name in needed if name in self.places}
         reasons = dict[int, str]()
         for number, cells in self.rows:
@@ -189,8 +189,8 @@ class Sheet:
             if not wrong:
                 tables.append(table)
                 read.append(vars(values))
-            told = (one for one in wrong if one.key in self.places)  # a missing column is said once
-            faults += [one._replace(row=number) for one in told]
+            own = (one for one in wrong if one.key in self.places)  # a missing column is said once
+            faults += [one._replace(row=number) for one in own]
         self.faults += listed_faults(faults)
         return tables, read
 

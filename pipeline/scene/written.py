@@ -73,13 +73,13 @@ def scene_entries(sweep: Sweep) -> dict[str, str]:
     """
     drawn = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
     leaves = _leaves(sweep.entries)
-    told = {path: in_words(value) for path, value in leaves if path not in drawn}
+    texts = {path: in_words(value) for path, value in leaves if path not in drawn}
     unknown = {
         f'unknown."{path}"': in_words(one)
         for path, one in (sweep.entries.get("unknown") or {}).items()
         if path in sweep.variants.rule.unknown
     }
-    kept = {path: words for path, words in told.items() if not path.startswith("unknown.")}
+    kept = {path: words for path, words in texts.items() if not path.startswith("unknown.")}
     return kept | unknown | _judged(sweep)
 
 

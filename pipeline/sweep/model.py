@@ -9,8 +9,12 @@ from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.about import FromLibrary, Measurement
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.contact_sharing import (
+    ContactSource,
+    contact_sources,
+    contact_sources_of_samples,
+)
 from pipeline.sweep.digest import digest
-from pipeline.sweep.leads import Lead, leads_of, leads_of_samples
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import shown
@@ -263,22 +267,22 @@ class Sweep:
         return replace(self.variant(name), variants=self.variants.below(name))
 
     @cached_property
-    def leads(self) -> Mapping[Variant, Lead]:
-        """For each row of the table, the first with the same contacts; see `Lead`."""
+    def contact_sources(self) -> Mapping[Variant, ContactSource]:
+        """For each row of the table, the first with the same contacts; see `ContactSource`."""
         table = self.variants
         if (size := table.rule.per_contact) > 1:
             samples = ((name, table.base(name), row) for name, row in table.by_name.items())
             given = {name: self.variant(name).scene for name in table.given}
-            return leads_of_samples(samples, given, size)
+            return contact_sources_of_samples(samples, given, size)
         scenes = ((name, self.variant(name).scene) for name in table.names)
         places = table.labels("velocity") or (None,) * len(table)
-        return leads_of(scenes, places, self.plane.velocities)
+        return contact_sources(scenes, places, self.plane.velocities)
 
     def contact_of(self, point: Point) -> tuple[float, Variant]:
-        """Velocity and variant whose ramp of contacts leads through a point."""
-        lead = self.leads.get(point.variant)
-        velocity = lead and lead.leading_velocity(point.velocity)
-        return point[1:] if lead is None or velocity is None else (velocity, lead.variant)
+        """Velocity and variant whose ramp of contacts passes through a point."""
+        source = self.contact_sources.get(point.variant)
+        velocity = source and source.velocity_at(point.velocity)
+        return point[1:] if source is None or velocity is None else (velocity, source.variant)
 
     def require_search(self) -> None:
         """Raise an `InputError` where no boundary can be looked for along velocities."""
@@ -288,7 +292,7 @@ class Sweep:
                 "out --boundary-only"
             )
 
-    def held(self, duration: float) -> Self:
+    def with_hold(self, duration: float) -> Self:
         """The sweep with another duration at the full load [s]; not if the load is a record."""
         if not isinstance(self.scene.loading, Ramp):
             raise InputError(

@@ -89,7 +89,7 @@ class PointResult:
         return {name: field.reshape(blocks).mean((1, 3)) for name, field in fields.items()}
 
     def record(self, with_fields: bool) -> PointRecord:
-        """Return the stored record of the point: fields at its end only if asked for."""
+        """Return the stored record of the point: fields at its end only if wanted."""
         fields = self.fields if with_fields else {}
         return PointRecord(
             point=self.point,
@@ -144,7 +144,7 @@ class Task(NamedTuple):
     """Points that share a contact, and the ramp that it branches off."""
 
     points: tuple[Point, ...]
-    ramp: tuple[Any, ...]  # variant and velocity that lead it, and its increment
+    ramp: tuple[Any, ...]  # variant and velocity of its contacts, and its increment
 
 
 def tasks(todo: Iterable[Point], sweep: Sweep) -> tuple[Task, ...]:
@@ -153,8 +153,9 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> tuple[Task, ...]:
     increment = functools.cache(lambda name, load: sweep.variant(name).scene.trunk(load))
 
     def placed(point: Point) -> tuple[Any, ...]:
-        velocity, lead = sweep.contact_of(point)
-        return lead, velocity, increment(base(lead), point.load), point.load, point.variant, point
+        velocity, source = sweep.contact_of(point)
+        step = increment(base(source), point.load)
+        return source, velocity, step, point.load, point.variant, point
 
     groups = itertools.groupby(sorted(map(placed, todo)), key=lambda one: one[:4])
     ramps = functools.cache(lambda *ramp: ramp)  # one for all tasks of a ramp, which are many
@@ -181,34 +182,34 @@ def run_points(
 ) -> tuple[PointResult, ...]:
     """Simulate points of one contact: one point, or variants that share it, at one load.
 
-    They begin on ramps of other points, if given, and lengthen these. `progress` is told of
-    each step.
+    They begin on ramps of other points, if given, and lengthen these. `progress` is called
+    after each step.
     """
     began = time.perf_counter()
     load, stations = points[0].load, choose_stations(sweep)
     variants = [sweep.variant(point.variant) for point in points]
-    first, name_of_lead = sweep.contact_of(points[0])
-    lead = sweep.variant(name_of_lead).scene
+    first, name_of_source = sweep.contact_of(points[0])
+    source = sweep.variant(name_of_source).scene
     # Rises at friction 1 are the same for all frictions.
     scenes = [suited(replace(one.scene, solved_friction=None), load) for one in variants]
     places = [(one, point.velocity) for one, point in zip(scenes, points, strict=True)]
     different = tuple(dict.fromkeys(places))
-    asked, kept = stations.asked(lead, load), stations.kept(lead, load)
+    heat_steps, kept = stations.heat_steps(source, load), stations.kept(source, load)
     note, own = None, {station.index for station in kept}
     if stations.steps == "course":
         note = Note(
             different, lambda state: [_increment_values(*place, state) for place in different]
         )
-        own = {one.index for one in kept if one.index in asked or one.normal_load >= load}
-    hot: list[list[State]] = []  # by moment and place
-    for contact in contacts(lead, load, first, trunks, asked, note):
+        own = {one.index for one in kept if one.index in heat_steps or one.normal_load >= load}
+    heated: list[list[State]] = []  # by moment and place
+    for contact in contacts(source, load, first, trunks, heat_steps, note):
         if contact.index in own:
-            hot.append([_heated(*place, contact) for place in different])
+            heated.append([_heated(*place, contact) for place in different])
         progress(Progress(done=contact.index, total=kept[-1].index))
     results = []
     for point, variant, place in zip(points, variants, places, strict=True):
         number = different.index(place)
-        states = [moment[number] for moment in hot]
+        states = [moment[number] for moment in heated]
         course = [moment[number] for moment in states[-1].course]
         columns = _stacked([*course, *(record_at(place[0], state) for state in states)])
         # Samples, which differ in friction, are judged by what each part of a contact has.

@@ -23,7 +23,7 @@ def _usual(sweep: Sweep) -> Steps:
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
     wears = any(scene.wears for scene in scenes)
     # Rows that share contacts would pay 2.9 to 4.4 times for the temperatures of each of them.
-    are_alone = all(name == lead.variant for name, lead in sweep.leads.items())
+    are_alone = all(name == source.variant for name, source in sweep.contact_sources.items())
     return "course" if are_ramps and wears and are_alone else "end"
 
 

@@ -23,34 +23,34 @@ class Stations:
     judges_hold: bool
     holds: tuple[float, ...]  # durations of the tests at the full load [s]
 
-    def asked(self, scene: Scene, load: float) -> frozenset[int]:
-        """Indices of the steps at which a temperature is asked for on the scene's own grid.
+    def heat_steps(self, scene: Scene, load: float) -> frozenset[int]:
+        """Indices of the steps whose temperature is computed on the scene's own grid.
 
         The load is reached, and the loading ends, with a temperature in any case.
         """
         way = list(scene.all_stations(load))
-        held = [step for step in way if step.holding]
+        holding = [step for step in way if step.holding]
         if self.steps == "course":
             is_own = isinstance(scene.loading, MeasuredLoad) or not scene.remembers_steps
-            return frozenset(step.index for step in (way if is_own else held))
-        kept = [step.index for step in held] if self.judges_hold else []
+            return frozenset(step.index for step in (way if is_own else holding))
+        kept = [step.index for step in holding] if self.judges_hold else []
         reached = max((step.time for step in way if not step.holding), default=0.0)
         tested = (
             step.index
-            for step in held
+            for step in holding
             if any(math.isclose(step.time - reached, hold, rel_tol=1e-6) for hold in self.holds)
         )
         return frozenset([*kept, *tested])
 
     def kept(self, scene: Scene, load: float) -> list[Station]:
         """Steps of a point at a load that are stored, its end last."""
-        asked = self.asked(scene, load)
-        steps = list(scene.stations(load, asked))
+        heated = self.heat_steps(scene, load)
+        steps = list(scene.stations(load, heated))
         return [
             step
             for step in steps
             if step is steps[-1]
-            or step.index in asked
+            or step.index in heated
             or (step.normal_load >= load and (not step.holding or scene.remembers_heat))
             or self.steps == "course"
         ]

@@ -203,7 +203,7 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
     """Numbers of shared increments below a load, of own steps, and of steps with a temperature."""
-    requested = choose_stations(sweep).asked(sweep.scene, load)
+    requested = choose_stations(sweep).heat_steps(sweep.scene, load)
     steps = list(sweep.scene.stations(load, requested))
     shared = sum(
         step.on_trunk and step.normal_load < load and step.index not in requested for step in steps

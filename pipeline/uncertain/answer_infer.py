@@ -169,4 +169,4 @@ def _slid_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
             f"--duration is {duration:g} s; it must be at least the {ramp:g} s of the ramp to "
             f"{load:g} N"
         )
-    return sweep.held(duration - ramp)
+    return sweep.with_hold(duration - ramp)

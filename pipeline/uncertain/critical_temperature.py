@@ -183,7 +183,7 @@ def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
         if test.bulk_temperature is not None:
             row["temperature.bulk"] = f"{test.bulk_temperature!r} K"
         if test.hold is not None:
-            _ = sweep.held(test.hold)  # refuses the hold of a record
+            _ = sweep.with_hold(test.hold)  # refuses the hold of a record
             row["loading.hold"] = f"{test.hold!r} s"
         changes[number] = row
     loads = [test.normal_load for test in sweep.measured]

@@ -58,7 +58,7 @@ REFUSALS = {
                 "25 °C (298.15 K) of the pin"),
     # the sweep and its variants
     "search": (PLACED.require_search, "each row has its own velocity"),
-    "hold": (lambda: tiny.sweep(loading=RECORD).held(2.0), "hold is 2 s, but the load follows"),
+    "hold": (lambda: tiny.sweep(loading=RECORD).with_hold(2.0), "hold is 2 s, but the load"),
     "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion: unknown key (did you mean"),
     "surface": (lambda: SMOOTH.take_surface(3), "realization is 3"),
     "labels": (lambda: Variants((Column("a"),), (Row({"a": 1}, {}),) * 2).by_name,

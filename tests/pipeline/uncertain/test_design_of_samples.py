@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.sweep.leads import Lead
+from pipeline.sweep.contact_sharing import ContactSource
 from pipeline.sweep.model import Point
 from pipeline.uncertain.samples import Design
 from pipeline.uncertain.unknown import Unknown
@@ -61,13 +61,13 @@ def test_points_of_rows_with_equal_wear_numbers_share_their_contacts():
     assert sweep.contact_of(Point(250.0, 1.0, slow)) == (1.0, slow)
     assert sweep.contact_of(Point(250.0, 1.0, fast)) == (2.0, slow)
     assert sweep.contact_of(Point(250.0, 1.0, thin)) == (1.0, thin)
-    assert sweep.leads[fast].ratio == pytest.approx(2.0)
-    assert sweep.leads[thin] == Lead(thin)
+    assert sweep.contact_sources[fast].ratio == pytest.approx(2.0)
+    assert sweep.contact_sources[thin] == ContactSource(thin)
     assert sweep.ramps == 9
     own = tiny.sweep(variants=rows("test", {0: {}, 1: {}}, velocities=[0.5, 1.5]))
     assert own.ramps == 2
     harder = rows("case", {"a": {}, "b": {"disk": replace(STEEL, thermal_conductivity=30.0)}})
     heated = tiny.sweep(variants=harder)
     assert heated.contact_of(Point(250.0, 1.0, harder.names[1])) == (1.0, harder.names[0])
-    unworn = tiny.sweep(variants=table, wear=Wear(0.0)).leads
+    unworn = tiny.sweep(variants=table, wear=Wear(0.0)).contact_sources
     assert unworn[slow].variant == slow

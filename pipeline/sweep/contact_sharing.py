@@ -1,4 +1,4 @@
-"""Variants that share contacts: each follows the first one with the same contact key."""
+"""Variants that share contacts: each takes those of the first one with the same contact key."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from tribo.simulation import inseparable, mechanics, wear_number
 _DIGITS = 12  # digits of a wear number: two that ought to be the same differ by rounding
 
 
-class Lead(NamedTuple):
-    """The variant whose ramp of contacts another one shares, and at which velocity."""
+class ContactSource(NamedTuple):
+    """The variant whose ramp of contacts another variant shares, and at which velocity."""
 
     variant: Variant
     ratio: float = 1.0  # its velocity over that of the other, with the same wear number
     places: tuple[float, float] | None = None  # velocities of both, if they have one each [m/s]
 
-    def leading_velocity(self, velocity: float) -> float | None:
-        """The lead's velocity with the same contacts [m/s]; None where the variant has no point."""
+    def velocity_at(self, velocity: float) -> float | None:
+        """The source's velocity with the same contacts [m/s]; None where there is no point."""
         if self.places:
-            own, leading = self.places
-            return leading if velocity == own else None
+            own, shared = self.places
+            return shared if velocity == own else None
         return velocity if self.ratio == 1 else drop_last_digits(velocity * self.ratio)
 
 
@@ -32,45 +32,47 @@ def drop_last_digits(number: float) -> float:
     return float(f"{number:.{_DIGITS}g}")
 
 
-def leads_of(
+def contact_sources(
     scenes: Iterable[tuple[Variant, Scene]],
     places: Sequence[float | None],
     velocities: Sequence[float],
-) -> Mapping[Variant, Lead]:
+) -> Mapping[Variant, ContactSource]:
     """For each variant the first one with its contacts, at velocities of a plane or its own."""
     first: dict[tuple[Scene, float | None], tuple[Variant, Scene, Any]] = {}
-    leads = {}
+    sources = {}
     for (name, scene), place in zip(scenes, places, strict=True):
         number_there = None if place is None else drop_last_digits(wear_number(scene, place))
         key = mechanics(scene), number_there
-        leader, leading, its_place = first.setdefault(key, (name, scene, place))
+        variant, other, its_place = first.setdefault(key, (name, scene, place))
         slides: list[Sequence[float]]
         if place is None:
-            wears = scene.wear and leading.wear and scene.wears and leading.wears
-            ratio = wear_number(scene, 1.0) / wear_number(leading, 1.0) if wears else 1.0
-            lead, slides = Lead(leader, ratio), [velocities, [ratio * v for v in velocities]]
+            wears = scene.wear and other.wear and scene.wears and other.wears
+            ratio = wear_number(scene, 1.0) / wear_number(other, 1.0) if wears else 1.0
+            source = ContactSource(variant, ratio)
+            slides = [velocities, [ratio * v for v in velocities]]
         else:
-            lead, slides = Lead(leader, places=(place, its_place)), [(place, its_place)]
+            source = ContactSource(variant, places=(place, its_place))
+            slides = [(place, its_place)]
         # Contacts may depend on more than their key.
-        is_shared = leader != name and not any(inseparable(scene, some) for some in slides)
-        leads[name] = lead if is_shared else Lead(name)
-    return leads
+        is_shared = variant != name and not any(inseparable(scene, some) for some in slides)
+        sources[name] = source if is_shared else ContactSource(name)
+    return sources
 
 
-def leads_of_samples(
+def contact_sources_of_samples(
     samples: Iterable[tuple[Variant, Variant, Row]], scenes: Mapping[Variant, Scene], size: int
-) -> Mapping[Variant, Lead]:
-    """For each sample the first one of its contact, of which each has `size` samples.
+) -> Mapping[Variant, ContactSource]:
+    """For each sample the first one of its contact, which `size` samples share.
 
     Samples come with the names of the scenes that they are drawn for. No sample is read.
     """
     same: dict[Scene, Variant] = {}
     alike = {name: same.setdefault(mechanics(scene), name) for name, scene in scenes.items()}
     first: dict[tuple[Variant, int], tuple[Variant, float]] = {}
-    leads = {}
+    sources = {}
     for name, base, row in samples:
         place: Any = row.labels["velocity"]
         key = alike[base], int(row.labels["sample"]) // size
-        leader, its_place = first.setdefault(key, (name, place))
-        leads[name] = Lead(leader, places=(place, its_place))
-    return leads
+        variant, its_place = first.setdefault(key, (name, place))
+        sources[name] = ContactSource(variant, places=(place, its_place))
+    return sources
