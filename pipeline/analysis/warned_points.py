@@ -1,4 +1,4 @@
-"""Points of a sweep that carry a warning, and whether the boundary rests on any of them.
+"""Points of a sweep that carry a warning.
 
 Two warnings follow from a whole sweep alone: that bodies roll as if each turn met a cold track, and
 that the rise grows slowly with the velocity. The error of a boundary velocity is that of the rise
@@ -8,9 +8,8 @@ over the exponent n of rise ∝ Vⁿ. Below n = 0.3 `standard` was 5 to 8 % off,
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
@@ -20,11 +19,10 @@ from pipeline.analysis.results import Results, results
 from pipeline.analysis.scenes import value_text
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.laws import LawError
 from pipeline.sweep.remarks import remarks
-from pipeline.sweep.severity import MELTS, MOLTEN, rise_limit
+from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.shown import shown
-from tribo import CRITERIA, Criterion, WarningKind
+from tribo import CRITERIA, WarningKind
 from tribo.simulation.point_warnings import SLOW, SLOWEST
 from tribo.types import Array, Indices, Mask
 
@@ -34,40 +32,18 @@ from tribo.types import Array, Indices, Mask
 class Warned:
     """Points of a sweep that carry a warning, by kind."""
 
-    points: int  #: Points with at least one warning.
-    kinds: dict[str, int]  #: Points with a warning of each kind that occurs.
-    #: Those with a neighbour in load or in velocity with the other kind of wear; None where there
-    #: is no boundary, for want of a critical temperature.
-    at_boundary: int | None
-    example: str = ""  #: One of these, or else of any, with its warning.
-
-    def __add__(self, other: Warned) -> Warned:
-        """Points of two sweeps."""
-        beside = (self.at_boundary, other.at_boundary)
-        return Warned(
-            self.points + other.points,
-            dict(Counter(self.kinds) + Counter(other.kinds)),
-            None if None in beside else sum(filter(None, beside)),
-            self.example or other.example,
-        )
+    points: int = 0  #: Points with at least one warning.
+    #: Points with a warning of each kind that occurs.
+    kinds: Mapping[str, int] = field(default_factory=dict)
+    example: str = ""  #: The first of these points, with its warning.
 
     def lines(self) -> Iterator[str]:
         """Lines for the user; none where no point carries a warning."""
         if not self.points:
             return
         kinds = ", ".join(f"{kind} at {count}" for kind, count in self.kinds.items())
-        if self.at_boundary is None:
-            lies = "and it is not known which of them lie beside the boundary"
-        elif self.at_boundary:
-            lies = f"{self.at_boundary} beside the boundary, which may be wrong there"
-        else:
-            lies = "none beside the boundary"
         carry = "1 point carries" if self.points == 1 else f"{self.points} points carry"
-        yield from remarks("warning", f"{carry} a warning ({kinds}), {lies}", f"at {self.example}")
-
-
-NO_WARNING = Warned(0, {}, 0)
-"""Of a sweep in which no point carries one."""
+        yield from remarks("warning", f"{carry} a warning ({kinds})", f"at {self.example}")
 
 
 @np.errstate(under="ignore")
@@ -78,7 +54,7 @@ def warned(ds: xr.Dataset | PathLike | Results) -> Warned:
     ----------
     ds : Dataset, str or path
         Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store. Of several values
-        of a condition, such as two frictions, a point lies beside the boundary at any of them.
+        of a condition, such as two frictions, a point is molten if it is at any of them.
 
     Examples
     --------
@@ -88,20 +64,13 @@ def warned(ds: xr.Dataset | PathLike | Results) -> Warned:
     """
     held = results(ds)
     judged = tuple(held.front.index(name) for name in held.judged_dims)
-    alone = tuple(0 if k in judged else slice(None) for k in range(len(held.front)))
-    flags = warning_flags(held)[alone]
-    flags = flags | _marked(held, _is_molten).any(axis=judged) * int(WarningKind.MOLTEN)
-    there = flags != 0
-    if not there.any():
-        return NO_WARNING
+    flags = warning_flags(held) | _marked(held, _is_molten) * int(WarningKind.MOLTEN)
+    flags = np.bitwise_or.reduce(flags, axis=judged)
     counts = {kind.label: int((flags & kind != 0).sum()) for kind in WarningKind}
-    near = _boundary_neighbours(held)
-    beside = there if near is None else there & near.any(axis=judged)
     return Warned(
-        points=int(there.sum()),
+        points=int((flags != 0).sum()),
         kinds={kind: count for kind, count in counts.items() if count},
-        at_boundary=None if near is None else int(beside.sum()),
-        example=_first(held, judged, beside if beside.any() else there, flags),
+        example=_first(held.take(dict.fromkeys(held.judged_dims, 0)), flags),
     )
 
 
@@ -126,49 +95,19 @@ def _marked(held: Results, mark: Callable[[Results], Mask]) -> Mask:
     return np.reshape([mark(scene) for scene in held.scenes], held.done.shape)
 
 
-def _boundary_neighbours(held: Results) -> Mask | None:
-    """Points beside the other kind of wear; None where that is not known."""
-    if held.kind is not Kind.PLANE:
-        return None
-    try:
-        if any(scene.conditions.critical_temperature is None for scene in held.scenes):
-            return None
-    except LawError:
-        return None
-    return _marked(held, _beside_turns)
-
-
-def _beside_turns(scene: Results) -> Mask:
-    """Points of a scene whose next known one along either axis has the other kind of wear."""
-    rises, limit = scene.rises(scene.conditions), rise_limit(scene.conditions)
-    return np.logical_or(*(np.apply_along_axis(_turns, k, rises, limit) for k in (-2, -1)))
-
-
-def _turns(rise: Array, limit: float) -> Mask:
-    """Known points of a row with the other kind of wear at the next known one on either side."""
-    (indices,), severe = np.nonzero(np.isfinite(rise)), Criterion.is_severe(rise, limit)
-    turns = np.flatnonzero(severe[indices[:-1]] != severe[indices[1:]])
-    beside = np.zeros(rise.shape, dtype=bool)
-    beside[indices[turns]] = beside[indices[turns + 1]] = True
-    return beside
-
-
-def _first(held: Results, judged: tuple[int, ...], chosen: Mask, flags: Indices) -> str:
-    """The first message of those chosen, and its point; empty if a writer has just cleared it."""
-    names = [name for k, name in enumerate(held.front) if k not in judged]
-    for place in np.argwhere(chosen).tolist():
-        flag = flags[tuple(place)]
-        *row, load, velocity = place
-        labels = dict(zip(names, row, strict=True))
-        here = held.take(dict.fromkeys(held.judged_dims, 0) | labels)
-        slow = SLOW if flag & WarningKind.SLOW_RISE else ""
-        melted = MOLTEN if flag & WarningKind.MOLTEN else ""
-        kinds = ", ".join(kind.label for kind in WarningKind if flag & kind)  # of a copy
-        message = here.messages[load, velocity] or (kinds if not (slow or melted) else "")
-        if message := "; ".join(filter(None, (message, slow, melted))):
-            values = tuple((n, value_text(here.rows[n], here.rows[n].item())) for n in names)
-            return f"{here.point(load, velocity)._replace(variant=values)}: {message}"
-    return ""
+def _first(held: Results, flags: Indices) -> str:
+    """The first point that carries a warning, and its message; empty if none does."""
+    if not flags.any():
+        return ""
+    *row, load, velocity = np.argwhere(flags)[0].tolist()
+    here = held.take(dict(zip(held.front, row, strict=True)))
+    flag = flags[(*row, load, velocity)]
+    texts = {WarningKind.SLOW_RISE: SLOW, WarningKind.MOLTEN: MOLTEN}
+    said = [here.messages[load, velocity], *(texts[kind] for kind in texts if flag & kind)]
+    kinds = ", ".join(kind.label for kind in WarningKind if flag & kind)  # of a copy
+    values = tuple((n, value_text(here.rows[n], here.rows[n].item())) for n in held.front)
+    point = here.point(load, velocity)._replace(variant=values)
+    return f"{point}: {'; '.join(filter(None, said)) or kinds}"
 
 
 _APART = 1.1  # least ratio of velocities over which an exponent is taken

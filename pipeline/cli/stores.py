@@ -11,9 +11,8 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
-from pipeline.analysis.warned_points import NO_WARNING
 from pipeline.cli.given import dataset_in
-from pipeline.cli.output import DONE, SOME_FAILED, Result, working
+from pipeline.cli.output import DONE, SOME_FAILED, Result, working, wrapped
 from pipeline.store.place import ROOT, StoreError, place_of, remedy
 from pipeline.store.progress import FailedPoint, Summary, summary
 from pipeline.store.root import read_sweep
@@ -38,7 +37,7 @@ def status(options: argparse.Namespace) -> Result:
     if state.running:
         lines.append(f"running: {state.running}")
     lines += [error_in_words(sweep), *(f"failed: {point}" for point in state.failed)]
-    warned = NO_WARNING
+    warned = None
     try:
         warned = pipeline.warned(path)
     except StoreError as error:  # the points are counted all the same
@@ -130,5 +129,6 @@ def diff(options: argparse.Namespace) -> Result:
         text.append(f"and {len(points) - _MOST_POINTS} more, which -o TABLE.csv writes")
     if len(points):
         text.append("rise: the highest of the contact at the end of the point, at friction 1")
-    warned = sum((pipeline.warned(ds) for ds in stores), NO_WARNING)
-    return Result(text=text, warned=warned, frames=[entries, crossings, points])
+    for ds in stores:
+        text += wrapped(pipeline.warned(ds).lines())
+    return Result(text=text, frames=[entries, crossings, points])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -15,7 +15,7 @@ from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.frames import frames_of
 from pipeline.analysis.laboratory import untold_oils
-from pipeline.analysis.warned_points import NO_WARNING, Warned, warned
+from pipeline.analysis.warned_points import Warned, warned
 from pipeline.run.sweep import run_sweep
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.scenefile import load_scene
@@ -62,7 +62,8 @@ class Variations:
     #: Points of all scenes, and the points whose contacts were computed for them.
     points: int
     contacts: int
-    warned: Warned = NO_WARNING  #: Points that carry a warning, over all scenes.
+    #: Points that carry a warning, over all scenes.
+    warned: Warned = field(default_factory=Warned)
 
     def changes(self, variation: Variation) -> Array:
         """Relative change of the critical velocity at each load; NaN where there is none."""

@@ -70,6 +70,4 @@ def test_a_scene_file_may_leave_it_out(tmp_path, irg):
 def test_warnings_are_counted_without_a_boundary(store):
     ds = pipeline.open_sweep(store)
     flagged = ds.assign(warning_flags=ds["warning_flags"] | np.uint8(1))
-    warnings = pipeline.warned(flagged)
-    assert warnings.at_boundary is None
-    assert "it is not known which of them lie beside" in next(iter(warnings.lines()))
+    assert pipeline.warned(flagged).points == int((ds["status"] == 1).sum())

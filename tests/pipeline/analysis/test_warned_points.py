@@ -1,4 +1,4 @@
-"""Points that carry a warning are counted, and points on the boundary are listed apart."""
+"""Points that carry a warning are counted."""
 
 import shutil
 from dataclasses import replace
@@ -33,24 +33,18 @@ def with_flags(flags, **options):
     return ds.assign(warning_flags=(dims, values), message=(dims, messages))
 
 
-def test_kinds_are_counted_and_so_are_points_beside_the_boundary():
-    # At 400 N the boundary lies between 2 and 2.25 m/s, and 0.5 m/s is far below.
-    limit = synthetic.limit()
-    assert 2.0 < synthetic.critical_velocity(400.0, limit) < 2.25
+def test_points_are_counted_by_the_kinds_of_their_warnings():
     flags = {(400.0, 2.0): EDGE | WEAR, (400.0, 2.25): EDGE, (200.0, 0.5): EDGE}
     warnings = warned(with_flags(flags))
-    assert (warnings.points, warnings.at_boundary) == (3, 2)
+    assert warnings.points == 3
     assert warnings.kinds == {"unstable wear": 1, "contact at edge": 3}
-    assert warnings.example == "400 N, 2 m/s: flags 3"
+    assert warnings.example == "200 N, 0.5 m/s: flags 2"
     said = "\n".join(warnings.lines())
-    assert "3 points carry a warning (unstable wear at 1, contact at edge at 3), 2 beside" in said
+    assert "3 points carry a warning (unstable wear at 1, contact at edge at 3)" in said
 
 
-def test_conditions_move_the_boundary_away_from_a_warning():
-    ds = with_flags({(400.0, 2.0): EDGE})
-    assert warned(ds).at_boundary == 1
-    for friction, beside in ((0.05, 0), ([0.05, 0.1], 1), (0.0, 0)):
-        assert warned(pipeline.at(ds, friction=friction)).at_boundary == beside
+def test_a_point_is_counted_once_for_several_frictions():
+    assert warned(pipeline.at(with_flags({(400.0, 2.0): EDGE}), friction=[0.05, 0.1])).points == 1
 
 
 COOL = replace(tiny.sweep().conditions, critical_temperature=330.0)
