@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,6 @@ from pipeline.analysis.scenes import side_by_side
 from pipeline.analysis.transition import (
     ABOVE,
     BELOW,
-    CROSSES,
     MILD,
     SEVERAL,
     SEVERE,
@@ -37,9 +35,7 @@ from pipeline.store.schema import COORDINATES, PLANE, attributes_of
 from pipeline.sweep.caveats import caveats, joined
 from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
-from pipeline.sweep.physics import cold_bodies, describe_cold_bodies, turn_parts
 from pipeline.sweep.surface import find_lubrication
-from tribo import Corrections
 from tribo.types import Array
 
 
@@ -85,8 +81,6 @@ def boundary(ds: xr.Dataset | PathLike | Results) -> xr.Dataset:
           surfaces turn severe. Surfaces that are mild or severe throughout count beyond all
           velocities, so a quantile among them is NaN. The median is not the onset: the hottest
           patch under the pin scuffs first.
-        - ``crossing_at_load``: number of surfaces that cross; ``known_at_load``: number of those
-          known to cross or not.
 
         For samples there are only the band and ``critical_velocity_quantile``, the first velocities
         at which the next run is severe with a probability of 5, 50 and 95 %.
@@ -217,12 +211,6 @@ def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
         result[f"critical_{axis}_quantile"] = _described(
             ["quantile", line], _band(found), unit, "that a share of the surfaces stays below"
         )
-        for name, kinds, words in (
-            ("crossing", [CROSSES], "surfaces that cross"),
-            ("known", [CROSSES, MILD, SEVERE, SEVERAL], "surfaces whose outcome is known"),
-        ):
-            count = np.isin(codes, kinds).sum(axis=0)
-            result[f"{name}_at_{line}"] = _described(line, count, "1", words)
     return result
 
 
@@ -291,24 +279,3 @@ def _band(line: Line) -> Array:
     low, high = (np.sort(ends, axis=0)[ranks, np.arange(rank.shape[1])] for ends in (least, most))
     found = low[0] + (rank - ranks[0]) * (low[1] - low[0])
     return np.where((np.isfinite(low) & (low == high)).all(axis=0), found, math.nan)
-
-
-def turns_left_out(ds: xr.Dataset | Results, crossings: xr.Dataset) -> str | None:
-    """Say that bodies roll as if each turn met a cold track; None where none does."""
-    held = results(ds)
-    scene = held.sweep.scene
-    if held.entry_dims or not scene.motion:
-        return None
-    judged = held.conditions
-    cold = cold_bodies(scene.motion, judged.corrections)
-    if not cold:
-        return None
-    turns, around = turn_parts(scene, cold)
-    corrections = replace(judged.corrections or Corrections(), **turns)
-    warm = boundary_under(held, replace(judged, corrections=corrections))
-    moved = 100 * (warm["critical_velocity"] / crossings["critical_velocity"] - 1).values
-    moved = moved[np.isfinite(moved)]
-    size = "move the boundary to lower velocities, by more than is computed here"
-    if moved.size:
-        size = f"move the critical velocities by {moved.max():+.0f} to {moved.min():+.0f} %"
-    return describe_cold_bodies(cold, around, size)

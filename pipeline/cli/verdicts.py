@@ -10,7 +10,6 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis import words
-from pipeline.analysis.boundary import turns_left_out
 from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import fields
 from pipeline.analysis.frames import JUDGED, frames_of
@@ -23,6 +22,7 @@ from pipeline.analysis.tables import notes_of, short, some_rows
 from pipeline.cli.given import dataset_in, operating_points_in, values_in
 from pipeline.cli.output import Result, counted, working, wrapped
 from pipeline.sweep.about import judged_by
+from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
 from tribo import InputError
@@ -90,7 +90,7 @@ def boundary(options: argparse.Namespace) -> Result:
     rests += [f"{agreement(tests)} They are printed by --by test."] if tests is not None else []
     if not is_plane:
         rests += dict.fromkeys(line for field in fields(held) for line in field.basis)
-    rests += remarks("warning", turns_left_out(held, crossings) if is_plane else None)
+    rests += remarks("warning", note_on_turns(held.sweep))
     rule = judged_by((one.conditions for one in held.scenes), held.sweep.variants.rule.unknown)
     text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(held)])]
     return Result(text=text, warned=pipeline.warned(held), frames=[table])
