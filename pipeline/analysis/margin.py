@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -128,17 +128,6 @@ class Margin:
         where = f"{abs(self.distance):.3g} K {side} the critical temperature"
         tests = f"; tested there: {', '.join(self.tested)}" if self.tested else ""
         return f"{self.verdict.capitalize()}: {likely}, {where}{tests}"
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all values as plain data."""
-        plain: dict[str, Any] = asdict(self)
-        entries: dict[str, Any] = plain.pop("entries")
-        names = (
-            "verdict", "sentence", "decided_by", "temperature_error", "velocity_factor",
-            "load_factor",
-        )  # fmt: skip
-        chances = {name: clipped(plain[name]) for name in ("probability", "lowest", "highest")}
-        return {name: getattr(self, name) for name in names} | plain | chances | entries
 
 
 def verdict_between(lowest: float, highest: float) -> str:

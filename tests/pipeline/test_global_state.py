@@ -3,6 +3,7 @@
 import decimal
 import subprocess
 import sys
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -32,7 +33,7 @@ def answers():
             scene.plane.loads,
             {name: values.tolist() for name, values in point.columns.items()},
             pipeline.boundary(ds)["critical_velocity"].values.tolist(),
-            pipeline.margin(ds, "400.0001 N", "1.4 m/s").as_dict(),
+            asdict(pipeline.margin(ds, "400.0001 N", "1.4 m/s")),
             pipeline.margin(ds, rows).to_dict(),
             pipeline.temperatures(ds)["max_temperature"].values.tolist(),
         )

@@ -1,7 +1,7 @@
 """What would count severe wear mild, or understate an error."""
 
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_a_velocity_of_0_in_a_sweep_changes_no_answer_from_the_lowest_moving_one
     )
     for load in (200.0, 310.0, 600.0):
         for velocity in (1.0, 1.3, 2.5):
-            one, other = (margin(ds, load, velocity).as_dict() for ds in (moving, rest))
+            one, other = (asdict(margin(ds, load, velocity)) for ds in (moving, rest))
             np.testing.assert_equal(one, other)
     both = [boundary(ds).drop_attrs() for ds in (moving, rest)]
     xr.testing.assert_identical(*both)
