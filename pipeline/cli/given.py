@@ -100,7 +100,7 @@ def scene_in(
 ) -> Sweep:
     """The scene with the fidelity and conditions asked for, accurate at points if given."""
     settings = settings_in(options)
-    conditions = {PATHS[name]: _entry(name, one) for name, one in conditions_in(options).items()}
+    conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
     if "share" in conditions_in(options):
         conditions[PATHS["criterion"]] = "share"
     sweep: Sweep = pipeline.load_scene(options.scene, options.preset, settings | conditions)
@@ -117,13 +117,6 @@ def scene_in(
     if sweep.selection:
         tell(str(sweep.selection))
     return sweep
-
-
-def _entry(name: str, value: Any) -> Any:
-    """A condition [SI] as a scene file has it."""
-    if isinstance(value, dict):
-        return {body: _entry(name, one) for body, one in value.items()}
-    return f"{value!r} K" if name.endswith("temperature") else value
 
 
 def one_scene_in(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:

@@ -184,7 +184,7 @@ AT = several(
     'of samples, or of a condition, like "temperature.critical=150 degC"', values.setting,
 )  # fmt: skip
 
-FRICTION = value("--friction MU", "coefficient of friction, at least 0", values.friction)
+FRICTION = value("--friction MU", "coefficient of friction, at least 0", float)
 FRICTIONS = FRICTION.but(action="append", help="coefficient of friction; may be repeated")
 BULK = value(
     "--bulk-temperature T", 'temperature of the bodies far from the contact, like "25 degC"; '
@@ -192,16 +192,15 @@ BULK = value(
 )  # fmt: skip
 CRITERION = value(
     "--criterion NAME", 'temperature that decides: "share", which that share exceeds, "highest" '
-    'or "mean"', values.criterion,
+    'or "mean"',
 )  # fmt: skip
 _THRESHOLD = (
-    quantity(
-        "--critical-temperature", "T", "145 degC", "temperature above which the lubricant fails",
-        is_signed=True,
+    value(
+        "--critical-temperature T", 'temperature above which the lubricant fails, like "145 degC"'
     ),
     value(
         "--share SHARE", "share of the contact above the critical temperature beyond which wear is "
-        "severe, such as 10%%; 0 for the highest temperature", values.failing_share,
+        "severe, such as 10%%; 0 for the highest temperature",
     ),
     CRITERION,
 )  # fmt: skip

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import tomllib
 from argparse import ArgumentTypeError as Refused
 from collections.abc import Callable
@@ -13,7 +12,6 @@ from typing import Any
 
 from pipeline.paths import user_path
 
-_EACH_BULK = re.compile(r"\s*pin\s*=(?P<pin>[^=]+),\s*disk\s*=(?P<disk>[^=]+)")
 _OF_OTHER_FILES = (
     *(".toml", ".json", ".csv", ".md", ".txt", ".npy", ".nc"),
     *(".png", ".svg", ".pdf", ".gif", ".jpg", ".html", ".py", ".ipynb"),
@@ -46,15 +44,11 @@ def sides(text: str) -> tuple[float, float]:
     return read(first), read(second if comma else first)
 
 
-def bulk(text: str) -> float | dict[str, float]:
-    """Read a bulk temperature, or that of pin and disk."""
-    read = quantity("25 degC", is_signed=True)
+def bulk(text: str) -> str | dict[str, str]:
+    """Read a bulk temperature, or each of pin and disk, as text with units."""
     if "=" not in text:
-        return read(text)
-    match = _EACH_BULK.fullmatch(text)
-    if match is None:
-        raise Refused(f'"{text}": give one like "25 degC", or "pin=60 degC, disk=25 degC"')
-    return {"pin": read(match["pin"]), "disk": read(match["disk"])}
+        return text
+    return dict(pair(part, like='"pin=60 degC, disk=25 degC"') for part in text.split(","))
 
 
 def store(text: str) -> Path | str:
@@ -90,38 +84,14 @@ def count(text: str, least: int = 1) -> int:
     raise Refused(f'"{text}": give a whole number of at least {least}')
 
 
-def friction(text: str) -> float:
-    """Read a friction coefficient."""
-    with suppress(ValueError):
-        return float(text)
-    raise Refused(f'"{text}": give a number such as 0.12')
-
-
 def share(text: str) -> float:
     """Read a share such as 2% or 0.02."""
-    with suppress(Refused):
-        if 0 < (value := failing_share(text)) < 1:
-            return value
-    raise Refused(f'"{text}": give a share between 0 and 1, such as 2%')
-
-
-def failing_share(text: str) -> float:
-    """Read the share of the contact beyond which wear is severe, which may be 0."""
     from pipeline.scene.units import share_of
 
-    try:
-        return share_of(text)
-    except ValueError as error:
-        raise Refused(str(error)) from None
-
-
-def criterion(text: str) -> str:
-    """Read the name of a criterion."""
-    from tribo import CRITERIA
-
-    if text not in CRITERIA:
-        raise Refused(f'"{text}": give one of {", ".join(CRITERIA)}')
-    return text
+    with suppress(ValueError):
+        if 0 < (value := share_of(text)) < 1:
+            return value
+    raise Refused(f'"{text}": give a share between 0 and 1, such as 2%')
 
 
 def settings(text: str) -> tuple[str, list[Any]]:

@@ -146,4 +146,4 @@ def test_the_commands_take_both(scene, irg):
     inferred = irg("infer", scene, *option, *place[-2:], "--json")["mean"]
     assert inferred == pytest.approx(temperatures[1], rel=1e-9)
     said = irg("boundary", out, "--bulk-temperature", "pin=40 degC", code=2)
-    assert 'give one like "25 degC", or "pin=60 degC, disk=25 degC"' in said
+    assert "bulk_temperature names pin; give one temperature for both bodies" in said

@@ -242,7 +242,7 @@ REFUSALS = {
                          "disk_temperature is nan K"),
     "critical": (lambda: tribo.Conditions(friction=0.1, bulk_temperature=298.0,
                                           critical_temperature=290.0),
-                 "critical_temperature is 290 K; it must be above the bulk temperature, 298 K"),
+                 "critical_temperature is 290 K (16.85 °C); it must be above the bulk"),
     "no limit": (lambda: rise_limit(tribo.Conditions(friction=0.1, bulk_temperature=298.0)),
                  "critical_temperature is None"),
     "disc diameter": (lambda: Disc(diameter=0.0, width=1.0), "diameter is 0.0"),

@@ -164,9 +164,10 @@ class Conditions(Judging):
         if self.disk_temperature is not None and not 0 < self.disk_temperature < math.inf:
             raise InputError(f"disk_temperature is {self.disk_temperature!r} K; it must be above 0")
         if self.critical_temperature is not None and not self.critical_temperature > warmest:
+            critical = self.critical_temperature
             raise InputError(
-                f"critical_temperature is {self.critical_temperature:g} K; it must be above the "
-                f"bulk temperature, {warmest:g} K"
+                f"critical_temperature is {critical:g} K ({critical - 273.15:.4g} °C); it must be "
+                f"above the bulk temperature, {warmest:g} K ({warmest - 273.15:.4g} °C)"
             )
         self.require_proportional()
 
