@@ -336,7 +336,7 @@ def require_kind(kind: Kind, *kinds: Kind) -> None:
 
 _NO_PLANE = {
     Kind.PLACES: "each row of the sweep has its own load and velocity, so there is no plane of "
-    "them; irg margin, plot and explore answer row by row",
+    "them; irg margin and explore answer row by row",
     Kind.SAMPLES: "the sweep has samples, so there is no plane of points; irg boundary, margin, "
     "plot and explore answer from all samples",
 }

@@ -232,11 +232,6 @@ def _passed_on(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.Data
     return pd.DataFrame(columns, index=answers.index)
 
 
-def row_labels(frame: pd.DataFrame) -> list[str]:
-    """Heads of the labels of rows, their loads and their velocities, before those of answers."""
-    return [*map(str, frame)][: frame.columns.get_loc("verdict")]
-
-
 def counts_in_words(frame: pd.DataFrame) -> str:
     """Numbers of operating points by verdict in words, and which of them is the nearest."""
     counts = Counter(frame["verdict"])

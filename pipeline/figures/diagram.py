@@ -17,7 +17,7 @@ from matplotlib.patches import Patch
 
 from pipeline import extras
 from pipeline.analysis.boundary import BAND
-from pipeline.analysis.dataset import Kind
+from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.analysis.margin import DECIDED, verdict_plane
@@ -33,7 +33,6 @@ from pipeline.figures.overlays import (
     reachable_tests,
     zero_line,
 )
-from pipeline.figures.row_margins import draw_rows
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, TINTS, VERMILION
 from pipeline.store.schema import PENDING, PLANE
 from pipeline.sweep.about import judged_by
@@ -54,7 +53,7 @@ def diagram(
     log: bool = False,
     ax: Axes | None = None,
 ) -> Figure:
-    """Draw the transition diagram; of samples, the probability of severe wear; of rows, margins.
+    """Draw the transition diagram; of samples, the probability of severe wear.
 
     Each place has the verdict of its margin. Over several surfaces the boundary is that of the
     median one, in a band from the tenth to the ninetieth of a hundred.
@@ -68,12 +67,7 @@ def diagram(
         drawn: Figure = extras.module("figures").draw_probability(held, log)
         return drawn
     held = held.take_surface(realization)
-    if held.kind is Kind.PLACES:
-        if log:
-            raise InputError(
-                "each row has its own load and velocity, so there is no plane; leave out log"
-            )
-        return draw_rows(held, ax)
+    require_kind(held.kind, Kind.PLANE)
     if log:
         held = held.take_moving()
     figure, axes = style.canvas(ax, _SIZE)
