@@ -13,7 +13,6 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
-import numpy as np
 from matplotlib import rc_context, rc_params_from_file, rcParams, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -167,30 +166,6 @@ def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:
             break
         legend.remove()
     return legend
-
-
-_APART = 1.25  # heights of a letter between two names
-
-
-def label_ends(axes: Axes, fontsize: float = 9.0) -> None:
-    """Write the names of the curves at their right ends, beside the axes, in place of a legend."""
-    found: Any = zip(*axes.get_legend_handles_labels(), strict=True)
-    figure: Any = axes.get_figure(root=True)
-    figure.draw_without_rendering()  # places the axes
-    ends = []
-    for handle, name in found:
-        curve = getattr(handle, "lines", [handle])[0]
-        heights = np.asarray(curve.get_ydata(), float)
-        ends.append((float(heights[np.isfinite(heights)][-1]), name, curve.get_color()))
-    lowest = -math.inf
-    for height, name, colour in sorted(ends):
-        at = 72 / figure.dpi * axes.transData.transform((0.0, height))[1]  # [pt]
-        lowest = max(at, lowest + _APART * fontsize)
-        axes.annotate(
-            name, (1.0, height), (6, lowest - at), xycoords=("axes fraction", "data"),
-            textcoords="offset points", va="center", fontsize=fontsize, color=colour,
-            annotation_clip=False,
-        )  # fmt: skip
 
 
 def figure_path(out: str | Path) -> Path:

@@ -13,7 +13,6 @@ from pipeline.figures.style import (
     Picture,
     as_text,
     house_style,
-    label_ends,
 )
 from pipeline.gears.contact import Mesh
 from pipeline.quantities import shown_in
@@ -37,7 +36,7 @@ def draw_mesh(mesh: Mesh) -> Figure:
         (speeds, "rolling_2", "m/s", GREEN, "wheel's flank"),
         (speeds, "sliding", "m/s", VERMILION, "sliding"),
         (loads, "pressure", "GPa", BLUE, None),
-        (heat, "temperature", "°C", VERMILION, "bulk and flash,\nsmooth flanks"),
+        (heat, "temperature", "°C", VERMILION, "bulk and flash, smooth flanks"),
     ):
         values = [shown_in(getattr(place, name), unit) for place in mesh.places]
         axes.plot(at, values, color=colour, label=label)
@@ -58,8 +57,8 @@ def draw_mesh(mesh: Mesh) -> Figure:
         film.set_ylabel("film parameter Λ, dotted", color=GREEN)
         film.set_ylim(0, 1.6 * max(film.get_ylim()))  # apart from the pressure
         film.grid(visible=False)
-    label_ends(speeds)
-    label_ends(heat)
+    speeds.legend()
+    heat.legend()
     for x, place in zip(at, mesh.places, strict=True):
         if place.letter:
             for axes in (speeds, loads, heat):

@@ -14,11 +14,11 @@ from pipeline.figures.style import (
     VERMILION,
     heating,
     house_style,
-    label_ends,
 )
 from tribo import InputError, Ramp
 from tribo.types import Array
 
+from .labels import label_ends
 from .report import Report, line, texts
 from .study import Study
 from .transitions import HIGHEST, Wear, history, worn

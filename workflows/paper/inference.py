@@ -11,13 +11,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLUE, GREY, VERMILION, house_style, label_ends
+from pipeline.figures.style import BLUE, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
 from pipeline.scene.written import with_fidelity
 from tribo import InputError, Ramp, Wear
 from tribo.inverse import specific_wear_rate
 from tribo.types import Array
 
+from .labels import label_ends
 from .publication import (
     RIG_HEATING,
     ROOM_CELSIUS,

@@ -19,13 +19,13 @@ from pipeline.figures.style import (
     GREY,
     VERMILION,
     house_style,
-    label_ends,
 )
 from pipeline.quantities import shown_in
 from pipeline.scene.written import with_fidelity
 from tribo import ConvergenceError, Fidelity, simulate, warnings
 from tribo.types import Array
 
+from .labels import label_ends
 from .publication import TABLE_4
 from .report import Finding, Report, judged, line, mean, spread, texts
 from .study import Study

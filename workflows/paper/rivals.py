@@ -20,12 +20,12 @@ from pipeline.figures.style import (
     GREY,
     VERMILION,
     house_style,
-    label_ends,
 )
 from pipeline.quantities import shown_in
 from tribo import Cylinder, lubrication_regime
 from tribo.types import Array
 
+from .labels import label_ends
 from .publication import TABLE_4
 from .report import Report, cells, mean, texts
 from .smooth import SmoothContact, load_speed_exponent

@@ -19,7 +19,6 @@ from pipeline.figures.style import (
     GREY,
     VERMILION,
     house_style,
-    label_ends,
 )
 from pipeline.quantities import shown_in
 from pipeline.scene.declare import table_of
@@ -28,6 +27,7 @@ from pipeline.scene.written import entries_of
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
 
+from .labels import label_ends
 from .publication import TABLE_4
 from .report import Report, agree, cells, mean, spread, texts
 from .study import Study

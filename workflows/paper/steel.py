@@ -18,12 +18,12 @@ from pipeline.figures.style import (
     GREY,
     VERMILION,
     house_style,
-    label_ends,
 )
 from pipeline.quantities import shown_in
 from tribo.simulation import contacts, heated
 from tribo.types import Array
 
+from .labels import label_ends
 from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from .report import Report, agree, line, texts
 from .study import Study
