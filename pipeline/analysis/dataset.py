@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from enum import Enum
@@ -22,107 +22,89 @@ from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import AT_END, COORDINATES, INPUTS, MADE, PLANE, STEPPED, VARIABLES
-from pipeline.sweep.conditions import PATHS, UNITS, Conditions, changes_of
+from pipeline.sweep.conditions import PATHS, UNITS, changes_of
 from pipeline.sweep.identity import scene_ids
 from pipeline.sweep.laws import name_of
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.severity import (
-    require_bulks,
-)
 from pipeline.sweep.variants import VARIANT, Label, Variant, Variants
 from tribo import InputError, Rule
-from tribo.types import Array
-
-
-@dataclass(frozen=True)
-class _Source:
-    """Arrays that a text names by their digests, which tell all of them apart."""
-
-    variable: Any = field(compare=False)
-    digests: str
-
-    @classmethod
-    def of(cls, ds: xr.Dataset) -> _Source:
-        """The arrays that a dataset has."""
-        held = ds.variables.get(INPUTS)
-        return cls(held, "" if held is None else str(held.attrs["digests"]))
-
-    def arrays(self) -> dict[str, Array]:
-        """Arrays of the scene by digest."""
-        if self.variable is None:
-            return {}
-        return split_arrays(self.variable.values, self.variable.attrs)
-
 
 RULES: dict[str, Rule] = {}
 """Criteria of the user that `pipeline.at` was given, by the attribute ``rule``."""
+GIVEN_MEASURED = "given_measured"
+"""Among the values that a dataset is judged at: the scatter of tests that weigh its samples."""
+OIL = "oil"
+"""Among these values: the oil whose tests count."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a dataset says of its scene: the text, and arrays that the text names by digests."""
+
+    text: str
+    digests: str
+    rule: str  # key in `RULES`
+    arrays: Any = field(compare=False)
+
+    @classmethod
+    def of(cls, ds: xr.Dataset) -> Origin:
+        """The origin of a dataset; an `InputError` if it has lost its attribute ``sweep``."""
+        if "sweep" not in ds.attrs:
+            raise InputError(
+                "the dataset has no attribute sweep, which describes its scene; give one of "
+                "pipeline.open_sweep, or keep attributes with "
+                "xarray.set_options(keep_attrs=True)"
+            )
+        held = ds.variables.get(INPUTS)
+        digests = "" if held is None else str(held.attrs["digests"])
+        return cls(str(ds.attrs["sweep"]), digests, str(ds.attrs.get("rule", "")), held)
+
+
+@functools.lru_cache(maxsize=64)
+def stored_sweep(origin: Origin) -> Sweep:
+    """The sweep as it was stored, whatever it is judged at."""
+    held = origin.arrays
+    return text_sweep(origin.text, {} if held is None else split_arrays(held.values, held.attrs))
+
+
+@functools.lru_cache(maxsize=64)
+def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
+    """The sweep, or its scene of a name, at values by the paths of entries [SI], as JSON."""
+    if name:
+        whole = judged_sweep(origin, at)
+        words = ", ".join(f"{path} {value}" for path, value in whole.variants.written(name).items())
+        title = f"{whole.declared.title or whole.name}, {words}"
+        return whole.below(name).changed("title", title)
+    sweep, values = stored_sweep(origin), json.loads(at)
+    if not values:
+        return sweep
+    given = {name: values[path] for name, path in PATHS.items() if path in values}
+    rule = RULES.get(origin.rule)
+    if rule and name_of(rule) == given.get("criterion"):
+        given["criterion"] = rule
+    table = sweep.variants
+    if table.draw:
+        table = replace(table, draw=extras.module("drawn").fixed_at(table.draw, values))
+    judged = {**sweep.judged, **changes_of(**given)}
+    return replace(sweep, judged=judged, oil=values.get(OIL), variants=table)
 
 
 def scene_sweep(ds: xr.Dataset) -> Sweep:
-    """The sweep that was stored, whatever the dataset is judged at.
-
-    Raise an `InputError` if the dataset has lost its attribute ``sweep``.
-    """
-    return _sweep(_text(ds), _Source.of(ds))
+    """The sweep that was stored, whatever the dataset is judged at."""
+    return stored_sweep(Origin.of(ds))
 
 
 def whole_sweep(ds: xr.Dataset) -> Sweep:
     """The sweep that a dataset is of or was taken from, judged as `pipeline.at` says."""
-    return _judged_at(_text(ds), _Source.of(ds), json.dumps(judged_values(ds)), _judgement(ds)[1])
-
-
-def sweep_at(judge: Judge, table: Variants, labels: xr.Dataset, judged: Mapping[str, Any]) -> Sweep:
-    """The sweep at values that it is judged at, and at those labels that have a single value."""
-    columns = {column.name for column in table.columns}
-    values = {
-        path: labels[path].item()
-        for path in PATHS.values()
-        if path in labels.coords and not labels[path].ndim and path not in columns
-    }
-    return judge(json.dumps({**judged, **values}), name_at(table, labels))
-
-
-Judge = Callable[[str, Variant], Sweep]
-"""What gives a sweep at values as JSON, and at labels."""
-
-
-def judge_of(ds: xr.Dataset) -> Judge:
-    """What gives the sweep of a dataset at values as JSON, and at labels."""
-    return functools.partial(_taken_at, _text(ds), _Source.of(ds), _judgement(ds)[1])
-
-
-GIVEN_MEASURED = "given_measured"
-"""Among the values that a dataset is judged at: the scatter of tests that weigh its samples."""
-
-
-OIL = "oil"
-"""Among the same: the oil whose tests count."""
+    return judged_sweep(Origin.of(ds), json.dumps(judged_values(ds)))
 
 
 def judged_values(ds: xr.Dataset) -> dict[str, Any]:
     """Values that a dataset is judged at, by the paths of entries [SI]."""
     try:
-        return dict(json.loads(_judgement(ds)[0]))
+        return dict(json.loads(str(ds.attrs.get("at", "{}"))))
     except ValueError as error:
         raise InputError(f"the attribute at is {ds.attrs['at']!r:.60}; it must be JSON") from error
-
-
-def _judgement(ds: xr.Dataset) -> tuple[str, str]:
-    """Values that a dataset is judged at, as JSON, and the key of a rule in `RULES`."""
-    return str(ds.attrs.get("at", "{}")), str(ds.attrs.get("rule", ""))
-
-
-def require_computed(
-    conditions: Conditions, sweep: Sweep, columns: Container[Any] | xr.Dataset
-) -> Conditions:
-    """Refuse conditions that need what was not computed."""
-    require_bulks(columns, conditions)
-    if conditions.friction and not sweep.scene.friction_heat:
-        raise InputError(
-            f"friction is {conditions.friction:g}; the sweep was computed without friction, and "
-            "so without any heat: run it again with friction, into another store"
-        )
-    return conditions
 
 
 def name_at(table: Variants, ds: xr.Dataset) -> Variant:
@@ -131,46 +113,6 @@ def name_at(table: Variants, ds: xr.Dataset) -> Variant:
         return ()
     names = [one.name for one in table.chosen]
     return tuple((name, _label(table.axes[name], ds[name].item())) for name in names)
-
-
-def _text(ds: xr.Dataset) -> str:
-    if "sweep" not in ds.attrs:
-        raise InputError(
-            "the dataset has no attribute sweep, which describes its scene; give one of "
-            "pipeline.open_sweep, or keep attributes with xarray.set_options(keep_attrs=True)"
-        )
-    return str(ds.attrs["sweep"])
-
-
-@functools.lru_cache(maxsize=64)
-def _sweep(text: str, source: _Source) -> Sweep:
-    return text_sweep(text, source.arrays())
-
-
-@functools.lru_cache(maxsize=64)
-def _judged_at(text: str, source: _Source, at: str, rule: str) -> Sweep:
-    """A sweep at values by the paths of entries [SI], as JSON."""
-    sweep, values = _sweep(text, source), json.loads(at)
-    given = {name: values[path] for name, path in PATHS.items() if path in values}
-    if rule in RULES and name_of(RULES[rule]) == given.get("criterion"):
-        given["criterion"] = RULES[rule]
-    if not values:
-        return sweep
-    table = sweep.variants
-    if table.draw:
-        table = replace(table, draw=extras.module("drawn").fixed_at(table.draw, values))
-    judged = {**sweep.judged, **changes_of(**given)}
-    return replace(sweep, judged=judged, oil=values.get(OIL), variants=table)
-
-
-@functools.lru_cache(maxsize=64)
-def _taken_at(text: str, source: _Source, rule: str, at: str, name: Variant) -> Sweep:
-    whole = _judged_at(text, source, at, rule)
-    if not name:
-        return whole
-    words = ", ".join(f"{path} {value}" for path, value in whole.variants.written(name).items())
-    title = f"{whole.declared.title or whole.name}, {words}"
-    return whole.below(name).changed("title", title)
 
 
 def _label(labels: Sequence[Label], value: Any) -> Label:

@@ -7,6 +7,7 @@ is changed to afterwards is not in them.
 from __future__ import annotations
 
 import functools
+import json
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -16,20 +17,18 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import (
-    Judge,
     Kind,
+    Origin,
     dataset_of,
     drawn_dims,
     entry_dims,
-    judge_of,
+    judged_sweep,
     judged_values,
     keep_steps,
     name_at,
-    require_computed,
     require_kind,
     require_one_scene,
     scene_sweep,
-    sweep_at,
     sweep_kind,
 )
 from pipeline.store.place import PathLike
@@ -45,7 +44,7 @@ from pipeline.store.schema import (
 from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.laws import Law
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.severity import columns_needed, equivalent_rise, worst_rises
+from pipeline.sweep.severity import columns_needed, equivalent_rise, require_bulks, worst_rises
 from pipeline.sweep.variants import VARIANT, Label, Variant
 from tribo import InputError
 from tribo.simulation.corrections import NEEDED
@@ -98,7 +97,7 @@ class Results:
     shares: Array = field(repr=False)
     rest: xr.Dataset = field(repr=False)
     keeper: Any = field(repr=False)  # of the store that they are from, which has its messages
-    judge: Judge = field(repr=False)
+    origin: Origin = field(repr=False)
 
     @property
     def entry_dims(self) -> tuple[str, ...]:
@@ -144,13 +143,16 @@ class Results:
     @functools.cached_property
     def sweep(self) -> Sweep:
         """The sweep at these labels, judged."""
-        return sweep_at(self.judge, self.stored.variants, self.rows, self.judged)
+        columns, labels = {column.name for column in self.stored.variants.columns}, self.labels
+        paths = [path for path in PATHS.values() if path in labels and path not in columns]
+        own = {path: labels[path] for path in paths}
+        return judged_sweep(self.origin, json.dumps({**self.judged, **own}), self.name)
 
     @functools.cached_property
     def conditions(self) -> Conditions:
         """The conditions that a scene is judged by, if the sweep has what they need."""
         _ = self.sweep.conditions.decisive  # refuses a rule that is not here
-        return require_computed(self.sweep.conditions, self.sweep, self.columns)
+        return self._require_computed(self.sweep.conditions)
 
     @property
     def shown_conditions(self) -> Conditions:
@@ -162,8 +164,17 @@ class Results:
     @property
     def plain_conditions(self) -> Conditions:
         """The same with a share, as the criterion of a store may be a rule that is not here."""
-        plain = replace(self.sweep.conditions, criterion="share")
-        return require_computed(plain, self.sweep, self.columns)
+        return self._require_computed(replace(self.sweep.conditions, criterion="share"))
+
+    def _require_computed(self, conditions: Conditions) -> Conditions:
+        """Refuse conditions that need what was not computed."""
+        require_bulks(self.columns, conditions)
+        if conditions.friction and not self.sweep.scene.friction_heat:
+            raise InputError(
+                f"friction is {conditions.friction:g}; the sweep was computed without friction, "
+                "and so without any heat: run it again with friction, into another store"
+            )
+        return conditions
 
     @property
     def scenes(self) -> Iterator[Results]:
@@ -370,5 +381,5 @@ def results(ds: xr.Dataset | PathLike | Results) -> Results:
         shares=np.array(ds["cooler_share"].values) if "cooler_share" in ds.coords else np.empty(0),
         rest=ds.drop_vars([name for name in names if name in ds.data_vars]),
         keeper=status.encoding.get("keeper"),
-        judge=judge_of(ds),
+        origin=Origin.of(ds),
     )

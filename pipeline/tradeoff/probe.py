@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -14,11 +14,7 @@ import numpy as np
 from pipeline.scene.written import with_fidelity
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import tasks
-from pipeline.sweep.severity import (
-    boundary_velocity_error,
-    momentary_rise,
-    rise_limit,
-)
+from pipeline.sweep.severity import momentary_rise, rise_limit
 from pipeline.sweep.variants import Variant
 from tribo import PRESETS, Fidelity, InputError, Scene, State, simulate
 from tribo.simulation import Trunks, forget_contacts
@@ -36,20 +32,12 @@ _TOLERANCE = 0.01  # relative, of the rise where its limit is looked for
 _STEP = 0.05  # step of ln(velocity) over which the exponent is taken
 
 
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """Result of one point."""
-
-    rise: float  # that decides, at friction 1 [K]
-    contact_nodes: int  # elements in contact
-
-
-@dataclass(frozen=True, slots=True)
-class Probe:
+class Probe(NamedTuple):
     """Cost and results of a fidelity at some points."""
 
     fidelity: Fidelity
-    readings: tuple[Reading, ...]
+    rises: tuple[float, ...]  # that decide, at friction 1, by point [K]
+    fewest_nodes: int  # elements in contact at the point that has fewest
     seconds: float  # processor time, without surfaces and kernels [s]
 
 
@@ -67,8 +55,9 @@ def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
         variant = scene.variant(point.variant)
         runs[point] = _run(variant, point.load, point.velocity, trunks)
     seconds = time.process_time() - began
-    readings = tuple(_reading(sweep, scene.scene, runs[point]) for point in points)
-    return Probe(fidelity, readings, seconds)
+    rises = tuple(_deciding_rise(sweep, scene.scene, runs[point]) for point in points)
+    fewest = min(int(np.count_nonzero(state.pressure)) for state in runs.values())
+    return Probe(fidelity, rises, fewest, seconds)
 
 
 def _run(sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None) -> State:
@@ -80,13 +69,11 @@ def _run(sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = Non
     return max(under_load, key=lambda reading: reading[0])[1] if under_load else state
 
 
-def _reading(sweep: Sweep, scene: Scene, state: State) -> Reading:
+def _deciding_rise(sweep: Sweep, scene: Scene, state: State) -> float:
+    """Rise that decides at friction 1 [K]."""
     if state.heat is None:
         raise InputError("a point ended without a temperature")
-    return Reading(
-        rise=momentary_rise(scene, state, sweep.conditions),
-        contact_nodes=int(np.count_nonzero(state.pressure)),
-    )
+    return momentary_rise(scene, state, sweep.conditions)
 
 
 def with_dividing_elements(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
@@ -124,7 +111,7 @@ def points_near_boundary(
 
     def rise_at(place: Target, velocity: float) -> float:
         state = _run(scene.variant(place.variant), place.load, velocity)
-        return _reading(sweep, scene.scene, state).rise
+        return _deciding_rise(sweep, scene.scene, state)
 
     for place in places:
         rise = partial(rise_at, place)
@@ -158,13 +145,3 @@ def critical_velocity(
         if velocity in tried:
             velocity = (low + high) / 2
     return math.exp(velocity)
-
-
-def velocity_errors(
-    ones: Sequence[Reading], others: Sequence[Reading], exponents: Sequence[float]
-) -> tuple[float, ...]:
-    """Relative errors of the boundary velocity by readings against others at the same points."""
-    return tuple(
-        boundary_velocity_error(one.rise, other.rise, exponent)
-        for one, other, exponent in zip(ones, others, exponents, strict=True)
-    )

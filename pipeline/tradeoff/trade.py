@@ -23,7 +23,7 @@ from pipeline.scene.written import with_fidelity
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Choice
-from pipeline.sweep.severity import rise_limit
+from pipeline.sweep.severity import boundary_velocity_error, rise_limit
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent, staged
 from pipeline.tradeoff.forecast import as_computed
@@ -33,7 +33,6 @@ from pipeline.tradeoff.probe import (
     points_near_boundary,
     probe,
     spread_places,
-    velocity_errors,
     with_dividing_elements,
 )
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
@@ -234,8 +233,8 @@ def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
 
 def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[float]) -> Choice:
     """A choice against the reference."""
-    errors = velocity_errors(measured.readings, reference.readings, exponents)
-    fewest = min(reading.contact_nodes for reading in reference.readings)
+    pairs = zip(measured.rises, reference.rises, exponents, strict=True)
+    errors = tuple(boundary_velocity_error(*pair) for pair in pairs)
     largest = max(map(abs, errors))
     spread = statistics.stdev(errors) if len(errors) > 2 else 0.0
     elsewhere = max(_MARGIN * largest, abs(statistics.mean(errors)) + _DEVIATIONS * spread)
@@ -244,6 +243,6 @@ def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[fl
         fidelity=measured.fidelity,
         velocity_errors=errors,
         velocity_error=largest,
-        error_at_any_load=elsewhere + _OF_REFERENCE + _ONE / fewest,
+        error_at_any_load=elsewhere + _OF_REFERENCE + _ONE / reference.fewest_nodes,
         seconds=measured.seconds,
     )

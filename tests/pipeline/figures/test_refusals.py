@@ -71,7 +71,7 @@ REFUSALS = {
                  "ax: out and width are those of its figure"),
     "no figure": (without_figure, "these axes belong to no figure"),
     "samples": (of_samples, "shows probabilities; leave out the surface and ax"),
-    "places": (of_places, "no plane; leave out log"),
+    "places": (of_places, "so there is no plane of them; irg margin and explore"),
     "scenes": (of_scenes, "takes two loads and two velocities or more"),
     "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done: out of memory"),
     "pending": (plot("fields", velocity=4.0), "750 N, 4 m/s is not done; give another"),

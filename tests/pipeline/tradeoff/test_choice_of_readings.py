@@ -6,7 +6,7 @@ from pipeline.store.create import writing
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import trade
 from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity, measure_error
-from pipeline.tradeoff.probe import Probe, Reading
+from pipeline.tradeoff.probe import Probe
 from tests.helpers import synthetic, tiny
 from tests.helpers.accuracy_scenes import SCENES
 from tests.helpers.entries import changed
@@ -40,9 +40,8 @@ class Rig:
         self.tried.append(fidelity)
         is_exact = fidelity.increments == PRESETS["reference"].increments
         errors = [0.0 if is_exact else self.err(fidelity, k) for k in range(len(points))]
-        nodes = [self.nodes + 1] * (len(points) - 1) + [self.nodes]
-        rises = (1000.0 / (1 + error) for error in errors)
-        return Probe(fidelity, tuple(map(Reading, rises, nodes)), SECONDS.get(fidelity, 3.0))
+        rises = tuple(1000.0 / (1 + error) for error in errors)
+        return Probe(fidelity, rises, self.nodes, SECONDS.get(fidelity, 3.0))
 
     def choose(self, sweep, accuracy, points=None):
         self.said.clear()
