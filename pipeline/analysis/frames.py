@@ -75,7 +75,7 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
 
 
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Median and ends of the band of several surfaces, and how many surfaces have each outcome.
+    """Median and ends of the band of several surfaces, and how many surfaces cross.
 
     For samples, the velocities of some probabilities alone.
     """
@@ -91,7 +91,4 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
     for place in (1, 0, 2):
         yield f"{heads[place]} [{unit}]", band.isel(quantile=place, drop=True)
     codes = boundaries[f"outcome_at_{axis}"]
-    yield "surfaces", xr.full_like(codes, 1).sum(surfaces)
-    for code, outcome in outcomes(other).items():
-        if code == CROSSES or (codes == code).any():
-            yield "cross" if code == CROSSES else outcome, (codes == code).sum(surfaces)
+    yield "surfaces that cross", (codes == CROSSES).sum(surfaces)

@@ -134,7 +134,6 @@ class Comparison(NamedTuple):
     here: Here  # what is computed there
     turn: float  # where wear turns; see `critical_velocity`
     critical: float  # the same, by the power law of the line's ends where none is computed [m/s]
-    is_severe: bool  # on more than half of the surfaces
     is_right: bool  # the test has the computed outcome
     is_known: bool  # no velocity beyond the computed ones may make it right
 
@@ -163,7 +162,7 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
     has_turn = test.outcome is None and 0 < turn < math.inf
     may_turn = own.conditions.has_friction_curve or is_severe == (test.velocity < end)
     is_known = is_right or has_turn or test.velocity == end or not may_turn
-    return Comparison((test.normal_load, end), here, turn, critical, is_severe, is_right, is_known)
+    return Comparison((test.normal_load, end), here, turn, critical, is_right, is_known)
 
 
 def critical_velocity(own: PointField, test: Measurement, continued: bool = False) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, overload
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -31,16 +31,6 @@ from tribo import InputError
 
 Points = OperatingPoints | PathLike | Mapping[str, Sequence[Any]]
 """Operating points as they may be given."""
-
-
-@overload
-def margin(
-    ds: xr.Dataset | PathLike | Results, load: float | str, velocity: float | str
-) -> Margin | pd.DataFrame: ...
-
-
-@overload
-def margin(ds: xr.Dataset | PathLike | Results, load: Points | None = None) -> pd.DataFrame: ...
 
 
 @np.errstate(under="ignore")

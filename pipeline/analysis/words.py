@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -81,10 +80,3 @@ def margin_lines(here: Margin) -> Iterator[str]:
     if here.decided_by:
         yield f"  would decide it     {here.decided_by}"
     yield from remarks("warning", here.misfit)
-
-
-def deciding_lines(margins: Iterable[Margin]) -> list[str]:
-    """What kinds of things would decide the verdicts that are not decided, with their counts."""
-    kinds = Counter(filter(None, (one.decided_by for one in margins)))
-    counts = ", ".join(f"{kind} ({count})" for kind, count in kinds.most_common())
-    return [f"would decide them: {counts}"] if counts else []

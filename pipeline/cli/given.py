@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.reference import unit_example
 from pipeline.sweep.conditions import PATHS
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
 from pipeline.tradeoff.choose import choose_accuracy, measure_error
 from tribo import InputError
@@ -76,29 +76,22 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
     return conditions
 
 
-def operating_points_in(options: argparse.Namespace) -> OperatingPoints:
-    """Operating points of a table, or the one of --load and --velocity."""
+def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
+    """Operating points of a table, or the one of --load and --velocity; None if none is given."""
     place = values_in(options, "load", "velocity")
-    if options.points is None:
-        if options.sheet is not None:
-            raise InputError("--sheet names a sheet of --points; give that too, or leave it out")
-        if len(place) < 2:
-            raise InputError("no operating point is given; give --load and --velocity, or --points")
-        return OperatingPoints((Place(options.load, options.velocity),), {})
-    if place:
-        raise InputError(f"--points gives each load and velocity; leave out {flags_of(place)}")
-    return OperatingPoints.read(options.points, options.sheet)
+    if options.points is not None:
+        if place:
+            raise InputError(f"--points gives each load and velocity; leave out {flags_of(place)}")
+        return OperatingPoints.read(options.points, options.sheet)
+    if options.sheet is not None:
+        raise InputError("--sheet names a sheet of --points; give that too, or leave it out")
+    if len(place) == 1:
+        raise InputError("no operating point is given; give --load and --velocity, or --points")
+    return OperatingPoints((Place(options.load, options.velocity),), {}) if place else None
 
 
-def table_in(options: argparse.Namespace) -> OperatingPoints | None:
-    """Operating points of a table; None if none is given."""
-    return operating_points_in(options) if options.points or options.sheet else None
-
-
-def scene_in(
-    options: argparse.Namespace, points: Sequence[Point] | None = None, store: Path | None = None
-) -> Sweep:
-    """The scene with the fidelity and conditions asked for, accurate at points if given."""
+def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
+    """The scene with the fidelity and conditions asked for."""
     settings = settings_in(options)
     conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
     if "share" in conditions_in(options):
@@ -111,7 +104,7 @@ def scene_in(
             raise InputError(
                 f"--accuracy picks the numerical choices itself; leave out {', '.join(named)}"
             )
-        sweep = choose_accuracy(sweep, accuracy, points, store, tell)
+        sweep = choose_accuracy(sweep, accuracy, store, tell)
     elif store is not None and options.measure:
         sweep = measure_error(sweep, store, tell)
     if sweep.selection:
@@ -119,9 +112,9 @@ def scene_in(
     return sweep
 
 
-def one_scene_in(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:
+def one_scene_in(options: argparse.Namespace) -> Sweep:
     """The scene, for a command that takes one value of each entry; a note says if it has more."""
-    sweep = scene_in(options, points)
+    sweep = scene_in(options)
     tell(*notes_on_first_values(sweep.variants))
     return sweep
 

@@ -32,7 +32,7 @@ from tribo import InputError, TriboError
 def point(options: argparse.Namespace) -> Result:
     """Simulate one point and the tests of its scene, and print the verdict on the point."""
     place = options.load, options.velocity
-    sweep = one_scene_in(options, points=[Point(*place)])
+    sweep = one_scene_in(options)
     require_bearable_load(sweep, options.load, "--load")
     if options.velocity <= 0:
         raise InputError(f"velocity is {options.velocity:g} m/s; give one above 0")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def vary(options: argparse.Namespace) -> Result:
-    """Print and draw the boundary for each value of some entries."""
+    """Print the boundary for each value of some entries."""
     over: dict[str, list[Any]] = {}
     for key, values in options.over:
         over.setdefault(key, []).extend(values)
@@ -35,10 +35,7 @@ def vary(options: argparse.Namespace) -> Result:
         )  # fmt: skip
     frame = _critical_velocities(result)
     counts = f"{result.points} points, computed on the contacts of {result.contacts}"
-    return Result(
-        text=[short(frame), "", counts], warned=result.warned, frames=[frame],
-        draw=partial(pipeline.plot, result),
-    )  # fmt: skip
+    return Result(text=[short(frame), "", counts], warned=result.warned, frames=[frame])
 
 
 def _critical_velocities(result: Variations) -> pd.DataFrame:

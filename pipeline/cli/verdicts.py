@@ -33,7 +33,7 @@ _MOST_ROWS = 8  # of a boundary that are printed; --all, --json and files have a
 def margin(options: argparse.Namespace) -> Result:
     """Print the verdict on one operating point, or on those of a table or of the sweep's rows."""
     is_one = bool(values_in(options, "load", "velocity"))
-    points = operating_points_in(options) if is_one or options.points or options.sheet else None
+    points = operating_points_in(options)
     held = pipeline.results(dataset_in(options))
     with working("judging operating points"):
         found = [*judged(held, points)]
@@ -46,8 +46,8 @@ def margin(options: argparse.Namespace) -> Result:
         lines += [f"{count}: {counts_in_words(table)}", "", short(table, LONG), ""]
         rests = [*(points.remarks if points else []), *notes_of(table, caveats)]
         rests += [words.model_error_line(one.model_error for one in known)] if known else []
-        rests += [*remarks("warning", *dict.fromkeys(one.misfit for one in known))]
-        lines += wrapped([*rests, *words.deciding_lines(known)])
+        rests += remarks("warning", *dict.fromkeys(one.misfit for one in known))
+        lines += wrapped(rests)
     rests_on = dict.fromkeys(line for one in found for line in one.field.basis)
     lines += [*rests_on, *words.missing_lines(held.missing)]
     return Result(text=[*lines, *caveats], warned=pipeline.warned(held), frames=[table])
@@ -81,7 +81,7 @@ def boundary(options: argparse.Namespace) -> Result:
         crossings = pipeline.boundary(held)
     table = frames_of(crossings)[0 if options.by == "load" else -1]
     alone = ["friction"] if "friction" in crossings.attrs else []
-    wide = ["surfaces", "film parameter Λ"] if "surfaces" in table else []
+    wide = ["film parameter Λ"] if "realization" in crossings.dims else []
     shown = short(table, [*alone, *JUDGED.values(), *wide, "notes"])
     few = shown if options.all else some_rows(shown, _MOST_ROWS)
     left_out = len(shown) - len(few)

@@ -91,8 +91,7 @@ def _draw_scene(axes: Axes, held: Results) -> tuple[list[Artist], str]:
     """Draw one scene, the boundary that of the median of its surfaces; its legend and caption."""
     field = point_field(held)
     caption, legend = judged_by([field.conditions]), list[Artist]()
-    sizes = {"load": len(held.loads), "velocity": len(held.velocities)}
-    if min(sizes.values()) > 1:
+    if min(len(held.loads), len(held.velocities)) > 1:
         x, y = _between(held.velocities, 96), _between(held.loads, 48)
         excess = _excess(field, x, y)
         legend += _shade_verdicts(axes, field, x, y, excess)
@@ -103,10 +102,6 @@ def _draw_scene(axes: Axes, held: Results) -> tuple[list[Artist], str]:
         legend += _friction_lines(axes, field, x, y)
         legend += film_lines(axes, held, field.conditions)
         caption += f"\nthe model's own error: {model_error(held, field).text}"
-    elif max(sizes.values()) > 1:
-        legend += _mark_transition(
-            axes, held, field, "velocity" if sizes["velocity"] > 1 else "load"
-        )
     return [*legend, *_mark_points(axes, held)], caption
 
 
@@ -235,20 +230,3 @@ def _mark_points(axes: Axes, held: Results) -> list[Artist]:
 def _any_surface(holds: Mask) -> Mask:
     """Points by load and velocity at which something holds on any surface."""
     return np.asarray(holds.any(axis=tuple(range(holds.ndim - len(PLANE)))))
-
-
-def _mark_transition(axes: Axes, held: Results, field: PointField, axis: str) -> list[Artist]:
-    """Mark the transition of a sweep with a single load or velocity, or say why there is none."""
-    last = {"load": held.loads[-1:], "velocity": held.velocities[-1:]}
-    found = field.transitions(axis, last["load"], last["velocity"])
-    crossings = found.first[np.isfinite(found.first)]
-    (outcome,) = found.outcome_texts(axis)
-    gid, label = ("boundary", "computed transition")
-    if not crossings.size:
-        gid, label = "no boundary", f"no transition: {outcome}"
-    places = {name: np.full(crossings.size, end) for name, end in last.items()} | {axis: crossings}
-    (mark,) = axes.plot(
-        places["velocity"], places["load"], ls="none", marker="|" if axis == "velocity" else "_",
-        color=BLACK, mew=style.THICK, ms=26, gid=gid, label=label,
-    )  # fmt: skip
-    return [mark]

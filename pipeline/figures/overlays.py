@@ -68,31 +68,37 @@ TESTS: dict[str | None, tuple[str, ...]] = {
 """Label, gid, marker, and colours of face and edge, by outcome of a test."""
 
 
+def mark_test(
+    axes: Axes, number: str, test: Measurement, place: tuple[float, float], beside: str = ""
+) -> Line2D:
+    """Mark a test at a place with its number, open where wear stayed mild, filled where severe.
+
+    It is faint if something is said beside its name.
+    """
+    name, gid, marker, mfc, mec = TESTS[test.outcome]
+    label, present = name + beside, axes.get_legend_handles_labels()[1]
+    (mark,) = axes.plot(
+        *place, ls="none", marker=marker, ms=style.BIG * rcParams["lines.markersize"], mfc=mfc,
+        mec=mec, alpha=FAINT if beside else 1.0, gid=f"{gid}-elsewhere" if beside else gid,
+        label="" if label in present else label,
+    )  # fmt: skip
+    axes.annotate(
+        number, place, (6, 3), textcoords="offset points", fontsize="small", color=BLACK,
+        gid="number of a test", path_effects=style.HALO,
+    )  # fmt: skip
+    return mark
+
+
 def mark_tests(
     axes: Axes, tests: Mapping[str, Measurement], bulk: float, own_bulk: float
 ) -> list[Artist]:
-    """Mark measured transitions, and tests: open where wear stayed mild, filled where severe.
-
-    Their numbers stand beside them. Those at another bulk temperature than that of the plane [K]
-    are faint; a test without one has the scene's own.
-    """
-    legend = dict[str, Artist]()
+    """Mark tests in the plane of a bulk temperature [K]; a test without one has the scene's own."""
+    marks = list[Line2D]()
     for number, test in tests.items():
-        label, gid, marker, mfc, mec = TESTS[test.outcome]
-        place, alpha = (test.velocity, test.normal_load), 1.0
-        if abs((test.bulk_temperature or own_bulk) - bulk) > _SAME_BULK:
-            label, gid, alpha = f"{label}, at another bulk temperature", f"{gid}-elsewhere", FAINT
-        size = style.BIG * rcParams["lines.markersize"]
-        (mark,) = axes.plot(
-            *place, ls="none", marker=marker, ms=size, mfc=mfc, mec=mec, alpha=alpha, gid=gid,
-            label="" if label in legend else label,
-        )  # fmt: skip
-        axes.annotate(
-            number, place, (6, 3), textcoords="offset points", fontsize="small", color=BLACK,
-            gid="number of a test", path_effects=style.HALO,
-        )  # fmt: skip
-        legend.setdefault(label, mark)
-    return [*legend.values()]
+        is_other = abs((test.bulk_temperature or own_bulk) - bulk) > _SAME_BULK
+        beside = ", at another bulk temperature" * is_other
+        marks.append(mark_test(axes, number, test, (test.velocity, test.normal_load), beside))
+    return [mark for mark in marks if mark.get_label()]
 
 
 def numbered(tests: Iterable[Measurement]) -> dict[str, Measurement]:

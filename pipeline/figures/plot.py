@@ -45,7 +45,7 @@ def plot(
     ----------
     ds : Dataset or path
         Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store. Or
-        what `pipeline.vary`, `trade`, `sensitivity` or `posterior` gave.
+        what `pipeline.trade`, `sensitivity` or `posterior` gave.
     kind : {"diagram", "ramp", "fields", "temperature", "tests"}, optional
         Name of the figure of a sweep, the diagram if not given.
     out : path, optional

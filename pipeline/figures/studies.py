@@ -1,70 +1,15 @@
-"""Figures of studies: inputs that move the boundary, speed against accuracy."""
+"""The figure of a study: speed against accuracy."""
 
 from __future__ import annotations
-
-import textwrap
-from typing import Any
 
 import numpy as np
 from matplotlib import rcParams
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from pipeline.figures import style
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
-from pipeline.run.vary import Variations
-from pipeline.scene.units import typeset
+from pipeline.figures.style import BLACK, BLUE, VERMILION
 from pipeline.tradeoff.trade import Trade
 from tribo import PRESETS
-
-_LONGEST = 20  # letters of a value beside a bar
-_TICKS = 6
-
-
-@style.house_style
-def draw_variations(varied: Variations) -> Figure:
-    """Draw how far each input moves the critical velocity: the most important one on top."""
-    keys = varied.keyed_changes()
-    figure, axes = style.canvas(None, (7.2, 1.7 + 0.62 * len(keys)))
-    ends = {0: BLUE, len(varied.loads) - 1: VERMILION}  # the lowest and the highest load
-    height = 0.8 / len(ends)
-    for row, variations in enumerate(keys.values()):
-        for number, (load, colour) in enumerate(ends.items()):
-            place = row + (number - (len(ends) - 1) / 2) * height
-            moves = np.array([varied.changes(one)[load] for one in variations])
-            low, high = np.nanmin([0.0, *moves]), np.nanmax([0.0, *moves])
-            axes.barh(place, high - low, 0.86 * height, low, color=colour, alpha=0.85)
-            for one, move in zip(variations, moves, strict=True):
-                value = style.as_text(typeset(textwrap.shorten(one.value, _LONGEST)))
-                if move in (low, high):
-                    _write(axes, value, move, place, is_right=move >= 0)
-                elif np.isnan(move):
-                    _write(axes, f"no transition at {value}", 0.0, place, is_right=high == 0)
-    axes.axvline(0.0, color=BLACK, lw=style.THIN)
-    axes.set_yticks(range(len(keys)), [style.entry_label(key) for key in keys])
-    axes.set_ylim(len(keys) - 0.5, -0.5)
-    axes.margins(x=0.3)  # for the values beside the bars
-    axes.grid(visible=False, axis="y")
-    axes.xaxis.set_major_locator(MaxNLocator(_TICKS))
-    axes.xaxis.set_major_formatter(lambda change, _: f"{100 * change:+.3g} %")
-    axes.set_xlabel("change of the critical velocity")
-    for load, colour in ends.items():
-        critical = varied.base.critical_velocities[load]
-        begins = f"from {critical:.3g} m/s" if critical > 0 else varied.base.outcomes[load]
-        axes.plot([], [], color=colour, lw=6, label=f"at {varied.loads[load]:g} N, {begins}")
-    style.legend_below(figure, ncols=len(ends))
-    style.write_title(figure, style.as_text(varied.title))
-    return figure
-
-
-def _write(axes: Any, words: str, end: float, place: float, is_right: bool) -> None:
-    """Write words beside the end of a bar."""
-    offset, side = (4, "left") if is_right else (-4, "right")
-    axes.annotate(
-        words, (end, place), (offset, 0), textcoords="offset points", ha=side, va="center",
-        color=GREY, fontsize="small",
-    )  # fmt: skip
-
 
 _LEAST_ERROR = 1e-4  # the smallest error that is told apart from none
 

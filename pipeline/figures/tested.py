@@ -6,7 +6,6 @@ from contextlib import suppress
 
 import numpy as np
 import xarray as xr
-from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -24,7 +23,7 @@ from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results, results
 from pipeline.figures import style
-from pipeline.figures.overlays import TESTS, numbered
+from pipeline.figures.overlays import mark_test, numbered
 from pipeline.figures.style import BLACK, GREY
 from pipeline.store.schema import PENDING
 from tribo import InputError
@@ -60,22 +59,11 @@ def measured_over_computed(ds: xr.Dataset | Results, ax: Axes | None = None) -> 
     oils = untold_oils(read.sweep)
     scatter = model_error(read, field) if len(oils) < 2 else None  # one error is of one oil
     _draw_band(axes, np.array(ends), scatter)
-    labels = set[str]()
     for number, test, one in found:
-        name, gid, marker, mfc, mec = TESTS[test.outcome]
-        is_beyond = one.critical != one.turn
-        label = name + ", beyond what was computed" * is_beyond
-        if test.outcome and one.is_severe != (test.velocity > one.critical):
-            marker, label = "v", f"{label}; computed severe below, mild above"
         error = 0.0 if test.outcome else test.velocity_scatter or USUAL_SCATTER * test.velocity
-        place, alpha = (one.critical, test.velocity), style.FAINT if is_beyond else 1.0
-        axes.errorbar(*place, error, fmt="none", ecolor=GREY, alpha=alpha)
-        axes.plot(
-            *place, ls="none", marker=marker, ms=style.BIG * rcParams["lines.markersize"], mfc=mfc,
-            mec=mec, alpha=alpha, gid=gid, label="" if label in labels else label,
-        )  # fmt: skip
-        axes.annotate(number, place, (6, 3), textcoords="offset points", fontsize="small")
-        labels.add(label)
+        axes.errorbar(one.critical, test.velocity, error, fmt="none", ecolor=GREY)
+        beside = ", beyond what was computed" * (one.critical != one.turn)
+        mark_test(axes, number, test, (one.critical, test.velocity), beside)
     if unknown := len(held) - len(found):
         axes.plot([], [], ls="none", label=f"{unknown} of {len(held)} tests: not known")
     axes.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")

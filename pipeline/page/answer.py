@@ -15,5 +15,5 @@ def explore(options: argparse.Namespace) -> Result:
     out = options.output or given.beside(options.store, ".html")
     chosen = {"most_fields": 0} if options.no_fields else {}
     with working("writing the page"):
-        page = pipeline.explore(ds, out, points=given.table_in(options), **chosen)
+        page = pipeline.explore(ds, out, points=given.operating_points_in(options), **chosen)
     return Result(page.as_dict(), [str(page)], pipeline.warned(ds))

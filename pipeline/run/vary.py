@@ -6,7 +6,7 @@ import re
 from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from distributed import Client
@@ -54,7 +54,6 @@ class Variation:
 class Variations:
     """The boundary of a scene, unchanged and with single entries changed."""
 
-    drawn_by: ClassVar = "pipeline.figures.studies:draw_variations"
     title: str  #: Title of the scene.
     loads: tuple[float, ...]  #: Normal loads on the whole pin [N].
     base: Variation  #: The scene as it is.

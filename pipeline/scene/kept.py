@@ -39,7 +39,7 @@ def sweep_text(sweep: Sweep) -> str:
         "rows": values if any(values) else (),
         "notes": sweep.notes,
         "sources": sweep.sources,
-        "selection": selection and asdict(replace(selection, choices=(), points=())),
+        "selection": selection and asdict(replace(selection, choices=())),
         "stations": sweep.stations and asdict(sweep.stations),
         "samples": table.draw,
         "chosen": None if sweep.chosen is None else True,

@@ -92,9 +92,6 @@ class Selection:
     error: float  #: Largest relative error of the boundary velocity to expect at any load.
     #: Fidelities that were measured, the reference last; a store keeps none.
     choices: tuple[Choice, ...] = field(default=(), compare=False)
-    #: Loads [N] and velocities [m/s] measured at, and the time that it took [s].
-    points: tuple[tuple[float, float], ...] = field(default=(), compare=False)
-    seconds: float = field(default=0.0, compare=False)
 
     def __str__(self) -> str:
         name, more = self.name, ""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Sequence
 from dataclasses import replace
 
 from pipeline.scene.scenefile import SceneLike, sweep_of
@@ -11,17 +9,16 @@ from pipeline.scene.units import share_of
 from pipeline.scene.written import with_fidelity
 from pipeline.store.place import PathLike, StoreMismatchError, require_writable
 from pipeline.store.root import find_sweep
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import Selection
-from pipeline.sweep.stages import Report, silent
-from pipeline.tradeoff.trade import USUAL, measure
+from pipeline.sweep.stages import Report
+from pipeline.tradeoff.trade import USUAL, trade
 from tribo import PRESETS, ConvergenceError, InputError
 
 
 def choose_accuracy(
     sweep: SceneLike,
     accuracy: float | str,
-    points: Sequence[Point] | None = None,
     store: PathLike | None = None,
     progress: Report | None = None,
 ) -> Sweep:
@@ -35,7 +32,7 @@ def choose_accuracy(
             "accuracy; leave out --accuracy to go on with it, or write to another store with -o"
         )
     if not selection:
-        selection = choose_fidelity(sweep, accuracy, points, progress)
+        selection = choose_fidelity(sweep, accuracy, progress)
     elif selection.error > accuracy:
         raise StoreMismatchError(
             f"{store} was computed with {selection.name}, whose boundary errs by "
@@ -49,7 +46,7 @@ def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
     """Give a sweep the error of its own fidelity, which its store has or is measured now."""
     stored = _find_stored(store)
     selection = stored and stored.selection
-    selection = selection or choose_fidelity(sweep, None, progress=progress)
+    selection = selection or choose_fidelity(sweep, None, progress)
     return replace(sweep, selection=selection)
 
 
@@ -64,7 +61,6 @@ def _find_stored(store: PathLike | None) -> Sweep | None:
 def choose_fidelity(
     sweep: SceneLike,
     accuracy: float | str | None,
-    points: Sequence[Point] | None = None,
     progress: Report | None = None,
 ) -> Selection:
     """Find the cheapest numerical choice whose measured error is within a bound.
@@ -79,9 +75,6 @@ def choose_fidelity(
     accuracy : float or str or None
         Pick the cheapest fidelity whose boundary errs by this at most, such as 0.02 or ``"2%"``.
         None keeps the scene's own choice, and measures its error.
-    points : sequence of Point, optional
-        Points to be accurate at; if not given, the boundary, which is looked at for four loads
-        from the lowest to the highest.
     progress : callable, optional
         Called with a `Progress`, whose words say what is measured next.
 
@@ -102,11 +95,7 @@ def choose_fidelity(
     accuracy = None if accuracy is None else share_of(accuracy)
     if accuracy is not None and not 0 < accuracy < 1:
         raise InputError(f"accuracy is {accuracy!r}; it must be between 0 and 1, such as 0.02")
-    if points and not all(point.velocity for point in points):
-        raise InputError("velocity is 0, so there is no heat; an accuracy needs one above 0")
-    began = time.perf_counter()
-    presets = () if accuracy is None else USUAL
-    table = measure(sweep, presets, progress or silent, points=points or ())
+    table = trade(sweep, () if accuracy is None else USUAL, progress)
     if accuracy is None and table.not_converged:
         raise ConvergenceError(table.not_converged[0], None)
     picked = table.choices[0] if accuracy is None else table.cheapest(accuracy)
@@ -116,6 +105,4 @@ def choose_fidelity(
         fidelity=picked.fidelity,
         error=picked.error_at_any_load,
         choices=table.choices,
-        points=tuple((point.load, point.velocity) for point in table.points),
-        seconds=time.perf_counter() - began,
     )

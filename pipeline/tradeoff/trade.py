@@ -18,7 +18,6 @@ import pandas as pd
 
 from pipeline.analysis.tables import frame_of, lines_of
 from pipeline.scene.scenefile import SceneLike, sweep_of
-from pipeline.scene.units import in_si
 from pipeline.scene.written import with_fidelity
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
@@ -111,13 +110,16 @@ class Trade:
         return "\n".join(lines)
 
 
+@np.errstate(under="ignore")
 def trade(
     sweep: SceneLike,
     presets: Sequence[str] = USUAL,
-    loads: Sequence[float | str] | None = None,
     progress: Report | None = None,
 ) -> Trade:
-    """Measure speed against accuracy on a scene.
+    """Measure speed against accuracy on the boundary of a scene.
+
+    The boundary is looked at for four loads, from the lowest to the highest; with several variants
+    at six places.
 
     Parameters
     ----------
@@ -125,9 +127,6 @@ def trade(
         Scene to measure, or its path or name; its own fidelity is one of the choices.
     presets : sequence of str
         Presets to compare with ``reference``.
-    loads : sequence of float or str, optional
-        Loads at which to look at the boundary [N], or text with a unit; four of the sweep's if
-        not given, six places if it has several variants.
     progress : callable, optional
         Called with a `Progress`, whose words name each choice.
 
@@ -147,29 +146,13 @@ def trade(
     for name in presets:
         if name not in PRESETS:
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
-    places = [Target(in_si("load", load, "600 N")) for load in loads or ()]
-    return measure(sweep, presets, progress or silent, places)
-
-
-@np.errstate(under="ignore")
-def measure(
-    sweep: Sweep,
-    presets: Sequence[str],
-    progress: Report,
-    places: Sequence[Target] = (),
-    points: Sequence[Point] = (),
-) -> Trade:
-    """Measure presets and the sweep's own fidelity at points, or on the boundary at places."""
+    progress = progress or silent
     if not math.isfinite(rise_limit(sweep.conditions)):
         raise InputError("friction is 0, so there is no boundary; give one above 0")
-    places = [Target(point.load, point.variant) for point in points] or places
-    places = [*dict.fromkeys(places or _usual_places(sweep))]
+    places = spread_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
     candidates = _candidates(sweep, presets)
     progress(Progress(f"{len(candidates)} choices at {len(places)} places"))
     near, exponents = points_near_boundary(sweep, places)
-    if points:
-        near, slopes = tuple(points), dict(zip(places, exponents, strict=True))
-        exponents = tuple(slopes[Target(point.load, point.variant)] for point in points)
     stages = staged(
         [*candidates.items()],
         progress,
@@ -206,11 +189,6 @@ def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
     before = sum(step_count(scene, place.load) - 1 for place in places)
     steps = before / scene.coarsening**2 + len(places)
     return float(steps / scene.fidelity.pixels_per_element**2)
-
-
-def _usual_places(sweep: Sweep) -> tuple[Target, ...]:
-    """Places of the boundary that are measured at if none is given."""
-    return spread_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
 
 
 def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:

@@ -157,8 +157,7 @@ def scene(**values):
 def selection(**values):
     """A fidelity that was picked, with these fields of `Selection`."""
     usual = {"accuracy": 0.02, "name": "fine", "fidelity": tribo.PRESETS["fine"], "error": 0.02}
-    rest = {"choices": (), "points": (), "seconds": 1.0}
-    return Selection(**usual | rest | values)
+    return Selection(**usual | values)
 
 
 def _columns(ramp, velocity):

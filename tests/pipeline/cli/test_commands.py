@@ -156,7 +156,7 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
         (["sing", "scene.toml"], "sing"),
         (["point", "scene.toml", "--load", "5", "--velocity", "1 m/s"], "750 N"),
         (["margin", "out.zarr", "--load", "5 N"], "give --load and --velocity, or --points"),
-        (["boundary", "out.zarr", "--bulk-temperature", "60,5 degC"], "decimals with a point"),
+        (["plot", "out.zarr", "--width", "8,5 cm"], "decimals with a point"),
         (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
         (["run", "scene.toml", "--accuracy", "2%", "--measure"], "not allowed with argument"),
         (["check", "scene.toml", "--acuracy=2%"], 'did you mean "--accuracy"?'),

@@ -1,15 +1,11 @@
 """What figures mark: each mark, bar and line is at the number that it stands for, in its unit."""
 
-import math
-
-import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
 
 import pipeline
 from pipeline.figures.diagram import diagram
-from pipeline.run.vary import Variation, Variations
 from pipeline.sweep.about import Measurement
 from pipeline.uncertain.sensitivity import Sensitivity
 from tests.helpers import samples, synthetic, unknowns
@@ -102,45 +98,6 @@ def test_the_critical_temperature_is_outlined_in_the_contact():
 
 
 # Studies
-
-
-def test_bars_of_variations_reach_from_nothing_to_the_change_at_each_load():
-    base = Variation("", "", (2.0, 1.0), ("crosses",) * 2)
-    others = (
-        Variation("friction.coefficient", "0.12", (1.5, 0.9), ("crosses",) * 2),
-        Variation("friction.coefficient", "0.08", (2.6, 1.3), ("crosses",) * 2),
-        Variation("pin.radius", "3 mm", (2.2, math.nan), ("crosses", "mild throughout")),
-    )
-    figure = pipeline.plot(Variations("A scene", (200.0, 600.0), base, others, 1, 1))
-    (axes,) = figure.axes
-    bars = sorted(
-        (round(bar.get_y() + bar.get_height() / 2), bar.get_x(), bar.get_width())
-        for bar in axes.patches
-    )
-    expected = [(0, -0.25, 0.55), (0, -0.1, 0.4), (1, 0.0, 0.0), (1, 0.0, 0.1)]
-    np.testing.assert_allclose(bars, expected, atol=1e-12)
-    assert labels(figure.legends[0]) == ["at 200 N, from 2 m/s", "at 600 N, from 1 m/s"]
-    colours = [line.get_color() for line in figure.legends[0].get_lines()]
-    (pin,) = (bar for bar in axes.patches if bar.get_width() == pytest.approx(0.1))  # at 200 N
-    assert matplotlib.colors.to_rgb(pin.get_facecolor()[:3]) == matplotlib.colors.to_rgb(colours[0])
-    assert colours[0] != colours[1]
-    names = [text.get_text() for text in axes.get_yticklabels()]
-    assert names == ["friction: coefficient", "pin: radius"]
-    ends = {text.get_text(): text.xy[0] for text in axes.texts if hasattr(text, "xy")}
-    assert ends == pytest.approx(
-        {"0.12": -0.1, "0.08": 0.3, "3 mm": 0.1, "no transition at 3 mm": 0}
-    )
-    assert axes.get_ylim() == (1.5, -0.5)  # the most important entry on top
-    # The two bars of an entry fill four fifths of its row, the lowest load's above the other.
-    places = [bar.get_y() + bar.get_height() / 2 for bar in axes.patches]
-    assert sorted(places) == pytest.approx([-0.2, 0.2, 0.8, 1.2])
-    assert pin.get_y() + pin.get_height() / 2 == pytest.approx(0.8)
-    assert not any(line.get_visible() for line in axes.yaxis.get_gridlines())
-    assert len(axes.get_xticks()) < 9
-    assert axes.xaxis.get_major_formatter()(-0.123, 0) == "-12.3 %"
-
-
-# What is not known exactly
 
 
 def test_the_probability_over_the_plane_has_its_tests_and_its_lines():

@@ -6,10 +6,10 @@ from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.figures.tested import measured_over_computed
-from pipeline.run.vary import Variation, Variations
 from pipeline.store.create import writing
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import Measurement
+from pipeline.tradeoff.trade import Trade
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import placed_rows
 from tests.helpers.refusals import refusal_tests
@@ -57,8 +57,7 @@ def over_computed(*measured, **values):
     return lambda: measured_over_computed(synthetic.sweep(measured=measured, **values))
 
 
-BASE = Variation("", "", (2.0,), ("crosses",))
-VARIED = Variations("A scene", (400.0,), BASE, (), points=1, contacts=1)
+TRADE = Trade("A scene", (), ())
 
 REFUSALS = {
     "kind": (plot("pie"), "kind is 'pie'; allowed are diagram, ramp, fields"),

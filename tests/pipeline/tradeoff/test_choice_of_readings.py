@@ -43,9 +43,9 @@ class Rig:
         rises = tuple(1000.0 / (1 + error) for error in errors)
         return Probe(fidelity, rises, self.nodes, SECONDS.get(fidelity, 3.0))
 
-    def choose(self, sweep, accuracy, points=None):
+    def choose(self, sweep, accuracy):
         self.said.clear()
-        return choose_fidelity(sweep, accuracy, points, self.said.append)
+        return choose_fidelity(sweep, accuracy, self.said.append)
 
 
 @pytest.fixture

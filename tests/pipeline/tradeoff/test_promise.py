@@ -98,6 +98,5 @@ def test_the_true_error_is_within_every_accuracy(name, accuracy, say):
     selection, error = kept(name, accuracy)
     say(
         f"\n{name:30} {100 * accuracy:g} %: {selection.name:38} foretold "
-        f"{100 * selection.error:.2f} %, true {100 * error:.2f} %; measured in "
-        f"{selection.seconds:.0f} s"
+        f"{100 * selection.error:.2f} %, true {100 * error:.2f} %"
     )

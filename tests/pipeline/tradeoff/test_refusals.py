@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import pipeline
 from pipeline.store.create import writing
-from pipeline.sweep.model import Point
 from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity
 from pipeline.tradeoff.trade import trade
 from tests.helpers import synthetic, tiny
@@ -31,7 +30,6 @@ REFUSALS = {
     "no accuracy": (lambda: choose_fidelity(PAPER, 0.0), "accuracy is 0.0; it must be between 0"),
     "share": (lambda: choose_fidelity(PAPER, "two"), '"two": give a share such as'),
     "no friction": (lambda: choose_fidelity(COLD, 0.02), "friction is 0, so there is no boundary"),
-    "still": (lambda: choose_fidelity(PAPER, 0.02, [Point(600.0, 0.0)]), "velocity is 0, so there"),
     "own": (stored(), "was computed with the scene's own fidelity"),
     "coarser": (stored(selection=synthetic.selection(error=0.05)), "whose boundary errs by 5 %"),
     "preset": (lambda: trade(PAPER, ("fast",)), "preset 'fast' is unknown; known are draft"),
@@ -39,7 +37,7 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
-    "probe._reading InputError": "a point always ends with a temperature; for the type checker",
+    "probe._deciding_rise InputError": "a point always has a temperature; for types",
     "choose.choose_fidelity ConvergenceError": "test_choice_of_readings",
 }
 """Refusals that are not in the table: where they are tested, or why not."""

@@ -16,6 +16,7 @@ from tribo import PRESETS, ConvergenceError, Grid, SelfAffineRoughness
 
 SMALL = changed(
     PAPER,
+    loads=(200.0,),
     pixels=Grid((48, 24), (8e-6, 8e-6)),
     roughness=SelfAffineRoughness(0.27e-6, 0.8, (16e-6, 16e-6), seed=0),
 )
@@ -24,7 +25,7 @@ SMALL = changed(
 @pytest.fixture(scope="module")
 def measured():
     said = Heard()
-    table = trade(SMALL, loads=(200.0,), progress=said.hear)
+    table = trade(SMALL, progress=said.hear)
     assert said[0].startswith(f"{len(table.choices)} choices at 1 places")
     assert said[1] == f"1 of {len(table.choices)}: reference"
     assert len(said) == 1 + len(table.choices)
@@ -52,7 +53,7 @@ def test_a_choice_that_does_not_converge_is_named_and_left_out(monkeypatch):
 
     tried = tradeoff.probe
     monkeypatch.setattr(tradeoff, "probe", probe)
-    table = trade(SMALL, presets=("draft", "standard"), loads=(200.0,))
+    table = trade(SMALL, presets=("draft", "standard"))
     assert table.not_converged == ("draft: the contact did not converge",)
     assert {"standard", "reference"} < {choice.name for choice in table.choices}
     assert "draft" not in {choice.name for choice in table.choices}
