@@ -30,6 +30,7 @@ from pipeline.sweep.severity import rise_limit
 from tribo import InputError
 
 NOT_KNOWN = "not known"
+_AGREES = "yes", "no", NOT_DECIDED, NOT_KNOWN
 USUAL_SCATTER = 0.05
 """Relative standard deviation of the velocity of a transition that gives none."""
 _DEVIATIONS = 2.0  # standard deviations of a measured velocity within which a transition agrees
@@ -218,16 +219,8 @@ def compared(ds: xr.Dataset | Results) -> pd.DataFrame | None:
 def agreement(frame: pd.DataFrame) -> str:
     """Count of tests that agree, in a sentence."""
     counts = Counter(frame["agrees"])
-    words = {
-        "yes": ("agrees", "agree"),
-        "no": ("does not", "do not"),
-        NOT_DECIDED: ("is not decided", "are not decided"),
-        NOT_KNOWN: ("is not known", "are not known"),
-    }
-    if counts["no"] == len(frame) > 1:
-        return f"None of the {len(frame)} tests agrees."
-    said = (f"{counts[key]} {pair[counts[key] > 1]}" for key, pair in words.items() if counts[key])
-    return f"Of {len(frame)} {'test' if len(frame) == 1 else 'tests'}, {', '.join(said)}."
+    said = ", ".join(f"{counts[key]} {key}" for key in _AGREES if counts[key])
+    return f"Agreement with the tests: {said}."
 
 
 def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:

@@ -139,12 +139,12 @@ KEPT = (
     value(
         "--store OUT.zarr",
         "store for the points, resumed if it exists; by default no point is kept",
-        values.new_store, dest="kept",
+        values.store, dest="kept",
     ),
     WORKERS,
 )  # fmt: skip
 OF_RUN = (
-    output("OUT.zarr", "path of the store; default: results/<scene>.zarr", values.new_store),
+    output("OUT.zarr", "path of the store; default: results/<scene>.zarr", values.store),
     Group("", (
         WORKERS,
         value("--scheduler ADDRESS", "address of a running Dask scheduler"),

@@ -33,7 +33,7 @@ COMMANDS = (
     ),
     Command(
         "check", "sweeps:check", "print the meaning of a scene, and the cost of its sweep",
-        "scene.toml --accuracy 2%", (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY, o.TABLE),
+        "scene.toml --accuracy 2%", (*o.OF_SCENE, o.WORKERS, o.ACCURACY, o.TABLE),
     ),
     Command(
         "status", "stores:status",

@@ -109,9 +109,8 @@ def check(options: argparse.Namespace) -> Result:
             f"this machine has {display(machine, 'GB', '.0f')} of memory, less than a worker "
             "needs; give fewer window.pixels, or a coarser fidelity"
         )
-    searched = options.boundary_only is not None
-    cost = pipeline.estimate(sweep, workers=options.workers, boundary_only=searched)
-    costs = [*_cost(sweep, cost, searched)]
+    cost = pipeline.estimate(sweep, workers=options.workers)
+    costs = [*_cost(sweep, cost)]
     if has_unknown_error(sweep):
         costs.append(("error", f"not known; {MEASURES} measures it"))
     frame = frame_of(_HEADS, costs)
@@ -193,7 +192,7 @@ def _text(span: Span, unit: str = "") -> str:
     return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
 
 
-def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:
+def _cost(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     """Cost of a sweep."""
     velocities = sweep.variants.labels("velocity") or sweep.plane.velocities
     counts = [
@@ -205,13 +204,9 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[_Row]:
         counts, names[VARIANT] = [], "rows, each at its own load and velocity"
     for name, values in sweep.variants.axes.items():
         counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
-    asked, points = ", ".join(counts), f"{cost.points}"
-    if searched:
-        low, high = sweep.plane.velocities[0], sweep.plane.velocities[-1]
-        points = f"about {points}, as the boundary is sought between {low:g} and {high:g} m/s"
-    yield "points", f"{points}: {asked}"
+    yield "points", f"{cost.points}: {', '.join(counts)}"
     steps = f"{cost.steps} contacts and {cost.temperatures} temperatures to solve"
-    yield "steps", steps if searched else f"{steps}, in {cost.tasks} tasks"
+    yield "steps", f"{steps}, in {cost.tasks} tasks"
     workers, size = counted(cost.workers, "worker", "workers"), cost.disk_bytes
     disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
     yield "time", f"roughly {duration(cost.seconds)} on {workers}, if idle; {disk} of disk"

@@ -12,11 +12,6 @@ from typing import Any
 
 from pipeline.paths import user_path
 
-_OF_OTHER_FILES = (
-    *(".toml", ".json", ".csv", ".md", ".txt", ".npy", ".nc"),
-    *(".png", ".svg", ".pdf", ".gif", ".jpg", ".html", ".py", ".ipynb"),
-)
-
 # What imports NumPy is imported where it is needed: --help does not need it.
 
 
@@ -54,16 +49,6 @@ def bulk(text: str) -> str | dict[str, str]:
 def store(text: str) -> Path | str:
     """Read the folder or the address of a store."""
     return text if "://" in text else user_path(text)
-
-
-def new_store(text: str) -> Path | str:
-    """Read the folder of a new store; the ending of another kind of file shows a slip."""
-    if Path(text).suffix.lower() in _OF_OTHER_FILES and not Path(text).is_dir():
-        raise Refused(
-            f'"{text}" ends like a file of another kind; give the folder of a store, like '
-            f'"{Path(text).stem}.zarr"'
-        )
-    return store(text)
 
 
 def table(text: str, or_figure: bool = False) -> Path:

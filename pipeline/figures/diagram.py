@@ -51,7 +51,6 @@ def diagram(
     ds: xr.Dataset | Results,
     realization: int | None = None,
     log: bool = False,
-    ax: Axes | None = None,
 ) -> Figure:
     """Draw the transition diagram; of samples, the probability of severe wear.
 
@@ -60,17 +59,15 @@ def diagram(
     """
     held = results(ds)
     if held.kind is Kind.SAMPLES:
-        if realization is not None or ax is not None:
-            raise InputError(
-                "the diagram of samples shows probabilities; leave out the surface and ax"
-            )
+        if realization is not None:
+            raise InputError("the diagram of samples shows probabilities; leave out the surface")
         drawn: Figure = extras.module("figures").draw_probability(held, log)
         return drawn
     held = held.take_surface(realization)
     require_kind(held.kind, Kind.PLANE)
     if log:
         held = held.take_moving()
-    figure, axes = style.canvas(ax, _SIZE)
+    figure, axes = style.canvas(_SIZE)
     conditions = next(held.scenes).conditions
     legend, caption = (_draw_scenes if held.entry_dims else _draw_scene)(axes, held)
     tests, beyond = reachable_tests(held, numbered(laboratory_tests(held)))
@@ -83,7 +80,7 @@ def diagram(
         style.plain_numbers(axes)
     style.write_title(axes, ", ".join([style.title_of(held), *named(held.surface)]))
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
-    style.legend_below(figure, ax, handles=legend, caption=caption)
+    style.legend_below(figure, handles=legend, caption=caption)
     return figure
 
 

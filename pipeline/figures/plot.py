@@ -66,7 +66,6 @@ def plot(
         - ramp, fields: ``velocity`` [m/s], or text with a unit; of a ramp several. If not given,
           the one nearest to the transition at that load.
         - ramp: ``show``, name of a variable at each step, in place of contact and wear.
-        - diagram, temperature, tests: ``ax``, axes of matplotlib to draw on; not of samples.
         - of a sensitivity: ``title``, that of the scene.
 
     Returns
@@ -100,8 +99,6 @@ def plot(
             others = ", ".join(allowed) or "none"
             raise InputError(f"{kind} has no option {name!r}; it has {others}")
     path = None if out is None else style.figure_path(out)
-    if options.get("ax") is not None and (path or width):
-        raise InputError("ax: out and width are those of its figure; set them there")
     metres = None if width is None else in_si("width", width, "1 m")
     with style.fitted(metres, plain):
         drawn: Figure = kinds[kind](ds if study else results(ds), **options)

@@ -149,14 +149,13 @@ def temperature(
     held: Results,
     load: float | str | None = None,
     realization: int | None = None,
-    ax: Axes | None = None,
 ) -> Figure:
     """Draw how the temperatures of the contact grow with the velocity at one load."""
     held = held.take_row(realization)
     conditions, velocities = held.shown_conditions, held.velocities
     row = (nearest_indices(held.loads, "load", load) or [-1])[0]
     load_here = float(held.loads[row])
-    figure, axes = style.canvas(ax)
+    figure, axes = style.canvas()
     for judged, look in _judged_looks(conditions):
         rises = held.rises(judged)[row]
         require_done_at(load_here, np.isfinite(rises))
@@ -171,5 +170,5 @@ def temperature(
             axes.axvline(turn, color=VERMILION, label=f"transition, {turn:.3g} m/s")
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
     style.write_title(axes, f"{style.title_of(held)}\n{load_here:g} N")
-    style.legend_below(figure, ax, caption=style.heating(conditions))
+    style.legend_below(figure, caption=style.heating(conditions))
     return figure

@@ -17,7 +17,7 @@ _LEAST_ERROR = 1e-4  # the smallest error that is told apart from none
 @style.house_style
 def draw_trade(trade: Trade) -> Figure:
     """Draw the error of the boundary velocity over the processor time of each choice."""
-    figure, axes = style.canvas(None, (8.0, 5.6))
+    figure, axes = style.canvas((8.0, 5.6))
     choices = trade.choices[:-1]  # but for the reference, which has no error
     axes.set(xscale="log", yscale="log")
     places = {one.name: (one.seconds, max(one.velocity_error, _LEAST_ERROR)) for one in choices}

@@ -107,15 +107,10 @@ def svg_of(figure: Figure) -> str:
     return text[text.index("<svg") :]
 
 
-def canvas(ax: Axes | None = None, size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
-    """A figure and axes to draw on: those of the caller, or new ones of a size [in]."""
-    if ax is None:
-        figure = Picture(size)
-        return figure, figure.add_subplot()
-    present = ax.get_figure(root=True)
-    if present is None:
-        raise InputError("ax: these axes belong to no figure; give axes of a figure")
-    return present, ax
+def canvas(size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
+    """A figure of a size [in], and its axes."""
+    figure = Picture(size)
+    return figure, figure.add_subplot()
 
 
 def house_style(draw: Callable[P, R]) -> Callable[P, R]:
@@ -132,30 +127,21 @@ def house_style(draw: Callable[P, R]) -> Callable[P, R]:
     return styled
 
 
-def legend_below(
-    figure: Figure, ax: Axes | None = None, ncols: int = 3, caption: str = "", **options: Any
-) -> None:
-    """Write the legend and the caption below the figure, which grows, or below the caller's axes.
-
-    A legend has as many columns as fit.
-    """
-    width = 72 * (ax or figure).get_window_extent().width / figure.dpi  # [pt]
+def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: Any) -> None:
+    """Write the legend, in as many columns as fit, and the caption below a figure, which grows."""
+    width = 72 * figure.get_window_extent().width / figure.dpi  # [pt]
     letters = int(width / (_LETTER * rcParams["legend.title_fontsize"]))
     most = math.ceil(_CAPTION * max(1.0, 72 * _USUAL / width))
     lines = [line for part in caption.splitlines() for line in textwrap.wrap(part, letters)]
     title = "\n".join(lines[:most]) + " …" * (len(lines) > most)
     title = "" if _PLAIN.get() else title
-    place: dict[str, Any] = {"loc": "outside lower center"}
-    named = [one.get_legend_handles_labels()[0] for one in ([ax] if ax else figure.axes)]
+    named = [axes.get_legend_handles_labels()[0] for axes in figure.axes]
     options = {"handles": [*itertools.chain(*named)]} | options  # of none, too, without a warning
-    if ax is not None:
-        place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16)}
-    legend = fitting_legend(ax or figure, ncols, title=title, **place, **options)
+    legend = fitting_legend(figure, ncols, title=title, loc="outside lower center", **options)
     legend.get_title().set_multialignment("center")
-    if ax is None:
-        breadth, height = figure.get_size_inches()
-        growth = legend.get_window_extent().height / figure.dpi - _MOST_LEGEND * height
-        figure.set_size_inches(breadth, height + max(0.0, growth))
+    breadth, height = figure.get_size_inches()
+    growth = legend.get_window_extent().height / figure.dpi - _MOST_LEGEND * height
+    figure.set_size_inches(breadth, height + max(0.0, growth))
 
 
 def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:

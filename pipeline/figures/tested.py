@@ -32,7 +32,7 @@ _ROOM = 1.25  # factor of velocity about the tests
 
 
 @style.house_style
-def measured_over_computed(ds: xr.Dataset | Results, ax: Axes | None = None) -> Figure:
+def measured_over_computed(ds: xr.Dataset | Results) -> Figure:
     """Draw the velocity of each test over the critical one computed at its own conditions."""
     read = results(ds)
     require_kind(read.kind, Kind.PLANE)
@@ -53,7 +53,7 @@ def measured_over_computed(ds: xr.Dataset | Results, ax: Axes | None = None) -> 
         if (read.asked & (read.columns["status"] == PENDING)).any():
             raise InputError("too little is done to tell of any test; go on with irg run")
         raise InputError("no test of the scene is in the sweep; add loads and velocities to it")
-    figure, axes = style.canvas(ax, (8.0, 5.6))
+    figure, axes = style.canvas((8.0, 5.6))
     places = np.array([(one.critical, test.velocity) for _, test, one in found])
     ends = places.min() / _ROOM, places.max() * _ROOM
     oils = untold_oils(read.sweep)
@@ -73,7 +73,7 @@ def measured_over_computed(ds: xr.Dataset | Results, ax: Axes | None = None) -> 
     style.write_title(axes, f"{style.title_of(read)}\ncomputed against measured")
     caption = f"tests of {len(oils)} oils: {', '.join(oils)}"
     caption = f"the model's own error: {scatter.text}" if scatter else caption
-    style.legend_below(figure, ax, ncols=2, caption=caption)
+    style.legend_below(figure, ncols=2, caption=caption)
     return figure
 
 

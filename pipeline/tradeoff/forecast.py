@@ -53,11 +53,7 @@ class Estimate:
 
 
 @np.errstate(under="ignore")
-def estimate(
-    sweep: SceneLike,
-    workers: int | None = None,
-    boundary_only: bool = False,
-) -> Estimate:
+def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     """Estimate the cost of a whole sweep, from a few of its steps done here and now.
 
     Parameters
@@ -66,8 +62,6 @@ def estimate(
         The scene, or its path or name.
     workers : int, optional
         Number of processes; one for each core if not given.
-    boundary_only : bool
-        True if velocities are chosen on the way, not computed all.
 
     Raises
     ------
@@ -87,10 +81,7 @@ def estimate(
         require_count("workers", workers)
     sweep, available = sweep_of(sweep), cores()
     workers = workers or available
-    if boundary_only:
-        sweep.require_search()
-    asked = _searched(sweep) if boundary_only else sweep
-    every = tasks(points_of(asked), asked)
+    every = tasks(points_of(sweep), sweep)
     given = list(sweep.variants.given)
     scene = sweep.below(given[len(given) // 2])
     contact_time, heat_time, state = time_steps(scene)
@@ -101,8 +92,6 @@ def estimate(
     parallel = min(workers, len(every))
     wall = makespan(every, parallel, work)[0] if len(every) < _MANY else alone / parallel
     points = sum(len(task.points) for task in every)
-    if boundary_only:  # only some loads are asked for at a velocity
-        points = min(2, len(sweep.plane.velocities)) * len(sweep.plane.loads) * len(sweep.variants)
     return Estimate(
         points=points,
         steps=steps,
@@ -113,17 +102,6 @@ def estimate(
         worker_bytes=max(worker_bytes(sweep.variant(name), len(every)) for name in given),
         disk_bytes=_STORE_BYTES + points * _point_bytes(scene, state),
     )
-
-
-def _searched(sweep: Sweep) -> Sweep:
-    """The sweep that a search may take: two velocities a load; neighbours share one."""
-    loads = sweep.plane.loads
-    velocities = sweep.plane.velocities[: len(loads) + 1]
-    low = tuple(load for load in loads if load <= np.median(loads))
-    plane = {"loads": (low, "N"), "velocities": (velocities, "m/s")}
-    for name, (values, unit) in plane.items():
-        sweep = sweep.changed(f"sweep.{name}", [f"{value!r} {unit}" for value in values])
-    return sweep
 
 
 @dataclass(slots=True)

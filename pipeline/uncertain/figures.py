@@ -34,7 +34,7 @@ def draw_probability(held: Results, log: bool = False) -> Figure:
     """Draw the probability over the plane that the next run is severe."""
     field = single_field(held)
     ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(held, field)
-    figure, axes = style.canvas(None, (7.2, 5.4))
+    figure, axes = style.canvas((7.2, 5.4))
     x = np.linspace(*ensemble.velocities, _VELOCITIES)
     y = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
     p = field.probability(y[:, None], x, scatter)
@@ -92,7 +92,7 @@ def _conditions(ensemble: Ensemble) -> str:
 @style.house_style
 def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
     """Draw the Sobol' indices of the critical velocity by load, below the title of the scene."""
-    figure, axes = style.canvas(None, (7.6, 2.8 + 0.55 * len(sensitivity.unknown)))
+    figure, axes = style.canvas((7.6, 2.8 + 0.55 * len(sensitivity.unknown)))
     order = np.argsort(sensitivity.first.mean(axis=0))
     has_total = np.isfinite(sensitivity.total).all()
     number = len(sensitivity.loads)

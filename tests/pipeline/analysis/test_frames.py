@@ -45,12 +45,12 @@ def test_nothing_agrees_where_the_error_is_not_known(velocity):
     unknown = with_fields(sweep(rig(None, velocity)), preset=None)
     (row,) = compared(unknown).to_dict("records")
     assert row["agrees"] == "not decided"
-    assert agreement(compared(unknown)) == "Of 1 test, 1 is not decided."
+    assert agreement(compared(unknown)) == "Agreement with the tests: 1 not decided."
 
 
 def test_the_tests_that_agree_are_counted():
     table = compared(sweep(rig("mild", 0.7 * CRITICAL), rig("mild", 1.3 * CRITICAL)))
-    assert agreement(table) == "Of 2 tests, 1 agrees, 1 does not."
+    assert agreement(table) == "Agreement with the tests: 1 yes, 1 no."
     assert compared(sweep()) is None
 
 

@@ -37,7 +37,6 @@ REFUSALS = {
              '25 degC" has no name and value; give both, like "pin=60 degC, disk=25 degC"'),
     "critical": (irg("boundary", "tiny.zarr", "--critical-temperature", "20 degC"),
                  "critical_temperature is 293.15 K (20 °C); it must be above the bulk temperature"),
-    "new store": (irg("run", "first_try", "-o", "out.toml"), 'folder of a store, like "out.zarr"'),
     "table": (irg("boundary", "a.zarr", "-o", "a.txt"), "cannot write a.txt: the suffix must be"),
     "count": (irg("run", "first_try", "--workers", "-1"), '"-1": give a whole number of at least'),
     "friction": (irg("boundary", "a.zarr", "--friction", "0,12"), '"0,12": give a number such as'),

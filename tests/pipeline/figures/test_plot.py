@@ -6,7 +6,6 @@ from dataclasses import replace
 import matplotlib
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 import pipeline
 from pipeline.cli.options import OF_PLOT
@@ -89,18 +88,6 @@ def test_diagram_says_its_conditions(drawn):
         "pending",
         "measured transition",
     ]
-
-
-def test_figures_are_drawn_on_axes_of_the_caller(sweep):
-    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    assert plot(sweep, "temperature", ax=right) is figure
-    assert right.has_data()
-    assert not left.has_data()
-    assert right.get_legend().get_texts()
-    assert tuple(figure.get_size_inches()) == (9.0, 4.0)
-    with pytest.raises(InputError, match="ax: out and width are those of its figure"):
-        plot(sweep, "diagram", ax=right, width="8 cm")
 
 
 def test_the_command_and_the_docstring_offer_every_kind():

@@ -2,8 +2,6 @@
 
 from functools import cache
 
-from matplotlib.figure import Figure
-
 import pipeline
 from pipeline.figures.tested import measured_over_computed
 from pipeline.store.create import writing
@@ -66,10 +64,7 @@ REFUSALS = {
     "suffix": (plot("diagram", "figure.gif"), "the suffix must be one of .pdf, .png, .svg"),
     "folder": (plot("diagram", "no/figure.png"), "there is no folder no"),
     "width": (plot("diagram", width=0.01), "width is 1 cm; it must be from 4 to 100 cm"),
-    "own axes": (plot("temperature", width=0.1, ax=Figure().add_subplot()),
-                 "ax: out and width are those of its figure"),
-    "no figure": (without_figure, "these axes belong to no figure"),
-    "samples": (of_samples, "shows probabilities; leave out the surface and ax"),
+    "samples": (of_samples, "shows probabilities; leave out the surface"),
     "places": (of_places, "so there is no plane of them; irg margin and explore"),
     "scenes": (of_scenes, "takes two loads and two velocities or more"),
     "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done: out of memory"),

@@ -70,7 +70,7 @@ def test_steps_and_temperatures_are_foretold(changes, monkeypatch):
     assert (forecast.steps, forecast.temperatures) == counted(sweep, monkeypatch)
 
 
-def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkeypatch):
+def test_workers_share_the_time(monkeypatch):
     # On two cores, where a contact takes 1 s and its temperature 9 s.
     timed = 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0))
     monkeypatch.setattr(forecast, "time_steps", lambda *_: timed)
@@ -81,12 +81,8 @@ def test_workers_share_the_time_and_the_boundary_alone_takes_fewer_points(monkey
     assert estimate(sweep, 1).seconds == pytest.approx(2 * ramp, rel=0.02)
     assert estimate(sweep, 2).seconds == pytest.approx(ramp, rel=0.02)
     many = changed(sweep, velocities=VELOCITIES)
-    whole, boundary = (estimate(many, 1, boundary_only=only) for only in (False, True))
-    assert (whole.points, boundary.points) == (3 * 40, 3 * 2)
-    assert (whole.tasks, boundary.tasks) == (120, 8)
-    # Two of the loads at four of the velocities: 19 increments below 500 N, and the ends.
-    assert (boundary.steps, boundary.temperatures) == (4 * 21, 8)
-    assert boundary.seconds == pytest.approx(1.0 + 84 * 1.0 + 8 * 9.0 + 8 * 0.005)
+    whole = estimate(many, 1)
+    assert (whole.points, whole.tasks) == (3 * 40, 120)
     assert whole.seconds == pytest.approx(1.0 + 40 * ramp + 120 * 0.005)
     # More workers than cores take turns, and no more of them work than there are tasks.
     longest = 30 * 1.0 + 9.0 + 0.005  # that of the highest load from the start
