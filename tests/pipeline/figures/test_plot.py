@@ -17,7 +17,6 @@ from pipeline.sweep.about import Measurement
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
 from tests.helpers.synthetic import VELOCITIES
-from tribo import InputError
 
 MILD, SEVERE = "mild wear, computed", "severe wear, computed"
 

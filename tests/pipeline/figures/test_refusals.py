@@ -45,12 +45,6 @@ def begun():
     return pipeline.plot(synthetic.sweep(loads=[400.0], status=status), "ramp")
 
 
-def without_figure():
-    axes = Figure().add_subplot()
-    axes.remove()
-    return pipeline.plot(plane(), "temperature", ax=axes)
-
-
 def over_computed(*measured, **values):
     return lambda: measured_over_computed(synthetic.sweep(measured=measured, **values))
 
@@ -60,7 +54,7 @@ TRADE = Trade("A scene", (), ())
 REFUSALS = {
     "kind": (plot("pie"), "kind is 'pie'; allowed are diagram, ramp, fields"),
     "option": (plot("diagram", load=750.0), "diagram has no option 'load'; it has realization"),
-    "its option": (lambda: pipeline.plot(VARIED, log=True), "has no option 'log'; it has none"),
+    "its option": (lambda: pipeline.plot(TRADE, log=True), "has no option 'log'; it has none"),
     "suffix": (plot("diagram", "figure.gif"), "the suffix must be one of .pdf, .png, .svg"),
     "folder": (plot("diagram", "no/figure.png"), "there is no folder no"),
     "width": (plot("diagram", width=0.01), "width is 1 cm; it must be from 4 to 100 cm"),
