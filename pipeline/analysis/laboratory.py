@@ -26,7 +26,6 @@ from pipeline.quantities import display
 from pipeline.sweep.about import Measurement, oils_of, own_tests
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.severity import rise_limit
 from tribo import InputError
 
 NOT_KNOWN = "not known"
@@ -36,7 +35,6 @@ USUAL_SCATTER = 0.05
 _DEVIATIONS = 2.0  # standard deviations of a measured velocity within which a transition agrees
 _BESIDE = 0.1  # relative distance in load and velocity of a test that is beside a place
 _SAME = 1e-6  # relative difference of loads and velocities that are the same but for rounding
-_NEAR = 0.02  # relative difference of the limit that is not worth a word or a mark
 _HEADS = (
     "test", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]", "hold [s]",
     "computed", "decisive temperature [°C]", "agrees", "notes",
@@ -177,10 +175,8 @@ def critical_velocity(own: PointField, test: Measurement, continued: bool = Fals
     return float(quantile(nearest, own.weights, 0.5)[0])
 
 
-def tests_beside(
-    held: Results, conditions: Conditions, load: float, velocity: float
-) -> Iterator[str]:
-    """Tests at or beside a place, in words, with their own conditions if others are judged by.
+def tests_beside(held: Results, load: float, velocity: float) -> Iterator[str]:
+    """Tests at or beside a place, in words, with their own conditions.
 
     Those as warm as the critical temperature are left out.
     """
@@ -189,19 +185,11 @@ def tests_beside(
         if any(abs(measured - asked) > _BESIDE * abs(asked) for measured, asked in pairs):
             continue
         with suppress(InputError):
-            own, at = own_conditions(held, test), ""
-            if not are_near(own, conditions, test.velocity):
-                bulk = display(own.bulk_temperature, "°C", 3)
-                at = f" at friction {own.friction_at(test.velocity):.3g} and bulk {bulk}"
-            yield f"{test.outcome or 'severe'}, {test.normal_load:g} N, {test.velocity:g} m/s{at}"
-
-
-def are_near(one: Conditions, other: Conditions, velocity: float) -> bool:
-    """True if the rises that two conditions allow at a velocity are next to equal."""
-    at = np.array(velocity)
-    limits = [rise_limit(each) / each.friction_factor(at) for each in (one, other)]
-    is_alike = one.bulk_ratio == other.bulk_ratio
-    return is_alike and bool(abs(limits[0] / limits[1] - 1) < _NEAR)
+            own = own_conditions(held, test)
+            at = f"friction {own.friction_at(test.velocity):.3g}"
+            bulk = display(own.bulk_temperature, "°C", 3)
+            place = f"{test.normal_load:g} N, {test.velocity:g} m/s"
+            yield f"{test.outcome or 'severe'}, {place} at {at} and bulk {bulk}"
 
 
 def compared(ds: xr.Dataset | Results) -> pd.DataFrame | None:

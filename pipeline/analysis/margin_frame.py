@@ -18,7 +18,7 @@ from pipeline.analysis.margin import Margin, answers, clipped
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.scenes import heads_of, shown_label
-from pipeline.analysis.tables import as_dict, frame_of
+from pipeline.analysis.tables import frame_of
 from pipeline.quantities import column_heads, snap
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.doubts import doubts_of_row
@@ -151,7 +151,7 @@ def _judged_places(
                 [snap(x, *under.ends[name]) for name, x in zip(PLANE, place, strict=True)]
                 for place in here
             ]
-            tested = [[*tests_beside(field.source, under.conditions, *place)] for place in met]
+            tested = [[*tests_beside(field.source, *place)] for place in met]
             loads, velocities = np.array(met).T
             margins = answers(under, loads, velocities, scatter, tested)
         except InputError as error:
@@ -214,7 +214,7 @@ def _labels(found: Sequence[Judged]) -> list[str]:
 
 def _passed_on(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.DataFrame:
     """Further columns of a table, for each of the scenes that it is judged in."""
-    taken, count = {*answers, *as_dict(answers)}, len(answers)
+    taken, count = {*answers}, len(answers)
     columns = {
         f"{head} (given)" if head in taken else head: [*values] * (count // len(values))
         for head, values in (points.others.items() if points else ())

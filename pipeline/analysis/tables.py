@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.paths import user_path
-from pipeline.quantities import is_unit_of_head, shown_in, si_of
+from pipeline.quantities import is_unit_of_head, shown_in
 from pipeline.store.files import replace_files
 from pipeline.sweep.caveats import parted
 from tribo import InputError
@@ -42,18 +42,6 @@ def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFram
         for row in rows
     ]
     return pd.DataFrame(shown, columns=pd.Index(heads))
-
-
-def as_dict(frame: pd.DataFrame) -> dict[str, list[Any]]:
-    """Values in SI by heads without units and blanks, for JSON; other heads as they are."""
-    held = {}
-    for head in frame:
-        name, unit = _parts(str(head))
-        values = [None if pd.isna(value) else value for value in frame[head].tolist()]
-        if unit:
-            values = [si_of(value, unit) if _is_number(value) else value for value in values]
-        held[name if "[" in name else name.replace(" ", "_")] = values
-    return held
 
 
 def short(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:

@@ -11,7 +11,7 @@ from typing import Any
 import pandas as pd
 
 import pipeline.gears
-from pipeline.analysis.tables import as_dict, frame_of, short, upright, writable_path, write_text
+from pipeline.analysis.tables import frame_of, records, short, upright, writable_path, write_text
 from pipeline.cli import output
 from pipeline.cli.given import settings_in
 from pipeline.cli.output import Result
@@ -51,7 +51,7 @@ def gears(options: argparse.Namespace) -> Result:
     _check(options, pair)
     if options.stage:
         pair = replace(pair, duty=stage_duty(pair, options.stage))
-    document, found = dict[str, Any](), list[pd.DataFrame]()
+    found = list[pd.DataFrame]()
     if options.failure_stage:
         found.append(_simulated(options, critical_temperature, pair, options.failure_stage))
         value, sd, *_ = found[0].iloc[0]
@@ -66,17 +66,16 @@ def gears(options: argparse.Namespace) -> Result:
     else:
         table = frame_of(_PLACES, map(astuple, found_mesh.places))
         found.append(_facts(found_mesh))
-    for row in found:
-        document |= {name: value for name, (value,) in as_dict(row).items()}
     if options.new_scene:
-        document["scene"] = str(write_text(scene_toml([found_mesh]), options.new_scene))
+        write_text(scene_toml([found_mesh]), options.new_scene)
         sentences.append(f"scene: {options.new_scene}")
     text = [part for row in found for part in (upright(row), "")]
     if "notes" not in table:
         table["notes"] = joined(map(str, (*doubts(found_mesh), *pair.caveats)))
     caveats = parted(table["notes"])
+    document = {"title": pair.title, "caveats": caveats, "said": sentences}
     return Result(
-        {"title": pair.title, "caveats": caveats, "said": sentences} | document | as_dict(table),
+        document | {"facts": records(found), "rows": records([table])},
         [pair.title, "", *text, *sentences, "", short(table, _WIDE), "", *caveats],
         frames=[table],
         draw=lambda: pipeline.gears.draw_mesh(mesh(pair, _DRAWN)),

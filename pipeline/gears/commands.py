@@ -7,24 +7,17 @@ from pipeline.cli import values
 from pipeline.cli.options import Command, Group, Option
 from pipeline.paths import user_path
 
-_STAGE = Option(
-    "--stage", metavar="N", type=values.count,
-    help="take torque, speed and bulk temperature of a load stage of FZG A/8.3/90",
+_STAGE = o.value(
+    "--stage N", "take torque, speed and bulk temperature of a load stage of FZG A/8.3/90",
+    values.count,
 )  # fmt: skip
-_SCENE = Option(
-    "--scene", metavar="SCENE.toml", type=user_path, dest="new_scene",
-    help="scene to write for irg run",
-)  # fmt: skip
+_SCENE = o.value("--scene SCENE.toml", "scene to write for irg run", user_path, dest="new_scene")
 _CRITICAL = (
-    Option(
-        "--failure-stage", metavar="N", type=values.count,
-        help="load stage of FZG A/8.3/90 in which the pair's oil fails, by its data sheet: "
-        "simulates that test to find the critical temperature",
+    o.value(
+        "--failure-stage N", "load stage of FZG A/8.3/90 in which the pair's oil fails, by its "
+        "data sheet: simulates that test to find the critical temperature", values.count,
     ),
-    o.quantity(
-        "--critical-temperature", "T", "250 degC", "temperature above which the lubricant fails",
-        is_signed=True,
-    ),
+    o.quantity("--critical-temperature", "T", "250 degC", "critical temperature of the oil", True),
 )  # fmt: skip
 _DUTIES = (
     o.flag("--stages", "simulate the pair in all load stages of FZG A/8.3/90"),

@@ -44,8 +44,7 @@ def draw_mesh(mesh: Mesh) -> Figure:
     loads.set_ylim(bottom=0)
     heat.axhline(shown_in(mesh.duty.bulk, "°C"), color=GREY, linestyle="--", label="bulk")
     if mesh.pair.critical is not None:
-        critical = shown_in(mesh.pair.critical, "°C")
-        heat.axhline(critical, color=PURPLE, linestyle="-.", label="critical")
+        heat.axhline(shown_in(mesh.pair.critical, "°C"), color=PURPLE, ls="-.", label="critical")
     speeds.set_ylabel("velocity [m/s]")
     loads.set_ylabel("highest pressure [GPa]", color=BLUE)
     heat.set_ylabel("temperature [°C]")

@@ -48,22 +48,30 @@ def warm(monkeypatch):
         monkeypatch.setattr(f"pipeline.gears.{name}.judge", judge)
 
 
-def test_places_are_told_in_si(irg):
+def facts(document):
+    return {head: value for row in document["facts"] for head, value in row.items()}
+
+
+def column(document, head):
+    return [row[head] for row in document["rows"]]
+
+
+def test_places_are_told_with_their_units(irg):
     document = irg("gears", "fzg_a", "--json")
-    assert [letter for letter in document["place"] if letter] == ["A", "C", "B", "D", "E"]
-    position = document["position"]
-    assert (position[0], position[-1]) == pytest.approx((-3.3177e-3, 14.7637e-3), rel=1e-4)
-    assert document["radius_1"][-1] == pytest.approx(28.734e-3, rel=1e-4)
+    assert [*filter(None, column(document, "place"))] == ["A", "C", "B", "D", "E"]
+    position = column(document, "position [mm]")
+    assert (position[0], position[-1]) == pytest.approx((-3.3177, 14.7637), rel=1e-4)
+    assert column(document, "radius 1 [mm]")[-1] == pytest.approx(28.734, rel=1e-4)
     assert "boundary lubrication" in document["caveats"][0]
     assert len({*document["caveats"]}) == len(document["caveats"]) > 2
     assert max(map(len, document["caveats"])) <= 100
 
 
 def test_a_load_stage_is_a_duty(irg):
-    twelve = irg("gears", "fzg_a", "--stage", "12", "--json")
-    assert twelve["torque"] == 534.5
-    assert twelve["bulk_temperature"] == pytest.approx(273.15 + 80 + 0.23 * 534.5)
-    assert twelve["pitch_pressure_of_one_pair"] == pytest.approx(1.84e9, rel=5e-3)
+    twelve = facts(irg("gears", "fzg_a", "--stage", "12", "--json"))
+    assert twelve["torque [N m]"] == 534.5
+    assert twelve["bulk temperature [°C]"] == pytest.approx(80 + 0.23 * 534.5)
+    assert twelve["pitch pressure of one pair [GPa]"] == pytest.approx(1.84, rel=5e-3)
     assert "has 1 to 12" in irg("gears", "fzg_a", "--stage", "13", code=2)
 
 
@@ -127,14 +135,14 @@ def test_a_simulation_takes_the_hottest_place_of_each_duty():
 def test_a_failure_stage_is_a_temperature_between_two_stages(irg):
     said = irg("gears", "fzg_a", "--failure-stage", "10")
     assert re.search(r"scuffing integral temperature .* 27[78]\S*\n", said)
-    found = irg("gears", "fzg_a", "--failure-stage", "10", "--json")
+    found = facts(irg("gears", "fzg_a", "--failure-stage", "10", "--json"))
     passed, failed = (
-        found[f"hottest_place,_{stage}"] for stage in ("last_stage_passed", "failed_stage")
+        found[f"hottest place, {stage} [°C]"] for stage in ("last stage passed", "failed stage")
     )
-    assert found["critical_temperature"] == pytest.approx((passed + failed) / 2, abs=1e-8)
+    assert found["critical temperature [°C]"] == pytest.approx((passed + failed) / 2, abs=1e-8)
     spread = (failed - passed) / math.sqrt(12)
-    assert found["standard_deviation"] == pytest.approx(math.hypot(spread, 1.0))
-    assert failed == pytest.approx(331 + 273.15, abs=1)
+    assert found["standard deviation [K]"] == pytest.approx(math.hypot(spread, 1.0))
+    assert failed == pytest.approx(331, abs=1)
 
 
 @pytest.mark.usefixtures("warm")
@@ -143,10 +151,9 @@ def test_the_stage_that_is_predicted_is_the_one_that_was_told(irg):
     given = ("gears", "fzg_a", "--failure-stage", "10", "--stages", "--json")
     stages = irg(*given)
     assert stages["said"][0].startswith("Fails in load stage 10. ")
-    assert stages["stage"] == [*range(1, 13)]
-    assert stages["torque"][9] == 372.6
-    told = irg("gears", "fzg_a", "--failure-stage", "10", "--json")["critical_temperature"]
-    limit = f"{told - 273.15} degC"
+    assert column(stages, "stage") == [*range(1, 13)]
+    assert column(stages, "torque [N m]")[9] == 372.6
+    limit = f"{facts(stages)['critical temperature [°C]']} degC"
     rough = ("--set", "pinion.roughness=1 um", "--set", "wheel.roughness=1 um")
     rougher = irg("gears", "fzg_a", "--stages", "--critical-temperature", limit, *rough, "--json")
     assert int(re.search(r"stage (\d+)\.", rougher["said"][0])[1]) < 10
@@ -168,8 +175,9 @@ def test_a_spectrum_has_one_verdict_and_a_sentence(irg, tmp_path):
     assert "columns not used: name" in severe
     document = irg(*given, "--critical-temperature", "400 degC", "--json")
     assert document["said"][0].startswith("No scuffing in 3 of 3 rows, 2000 of 2000 h. Row 4")
-    assert (document["row"], document["hours"]) == ([2, 4, 5], [1800, 150, 50])
-    assert document["verdict"] == ["mild"] * 3
+    assert column(document, "row") == [2, 4, 5]
+    assert column(document, "hours") == [1800, 150, 50]
+    assert column(document, "verdict") == ["mild"] * 3
     undecided = irg(*given, "--critical-temperature", "331 degC", "--json")
     assert undecided["said"][0].startswith("Scuffing is not decided in 1 of 3 rows, 150 of 2000")
 
@@ -207,9 +215,10 @@ def test_the_oil_s_temperature_of_a_row_gives_its_teeth_theirs():
 def test_the_doubt_of_a_failure_stage_is_in_all_that_is_written(irg, tmp_path):
     given = ("gears", "fzg_a", "--failure-stage", "10")
     document = irg(*given, "--stages", "--scene", tmp_path / "mesh.toml", "--json")
-    value, doubt = document["critical_temperature"], document["standard_deviation"]
+    found = facts(document)
+    value, doubt = found["critical temperature [°C]"], found["standard deviation [K]"]
     scene = tomllib.loads((tmp_path / "mesh.toml").read_text(encoding="utf-8"))
-    assert scene["temperature"]["critical"] == f"{value - 273.15:.7g} degC"
+    assert scene["temperature"]["critical"] == f"{value:.7g} degC"
     assert scene["temperature"]["critical_sd"] == f"{doubt:.7g} K"
     assert scene["caveat"].startswith("not validated")
     counted = f"°C ± {doubt:.2g} K, which is counted"
@@ -281,10 +290,10 @@ def test_a_short_file_has_what_it_leaves_out(irg, tmp_path):
     assert pair.gears.profile_shifts == (0.0, 0.0)
     assert surface.correlation_length == (4e-6, 4e-6)
     assert (surface.hurst_exponent, surface.specific_wear_rate) == (0.8, 1.2e-15)
-    document = irg("gears", tmp_path / "own.toml", "--json")
-    assert document["centre_distance"] == pytest.approx(121.5e-3)
-    assert document["contact_ratio"] == pytest.approx(1.68, abs=0.02)
-    sources = [text for name, text in document.items() if name.startswith("library")]
+    found = facts(irg("gears", tmp_path / "own.toml", "--json"))
+    assert found["centre distance [mm]"] == pytest.approx(121.5)
+    assert found["contact ratio"] == pytest.approx(1.68, abs=0.02)
+    sources = [text for name, text in found.items() if name.startswith("library")]
     assert any("31" in source or "1.8519" in source for source in sources)
     without = OWN[: OWN.index("[oil]")] + "[friction]\ncoefficient = 0.05\n"
     (tmp_path / "own.toml").write_text(without)
