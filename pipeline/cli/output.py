@@ -14,7 +14,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from pipeline.sweep.stages import Progress, Report
@@ -129,8 +129,12 @@ _SOON = 2.0  # [s], before which a command that just works says nothing
 
 
 @contextmanager
-def run_line() -> Iterator[Report]:
-    """Yield what shows progress: its words as notes, else its state beside a bar or in lines."""
+def run_line(silent: float = 0.0) -> Iterator[Report]:
+    """Yield what shows progress: its words as notes, else its state beside a bar or in lines.
+
+    It shows no state in the first seconds if it is to be silent then.
+    """
+    begins = time.monotonic() + silent
     in_place = sys.stderr.isatty() and not QUIET.is_set()
     bar: Any = None
     latest, printed, printed_at = "", "", -math.inf
@@ -140,6 +144,8 @@ def run_line() -> Iterator[Report]:
             nonlocal bar, latest, printed, printed_at
             if progress.words:
                 tell(progress)
+            elif time.monotonic() < begins:
+                return
             elif in_place:
                 if bar is None:
                     from tqdm import tqdm
@@ -161,19 +167,11 @@ def run_line() -> Iterator[Report]:
 @contextmanager
 def working(task: str) -> Iterator[Report]:
     """Say after two seconds that a task goes on, and then how much of it is done."""
-    began = time.monotonic()
     timer = threading.Timer(_SOON, tell, [f"{task} …"])
     timer.daemon = True
     timer.start()
-    with run_line() as line:
-
-        def show(progress: Progress) -> None:
-            elapsed = time.monotonic() - began
-            to_go = elapsed * (progress.total / progress.done - 1) if progress.done else None
-            if elapsed > _SOON:
-                line(replace(progress, elapsed=elapsed, time_to_go=to_go))
-
-        try:
-            yield show
-        finally:
-            timer.cancel()
+    try:
+        with run_line(_SOON) as line:
+            yield line
+    finally:
+        timer.cancel()

@@ -7,7 +7,7 @@ import pkgutil
 import re
 import sys
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
@@ -17,8 +17,6 @@ from pipeline import extras
 from pipeline.cli import options as o
 from pipeline.cli.options import Command
 
-FIRST = ("new", "check", "run", "status", "boundary", "margin", "plot", "help")
-"""Commands that everybody needs, in the order of work."""
 _AT = '--load "500 N" --velocity "2 m/s"'
 
 COMMANDS = (
@@ -149,16 +147,16 @@ def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
     """Parser of all commands, with the options of one, or of all if no name is given."""
     parser = _Parser(
         prog="irg",
-        description="Predict where a lubricated sliding contact goes from mild to severe wear.\n\n"
-        + "\n".join(_listed()),
+        description="Predict where a lubricated sliding contact goes from mild to severe wear.",
         epilog=_BEGIN,
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     parser.set_defaults(parser=parser)
-    parsers = parser.add_subparsers(metavar="COMMAND", help="one of these; see irg COMMAND --help")
+    parsers = parser.add_subparsers(metavar="COMMAND", title="commands")
     for command in commands():
         added = parsers.add_parser(
             command.name,
+            help=command.purpose.replace("%", "%%"),
             description=textwrap.fill(f"{command.purpose[0].upper()}{command.purpose[1:]}."),
             epilog=f"example:\n  irg {command.name} {command.example}",
         )
@@ -177,22 +175,6 @@ def _add_options(parser: Any, takes: Sequence[o.Option | o.Group]) -> None:
             _add_options(parser.add_argument_group(taken.title), taken.options)
         else:
             _add_options(parser.add_mutually_exclusive_group(), taken.options)
-
-
-def _listed() -> Iterator[str]:
-    """Commands with their purposes: those that everybody needs, the others, and those of extras."""
-    named = {command.name: command for command in COMMANDS}
-    groups = {
-        "what everybody needs": [named[name] for name in FIRST],
-        "further": [command for command in COMMANDS if command.name not in FIRST],
-        "extras": commands()[len(COMMANDS) :],
-    }
-    for group, members in groups.items():
-        yield from [f"{group}:"] if members else ()
-        for command in members:
-            begin = f"  {command.name:<13} "
-            rest = " " * len(begin)
-            yield textwrap.fill(command.purpose, 78, initial_indent=begin, subsequent_indent=rest)
 
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:

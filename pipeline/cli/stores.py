@@ -43,16 +43,12 @@ def status(options: argparse.Namespace) -> Result:
     except StoreError as error:  # the points are counted all the same
         lines.append(f"warnings are not counted: {error}")
     frame = frame_of(_HEADS, [_row(path, state.name)])
-    return Result(text=lines, warned=warned, frames=[frame], code=code_of(state.failed))
+    code = SOME_FAILED if state.failed else DONE
+    return Result(text=lines, warned=warned, frames=[frame], code=code)
 
 
 def _counts(state: Summary) -> str:
     return f"{state.done} done, {len(state.failed)} failed, {state.pending} pending"
-
-
-def code_of(failed: Iterable[FailedPoint]) -> int:
-    """Exit code where some points failed, or none."""
-    return SOME_FAILED if failed else DONE
 
 
 def _is_store(path: Path) -> bool:

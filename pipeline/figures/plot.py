@@ -93,7 +93,7 @@ def plot(
     kind = kind or next(iter(kinds))
     if kind not in kinds:
         raise InputError(f"kind is {kind!r}; allowed are {', '.join(kinds)}")
-    allowed = options_of(kinds[kind])
+    _, *allowed = inspect.signature(kinds[kind]).parameters  # after what is drawn
     for name in options:
         if name not in allowed:
             others = ", ".join(allowed) or "none"
@@ -103,9 +103,3 @@ def plot(
     with style.fitted(metres, plain):
         drawn: Figure = kinds[kind](ds if study else results(ds), **options)
     return drawn if path is None else style.save_figure(drawn, path)
-
-
-def options_of(draw: Callable[..., Figure]) -> list[str]:
-    """Names of the options of what draws a kind of figure."""
-    _, *names = inspect.signature(draw).parameters  # after what is drawn
-    return names

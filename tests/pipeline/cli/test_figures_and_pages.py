@@ -44,15 +44,6 @@ def test_a_figure_is_drawn_as_its_options_say(irg, drawn, words, kind, out, look
     assert irg("plot", "a/out.zarr", *words, "--json") == {"kind": kind, "file": out}
 
 
-def test_a_kind_of_figure_refuses_the_options_of_others_and_names_its_own(irg, drawn):
-    said = irg("plot", "a.zarr", "--kind", "ramp", "--log", "--realization", "2", code=2)
-    assert "--kind ramp takes no --log; it takes --load, --velocity, --realization, --show" in said
-    assert "--kind tests takes no --load; it takes" in irg(
-        "plot", "a.zarr", "--kind", "tests", "--load", "400 N", code=2
-    )
-    assert drawn == []
-
-
 def test_pages_are_listed_with_their_titles_and_printed_as_they_are(irg):
     held = shipped_pages()
     titles = irg("help", "--json")

@@ -69,7 +69,7 @@ REFUSALS = {
                  "leave out --preset"),
     "accuracy set": (irg("run", "first_try", "--accuracy", "2%", "--set", "increments=9"),
                      "leave out --set increments"),
-    "plot": (irg("plot", "tiny.zarr", "--kind", "ramp", "--log"), "--kind ramp takes no --log"),
+    "plot": (irg("plot", "tiny.zarr", "--kind", "ramp", "--log"), "ramp has no option 'log'"),
     "vary": (irg("vary", "first_try"), "nothing to vary; give --over"),
     "new": (irg("new"), "no file is named; give one to write"),
     "help": (irg("help", "boundry"), 'no page or command is called "boundry" (did you mean'),
