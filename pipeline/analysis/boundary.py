@@ -64,9 +64,8 @@ def boundary(ds: xr.Dataset | PathLike | Results) -> xr.Dataset:
           scene's range are done and say so. Otherwise the crossing lies above or below what was
           computed, or is not known for want of points. Or wear is severe at some and mild at a
           higher one.
-        - ``turns(load, turn)``: all places at which wear turns; the first turns to mild wear where
-          ``begins_severe``.
-        - ``computed_from``, ``computed_to``: ends of what was computed [m/s, N].
+        - ``words``: the outcome in words, with the ranges of severe wear if it turns several times.
+        - ``turns(load, turn)``: all places at which wear turns.
         - ``film_parameter`` at the crossing, if the scene gives an oil.
 
         Attributes are the conditions, with units in ``units_of_attributes``; ``model_error``, what
@@ -183,15 +182,7 @@ def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
             np.where(np.isfinite(found.first), found.first, math.nan), unit,
             f"{noun} at the transition to severe wear",
         ),
-        f"computed_from_at_{line}": (
-            found.computed[0], unit, f"{axis} computed from at this {line}"
-        ),
-        f"computed_to_at_{line}": (
-            found.computed[1], unit, f"{axis} computed to at this {line}"
-        ),
-        f"begins_severe_at_{line}": (
-            found.begins_severe, "1", f"wear is severe at the lowest {axis} known"
-        ),
+        f"words_at_{line}": (found.texts(axis), "1", "outcome in words"),
     }  # fmt: skip
     result: dict[str, Any] = {
         name: _described(dims, values.reshape(shape), units, words)

@@ -11,7 +11,7 @@ import xarray as xr
 from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.scenes import heads_of
 from pipeline.analysis.tables import frame_of
-from pipeline.analysis.transition import CROSSES, in_words, outcomes
+from pipeline.analysis.transition import CROSSES
 from pipeline.quantities import UNITS, column_heads
 from pipeline.sweep.conditions import FIELDS
 
@@ -59,19 +59,8 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
 
 def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
     """Crossings of one surface, by their heads."""
-    other = name.removeprefix("critical_")
-    parts = "outcome", "computed_from", "computed_to", "begins_severe", "turns"
-    given = [boundaries[f"{part}_at_{axis}"] for part in parts]
-    describe = np.vectorize(
-        lambda code, low, high, begins, turns: in_words(
-            outcomes(other)[code], (low, high), other, turns, begins
-        ),
-        otypes=[object],
-        signature="(),(),(),(),(n)->()",
-    )
-    inner: list[list[str]] = [[], [], [], [], ["turn"]]
     yield column_heads(name)[name], boundaries[name]
-    yield "outcome", xr.apply_ufunc(describe, *given, input_core_dims=inner)
+    yield "outcome", boundaries[f"words_at_{axis}"]
 
 
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:

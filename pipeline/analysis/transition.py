@@ -99,6 +99,15 @@ class Line:
         place = np.where(self.begins_severe, -math.inf, place)
         return np.where(self.outcome == UNKNOWN, math.nan, place)
 
+    def texts(self, along: str) -> Array:
+        """Outcome of each line along ``"velocity"`` or ``"load"``, in words."""
+        ends, texts = self.computed, np.empty(self.outcome.shape, object)
+        for line, code in np.ndenumerate(self.outcome):
+            computed = [float(end[line]) for end in ends]
+            begins, turns = bool(self.begins_severe[line]), self.places[line].tolist()
+            texts[line] = in_words(outcomes(along)[int(code)], computed, along, turns, begins)
+        return texts.astype(str)
+
     @property
     def _turns_severe(self) -> Mask:
         """True at each of the places at which wear turns severe."""
