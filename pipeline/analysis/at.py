@@ -36,7 +36,7 @@ from pipeline.analysis.scenes import value_text
 from pipeline.quantities import ALIKE, display
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import OIL_WORKS
-from pipeline.scene.reference import acts_later, all_keys, find_entry
+from pipeline.scene.reference import all_keys, find_entry
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
@@ -293,20 +293,14 @@ def _number(value: float | str) -> float:
 
 
 def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
-    """Say that an entry acts in the simulation, or only after another run, and what to run."""
+    """Say that a sweep cannot be judged at an entry, and what to run."""
     if not (find_entry(path) or find_entry(path.rpartition(".")[0])):  # or a part of an entry
         return f"{path} is no entry of a scene{did_you_mean(path, dict(all_keys()))}"
-    sweep = whole_sweep(ds)
-    turns_pin = path.startswith("pin.") and sweep.scene.motion  # its wear spreads over its track
-    if acts_later(path) and not turns_pin:
-        return (
-            f"{path} acts after the simulation, but --at does not take it: run the scene again "
-            "with it into the same store, which computes no point anew and judges by it"
-        )
     has = f"; it has several of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""
     if unknown := open_inputs(ds):
         has = f"; its samples have {', '.join(unknown)}"
     return (
         f"{path} is not one of the entries that this sweep can be judged at{has}; run the scene "
-        f"with {path} = {value} into another store"
+        f"with {path} = {value} into another store, or into the same one if it acts after the "
+        "simulation (irg help scene)"
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -144,14 +143,11 @@ def _states(held: Results, has_seeds: bool) -> pd.DataFrame:
         {**held.rows.coords, **own},
     )
     frame = points.to_dataframe().reset_index()
-    labels: Any = getattr(held.sweep.scene.roughness, "seed", None)
-    if len(in_front) > 1:
-        labels = frame[in_front].astype(str).agg(", ".join, axis=1)
-    elif in_front:
-        labels = frame[in_front[0]]
-    elif not has_seeds:
-        labels = None
-    frame["variant"] = pd.Series(labels, frame.index, object)  # numbers beside text
+    frame["variant"] = None
+    if in_front:
+        frame["variant"] = frame[in_front].astype(str).agg(", ".join, axis="columns")
+    elif has_seeds:
+        frame["variant"] = str(getattr(held.sweep.scene.roughness, "seed", None))
     frame["state"] = frame["status"].map(_STATES).fillna("pending")
     here = (frame["status"] != PENDING) | frame["asked"]
     return frame.loc[here, ["load", "velocity", "variant", "state", "rise"]]

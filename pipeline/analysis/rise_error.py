@@ -207,8 +207,7 @@ def rise_errors(
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
     between = _interpolation(grid, rows, columns, loads, velocities)
-    preset = math.nan if velocity_error is None else SHARE * velocity_error
-    return np.stack(np.broadcast_arrays(between, preset, warned, 0.0))
+    return np.stack(np.broadcast_arrays(between, preset_error(velocity_error), warned, 0.0))
 
 
 def _slots(points: Array, places: Array) -> Indices:
@@ -217,13 +216,9 @@ def _slots(points: Array, places: Array) -> Indices:
     return slots
 
 
-def error_of_point(
-    flags: int, duration: float, velocity_error: float | None, counted: Array | float = 0.0
-) -> RiseError:
-    """Relative error of the rise of a point by itself."""
-    warned = warned_errors(np.array(flags), np.array(duration))
-    preset = math.nan if velocity_error is None else SHARE * velocity_error
-    return RiseError.of(np.array([0.0, preset, warned, counted]))
+def preset_error(velocity_error: float | None) -> float:
+    """Relative error of a rise by the promised one of boundary velocities; NaN if not known."""
+    return math.nan if velocity_error is None else SHARE * velocity_error
 
 
 def counted_error(

@@ -7,7 +7,6 @@ rows of the scene that answers are about.
 
 from __future__ import annotations
 
-import functools
 import json
 from collections.abc import Sequence
 from typing import Any
@@ -43,7 +42,7 @@ def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
             f"the dataset has lost its attribute {SCENE_ID}, as datasets of several scenes do that "
             "are joined; answer each scene by itself"
         )
-    ids, wanted = ds[SCENE_ID].variable, _row_ids(ds, _parsed(ds.attrs[SCENE_ID]), table)
+    ids, wanted = ds[SCENE_ID].variable, _row_ids(ds, json.loads(ds.attrs[SCENE_ID]), table)
     is_same = np.rint(ids) == wanted  # interpolation leaves a float
     for dim in set(is_same.dims) - set(ids.dims):  # the one row that a dataset was cut to
         matches = is_same.sum([other for other in is_same.dims if other != dim])
@@ -80,11 +79,6 @@ def _numbers(values: Sequence[Label], labels: Any) -> Array:
     else:
         numbers = held.get_indexer(flat)
     return np.reshape(numbers, np.shape(labels))
-
-
-@functools.lru_cache(maxsize=64)
-def _parsed(text: str) -> tuple[int, ...]:
-    return tuple(json.loads(text))
 
 
 def _places_in_words(ds: xr.Dataset, wrong: xr.Variable) -> str:

@@ -19,7 +19,7 @@ from pipeline.paths import reason_of, user_path
 from pipeline.scene.declare import ByPath, Either, Entry, List, Range, Table, Tables, table_of
 from pipeline.scene.document import as_toml
 from pipeline.scene.faults import did_you_mean
-from pipeline.scene.format import LATER, SceneFile
+from pipeline.scene.format import SceneFile
 from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
 from pipeline.scene.shipped import shipped_scenes
 from pipeline.scene.units import typeset
@@ -107,13 +107,6 @@ def find_entry(path: str) -> Entry | None:
     if parts[0] == "materials" and len(parts) > 2:
         parts[1] = "NAME"
     return dict(all_keys()).get(".".join(parts))
-
-
-def acts_later(path: str) -> bool:
-    """An entry, or the table that it is in, acts after the simulation."""
-    tables = {one.path: one.entry for one in sections()}
-    entries = find_entry(path), tables.get(path.rpartition(".")[0])
-    return any(LATER in entry.meaning for entry in entries if entry)
 
 
 def number_in(kind: Kind) -> Quantity | Number | None:

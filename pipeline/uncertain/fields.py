@@ -14,7 +14,7 @@ from scipy.special import ndtr
 from pipeline.analysis.field import Here, Places, places_of
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results, results
-from pipeline.analysis.rise_error import counted_error, error_of_point
+from pipeline.analysis.rise_error import counted_error, preset_error
 from pipeline.analysis.transition import (
     CROSSES,
     LEAST_SLOPE,
@@ -163,9 +163,9 @@ class SampleField:
 
     def errors(self, loads: Places, velocities: Places) -> Array:
         """See `Field`: the error of the preset."""
-        counted = counted_error(self.conditions)
-        error = error_of_point(0, 1.0, self.ensemble.velocity_error, counted)
-        return np.tile(error.parts[:, None], len(places_of(loads, velocities)[0]))
+        preset, counted = preset_error(self.ensemble.velocity_error), counted_error(self.conditions)
+        parts = np.array([0.0, preset, 0.0, counted.item()])
+        return np.tile(parts[:, None], len(places_of(loads, velocities)[0]))
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
         """See `Field`."""

@@ -9,7 +9,7 @@ import xarray as xr
 from scipy import integrate, stats
 
 import pipeline
-from pipeline.analysis.rise_error import error_of_point
+from pipeline.analysis.rise_error import preset_error
 from pipeline.analysis.tables import notes_of
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
@@ -146,7 +146,7 @@ def test_the_error_of_a_preset_is_one_share_of_the_rise_whatever_the_exponent(pr
     for load in (400.0, 425.0):
         here = margin(synthetic.sweep(preset=preset, rise=bent), load, 2.0)
         rise = here.decisive_temperature - 298.15
-        share = error_of_point(0, 5.0, PRESET_BOUNDS[preset]).preset
+        share = preset_error(PRESET_BOUNDS[preset])
         assert here.error.preset == pytest.approx(rise * share, rel=1e-9)
 
 
@@ -157,7 +157,7 @@ def test_a_fidelity_of_its_own_has_no_known_error_and_decides_nothing():
     picked = synthetic.selection(error=0.05)
     known = margin(synthetic.sweep(preset=None, selection=picked), 400.0, 0.5)
     rise = known.decisive_temperature - 298.15
-    share = error_of_point(0, 5.0, 0.05).preset
+    share = preset_error(0.05)
     assert known.temperature_error == pytest.approx(rise * share, rel=1e-9)
 
 

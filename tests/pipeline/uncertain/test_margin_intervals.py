@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.rise_error import error_of_point
+from pipeline.analysis.rise_error import preset_error
 from pipeline.uncertain.unknown import drawn
 from tests.helpers.samples import (
     EXPONENT,
@@ -81,7 +81,7 @@ def test_the_error_of_the_preset_moves_every_rise():
     assert rough.decisive_temperature == exact.decisive_temperature
     assert (exact.error.total, exact.lowest) == (0.0, exact.probability)
     rise_error = rough.error.preset / (rough.decisive_temperature - 298.15)
-    assert rise_error == pytest.approx(error_of_point(0, 1.0, 0.08).preset, rel=1e-9)
+    assert rise_error == pytest.approx(preset_error(0.08), rel=1e-9)
     off = np.log(critical_velocity(DIRECT, 400.0) / 2.0)
     for end, sign in (("lowest", -1), ("highest", 1)):
         expected = np.mean(off < sign * math.log1p(rise_error) / EXPONENT)
