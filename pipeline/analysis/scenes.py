@@ -14,7 +14,8 @@ from pipeline.analysis.dataset import Kind
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import frame_of
 from pipeline.quantities import display, shown_in
-from pipeline.scene.reference import usual_range
+from pipeline.scene.reference import number_at
+from pipeline.scene.units import typeset
 from pipeline.store.place import PathLike
 from pipeline.sweep.caveats import caveats
 
@@ -76,7 +77,7 @@ def shown_label(axis: xr.DataArray, value: Any) -> Any:
 
 def _usual_unit(axis: xr.DataArray) -> str:
     """Unit in which labels are shown: that of the entry's example, or a usual one."""
-    unit, (*_, own) = str(axis.attrs.get("units", "")), usual_range(str(axis.name))
+    unit, own = str(axis.attrs.get("units", "")), typeset(number_at(str(axis.name)).unit)
     return own if own and unit else _OWN.get(unit, unit)
 
 

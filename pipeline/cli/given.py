@@ -13,7 +13,7 @@ import pipeline
 from pipeline.cli.output import tell
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.over import notes_on_first_values
-from pipeline.scene.reference import unit_example
+from pipeline.scene.reference import number_at
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
@@ -57,7 +57,7 @@ def judged_entries(options: argparse.Namespace) -> dict[str, Any]:
     """Values of --at by their paths, those of quantities with their units."""
     values = dict(getattr(options, "at", []))
     for path, value in values.items():
-        if isinstance(value, float | int) and (example := unit_example(path)):
+        if isinstance(value, float | int) and (example := getattr(number_at(path), "example", "")):
             raise InputError(
                 f'--at: {path} is {value:g}, without a unit; give one such as "{example}"'
             )

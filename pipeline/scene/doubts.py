@@ -11,7 +11,7 @@ from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span
 from pipeline.scene.faults import joined
 from pipeline.scene.format import BULK, FRICTION
 from pipeline.scene.kinds import unusual
-from pipeline.scene.reference import usual_range
+from pipeline.scene.reference import number_at
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import note_on_ends, note_on_turns
 from pipeline.sweep.remarks import Remark
@@ -49,8 +49,8 @@ def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
         usual = highest / 100, highest * 100
         yield "loading.reference_load", unusual(loading.reference_load, usual, "N")
     if facts.surface and facts.surface.measured:
-        low, high, unit = usual_range("disk.roughness.ra")
-        yield "disk.roughness.ra", unusual(facts.surface.ra, (low, high), unit)
+        kind = number_at("disk.roughness.ra")
+        yield "disk.roughness.ra", unusual(facts.surface.ra, kind.usual, kind.unit)
 
 
 def soft_or_hard(material: Any) -> str:

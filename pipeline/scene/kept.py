@@ -5,7 +5,6 @@ The text is JSON that a person can read. What was read of files lies beside it, 
 
 from __future__ import annotations
 
-import itertools
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, replace
@@ -13,7 +12,7 @@ from typing import Any
 
 import tribo
 from pipeline.scene.parts import Contents
-from pipeline.scene.reading import SceneReader, contents_of
+from pipeline.scene.reading import SceneReader
 from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import Remark
@@ -49,11 +48,7 @@ def sweep_text(sweep: Sweep) -> str:
 
 def files_of(sweep: Sweep) -> dict[str, Array]:
     """What was read of files for a sweep, by its digests."""
-    contents = sweep.reader.contents
-    values = itertools.chain(*(row.values.items() for row in sweep.rows))
-    rows = (value for path, value in values if path.endswith(".content") and value)
-    digests = dict.fromkeys([*contents_of(sweep.parts()).values(), *rows])
-    return {digest: contents.arrays[digest] for digest in digests}
+    return dict(sweep.reader.contents.arrays)
 
 
 def text_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:

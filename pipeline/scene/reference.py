@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 import re
 import shutil
 import tomllib
@@ -22,7 +21,6 @@ from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import SceneFile
 from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
 from pipeline.scene.shipped import shipped_scenes
-from pipeline.scene.units import typeset
 from pipeline.sweep.tables import entry_at
 from tribo import InputError
 
@@ -94,13 +92,6 @@ def all_keys() -> Iterator[tuple[str, Entry]]:
             yield section.path_of(key), entry
 
 
-def unit_example(path: str) -> str | None:
-    """Example of a value with the unit of an entry; None if the entry has no unit."""
-    entry = find_entry(path)
-    number = entry and number_in(entry.kind)
-    return number.example if isinstance(number, Quantity) else None
-
-
 def find_entry(path: str) -> Entry | None:
     """The entry of the format at a path; None if there is none."""
     parts = path.split(".")
@@ -122,15 +113,10 @@ def number_in(kind: Kind) -> Quantity | Number | None:
     return None
 
 
-Ends = tuple[float, float, str]
-"""Ends of a usual range in a unit, and that unit as it is printed."""
-
-
-def usual_range(path: str) -> Ends:
-    """Usual range of an entry of a scene, by its path."""
+def number_at(path: str) -> Quantity | Number:
+    """Kind of the number or quantity at the path of an entry; any number if there is none."""
     entry = find_entry(path)
-    number = (number_in(entry.kind) if entry else None) or Number()
-    return (*(number.usual or (-math.inf, math.inf)), typeset(number.unit))
+    return (entry and number_in(entry.kind)) or Number()
 
 
 Listed = dict[str, str]
