@@ -71,16 +71,15 @@ def scene_entries(sweep: Sweep) -> dict[str, str]:
 
     The title is left out.
     """
-    drawn = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
-    leaves = _leaves(sweep.entries)
-    texts = {path: in_words(value) for path, value in leaves if path not in drawn}
+    left = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
+    entries = {key: one for key, one in sweep.entries.items() if key != "unknown"}
+    texts = {path: in_words(value) for path, value in _leaves(entries) if path not in left}
     unknown = {
         f'unknown."{path}"': in_words(one)
         for path, one in (sweep.entries.get("unknown") or {}).items()
         if path in sweep.variants.rule.unknown
     }
-    kept = {path: words for path, words in texts.items() if not path.startswith("unknown.")}
-    return kept | unknown | _judged(sweep)
+    return texts | unknown | _judged(sweep)
 
 
 def differing(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import tribo
-from pipeline.quantities import display, units_in_si
+from pipeline.quantities import units_in_si
 from pipeline.sweep.laws import Law, LawError, name_of
 from tribo import Criterion, Friction, InputError, MeasuredLoad, Ramp, Rule
 from tribo.simulation.verdict import Judging
@@ -192,8 +192,3 @@ def bulk_entries(bulks: float | Mapping[str, float | None] | None) -> dict[str, 
         )
     disk = bulks["disk"] if bulks["disk"] != bulks["pin"] else None
     return {"bulk_temperature": bulks["pin"], "disk_temperature": disk}
-
-
-def celsius_text(temperature: float) -> str:
-    """Write a temperature [K] in both of its usual units."""
-    return f"{display(temperature, '°C')} ({temperature:.6g} K)"

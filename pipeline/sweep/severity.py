@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.quantities import display
-from pipeline.sweep.conditions import Conditions, celsius_text
+from pipeline.sweep.conditions import Conditions
 from tribo import InputError, Scene, State, Verdict
 from tribo.simulation import UNSOLVED, CoupledRise, moment_of
 from tribo.simulation import verdict as tribo_verdict
@@ -133,8 +133,8 @@ def require_bulks(columns: Container[Any] | xr.Dataset, conditions: Conditions) 
     if conditions.disk_temperature is None or kept:
         return
     raise InputError(
-        f"bulk_temperature is {celsius_text(conditions.bulk_temperature)} of the pin and "
-        f"{celsius_text(conditions.disk_temperature)} of the disk; the sweep was computed for "
+        f"bulk_temperature is {display(conditions.bulk_temperature, '°C')} of the pin and "
+        f"{display(conditions.disk_temperature, '°C')} of the disk; the sweep was computed for "
         "bodies of one bulk temperature: give one, or run the scene into another store with "
         "bulk = { pin = ..., disk = ... } under [temperature]"
     )

@@ -55,7 +55,7 @@ REFUSALS = {
                     "temperature.critical is missing"),
     "bodies": (lambda: bulk_entries({"pin": 300.0}), "bulk_temperature names pin; give one"),
     "unequal": (lambda: require_bulks({}, conditions(disk_temperature=350.0)()),
-                "25 °C (298.15 K) of the pin"),
+                "25 °C of the pin"),
     # the sweep and its variants
     "search": (PLACED.require_search, "each row has its own velocity"),
     "hold": (lambda: tiny.sweep(loading=RECORD).with_hold(2.0), "hold is 2 s, but the load"),
