@@ -80,11 +80,8 @@ class SceneReader:
         scene, changed = self._declared(tables, faults)
         fidelity, preset = self._fidelity(scene.fidelity, faults)
         realizations_of(scene, faults)
-        part, contents, stops = (
-            partial(self._part, scene, faults),
-            self.contents,
-            tested_holds(scene),
-        )
+        part, stops = partial(self._part, scene, faults), tested_holds(scene)
+        contents = self.contents
         loading, record = part(
             lambda one, *stops: loading_of(one, contents, faults, stops), "loading", more=stops
         ) or (None, None)

@@ -69,11 +69,11 @@ def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None)
 def scene_entries(sweep: Sweep) -> dict[str, str]:
     """Entries of a sweep by their paths, in words; conditions as it is judged.
 
-    The title is left out.
+    The title is left_out out.
     """
-    left = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
+    left_out = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
     entries = {key: one for key, one in sweep.entries.items() if key != "unknown"}
-    texts = {path: in_words(value) for path, value in _leaves(entries) if path not in left}
+    texts = {path: in_words(value) for path, value in _leaves(entries) if path not in left_out}
     unknown = {
         f'unknown."{path}"': in_words(one)
         for path, one in (sweep.entries.get("unknown") or {}).items()

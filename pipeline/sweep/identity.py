@@ -25,7 +25,7 @@ def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
     def of_scene(name: Variant) -> str:
         row = sweep.variant(name)
         parts = [of_part(getattr(row.scene, one.name)) for one in fields(row.scene)]
-        return digest((*parts, row.conditions, row.beside, table.rule.answers, choices))
+        return digest((*parts, row.conditions, row.verdict_inputs, table.rule.answers, choices))
 
     for name, row in table.by_name.items():
         found = of_scene(table.base(name))

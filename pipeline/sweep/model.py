@@ -135,7 +135,7 @@ class Sweep:
         own = self.scene, self.conditions, *plane
         chosen = None if self.chosen is None else sorted(self.chosen)
         words = self.declared.title, self.declared.caveat, self.oil
-        return digest((own, chosen, words, self.beside, labels, self.variants.rule, rows))
+        return digest((own, chosen, words, self.verdict_inputs, labels, self.variants.rule, rows))
 
     @cached_property
     def _parts(self) -> Parts:
@@ -200,8 +200,8 @@ class Sweep:
         return self.parts().preset
 
     @property
-    def beside(self) -> tuple[Any, ...]:
-        """What verdicts depend on beside the simulation and the conditions."""
+    def verdict_inputs(self) -> tuple[Any, ...]:
+        """What verdicts depend on, other than the simulation and the conditions."""
         friction, own = self.declared.friction, (self.lubricant, self.preset, self.selection)
         return (self.tests, friction.band, friction.same_rig, self.declared.model, *own)
 
