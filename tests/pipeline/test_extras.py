@@ -37,7 +37,7 @@ def copy_without(left_out, folder):
 
 def listed(text):
     """Commands that the help lists."""
-    return set(re.findall(r"^  (\w+)", text, flags=re.MULTILINE))
+    return set(re.findall(r"^    (\w+) ", text, flags=re.MULTILINE))
 
 
 _SAID = """
