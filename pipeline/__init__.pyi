@@ -12,7 +12,6 @@ from .figures.plot import plot as plot
 from .laboratory.scan import surface_statistics as surface_statistics
 from .page.explore import explore as explore
 from .run.sweep import run_sweep as run_sweep
-from .run.vary import vary as vary
 from .run.work import ExecutionError as ExecutionError
 from .scene.faults import SceneFileError as SceneFileError
 from .scene.reference import new_scene as new_scene
@@ -28,6 +27,7 @@ from .sweep.model import Sweep as Sweep
 from .tradeoff.choose import choose_fidelity as choose_fidelity
 from .tradeoff.forecast import estimate as estimate
 from .tradeoff.trade import trade as trade
+from .tradeoff.vary import vary as vary
 from .uncertain.critical_temperature import critical_temperatures as critical_temperatures
 from .uncertain.ensemble import Ensemble as Ensemble
 from .uncertain.sensitivity import sensitivity as sensitivity

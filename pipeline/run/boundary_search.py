@@ -56,26 +56,17 @@ class BoundarySearch:
     #: Factor of the friction by velocity, with which wear may turn several times.
     factor: Callable[[Array], Array] = np.ones_like
 
-    def __post_init__(self) -> None:
-        if not 0 < self.tolerance < 1:
-            raise InputError(f"the tolerance is {self.tolerance!r}; it must be between 0 and 1")
-
     @classmethod
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
         """A search between a sweep's lowest and highest velocity; `InputError` if there is none."""
+        if not 0 < tolerance < 1:
+            raise InputError(f"the tolerance is {tolerance!r}; it must be between 0 and 1")
         limit = rise_limit(sweep.conditions)
         if not math.isfinite(limit):
-            raise InputError(
-                "there is no boundary to look for without friction; give friction.coefficient a "
-                "number above 0"
-            )
+            raise InputError("there is no boundary without friction: set friction.coefficient")
         moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
         if len(moving) < 2:
-            listed = ", ".join(f"{velocity:g}" for velocity in sweep.plane.velocities)
-            raise InputError(
-                f"there is no boundary to look for where sweep.velocities are {listed} m/s; give "
-                "two or more above 0"
-            )
+            raise InputError(f"sweep.velocities has {moving} m/s above 0; give two or more")
         tolerance /= _CLOSER if sweep.conditions.has_friction_curve else 1.0
         ends, factor = (moving[0], moving[-1]), sweep.conditions.friction_factor
         return cls(sweep.plane.loads, *ends, limit, tolerance, scale, factor)
@@ -84,18 +75,16 @@ class BoundarySearch:
         self, rises: Mapping[Point, float], hopeless: Iterable[Point] = ()
     ) -> tuple[Point, ...]:
         """Points to compute next by known rises [K], but failed ones; none once all is known."""
-        past, asked = {*rises, *hopeless}, set[Point]()
+        past, chosen = {*rises, *hopeless}, set[Point]()
         turns = {load: self._turns(*row) for load in self.loads if (row := self._row(rises, load))}
         bends = [bend for found in turns.values() for turn in found for bend in turn.bends]
-        curvature = _CURVATURE
-        if bends:
-            curvature = min(max(_LEAST_CURVATURE, 1.5 * max(bends)), 100.0)
+        curvature = min(max(_LEAST_CURVATURE, 1.5 * max(bends)), 100.0) if bends else _CURVATURE
         for load, expected in (turns | self._first_turns(turns)).items():
             here = {Point(load, v) for turn in expected for v in self._next(turn, curvature)}
             if load not in turns and here <= past:
                 here = {Point(load, self.lowest), Point(load, self.highest)}
-            asked |= here
-        return tuple(sorted(asked - past, key=lambda point: (point.velocity, point.load)))
+            chosen |= here
+        return tuple(sorted(chosen - past, key=lambda point: (point.velocity, point.load)))
 
     def _row(self, rises: Mapping[Point, float], load: float) -> tuple[Array, Array] | None:
         """Logarithms of velocities in the range, and of rises there without their friction."""
@@ -121,10 +110,10 @@ class BoundarySearch:
         shares = excess[before] / (excess[before] - excess[before + 1])
         places = fine[before] + shares * (fine[before + 1] - fine[before])
         known = np.concatenate([[-math.inf], x, [math.inf]])
-        turns = []
-        for place, number in zip(places, np.searchsorted(x, fine[before], "right"), strict=True):
-            turns.append(_Turn(place, known[number], known[number + 1], [*_bends(x, y, number)]))
-        return turns
+        return [
+            _Turn(place, known[number], known[number + 1], [*_bends(x, y, number)])
+            for place, number in zip(places, np.searchsorted(x, fine[before], "right"), strict=True)
+        ]
 
     def _first_turns(self, turns: Mapping[float, Sequence[_Turn]]) -> dict[float, list[_Turn]]:
         """Turns at loads without points: by those of others, or of three loads by their trend."""
@@ -213,7 +202,7 @@ def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
     for variant in searches:
         alike.setdefault(sweep.variant(variant).scene, []).append(variant)
 
-    def further(store: Store | None, retry_failed: bool = False) -> Sweep:
+    def choose_next(store: Store | None, retry_failed: bool = False) -> Sweep:
         rises, failed = results_of(store, sweep) if store else ({}, set())
         chosen = {*rises, *failed}
         for variant, search in searches.items():
@@ -221,18 +210,19 @@ def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
                 Point(*point[:2]): rise for point, rise in rises.items() if point.variant == variant
             }
             hopeless = {Point(*point[:2]) for point in failed if point.variant == variant}
-            asked = search.wanted(rises_here, () if retry_failed else hopeless)
+            added = search.wanted(rises_here, () if retry_failed else hopeless)
             same = alike[sweep.variant(variant).scene]
-            chosen |= {Point(*point[:2], other) for point in asked for other in same}
+            chosen |= {Point(*point[:2], other) for point in added for other in same}
         return replace(sweep, chosen=frozenset(chosen))
 
-    return further
+    return choose_next
 
 
 def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
     """Decisive rise of each point of a store that is done [K], and points that failed."""
     columns = store.read_steps()
-    inner = len(store.dims) - store.dims.index(store.along("load"))  # dimensions, with the step
+    (along,) = store.root.variables["load"].dims
+    inner = len(store.dims) - store.dims.index(along)  # dimensions, with the step
     loads = np.array(store.axes["load"]).reshape(-1, *[1] * inner)
     variants = {variant: sweep.variant(variant).conditions for variant in sweep.variants.names}
     rises = {

@@ -8,22 +8,21 @@ import logging
 import math
 import multiprocessing
 import time
-import warnings
 from collections.abc import Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
-from importlib.util import find_spec
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import dask
 from distributed import Client as Client
-from distributed import LocalCluster, Security, Status
+from distributed import LocalCluster, Security
 from distributed.client import ClosedClientError
 from distributed.utils import silence_logging_cmgr
 
 from pipeline.machine import oom_kills
 from pipeline.run import forkserver
-from pipeline.run.forkserver import UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
+from pipeline.run.forkserver import UNGUARDED, WORKER_ENVIRONMENT, block_interrupts
 from pipeline.run.work import SAFE, ExecutionError
 from pipeline.sweep.stages import Progress, Report, duration, silent
 
@@ -43,14 +42,10 @@ CONFIGURATION = {
     "distributed.worker.memory.monitor-interval": "1s",
     "distributed.admin.tick.interval": "1s",
     "distributed.admin.system-monitor.interval": "10s",
-    "distributed.admin.large-graph-warning-threshold": "1 TB",
     # Anybody on the machine could give commands there.
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
     "distributed.nanny.http.routes": [],
-    # Dask gives up a worker that is away at this time after a death, although its nanny may just
-    # be starting it again: with its 15 s, sweeps with deadly points ended without any worker.
-    "distributed.deploy.lost-worker-timeout": "1000 days",
 }
 """Dask's configuration of a cluster that a run starts, for the driver and its workers."""
 POLL = 1.0
@@ -59,8 +54,6 @@ GONE = (CancelledError, OSError, ClosedClientError, AttributeError, RuntimeError
 """What Dask raises without a scheduler, the last three of a client that was closed."""
 LOST = f"the Dask scheduler is lost; {SAFE}"
 
-_UNSTARTED = "the worker processes do not start"
-_STARTS = 3  # to start workers, one of which may be killed meanwhile
 _START = 120.0  # [s] that the workers may take to start
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
 _WORD = 10.0  # [s] without a worker, after which the user is told
@@ -72,12 +65,12 @@ _OF_DASHBOARD = ["distributed.http.statics"]  # beside its pages, and nothing th
 def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
     """Start worker processes, which talk on loopback and to this user alone, and end them."""
     forkserver.start()
-    with interrupts_put_off():
-        cluster = _started(workers, dashboard)
+    with block_interrupts():
+        cluster = _start_cluster(workers, dashboard)
     try:
         yield cluster
     finally:
-        with interrupts_put_off():
+        with block_interrupts():
             try:
                 cluster.close(timeout=_END)
             except (OSError, AssertionError):  # not in time, or a worker was just starting
@@ -85,7 +78,7 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
                     process.kill()  # or Python would wait for them in the end
 
 
-def _started(workers: int, dashboard: bool, attempts: int = _STARTS) -> LocalCluster:
+def _start_cluster(workers: int, dashboard: bool) -> LocalCluster:
     try:
         return LocalCluster(
             n_workers=workers,
@@ -96,47 +89,33 @@ def _started(workers: int, dashboard: bool, attempts: int = _STARTS) -> LocalClu
             scheduler_kwargs={"dashboard": dashboard},
             silence_logs=logging.CRITICAL,
         )
-    except (TimeoutError, AssertionError):  # the latter if a process has not even begun
-        raise ExecutionError(f"{_UNSTARTED}: none has after {_START:g} s") from None
-    except (OSError, RuntimeError) as error:
-        if attempts > 1:  # one that is killed as it starts fails all of them
-            return _started(workers, dashboard, attempts - 1)
+    except (OSError, RuntimeError, AssertionError) as error:  # the last if one has not even begun
         raise ExecutionError(
-            f"{_UNSTARTED}: {error}; memory, threads or processes may be limited (ulimit -a): "
-            f"take fewer workers; {UNGUARDED}"
+            f"the worker processes do not start within {_START:g} s: {error}; memory, threads or "
+            f"processes may be limited (ulimit -a): take fewer workers; {UNGUARDED}"
         ) from None
 
 
+@dataclass
 class Connection:
-    """A client of a scheduler, its workers, and the user, who is told of what goes on.
+    """A client of a scheduler, its workers, and the user, who is told of what goes on."""
 
-    The patience is how long answers may take, and workers to come if there are none [s].
-    """
-
-    def __init__(
-        self,
-        client: Client,
-        patience: float = PATIENCE,
-        progress: Report = silent,
-        cluster: LocalCluster | None = None,
-    ) -> None:
-        self.client, self.patience = client, patience
-        self.workers: dict[str, int] = {}  # with threads of each, when it was looked last
-        self._progress, self._cluster = progress, cluster  # the cluster if it was started here
-        self._told: set[str] = set()
-        self._looked, self._seen = -math.inf, time.monotonic()
-        self._kills = oom_kills()
-
-    @property
-    def adapts(self) -> bool:
-        """True for a cluster that starts as many workers as its tasks need."""
-        return getattr(self.client.cluster, "_adaptive", None) is not None
+    client: Client
+    patience: float = PATIENCE  #: Time for answers, and for workers to come if there are none [s].
+    progress: Report = silent
+    cluster: LocalCluster | None = None  #: The cluster if it was started here.
+    #: Workers with threads of each, when it was looked last.
+    workers: dict[str, int] = field(default_factory=dict)
+    _reported: set[str] = field(default_factory=set)
+    _looked: float = -math.inf
+    _seen: float = field(default_factory=time.monotonic)
+    _kills: int = field(default_factory=oom_kills)
 
     def tell(self, words: str) -> None:
         """Tell the user something in a line, once, if there is a word."""
-        if words and words not in self._told:
-            self._told.add(words)
-            self._progress(Progress(words))
+        if words and words not in self._reported:
+            self._reported.add(words)
+            self.progress(Progress(words))
 
     @contextmanager
     def reached(self) -> Iterator[None]:
@@ -149,10 +128,6 @@ class Connection:
         except GONE as error:
             raise ExecutionError(LOST) from error
 
-    def begin(self) -> None:
-        """Begin to wait for workers: what went by before is no absence."""
-        self._seen = time.monotonic()
-
     def look(self) -> bool:
         """See which workers there are, once a second at most; return whether it has looked now.
 
@@ -164,8 +139,8 @@ class Connection:
         self._looked = now
         with self.reached():
             self.workers = self.client.nthreads(callback_timeout=self.patience)
-        if self._cluster:
-            _replace_lost(self._cluster)
+        if self.cluster:  # whose workers Dask gives up 15 s after a death, and replaces if asked
+            self.cluster.scale(len(self.cluster.worker_spec))
         patience, absent = duration(self.patience), now - self._seen
         if self.workers:
             self._seen = now
@@ -187,7 +162,7 @@ class Connection:
             events = self.client.get_events("worker-restart-memory")
         if any(event["worker"] in workers for _, event in events):
             return f"Dask ended it, since it held nearly all of its share of the memory; {_ADVICE}"
-        if self._cluster and oom_kills() > self._kills:
+        if self.cluster and oom_kills() > self._kills:
             return f"the kernel has killed processes here for want of memory; {_ADVICE}"
         return ""
 
@@ -213,48 +188,22 @@ def connected(
         stack.enter_context(client.as_current())
         if dashboard:
             progress(Progress(f"dashboard: {client.dashboard_link}"))
-        try:
-            yield Connection(client, patience, progress, cluster)
-        except KeyboardInterrupt:  # in the middle of a call to Dask
-            warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
-            raise
-
-
-def require_dashboard() -> None:
-    """Refuse a dashboard of a cluster here without the library that draws it."""
-    if find_spec("bokeh") is None:
-        raise ExecutionError(
-            'the dashboard needs bokeh; get it with "pip install bokeh", or leave the dashboard out'
-        )
+        yield Connection(client, patience, progress, cluster)
 
 
 def client_of(
     address: str | None = None, file: Path | None = None, patience: float = PATIENCE
 ) -> Client:
     """Client of a scheduler by its address or file; raise an `ExecutionError` if none answers."""
-    if file is not None:  # which Dask would wait for without end
-        try:
-            address = str(json.loads(file.read_text())["address"])
-        except (OSError, ValueError, KeyError, TypeError, RecursionError):
-            raise ExecutionError(
-                f"{file} cannot be read as the file of a Dask scheduler; give one that it wrote"
-            ) from None
     try:
+        if file is not None:  # which Dask would wait for without end
+            address = str(json.loads(file.read_text())["address"])
         with silence_logging_cmgr(logging.CRITICAL):
             return Client(address, set_as_default=False, timeout=patience)
-    except (OSError, ValueError, RuntimeError, TypeError) as error:  # the last lacks certificates
-        reason = f"no Dask scheduler answers at {address}: {error}"
+    # A TypeError is for want of certificates.
+    except (OSError, ValueError, KeyError, RuntimeError, TypeError) as error:
+        reason = f"no Dask scheduler answers at {address or file}: {error}"
     # Now: a client that was only half made, and is collected while the next one starts, takes a
     # lock of Dask's that this one holds, and both wait for ever.
     gc.collect()
     raise ExecutionError(reason)
-
-
-def _replace_lost(cluster: LocalCluster) -> None:
-    """Start a worker in place of each whose nanny could not start it again."""
-    nannies, dead = list(cluster.workers.items()), (Status.closed, Status.failed)
-    lost = [name for name, nanny in nannies if nanny.status in dead]
-    for name in lost:
-        del cluster.workers[name]
-    if lost:
-        cluster.scale(len(cluster.worker_spec))

@@ -9,13 +9,10 @@ import multiprocessing
 import os
 import signal
 import sys
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import forkserver, resource_tracker
 from pathlib import Path
-
-from pipeline.interrupts import SIGNALS
 
 WORKER_ENVIRONMENT = {
     # Dask's own thresholds return the memory of each FFT to the kernel, which takes longer than
@@ -36,13 +33,12 @@ def start() -> None:
     main = vars(sys.modules["__main__"])
     if not Path(main.get("__file__", "")).is_file():
         main.pop("__file__", None)  # "<stdin>" of python -, which workers would try to import
-    # It imports from the same folders as this process, and not from the one where a user works.
-    path = os.pathsep.join(folder or os.curdir for folder in sys.path)
     multiprocessing.set_forkserver_preload(["pipeline.run.preload"])
     before = dict(os.environ)
-    os.environ.update(WORKER_ENVIRONMENT, PYTHONSAFEPATH="1", PYTHONPATH=path)
+    # It imports from the same folders as this process, and not from the one where a user works.
+    os.environ.update(WORKER_ENVIRONMENT, PYTHONSAFEPATH="1", PYTHONPATH=os.pathsep.join(sys.path))
     try:
-        with interrupts_put_off():
+        with block_interrupts():
             forkserver.ensure_running()
     finally:
         os.environ.clear()
@@ -50,27 +46,18 @@ def start() -> None:
 
 
 @contextmanager
-def interrupts_put_off() -> Iterator[None]:
-    """Put off interrupts until the end; threads and processes begun in it never see Ctrl-C."""
-    waiting: list[int] = []
-    in_main_thread = threading.current_thread() is threading.main_thread()
+def block_interrupts() -> Iterator[None]:
+    """Put off a Ctrl-C until the end; threads and processes begun in it never see one.
+
+    In a terminal it reaches every process of the foreground. It stops the driver alone, and no
+    worker that may be just starting.
+    """
     resource_tracker.ensure_running()  # unblocks SIGINT where it is started, before Python 3.13
-    # Inherited by what begins in here: a Ctrl-C in a terminal, which reaches every process of the
-    # foreground, stops the driver alone, and no worker that may be just starting.
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    handlers = {number: signal.getsignal(number) for number in SIGNALS if in_main_thread}
-    # One that is ignored stays so, and one that kills kills: nothing here is worse for it.
-    handlers = {number: handler for number, handler in handlers.items() if callable(handler)}
-    for number in handlers:
-        signal.signal(number, lambda number, _: waiting.append(number))
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
-        if waiting:
-            signal.raise_signal(waiting[0])
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def end_if_imported() -> None:

@@ -20,7 +20,7 @@ from distributed import Future
 from distributed.scheduler import KilledWorker
 
 from pipeline.run.cluster import GONE, LOST, POLL, Connection
-from pipeline.run.work import INSTALL, Computed, ExecutionError, Run, compute_points
+from pipeline.run.work import INSTALL, ExecutionError, Run, compute_points
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task
 
@@ -56,7 +56,7 @@ class Jobs:
         self._run = Run(uuid.uuid4().hex[:8], sweep, with_fields)  # a scheduler may know other runs
         self._numbers = itertools.count()
         self._ended, self._news = deque[str](), threading.Event()
-        self._gathering: dict[str, Answer[dict[str, Any]]] = {}  # by worker
+        self._gathering: Answer[dict[str, Any]] | None = None  # of results from the workers
         self._next = 0.0  # time of the next gathering
         self._without_result: list[tuple[Job, Loss]] = []
         self.running: dict[str, Job] = {}
@@ -67,8 +67,8 @@ class Jobs:
         return self
 
     def __exit__(self, error: object, *_: object) -> None:
-        for gathering in self._gathering.values():
-            gathering.cancel()
+        if self._gathering:
+            self._gathering.cancel()
         if error is None:
             # All is computed: a worker that comes or goes now, or has not got the run, is no loss.
             with suppress(*GONE, KeyError, ValueError):
@@ -156,37 +156,31 @@ class Jobs:
                         self._client.cancel([job.future])
                     yield job, loss
 
-    def results(self) -> list[Computed]:
+    def results(self) -> list[bytes]:
         """Results that have come since the last call; once a second, and at the end, ask for more.
 
-        Those of each worker are asked for alone: one that stands still must not hold up others.
+        A worker that stands still holds up the results of others until Dask gives it up.
         """
         results = []
-        for worker, gathering in [*self._gathering.items()]:
-            if not gathering.done():
-                continue
-            del self._gathering[worker]
+        if self._gathering and self._gathering.done():
             gathered: dict[str, Any] = {}
             # A scheduler may be started again, as the next look tells.
             with self._link.reached(), suppress(CancelledError, OSError):
-                gathered = gathering.result()
+                gathered = self._gathering.result()
+            self._gathering = None
             for key, result in gathered.items():
                 job = self.computed.pop(key, None)  # None if it was given up meanwhile
                 if job and result:
                     results.append(result)
                 elif job:
                     self._without_result.append((job, Loss.FORGOTTEN))
-        if time.monotonic() >= self._next or not self.running:
+        is_due = time.monotonic() >= self._next or not self.running
+        if self.computed and not self._gathering and is_due:
             self._next = time.monotonic() + POLL
-            for worker in {job.worker for job in self.computed.values()} - self._gathering.keys():
-                self._gather(worker)
+            futures = {key: job.future for key, job in self.computed.items()}
+            with self._link.reached():
+                request = self._client.gather(futures, errors="skip", asynchronous=True)
+                loop = self._client.loop.asyncio_loop
+                self._gathering = asyncio.run_coroutine_threadsafe(request, loop)
+            self._gathering.add_done_callback(lambda _: self._news.set())
         return results
-
-    def _gather(self, worker: str) -> None:
-        """Ask for the results that are on a worker."""
-        futures = {key: job.future for key, job in self.computed.items() if job.worker == worker}
-        with self._link.reached():
-            asked = self._client.gather(futures, errors="skip", asynchronous=True)
-            loop = self._client.loop.asyncio_loop
-            self._gathering[worker] = asyncio.run_coroutine_threadsafe(asked, loop)
-        self._gathering[worker].add_done_callback(lambda _: self._news.set())

@@ -6,6 +6,7 @@ worker has one task that it computes and one that waits: the graph depends on no
 
 from __future__ import annotations
 
+import pickle
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
@@ -33,10 +34,9 @@ def compute(
     `StoreError` if points cannot be written, `ExecutionError` if the scheduler is lost or no worker
     can compute.
     """
-    link.begin()
     hand, losses = HandOut(waiting), Losses()
-    asked = replace(sweep, chosen=None, stations=writer.store.sweep.stations)
-    with Jobs(link, asked, "pressure" in writer.store.arrays) as jobs:
+    wanted = replace(sweep, chosen=None, stations=writer.store.sweep.stations)
+    with Jobs(link, wanted, "pressure" in writer.store.arrays) as jobs:
         while hand or losses or jobs:
             has_looked = link.look()
             for worker in _free_places(jobs.running.values(), link):
@@ -59,8 +59,7 @@ def compute(
                 )
                 writer.add([PointRecord(point, None, words)])
             for result in jobs.results():
-                writer.add(result.records())
-                link.tell(result.note)
+                writer.add(pickle.loads(result))
             if written := writer.written():
                 tally.count(written, len(link.workers))
     tally.count(writer.flush(), len(link.workers))
@@ -70,7 +69,8 @@ def _free_places(running: Iterable[Job], link: Connection) -> list[str]:
     """Workers with a free place, first those where nothing runs; places for workers to come."""
     busy = Counter(job.worker for job in running)
     free = [worker for ahead in range(_AHEAD) for worker in link.workers if busy[worker] <= ahead]
-    if link.adapts or not link.workers:
+    # A cluster that adapts starts as many workers as its tasks need.
+    if getattr(link.client.cluster, "_adaptive", None) or not link.workers:
         free += [ANYWHERE] * (_TO_COME - busy[ANYWHERE])
     return free
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import multiprocessing
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -13,11 +12,10 @@ from distributed import Client
 
 from pipeline.machine import cores
 from pipeline.run.boundary_search import boundary_search
-from pipeline.run.cluster import PATIENCE, connected, require_dashboard
-from pipeline.run.forkserver import UNGUARDED, end_if_imported
+from pipeline.run.cluster import PATIENCE, connected
+from pipeline.run.forkserver import end_if_imported
 from pipeline.run.schedule import compute
 from pipeline.run.tally import Tally, shown_progress
-from pipeline.run.work import ExecutionError
 from pipeline.scene.resume import acting
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
@@ -25,7 +23,7 @@ from pipeline.store.create import grown, writing
 from pipeline.store.place import PathLike
 from pipeline.store.progress import FailedPoint, summarized
 from pipeline.store.root import find_sweep
-from pipeline.store.schema import FAILED, require_free_names
+from pipeline.store.schema import FAILED
 from pipeline.store.take import take_points
 from pipeline.store.verify import mend_store
 from pipeline.store.versions import in_words, package_versions
@@ -120,36 +118,35 @@ def run_sweep(
     if workers is not None:
         require_count("workers", workers)
     require_positive(patience=patience)
-    _require_cluster(client, dashboard)
+    _require_cluster(client)
     sweep = sweep_of(sweep)
-    require_free_names(sweep)  # before a folder is made
-    further = None if boundary_only is None else boundary_search(sweep, boundary_only)
+    choose_next = None if boundary_only is None else boundary_search(sweep, boundary_only)
     began = time.monotonic()
-    told = progress or silent
+    report = progress or silent
     if damaged := mend_store(out, sweep):
-        told(Progress(f"{damaged} damaged points of {out} are computed again"))
+        report(Progress(f"{out} had {damaged} damaged points or files, which are made anew"))
     before, other = find_sweep(out), None if source is None else opened(source)
-    if further:
-        sweep = further(opened(out) if before else other, retry_failed)
-    with writing(out, sweep, told) as store:
+    if choose_next:
+        sweep = choose_next(opened(out) if before else other, retry_failed)
+    with writing(out, sweep, report) as store:
         for note in _notes(store, before) if before else ():
-            told(Progress(note))
+            report(Progress(note))
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
         if other:
             taken = take_points(store, other)
-            told(Progress(f"{taken} points are taken from {source}"))
+            report(Progress(f"{taken} points are taken from {source}"))
         tally = Tally(store, shown_progress(progress))
-        rounds = _rounds(store, sweep, further)
+        rounds = _rounds(store, sweep, choose_next)
         if first := next(rounds, None):
             # More tasks may come later than those that wait now.
-            most = len(first[2]) if further is None else cores()
+            most = len(first[2]) if choose_next is None else cores()
             count = min(workers or cores(), most)
-            with connected(client, count, patience, told, dashboard) as link:
-                for asked, store, waiting in itertools.chain([first], rounds):
+            with connected(client, count, patience, report, dashboard) as link:
+                for wanted, store, waiting in itertools.chain([first], rounds):
                     tally.store = store
                     with Writer(store) as writer:
-                        compute(link, asked, writer, waiting, tally)
+                        compute(link, wanted, writer, waiting, tally)
         summary = summarized(store)
     return Outcome(
         total=summary.total,
@@ -160,15 +157,11 @@ def run_sweep(
     )
 
 
-def _require_cluster(client: Client | None, dashboard: bool) -> None:
-    """Refuse what cannot compute: a worker without a client, another object than a client."""
+def _require_cluster(client: Client | None) -> None:
+    """Refuse another object than a client."""
     end_if_imported()
-    if client is None:
-        if multiprocessing.parent_process() is not None:
-            raise ExecutionError(f"a worker process cannot run a sweep; {UNGUARDED}")
-        if dashboard:
-            require_dashboard()
-    elif not isinstance(client, Client) or client.asynchronous or client.scheduler is None:
+    is_usable = isinstance(client, Client) and client.scheduler and not client.asynchronous
+    if client is not None and not is_usable:
         raise InputError(
             f"client is {client!r}; give a distributed.Client that is connected and not "
             "asynchronous, such as Client(cluster)"
@@ -176,13 +169,13 @@ def _require_cluster(client: Client | None, dashboard: bool) -> None:
 
 
 def _rounds(
-    store: Store, sweep: Sweep, further: Callable[[Store], Sweep] | None
+    store: Store, sweep: Sweep, choose_next: Callable[[Store], Sweep] | None
 ) -> Iterator[tuple[Sweep, Store, tuple[Task, ...]]]:
     """The sweep, its store and the tasks of its pending points; then those of each that follows."""
     while True:
         if waiting := tasks(store.pending(), sweep):
             yield sweep, store, waiting
-        following = further(store) if further else sweep
+        following = choose_next(store) if choose_next else sweep
         if following.chosen == sweep.chosen:
             return
         sweep, store = following, grown(store.place, following, store.lock)

@@ -41,11 +41,8 @@ class Tally:
 
 def shown_progress(progress: Report | None) -> Report:
     """What shows progress: the callable that was given, or in a notebook a line below the cell."""
-    if progress is not None:
-        return progress
-    ipython = sys.modules.get("IPython")
-    if ipython is None or not hasattr(ipython.get_ipython(), "kernel"):
-        return silent
+    if progress is not None or "ipykernel" not in sys.modules:
+        return progress or silent
     from IPython.display import display
 
     line = display(  # type: ignore[no-untyped-call]

@@ -11,19 +11,14 @@ from __future__ import annotations
 import hashlib
 import os
 import pickle
-import platform
 import sys
 import threading
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
 
 import cloudpickle
-import numpy as np
-import scipy
 from distributed import WorkerPlugin, get_worker
-from numcodecs.zstd import Zstd
 
 import tribo
 from pipeline.store.checksum import packed
@@ -54,12 +49,6 @@ def hash_of_code(folders: Iterable[Path] = _FOLDERS) -> str:
 # Taken as this module is imported, so that a process that runs on after its files have changed
 # names the code that it runs, and not the files.
 CODE, FOLDER = hash_of_code(), os.fspath(_FOLDERS[1].parent)
-PACKAGES = {
-    "python": platform.python_version(),
-    "numpy": np.__version__,
-    "scipy": scipy.__version__,
-}
-"""Versions that last digits depend on."""
 
 
 class ExecutionError(TriboError):
@@ -85,7 +74,7 @@ class Run(WorkerPlugin):  # type: ignore[misc]
 
     def __init__(self, name: str, sweep: Sweep, with_fields: bool) -> None:
         self.name, self.with_fields = name, with_fields
-        self.code, self.folder, self.packages = CODE, FOLDER, PACKAGES
+        self.code, self.folder = CODE, FOLDER
         self._sweep = _pickled(sweep)
 
     @cached_property
@@ -107,57 +96,31 @@ class Run(WorkerPlugin):  # type: ignore[misc]
                 f"and this program code {self.code} from {self.folder}; {INSTALL}"
             )
 
-    def other_packages(self, worker: str) -> str:
-        """A note for the user on packages of this worker that differ from the driver's."""
-        others = ", ".join(
-            f"{name} {here} (here {self.packages[name]})"
-            for name, here in PACKAGES.items()
-            if here != self.packages[name]
-        )
-        return others and f"the Dask worker {worker} has {others}: last digits may differ there"
-
 
 def _pickled(sweep: Sweep) -> bytes:
     """A sweep, with the user's laws by value."""
     laws = filter(None, [*given_laws(sweep.scene), sweep.conditions.rule])
-    names = {code_of(law).__module__ for law in laws} & sys.modules.keys()
-    added = names - cloudpickle.list_registry_pickle_by_value()
-    for name in added:
+    for name in {code_of(law).__module__ for law in laws} & sys.modules.keys():
         cloudpickle.register_pickle_by_value(sys.modules[name])
-    try:
-        content: bytes = cloudpickle.dumps(sweep)
-    finally:
-        for name in added:
-            cloudpickle.unregister_pickle_by_value(sys.modules[name])
+    content: bytes = cloudpickle.dumps(sweep)
     return content
-
-
-class Computed(NamedTuple):
-    """What a task returns: packed records, and a note for the user, empty as a rule."""
-
-    packed: bytes  # fields take a third of their size so
-    note: str
-
-    def records(self) -> list[PointRecord]:
-        """Records, as they are written."""
-        records: list[PointRecord] = pickle.loads(_ENCODER.decode(self.packed))
-        return records
 
 
 # Threads of one process gained 6 % at most.
 _one_at_a_time = threading.Lock()
 _trunks = Trunks()
-_ENCODER = Zstd(level=1)
 
 
-def compute_points(name: str, points: Sequence[Point]) -> Computed:
-    """Compute a point, or points at one load that share a contact, of the run of this name."""
+def compute_points(name: str, points: Sequence[Point]) -> bytes:
+    """Compute a point, or points at one load that share a contact, of the run of this name.
+
+    Return the pickled list of their records, which Dask sends as one piece.
+    """
     worker = get_worker()
     run: Run = worker.plugins[name]
     run.require_same_code(worker.address)
     with _one_at_a_time:
-        records = _records(run, points)
-    return Computed(_ENCODER.encode(pickle.dumps(records)), run.other_packages(worker.address))
+        return pickle.dumps(_records(run, points))
 
 
 def _records(run: Run, points: Sequence[Point]) -> list[PointRecord]:

@@ -1,1 +1,1 @@
-"""Speed against accuracy: what a fidelity costs, what it gives, and which one to take."""
+"""Studies of a scene: speed against accuracy, and the boundary against each input."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import share_of
 from pipeline.scene.written import with_fidelity
-from pipeline.store.place import PathLike, StoreMismatchError, require_writable
+from pipeline.store.place import PathLike, StoreMismatchError
 from pipeline.store.root import find_sweep
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import Selection
@@ -51,11 +51,8 @@ def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
 
 
 def _find_stored(store: PathLike | None) -> Sweep | None:
-    """Sweep of a store that a run goes on with; None for a new store, which must be writable."""
-    stored = None if store is None else find_sweep(store)
-    if store is not None and stored is None:
-        require_writable(store)  # before measuring takes its time
-    return stored
+    """Sweep of a store that a run goes on with; None for a new store."""
+    return None if store is None else find_sweep(store)
 
 
 def choose_fidelity(

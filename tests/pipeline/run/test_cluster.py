@@ -137,7 +137,7 @@ def test_a_cluster_elsewhere_sees_no_store_and_computes_the_same(elsewhere, tmp_
         (tmp_path / "empty.json").write_text("{}")
         for name in ("empty.json", "missing.json"):
             said = irg(*run, tmp_path / name, code=2)
-            assert f"{name} cannot be read as the file of a Dask" in said
+            assert "no Dask scheduler answers at" in said
 
 
 @pytest.mark.timeout(300)
@@ -189,7 +189,7 @@ def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
     server.suspend()
     try:
         with (
-            pytest.raises(ExecutionError, match=r"do not start: none has after 0\.5 s"),
+            pytest.raises(ExecutionError, match=r"do not start within 0\.5 s"),
             connected(None, 1),
         ):
             pass

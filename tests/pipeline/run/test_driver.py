@@ -9,7 +9,7 @@ from distributed import Client, LocalCluster
 
 import pipeline
 from pipeline.run import cluster as of_run
-from pipeline.run import schedule, work
+from pipeline.run import schedule
 from pipeline.run.cluster import CONFIGURATION
 from tests.helpers import tiny
 from tests.helpers.entries import changed
@@ -112,15 +112,6 @@ def test_a_worker_that_died_while_the_kernel_killed_for_memory_is_told_as_such(p
     (failed,) = pipeline.run_sweep(deadly, path, workers=1).failed
     assert "3 workers died of it" in failed.message
     assert "the kernel has killed processes here for want of memory; take fewer" in failed.message
-
-
-def test_other_packages_of_workers_are_told_once(processes, path):
-    client, said = processes(1, "auto"), Heard()
-    client.run(lambda: work.PACKAGES.update(numpy="1.0"))
-    outcome = pipeline.run_sweep(SWEEP, path, client=client, progress=said.hear)
-    (line,) = said
-    assert f"has numpy 1.0 (here {work.PACKAGES['numpy']}): last digits may differ" in line
-    assert outcome.done == 9
 
 
 def test_a_worker_without_this_program_is_named(processes, path):

@@ -81,7 +81,7 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, cop
     zarr.open_group(copy, mode="r+")["fields/pressure"][2, 1] = 0.0
     messages = Heard()
     outcome = run_sweep(SWEEP, copy, workers=1, retry_failed=True, progress=messages.hear)
-    assert messages == [f"1 damaged points of {copy} are computed again"]
+    assert messages == [f"{copy} had 1 damaged points or files, which are made anew"]
     assert (outcome.computed, outcome.done) == (3, 9)
     assert content(copy) == content(alone)
     outcome = run_sweep(tiny.full(loads=(250.0, 800.0), velocities=(1.5,)), copy)

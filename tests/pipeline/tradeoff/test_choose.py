@@ -3,7 +3,7 @@
 import pytest
 
 import pipeline
-from pipeline.store.root import read_sweep
+from pipeline.store.write import opened
 from pipeline.tradeoff import choose as accuracy_module
 from pipeline.tradeoff.choose import choose_accuracy, choose_fidelity
 from tests.helpers import tiny
@@ -56,7 +56,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_measur
     small = changed(tiny.sweep(), loads=(250.0, 600.0), velocities=(1.0, 1.5))
     begun = choose_accuracy(small, 0.1, store=out)  # not there yet
     pipeline.run_sweep(begun, out, workers=1)
-    assert read_sweep(out).selection == begun.selection
+    assert opened(out).sweep.selection == begun.selection
     assert pipeline.results(pipeline.open_sweep(out)).sweep.selection == begun.selection
 
     def refused(*_):
@@ -74,7 +74,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_measur
     assert (outcome.computed, outcome.done) == (2, 6)
     # Without --accuracy, but with the same fidelity, the reasons stay.
     pipeline.run_sweep(changed(again, selection=None), out, workers=1)
-    assert read_sweep(out).selection == begun.selection
+    assert opened(out).sweep.selection == begun.selection
     stricter = begun.selection.error / 2
     with pytest.raises(pipeline.StoreMismatchError, match=r"errs by .* another store"):
         choose_accuracy(grown, stricter, store=out)

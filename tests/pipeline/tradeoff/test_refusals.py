@@ -33,6 +33,8 @@ REFUSALS = {
     "own": (stored(), "was computed with the scene's own fidelity"),
     "coarser": (stored(selection=synthetic.selection(error=0.05)), "whose boundary errs by 5 %"),
     "preset": (lambda: trade(PAPER, ("fast",)), "preset 'fast' is unknown; known are draft"),
+    "no number": (lambda: pipeline.vary("first_try", {"pin.shape": ["+5%"]}),
+                  "pin.shape=+5%: the scene gives no number there"),
     "no velocity": (lambda: trade(changed(PAPER, velocities=(0.0,))), "no velocity but 0"),
 }  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -9,13 +10,13 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from distributed import Client
 
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.frames import frames_of
 from pipeline.analysis.laboratory import untold_oils
 from pipeline.analysis.warned_points import Warned, warned
+from pipeline.run.cluster import Client
 from pipeline.run.sweep import run_sweep
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.scenefile import load_scene
@@ -32,7 +33,7 @@ from tribo.types import Array
 
 _ROW = "variation"  # dimension of the scenes
 _RELATIVE = re.compile(r"([+-]\d+(?:\.\d+)?)\s*%")
-_QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(.*)")
+_NUMBER = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,9 +169,9 @@ def vary(
 def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequence[Sweep]) -> Sweep:
     """The sweep with a variant for each scene, by the entries in which that differs."""
     words = (f"{key} = {value}" if key else "the unchanged scene" for key, value in variations)
-    held: Any = sweep.reader
+    reader: Any = sweep.reader
     arrays = [one.reader.contents.arrays for one in (sweep, *scenes)]
-    contents = replace(held.contents, arrays=dict(ChainMap(*arrays)))
+    contents = replace(reader.contents, arrays=dict(ChainMap(*arrays)))
     rows: dict[Label, Any] = {
         label: {
             path: value
@@ -179,7 +180,7 @@ def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequen
         }
         for label, scene in zip(words, scenes, strict=True)
     }
-    reader = replace(held, contents=contents)
+    reader = replace(reader, contents=contents)
     return replace(sweep, reader=reader, variants=labelled_rows(_ROW, rows))
 
 
@@ -191,16 +192,8 @@ def _absolute(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
             yield value
             continue
         present = entry_at(sweep.entries, key)
-        factor = 1 + float(relative[1]) / 100
-        if isinstance(present, int | float) and not isinstance(present, bool):
-            changed = float(f"{present * factor:.12g}")
-            yield int(changed) if isinstance(present, int) and changed.is_integer() else changed
-        elif isinstance(present, str) and (parts := _QUANTITY.fullmatch(present)):
-            if parts[2].startswith(("deg", "°", "C")):
-                raise InputError(
-                    f"{key}={value}: the scene gives {present}, and a percentage of a temperature "
-                    "depends on its scale; give a value such as 150 degC"
-                )
-            yield f"{float(parts[1]) * factor:.12g} {parts[2]}"
-        else:
+        number = _NUMBER.match(present if isinstance(present, str) else repr(present))
+        if number is None:
             raise InputError(f"{key}={value}: the scene gives no number there; give a value")
+        changed = f"{float(number[0]) * (1 + float(relative[1]) / 100):.12g}"
+        yield changed + present[number.end() :] if isinstance(present, str) else json.loads(changed)
