@@ -13,9 +13,9 @@ import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.given import dataset_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, working, wrapped
-from pipeline.store.place import ROOT, StoreError, place_of, remedy
+from pipeline.store.place import REMEDY, ROOT, StoreError
 from pipeline.store.progress import FailedPoint, Summary, summary
-from pipeline.store.root import read_sweep
+from pipeline.store.write import opened
 from pipeline.sweep.accuracy import error_in_words
 
 _MOST_POINTS = 10  # that are printed; files have all
@@ -30,7 +30,7 @@ def status(options: argparse.Namespace) -> Result:
         frame = frame_of(_HEADS, rows)
         brief = frame.drop(columns=["points", "done", "failed", "pending"])
         return Result(text=[short(brief) if rows else f"{path} holds none"], frames=[frame])
-    state, sweep = pipeline.summary(path), read_sweep(path)
+    state, sweep = pipeline.summary(path), opened(path).sweep
     lines = [state.title, f"{state.total} points: {_counts(state)}"]
     if state.earlier:
         lines.append(f"{state.earlier} more are done from an earlier run, which asked for them")
@@ -68,7 +68,7 @@ def _stores_below(folder: Path) -> Iterator[Path]:
 def _row(path: Path | str, name: str) -> list[object]:
     """State of a store by column."""
     try:
-        state, preset = summary(path), read_sweep(path).preset
+        state, preset = summary(path), opened(path).sweep.preset
     except StoreError as error:
         reason = str(error).split(";")[0].replace(str(Path(path).absolute()), "").strip(": ")
         return [name, f"unreadable: {reason}", *[None] * (len(_HEADS) - 2)]
@@ -96,7 +96,7 @@ def verify(options: argparse.Namespace) -> Result:
     frame = failed_frame(check.damaged)
     if check.is_clean:
         return Result(text=text, warned=pipeline.warned(options.store), frames=[frame])
-    text.append(remedy(place_of(options.store)))
+    text.append(REMEDY)
     return Result(text=text, frames=[frame], code=SOME_FAILED)
 
 

@@ -17,7 +17,7 @@ from pipeline.cli.output import Result, run_line, tell
 from tribo import InputError
 
 if TYPE_CHECKING:
-    from pipeline.run.vary import Variations  # with Dask
+    from pipeline.tradeoff.vary import Variations  # with Dask
 
 
 def vary(options: argparse.Namespace) -> Result:

@@ -5,10 +5,11 @@ Nothing of the metadata on the disk is read, which only other programs need.
 
 from __future__ import annotations
 
+import asyncio
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import zarr
@@ -16,7 +17,6 @@ from zarr.abc.store import Store
 from zarr.codecs import ZstdCodec
 from zarr.storage import MemoryStore, StorePath
 
-from pipeline.store.bounded import BoundedZstd
 from pipeline.store.place import ROOT
 from pipeline.store.schema import (
     COMPRESSION,
@@ -25,15 +25,33 @@ from pipeline.store.schema import (
     is_of_points,
     path_of,
 )
-from pipeline.sweep.limits import MOST_POINTS
+
+if TYPE_CHECKING:
+    from zarr.abc.buffer import Buffer
+    from zarr.core.array_spec import ArraySpec
 
 Document = dict[str, Any]
 """What a file of JSON says."""
 
 _GROWING = 4096  # entries in a chunk of a coordinate that grows
-_LARGEST = 2**27  # values of a chunk: a field of 11585 × 11585 elements
-_CODECS = ["bytes", "zstd"], ["vlen-utf8", "zstd"]
-_TYPES = {"bool", "int8", "int32", "int64", "float32", "float64", "string"}
+_MOST_OF_TEXT = 2**16  # bytes of a text: messages have 2000 characters, and labels fewer
+
+
+class _BoundedZstd(ZstdCodec):
+    """Zarr's codec of this name, with room for no more than the chunk of its array.
+
+    Some kilobytes can unpack to gigabytes, and one flipped bit can state any size.
+    """
+
+    async def _decode_single(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
+        return await asyncio.to_thread(self._decode_sync, chunk_bytes, chunk_spec)
+
+    def _decode_sync(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
+        dtype = chunk_spec.dtype.to_native_dtype()
+        size = _MOST_OF_TEXT if dtype.kind in "TO" else dtype.itemsize
+        content = np.zeros(size * math.prod(chunk_spec.shape), np.uint8)
+        self._zstd_codec.decode(chunk_bytes.to_bytes(), content)
+        return chunk_spec.prototype.buffer.from_array_like(content)
 
 
 def array_documents(
@@ -66,12 +84,13 @@ def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, An
     """Open the arrays of a store by their metadata."""
     # A chunk of nothing but fill values that is not written looks like one that was lost. Zarr's
     # own setting of this belongs to all threads, and one that ends would change it for another.
-    return {
-        name: zarr.Array(
-            zarr.AsyncArray(array, StorePath(store, path_of(name)), {"write_empty_chunks": True})
-        )
-        for name, array in bounded(documents).items()
-    }
+    settings: Any = {"write_empty_chunks": True}
+    arrays = {}
+    for name, document in documents.items():
+        metadata: Any = {**document, "codecs": [document["codecs"][0], _BoundedZstd(**COMPRESSION)]}
+        place = StorePath(store, path_of(name))
+        arrays[name] = zarr.Array(zarr.AsyncArray(metadata, place, settings))
+    return arrays
 
 
 class Encoder:
@@ -87,36 +106,3 @@ class Encoder:
         for name, place, values in parts:
             self._arrays[name][place] = values
         return {key: chunk.to_bytes() for key, chunk in self._memory.items()}
-
-
-def bounded(documents: Mapping[str, Document]) -> dict[str, Any]:
-    """Metadata of arrays that unpack no chunk of another size than they say."""
-    codec = BoundedZstd(**COMPRESSION)
-    return {
-        name: {**array, "codecs": [array["codecs"][0], codec]} for name, array in documents.items()
-    }
-
-
-def are_plain(documents: Mapping[str, Document]) -> bool:
-    """True for metadata of arrays that may be read, though they be a stranger's.
-
-    Arrays are made as large as they say. Codecs of Zarr 2 may unpickle chunks, and those of Zarr 3
-    are looked up among all that is installed.
-    """
-    return all(
-        array["zarr_format"] == 3
-        and [codec["name"] for codec in array["codecs"]] in _CODECS
-        and array["data_type"] in _TYPES
-        and all(size <= MOST_POINTS for size in array["shape"])
-        and 0 < math.prod(array["chunk_grid"]["configuration"]["chunk_shape"]) <= _LARGEST
-        for array in documents.values()
-    )
-
-
-def chunk_key(name: str, numbers: Sequence[int], count: int) -> str:
-    """Key of a chunk of an array of so many dimensions, such as ``time/c.0.2.0``.
-
-    It is given by its numbers along the dimensions of points, and whole along the others.
-    """
-    within = [0] * (count - len(numbers))
-    return f"{path_of(name)}/" + ".".join(map(str, ("c", *numbers, *within)))

@@ -7,16 +7,15 @@ over the points of the old one.
 from __future__ import annotations
 
 import json
-import math
 import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from pipeline.scene.resume import join
 from pipeline.store.arrays import Document, Encoder
-from pipeline.store.files import PARTIAL, remove_file
+from pipeline.store.files import PARTIAL
 from pipeline.store.layout import Axes, block_of, bytes_of_a_point, grown_axes
-from pipeline.store.lock import Lock, held
+from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (
     ROOT,
     Folder,
@@ -24,14 +23,13 @@ from pipeline.store.place import (
     StoreError,
     StorePlace,
     place_of,
-    writes,
+    reaches,
 )
 from pipeline.store.root import Root, find_root, require_same_scene, with_others
 from pipeline.store.schema import POINT, path_of, variables_of
-from pipeline.store.versions import in_words, noted, package_versions
+from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store
 from pipeline.sweep.identity import scene_ids
-from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import Report, silent
 
@@ -45,12 +43,11 @@ def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator
     """
     place = place_of(path)
     find_root(place)  # before a lock is laid in what is no store
-    with held(place, progress) as lock:
+    with locked(place, progress) as lock:
         if isinstance(place, Folder):
-            with writes(place):
-                for key in sorted(place.keys()):
-                    if key.endswith(PARTIAL):
-                        remove_file(place.path, key)
+            with reaches(place, "written"):
+                for file in [*place.path.rglob(f"*{PARTIAL}")]:
+                    file.unlink()
         yield grown(place, sweep, lock)
 
 
@@ -60,7 +57,7 @@ def grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
         require_same_scene(place, before, sweep)
     root = _grown_root(place, before, sweep)
     if before is None or root.documents() != before.documents():
-        with writes(place):
+        with reaches(place, "written"):
             _write_root(place, root)
     store = Store(place, root, lock)
     store.ask(sweep)
@@ -76,21 +73,16 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
     axes = grown_axes(before.axes if before else {}, kept, wanted, sweep)
     axes = {name: values for name, values in axes.items() if name in wanted}
     sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
-    if (points := math.prod(sizes.values())) > MOST_POINTS:
-        raise StoreError(
-            f"{place} would have {points:.4g} points; a store has at most {MOST_POINTS:.0e}: give "
-            "fewer loads or velocities"
-        )
     if before:
         _require_room(place, before, axes)
     block = before.block if before else block_of(sizes, bytes_of_a_point(wanted, axes))
-    history = noted(before.history if before else [], f"computed by {in_words(package_versions())}")
+    lines = [*(before.history if before else ()), f"computed by {in_words(package_versions())}"]
     return Root(
         sweep=kept,
         axes=axes,
         ids=scene_ids(kept, {}),
         block=block,
-        history=history,
+        history=[*dict.fromkeys(lines)],
         found=before.found if before else {},
     )
 

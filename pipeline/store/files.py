@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import errno
 import os
-import stat
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -21,12 +20,11 @@ THREADS = 8
 _NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems cannot sync a folder
 
 
-def _file_of(root: Path, key: str) -> Path:
-    """Path of a file, with its folder made; raise an `OSError` if a link leads there."""
+def _path_of(root: Path, key: str) -> Path:
+    """Path of a file; raise an `OSError` if a link leads there."""
     path = root / key
     for folder in reversed(path.parents[: key.count("/")]):
         _require_no_link(folder)
-    make_folder(path.parent)
     return path
 
 
@@ -38,19 +36,21 @@ def _require_no_link(path: Path) -> None:
 
 def open_file(root: Path, key: str) -> int:
     """Open a file to read and write, made if need be; return its descriptor."""
-    path = _file_of(root, key)
+    path = _path_of(root, key)
     _require_no_link(path)
-    require_file(path)  # a pipe has no end
+    make_folder(path.parent)
     return os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
 
 
 def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
     """Replace files, each at one stroke; return once all are on the disk, names included."""
-    make_folder(root)
-    paths = [_file_of(root, key) for key in contents]
+    paths = [_path_of(root, key) for key in contents]
+    folders = {path.parent for path in paths}
+    for folder in folders:
+        make_folder(folder)
     with ThreadPoolExecutor(THREADS) as threads:
         list(threads.map(write_file, paths, contents.values()))
-        list(threads.map(sync, {path.parent for path in paths}))
+        list(threads.map(sync, folders))
 
 
 def write_file(path: Path, content: bytes) -> None:
@@ -66,11 +66,6 @@ def write_file(path: Path, content: bytes) -> None:
     except BaseException:
         begun.unlink(missing_ok=True)
         raise
-
-
-def remove_file(root: Path, key: str) -> None:
-    """Remove a file, if it is there."""
-    _file_of(root, key).unlink(missing_ok=True)
 
 
 def make_folder(folder: Path) -> None:
@@ -91,18 +86,3 @@ def sync(folder: Path) -> None:
             raise
     finally:
         os.close(descriptor)
-
-
-def require_file(path: Path) -> None:
-    """Raise an `OSError` for what is there and is no file, or a link to what is not there now.
-
-    A pipe would keep a reader waiting, and data on a disk that is not mounted are not missing.
-    """
-    try:
-        kind = path.stat().st_mode
-    except (FileNotFoundError, NotADirectoryError):
-        if path.is_symlink():
-            raise
-        return
-    if not stat.S_ISREG(kind):
-        raise OSError(errno.EINVAL, "it is not a file", str(path))

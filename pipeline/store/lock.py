@@ -16,12 +16,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
 from pipeline.store.files import open_file
-from pipeline.store.place import LOCK, Bucket, Folder, StoreError, StorePlace, writes
+from pipeline.store.place import LOCK, Bucket, Folder, StoreError, StorePlace, reaches
 from pipeline.sweep.stages import Progress, Report, silent
 
 _CONTENT = re.compile(r"(process \d+ on (\S+))\n")
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
-_LONGEST = 1000  # bytes of the file that are read
 _TRIES, _PAUSE = 10, 0.05  # [s]: who asks for the holder has the lock for a moment
 
 
@@ -30,7 +29,7 @@ Lock = Callable[[], bool]
 
 
 @contextmanager
-def held(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
+def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
     """Hold the lock of a store at once; raise a `StoreError` if another process does.
 
     Where there are no locks, say so, and hold nothing.
@@ -40,10 +39,10 @@ def held(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
         progress(unlocked)
         yield lambda: True
         return
-    with writes(place):
+    with reaches(place, "written"):
         descriptor = open_file(place.path, LOCK)
     try:
-        with writes(place):
+        with reaches(place, "written"):
             if not _is_flocked(place, descriptor):
                 progress(unlocked)
             name, host = _named(descriptor)
@@ -107,5 +106,5 @@ def holder_of(place: StorePlace) -> str | None:
 
 def _named(descriptor: int) -> tuple[str, str | None]:
     """Process that the file of a lock names, and its host."""
-    match = _CONTENT.fullmatch(os.pread(descriptor, _LONGEST, 0).decode(errors="replace"))
+    match = _CONTENT.fullmatch(os.pread(descriptor, 1000, 0).decode(errors="replace"))
     return (match[1], match[2]) if match else ("another process", None)

@@ -16,14 +16,13 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.paths import user_path
 from pipeline.store import files
-from pipeline.sweep.limits import MOST_BYTES_OF_ROOT
 from tribo import TriboError
 
 if TYPE_CHECKING:
@@ -36,6 +35,8 @@ LOCK = "status/lock"
 """Key of the lock of a store: within it, where no other path misses it."""
 KEPT = "status/kept-"
 """Beginning of the keys of what commands keep beside the lock, which is no data."""
+REMEDY = "irg run with its scene makes it sound again; of an address, write to another store"
+"""What to do about a store that is damaged."""
 
 
 class StoreError(TriboError):
@@ -82,17 +83,14 @@ class Folder:
 
     def zarr(self) -> Store:
         """Zarr's view of the folder, to read."""
-        from pipeline.store.local import Files  # with Zarr, which workers do not need
+        from zarr.storage import LocalStore  # which workers do not need
 
-        return Files(self.path, read_only=True)
+        return LocalStore(self.path, read_only=True)
 
     def read(self, key: str) -> bytes | None:
-        """Content of a file of no more than a root may have; None if there is none."""
-        files.require_file(file := self.path / key)
+        """Content of a file; None if there is none."""
         with suppress(FileNotFoundError, NotADirectoryError):
-            if file.stat().st_size > MOST_BYTES_OF_ROOT:
-                raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(file))
-            return file.read_bytes()
+            return (self.path / key).read_bytes()
         return None
 
     def put(self, contents: Mapping[str, bytes]) -> None:
@@ -100,16 +98,9 @@ class Folder:
         files.replace_files(self.path, contents)
 
     def keys(self) -> set[str]:
-        """Names of all files and links below the folder; no link is followed."""
-        above = len(f"{self.path}/")
-        walked = os.walk(self.path, onerror=_require_missing)
-        return {f"{folder}/{name}"[above:] for folder, _, names in walked for name in names}
-
-
-def _require_missing(error: OSError) -> None:
-    """Raise an error of a folder that is there, and cannot be read."""
-    if not isinstance(error, FileNotFoundError | NotADirectoryError):
-        raise error
+        """Names of all files below the folder; no link to a folder is followed."""
+        paths = filter(Path.is_file, self.path.rglob("*"))
+        return {path.relative_to(self.path).as_posix() for path in paths}
 
 
 @dataclass(frozen=True)
@@ -137,11 +128,9 @@ class Bucket:
     def read(self, key: str) -> bytes | None:
         """Content of an object; None if there is none."""
         system, above = self._opened()
-        try:
-            content: bytes = system.cat_file(above + key)
-        except FileNotFoundError:
-            return None
-        return content
+        with suppress(FileNotFoundError):
+            return bytes(system.cat_file(above + key))
+        return None
 
     def put(self, contents: Mapping[str, bytes]) -> None:
         """Replace objects, side by side."""
@@ -163,31 +152,14 @@ StorePlace = Folder | Bucket
 
 
 def place_of(path: PathLike) -> StorePlace:
-    """Place of a store; raises a `StoreError` for a path that cannot be one."""
+    """Place of a store; raises a `StoreError` for the top of a disk."""
     address = os.fspath(path)
     if "://" in address:
         return Bucket(address.rstrip("/"))
-    try:
-        folder = Path(os.path.realpath(user_path(address).absolute()))
-    except (ValueError, OSError) as error:
-        raise StoreError(
-            f"{address!r} is no path: {error}; give a local folder, or an address such as "
-            "s3://a/b.zarr"
-        ) from None
+    folder = Path(os.path.realpath(user_path(address).absolute()))
     if not folder.name:
         raise StoreError(f"{folder} cannot be a store; give a folder below it")
     return Folder(folder)
-
-
-def require_writable(path: PathLike) -> None:
-    """Refuse a place where no store can be made, before long work for it."""
-    place = place_of(path)
-    if isinstance(place, Bucket):
-        return
-    with writes(place):
-        files.make_folder(place.path.parent)
-        if not os.access(place.path.parent, os.W_OK):
-            raise PermissionError(errno.EACCES, "no permission to write to its folder")
 
 
 @contextmanager
@@ -206,11 +178,6 @@ def reaches(place: StorePlace, verb: str = "read") -> Iterator[None]:
         ) from error
 
 
-def writes(place: StorePlace) -> AbstractContextManager[None]:
-    """Turn an error of a disk or network into a `StoreError`, as `reaches` does."""
-    return reaches(place, "written")
-
-
 @contextmanager
 def reads(place: StorePlace, name: str) -> Iterator[None]:
     """Turn errors of data into a `DamagedError`, or a `StoreError` if nobody can read them now."""
@@ -225,14 +192,7 @@ def reads(place: StorePlace, name: str) -> Iterator[None]:
 
 def damaged(place: StorePlace, name: str) -> str:
     """Message that data of a store cannot be read."""
-    return f"{place}: {name} cannot be read; irg verify names what is damaged; {remedy(place)}"
-
-
-def remedy(place: StorePlace) -> str:
-    """What to do about a store that is damaged."""
-    if isinstance(place, Bucket):  # whose points no run reads again
-        return "write to another store"
-    return "irg run with its scene makes it sound again"
+    return f"{place}: {name} cannot be read; irg verify names what is damaged; {REMEDY}"
 
 
 def is_lack_of_memory(error: BaseException) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -11,12 +10,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-import zarr
-from xarray.backends import BackendArray, BackendEntrypoint, ZarrStore
+from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
-from zarr.storage import StorePath
 
-from pipeline.store.arrays import are_plain, bounded
 from pipeline.store.layout import Axes, blocks, row_axes
 from pipeline.store.place import (
     KEPT,
@@ -63,24 +59,15 @@ def open_store(path: PathLike) -> xr.Dataset:
 
 def _open_copy(place: StorePlace) -> xr.Dataset | None:
     """A dataset of a sweep that xarray wrote, as netCDF or Zarr; None for anything else."""
-    if isinstance(place, Folder) and place.path.is_file():
-        with suppress(ValueError, OSError):
-            file = xr.open_dataset(place.path, chunks=None)
-            return file if "sweep" in file.attrs else None
-        return None
-    unlike = suppress(ValueError, KeyError, TypeError, AttributeError, RecursionError)
-    with reaches(place), unlike:
-        document, suffix = json.loads(place.read(ROOT) or b""), f"/{ROOT}"
-        whole = document.setdefault("consolidated_metadata", {"kind": "inline", "metadata": {}})
-        metadata = whole["metadata"] or {
-            key.removesuffix(suffix): json.loads(place.read(key) or b"")
-            for key in sorted(place.keys())
-            if key.endswith(suffix)
-        }
-        if "sweep" in document["attributes"] and ABOUT not in metadata and are_plain(metadata):
-            whole["metadata"] = bounded(metadata)
-            group = zarr.AsyncGroup.from_dict(StorePath(place.zarr()), document)
-            return xr.open_dataset(ZarrStore(zarr.Group(group)), chunks=None)
+    with reaches(place), suppress(ValueError, KeyError, TypeError, OSError, RecursionError):
+        if isinstance(place, Folder) and place.path.is_file():
+            copy = xr.open_dataset(place.path, chunks=None)
+        elif place.read(f"{ABOUT}/{ROOT}") is None:
+            copy = xr.open_zarr(place.zarr(), zarr_format=3, consolidated=False, chunks=None)
+        else:
+            return None
+        if "sweep" in copy.attrs:
+            return copy
     return None
 
 
@@ -131,14 +118,14 @@ def _plane(root: Root) -> tuple[Root, Indices | None]:
     """
     if POINT not in root.axes:
         return root, None
-    sweep, held = replace(root.sweep, chosen=None), root.axes
-    axes: Axes = {name: held[name] for name in held if not is_of_points(name)} | row_axes(sweep)
-    axes["load"] = in_order([*sweep.plane.loads, *held["load"]])
-    axes["velocity"] = in_order(held["velocity"])
+    sweep, stored = replace(root.sweep, chosen=None), root.axes
+    axes: Axes = {name: stored[name] for name in stored if not is_of_points(name)} | row_axes(sweep)
+    axes["load"] = in_order([*sweep.plane.loads, *stored["load"]])
+    axes["velocity"] = in_order(stored["velocity"])
     dims = [*sweep.variants.axes, *PLANE]
-    where = [pd.Index(axes[dim]).get_indexer(held[dim]) for dim in dims]
+    where = [pd.Index(axes[dim]).get_indexer(stored[dim]) for dim in dims]
     rows = np.full([len(axes[dim]) for dim in dims], -1)
-    rows[tuple(where)] = held[POINT]
+    rows[tuple(where)] = stored[POINT]
     return replace(root, sweep=sweep, axes={name: [*values] for name, values in axes.items()}), rows
 
 

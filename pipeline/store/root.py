@@ -24,7 +24,6 @@ from pipeline.store.lock import holder_of
 from pipeline.store.place import (
     LOCK,
     ROOT,
-    Bucket,
     DamagedError,
     Folder,
     PathLike,
@@ -40,7 +39,6 @@ from pipeline.store.schema import (
     AT_ENDS,
     FORMAT,
     INPUTS,
-    MADE,
     SCENE_ID,
     VARIABLES,
     Variable,
@@ -48,16 +46,12 @@ from pipeline.store.schema import (
     path_of,
     variables_of,
 )
-from pipeline.sweep.limits import MOST_PARTS_OF_ROOT
 from pipeline.sweep.model import Sweep
 from tribo import InputError
 from tribo.types import Array
 
 _CONSOLIDATED = "consolidated_metadata"
-_ANEW = "run its scene into another store"
-_ELSEWHERE = f"restore it from a backup, or {_ANEW}"
-
-
+_ELSEWHERE = "restore it from a backup, or run the scene into another store"
 _FACTS = ("format", "axes", "points_per_chunk", "history", "inputs")
 """Attributes of the group about, beside the hash."""
 
@@ -94,8 +88,8 @@ class Root:
         """Values of all variables that are not of points: they follow from the root."""
         made = made_coordinates(self.sweep, self.axes, self.variables, self.ids)
         values: dict[str, Any] = self.axes | made
-        if held := files_of(self.sweep):
-            values[INPUTS] = np.concatenate([array.ravel() for array in held.values()])
+        if arrays := files_of(self.sweep):
+            values[INPUTS] = np.concatenate([array.ravel() for array in arrays.values()])
         return values
 
     @cached_property
@@ -162,30 +156,22 @@ def read_root(place: StorePlace) -> Root:
     """
     if root := find_root(place):
         return root
-    if isinstance(place, Bucket) or not place.path.is_dir():
-        near = near_path(place.path) if isinstance(place, Folder) else ""
-        raise StoreError(f"{place} does not exist{near}; give a store that irg run made")
     if holder := holder_of(place):
         raise StoreError(f"{place} is being made by {holder}; try again in a few seconds")
-    raise StoreError(f"{place} was left unfinished as it was made; run its scene again")
+    near = near_path(place.path) if isinstance(place, Folder) and not place.path.exists() else ""
+    raise StoreError(f"there is no store at {place}{near}; run a scene into it, or give another")
 
 
 def find_root(place: StorePlace) -> Root | None:
     """Read the root of a store; None if there is none, nor anything else; else as `read_root`."""
     with reaches(place):
-        if isinstance(place, Folder) and place.path.is_file():
-            raise StoreError(f"{place} is a file, not a store; give a folder that irg run made")
         content = place.read(ROOT)
         keys = place.keys() if content is None else set()
     if content is not None:
-        return _parsed(place, content)
-    if any(key.startswith("status/c.") for key in keys):
-        raise StoreError(f"{place} has lost its {ROOT}; {_ELSEWHERE}")
-    if not all(map(_is_beginning, keys)):
-        raise StoreError(
-            f"{place} is not a store: there is no {ROOT}; give a folder that irg run made, or to "
-            "run a scene into, one that is not there yet"
-        )
+        return _parse(place, content)
+    is_file = isinstance(place, Folder) and place.path.is_file()
+    if is_file or not all(map(_is_beginning, keys)):
+        raise StoreError(f"{place} is no store, or has lost its {ROOT}; {_ELSEWHERE}")
     return None
 
 
@@ -195,42 +181,33 @@ def _is_beginning(key: str) -> bool:
     return key == LOCK or rest == ROOT or (rest.startswith("c.") and is_coordinate(name))
 
 
-def _parsed(place: StorePlace, content: bytes) -> Root:
-    parts = content.count(b"[") + content.count(b"{")
+def _parse(place: StorePlace, content: bytes) -> Root:
+    """The root by its document, whatever a stranger may have written there."""
+    version: Any = FORMAT
+    fault = "damaged, or not that of a sweep"
     try:
-        document = json.loads(content if parts <= MOST_PARTS_OF_ROOT else b"")
+        document = json.loads(content)
         attributes, metadata = document["attributes"], document[_CONSOLIDATED]["metadata"]
         facts = metadata[ABOUT]["attributes"]
-        version, digest = facts["format"], facts["digest"]
-        is_as_written = version == FORMAT and digest == _digest(attributes, facts, metadata)
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        version, is_as_written = FORMAT, False
+        version = facts["format"]
+        if version == FORMAT and facts["digest"] == _digest(attributes, facts, metadata):
+            root = Root(
+                sweep=text_sweep(attributes["sweep"], _read_inputs(place, facts["inputs"])),
+                axes=facts["axes"],
+                ids=json.loads(attributes[SCENE_ID]),
+                block=facts["points_per_chunk"],
+                history=facts["history"],
+                found=document,
+            )
+            if root.axes.keys() <= root.variables.keys():  # names of files
+                return root
+    except InputError as error:
+        fault = f"a stranger's: {error}"
+    except (DamagedError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        pass
     if version != FORMAT:
-        raise StoreError(
-            f"{place} is of another version of this program: it has format {version}, and this "
-            f"one reads {FORMAT}; {_ANEW}"
-        )
-    if not is_as_written:
-        raise StoreError(
-            f"{place} is not the store of a sweep, or its {ROOT} is damaged; {_ELSEWHERE}"
-        )
-    try:
-        root = Root(
-            sweep=text_sweep(attributes["sweep"], _read_inputs(place, facts["inputs"])),
-            axes=facts["axes"],
-            ids=json.loads(attributes[SCENE_ID]),
-            block=facts["points_per_chunk"],
-            history=facts["history"],
-            found=document,
-        )
-        axes = {name for name in root.variables if is_coordinate(name)} - {*MADE, SCENE_ID, INPUTS}
-        if unlike := sorted(axes ^ root.axes.keys()):  # of a stranger, who may name other files
-            raise ValueError(f"the variable {unlike[0]} is unknown or missing")
-        return root
-    except DamagedError as error:
-        raise StoreError(f"{place}: the arrays of its scene are damaged; {_ELSEWHERE}") from error
-    except (InputError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise StoreError(f"{place} is damaged, or a stranger's: {error}; {_ANEW}") from error
+        fault = f"of another version of this program: of format {version}, and not {FORMAT}"
+    raise StoreError(f"{place}: its {ROOT} is {fault}; {_ELSEWHERE}")
 
 
 def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
@@ -250,11 +227,6 @@ def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:
         raise StoreMismatchError(
             "\n  ".join([f"{place} belongs to another scene; {advice}", *differing])
         )
-
-
-def read_sweep(path: PathLike) -> Sweep:
-    """The sweep of a store; raises as `read_root` does."""
-    return read_root(place_of(path)).sweep
 
 
 def find_sweep(path: PathLike) -> Sweep | None:

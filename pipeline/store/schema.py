@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -160,12 +161,10 @@ def _variable_of(column: Column, label: Label) -> Variable:
 
 def require_free_names(sweep: Sweep) -> None:
     """Raise an `InputError` at a label of rows with a name that the dataset uses otherwise."""
-    columns = sweep.variants.columns
+    names = Counter(one.name for one in sweep.variants.columns)
     used = {INPUTS, *VARIABLES} - ({*PLANE, "sample"} if sweep.variants.draw else {*PLANE})
-    labels = [one.name for one in columns if one.along and not one.is_drawn]
-    for name in labels:
-        is_twice = [one.name for one in columns].count(name) > 1
-        if name in used or is_twice:
+    for name in (one.name for one in sweep.variants.columns if one.along and not one.is_drawn):
+        if name in used or names[name] > 1:
             raise InputError(
                 f"a column of the rows is called {name}, as is one of the dataset; give it another "
                 f'name, such as "{name} of the row"'

@@ -16,14 +16,13 @@ import numpy as np
 from pipeline.store.checksum import checksum
 from pipeline.store.files import THREADS
 from pipeline.store.layout import Slices, blocks
-from pipeline.store.lock import held
+from pipeline.store.lock import locked
 from pipeline.store.place import (
     Bucket,
     DamagedError,
     PathLike,
     place_of,
     reaches,
-    writes,
 )
 from pipeline.store.progress import FailedPoint
 from pipeline.store.root import find_root, read_root, require_same_scene
@@ -32,7 +31,6 @@ from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
-from tribo.types import Mask
 
 _MARKS = ("status", "asked")
 _TOLD = {*RECORDS} - {*_MARKS, "steps"}  # also of a point that failed
@@ -63,7 +61,7 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
     path : str or path
         Path of the store, which may be in use.
     progress : callable, optional
-        Called now and then with a `Progress`, whose parts are the points that are read.
+        Called now and then with a `Progress`, whose parts are the chunks of points that are read.
 
     Raises
     ------
@@ -84,43 +82,40 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
         done=int(np.count_nonzero(store.flags == DONE))
         - sum(bool(store.flags[index] == DONE) for index in damage.points),
         damaged=tuple(damage.points.values()),
-        shared=(*damage.chunks, *damage.coordinates),
+        shared=tuple(damage.files),
     )
 
 
 def mend_store(path: PathLike, sweep: Sweep) -> int:
-    """Make damaged points of a folder pending; return how many there are.
+    """Make damaged points of a folder pending, and shared files sound; count what was damaged.
 
     Raise as `writing` does. Nothing is changed in a store of another scene, nor in a bucket.
     """
     place = place_of(path)
     if isinstance(place, Bucket) or not find_root(place):
         return 0
-    with held(place) as lock:
+    with locked(place) as lock:
         root = read_root(place)
         require_same_scene(place, root, sweep)
         store = Store(place, root, lock, is_damaged=True)
         damage = _find_damage(store, silent)
         # First: a point that is done is whole, also after a kill in between.
         store.write({}, dict.fromkeys(damage.points, PENDING))
-        with writes(place):
-            empty = [(*lost, store.arrays[lost[0]].fill_value) for lost in damage.chunks.values()]
-            right = [(name, ..., values) for name, values in damage.coordinates.items()]
-            place.put(store.encoder([*empty, *right]))
-        return len(damage.points)
+        with reaches(place, "written"):
+            place.put(store.encoder(damage.files.values()))
+        return len(damage.points) + len(damage.files)
 
 
 class _Damage(NamedTuple):
-    """What is damaged."""
+    """What is damaged: points, and what several points share, by its key, to be written anew."""
 
     points: dict[_Index, FailedPoint]
-    chunks: dict[str, tuple[str, Slices]]  # by key, of several points: the variable and the points
-    coordinates: dict[str, Any]  # with the values that they should have
+    files: dict[str, tuple[str, Any, Any]]  # the variable, the place in it and the values
 
 
 def _find_damage(store: Store, progress: Report) -> _Damage:
     """Read all chunks of points, and the marks into the store; write nothing."""
-    damage = _Damage({}, {}, _differing_coordinates(store))
+    damage = _Damage({}, {})
     with reaches(store.place):
         keys = store.place.keys()
         begun = [
@@ -130,50 +125,39 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
         ]
         for numbers, block in begun:
             _read_marks(store, damage, numbers, block)
-        count, total = 0, int(np.count_nonzero(store.flags == DONE))
-        for numbers, block in begun:
+        for count, (numbers, block) in enumerate(begun, 1):
             values = read_block(store, block)
             for name in (name for name, of_block in values.items() if of_block is None):
-                damage.chunks[store.key(name, numbers)] = name, block
+                _note_chunk(store, damage, name, numbers, block)
             for index, point, entries in stored_entries(store, block, values):
                 if fault := fault_of(store, point, entries):
-                    damage.points[index] = _damaged(store, point, fault)
-            count += int(np.count_nonzero(store.flags[block] == DONE))
-            progress(Progress(done=count, total=total))
+                    words = store.in_words(point)
+                    damage.points[index] = FailedPoint(*point[:2], fault, point.variant, words)
+            progress(Progress(done=count, total=len(begun)))
+    damage.files.update(_differing_coordinates(store))
     return damage
 
 
 def _read_marks(store: Store, damage: _Damage, numbers: _Index, block: Slices) -> None:
-    """Read statuses and points asked for; these are damaged in a chunk that has lost its statuses.
-
-    A run writes both before it computes, statuses first.
-    """
+    """Read statuses and points asked for, which a run writes before it computes, statuses first."""
     for name, marks in (("status", store.flags), ("asked", store.asked)):
-        is_there = store.place.read(key := store.key(name, numbers)) is not None
+        is_there = store.place.read(store.key(name, numbers)) is not None
         if is_there and (values := _read(store, name, block)) is not None:
             marks[block] = values
         elif is_there or name == "status" or store.flags[block].any():
-            damage.chunks[key] = name, block
-    if store.key("status", numbers) in damage.chunks:
-        for index, point in _points_in(store, block, store.asked == 1):
-            damage.points[index] = _damaged(store, point, "status cannot be read")
+            _note_chunk(store, damage, name, numbers, block)
 
 
-def _read(store: Store, name: str, block: Slices) -> Any:
+def _note_chunk(store: Store, damage: _Damage, name: str, numbers: _Index, block: Slices) -> None:
+    """Note a chunk that is to be emptied."""
+    damage.files[store.key(name, numbers)] = name, block, store.arrays[name].fill_value
+
+
+def _read(store: Store, name: str, block: Any) -> Any:
     """Values in a chunk, those of no point if it is missing; None if it is damaged."""
     with suppress(DamagedError):
         return store.read(name, block)
     return None
-
-
-def _points_in(store: Store, block: Slices, mask: Mask) -> Iterator[tuple[_Index, Point]]:
-    """Points of a mask in a block, with their places."""
-    indices = np.argwhere(mask[block]) + [part.start for part in block]
-    yield from zip(map(tuple, indices.tolist()), store.points_at([*indices.T]), strict=True)
-
-
-def _damaged(store: Store, point: Point, fault: str) -> FailedPoint:
-    return FailedPoint(*point[:2], fault, point.variant, store.in_words(point))
 
 
 def read_block(store: Store, block: Slices) -> dict[str, Any]:
@@ -191,7 +175,9 @@ def stored_entries(
 
     None stands for what is lost.
     """
-    for index, point in _points_in(store, block, store.flags != PENDING):
+    indices = np.argwhere(store.flags[block] != PENDING) + [part.start for part in block]
+    places = map(tuple, indices.tolist())
+    for index, point in zip(places, store.points_at([*indices.T]), strict=True):
         is_done, within = store.flags[index] == DONE, store.within(index)
         entries: dict[str, Any] = {
             name: None if of_block is None else of_block[within]
@@ -217,19 +203,14 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
     return "" if is_whole else "the data are not those that were computed"
 
 
-def _differing_coordinates(store: Store) -> dict[str, Any]:
-    """Coordinates that have other values than the root, which plain xarray reads; what they are.
+def _differing_coordinates(store: Store) -> Iterator[tuple[str, tuple[str, Any, Any]]]:
+    """Coordinates that have other values than the root, which plain xarray reads.
 
     A growth that was killed may have left arrays longer than the root says.
     """
-    differing = {}
     for name, values in sorted(store.root.coordinates().items()):
-        found = None
-        with suppress(DamagedError):
-            found = store.read(name, ...)
-        is_right = found is not None and np.array_equal(
-            found, np.array(values, found.dtype), equal_nan=found.dtype.kind == "f"
-        )
-        if not is_right:
-            differing[name] = values
-    return differing
+        found = _read(store, name, ...)
+        right = np.asarray(values, store.arrays[name].dtype)
+        is_real = right.dtype.kind == "f"
+        if found is None or not np.array_equal(found, right, equal_nan=is_real):
+            yield name, (name, ..., values)

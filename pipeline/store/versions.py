@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
+from collections.abc import Mapping
 from importlib import metadata
 
 
@@ -22,11 +21,3 @@ def package_versions() -> dict[str, str]:
 def in_words(versions: Mapping[str, str]) -> str:
     """Versions of packages in words."""
     return ", ".join(f"{name} {version}" for name, version in versions.items())
-
-
-def noted(history: Sequence[str], what: str) -> list[str]:
-    """A history with a line on what computes now, unless it has that line."""
-    if any(line.endswith(what) for line in history):
-        return [*history]
-    since = f"{datetime.now(UTC).isoformat(timespec='seconds')}: " if history else ""
-    return [*history, since + what]

@@ -9,7 +9,6 @@ import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
-from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -18,9 +17,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pipeline.store.arrays import Encoder, chunk_key, open_arrays
+from pipeline.store.arrays import Encoder, open_arrays
 from pipeline.store.checksum import packed
-from pipeline.store.files import THREADS
 from pipeline.store.layout import Slices, blocks, points_at, slices_of
 from pipeline.store.lock import Lock
 from pipeline.store.place import (
@@ -30,8 +28,8 @@ from pipeline.store.place import (
     StoreError,
     StorePlace,
     place_of,
+    reaches,
     reads,
-    writes,
 )
 from pipeline.store.root import Root, read_root
 from pipeline.store.schema import (
@@ -41,6 +39,7 @@ from pipeline.store.schema import (
     PENDING,
     POINT,
     STEPPED,
+    path_of,
 )
 from pipeline.sweep.identity import Simulated
 from pipeline.sweep.model import Point, Sweep
@@ -67,6 +66,7 @@ class Store:
         self.sweep, self.axes = root.sweep, root.axes
         self.simulated = Simulated(root.sweep)
         self.arrays = open_arrays(place.zarr(), root.arrays)
+        self.encoder = Encoder(root.arrays)  # for one thread at a time
         self.dims = root.variables["status"].dims
         self.block = tuple(root.block[dim] for dim in self.dims)
         shape = [len(self.axes[dim]) for dim in self.dims]
@@ -79,17 +79,7 @@ class Store:
             for name in ("status", "asked")
         )
 
-    @cached_property
-    def encoder(self) -> Encoder:
-        """What makes chunks of the arrays, for one thread at a time."""
-        return Encoder(self.root.arrays)
-
     # Places of points
-
-    def along(self, name: str) -> str:
-        """Dimension of the loads or the velocities: their own, or that of rows with one each."""
-        (dim,) = self.root.variables[name].dims
-        return dim
 
     def index(self, point: Point) -> _Index:
         """Place of a point."""
@@ -111,8 +101,12 @@ class Store:
         return str(point._replace(variant=tuple(written.items())))
 
     def key(self, name: str, numbers: Sequence[int]) -> str:
-        """Key of a chunk of a variable by its numbers along the dimensions of points."""
-        return chunk_key(name, numbers, self.arrays[name].ndim)
+        """Key of a chunk of a variable, such as ``time/c.0.2.0``.
+
+        It is given by its numbers along the dimensions of points, and whole along the others.
+        """
+        within = [0] * (self.arrays[name].ndim - len(numbers))
+        return f"{path_of(name)}/" + ".".join(map(str, ("c", *numbers, *within)))
 
     # What is read
 
@@ -172,14 +166,9 @@ class Store:
             chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
             for name, value in of_point.items():
                 chunks.setdefault((name, chunk), {})[index] = value
+        parts = (self._changed(*place, of_points) for place, of_points in chunks.items())
         with self._writes():
-            contents: dict[str, bytes] = {}
-            with ThreadPoolExecutor(THREADS) as threads:  # which an object store answers at once
-                for first in range(0, len(chunks), THREADS):  # so that no more are unpacked
-                    some = [*chunks.items()][first : first + THREADS]
-                    parts = threads.map(self._changed, *zip(*some, strict=True))
-                    contents |= self.encoder(parts)
-            self.place.put(contents)
+            self.place.put(self.encoder(parts))
         flags, changed = self.flags.copy(), np.zeros(self.flags.shape, bool)
         for index, status in statuses.items():
             flags[index], changed[index] = status, True
@@ -187,10 +176,9 @@ class Store:
         self.flags = flags
 
     def _changed(
-        self, place: tuple[str, _Index], values: Mapping[_Index, Any]
+        self, name: str, chunk: _Index, values: Mapping[_Index, Any]
     ) -> tuple[str, Slices, Any]:
         """A variable, the place of a chunk, and its values with new ones at some points."""
-        name, chunk = place
         block = slices_of(chunk, self.block)
         part = self.read(name, block)
         for index, value in values.items():
@@ -212,7 +200,7 @@ class Store:
     def _writes(self) -> Iterator[None]:
         """Hold the lock before and after: else a driver that came may have read what was before."""
         self._require_lock()
-        with writes(self.place):
+        with reaches(self.place, "written"):
             yield
         self._require_lock()
 
@@ -233,11 +221,8 @@ def opened(path: PathLike) -> Store:
 @contextmanager
 def stored(path: PathLike | None) -> Iterator[PathLike]:
     """Yield `path`, or a store in a temporary folder that is deleted on leaving."""
-    if path is not None:
-        yield path
-        return
     with TemporaryDirectory(prefix="irg-") as folder:
-        yield Path(folder) / "points.zarr"
+        yield Path(folder) / "points.zarr" if path is None else path
 
 
 _PAUSE = 1.0  # [s] between commits: as much work as a kill may cost

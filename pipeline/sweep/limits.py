@@ -14,7 +14,3 @@ MOST_CELLS_OF_SHEET = 1_000_000
 """Cells of a sheet up to the last one, since all before it are read, though they be empty."""
 MOST_BYTES_OF_TEXT = 100_000_000
 """Bytes of a table in text: some ten million cells, each an object of 60 bytes."""
-MOST_BYTES_OF_ROOT = 2**27
-"""Bytes of a store's root: twice the numbers of all samples of all inputs."""
-MOST_PARTS_OF_ROOT = 1_500_000
-"""Lists and tables in a root, at 64 bytes when empty; a store of 10 000 rows has 150 a row."""

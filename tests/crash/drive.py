@@ -112,7 +112,7 @@ def _unlocked():
         place.path.mkdir(parents=True, exist_ok=True)
         yield lambda: True
 
-    return mock.patch.object(create, "held", held)
+    return mock.patch.object(create, "locked", held)
 
 
 def _all_blamed():

@@ -15,7 +15,7 @@ from pathlib import Path
 import psutil
 
 import pipeline
-from pipeline.store.root import read_sweep
+from pipeline.store.write import opened
 from tests.crash.loop import PATIENCE, Forked, code_of, job, started
 from tests.crash.sweeps import STAGES, Expected
 from tests.helpers.entries import changed
@@ -54,7 +54,7 @@ class _AsStored:
 
     def __call__(self, point):
         if self._expected is None:
-            stations = read_sweep(self._path).stations
+            stations = opened(self._path).sweep.stations
             self._expected = Expected(changed(self._sweep, stations=stations))
         return self._expected(point)
 

@@ -15,8 +15,7 @@ from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.laboratory.surfaces import read_surface
 from pipeline.scene.along import OperatingPoints
-from pipeline.store.place import StoreError
-from pipeline.store.root import read_sweep
+from pipeline.store.write import opened
 from tests.helpers import tiny
 from tests.helpers.processes import python
 from tests.helpers.stores import commit
@@ -44,13 +43,6 @@ def test_a_fifo_is_no_surface_load_record_or_scene(fifo, capsys):
         assert "not a file" in capsys.readouterr().err
 
 
-def test_a_fifo_in_place_of_a_chunk_of_pending_points_keeps_nobody_waiting(tmp_path):
-    commit(tmp_path / "a.zarr", tiny.sweep(fields=False), ())
-    os.mkfifo(tmp_path / "a.zarr" / "max_rise" / "c.0.0.0")
-    with pytest.raises(StoreError, match="it is not a file"):
-        open_sweep(tmp_path / "a.zarr")["max_rise"].load()
-
-
 def test_any_title_is_shown_and_drawn(tmp_path, capsys):
     path, title = tmp_path / "a.zarr", "$\\frac$ and $x \x1b[31mred\x9b0m" + "long " * 10**5
     commit(path, tiny.sweep(title=title, fields=False), ())
@@ -61,7 +53,7 @@ def test_any_title_is_shown_and_drawn(tmp_path, capsys):
     assert main(["status", str(path), "--json"]) == 0
     assert "\x9b" not in capsys.readouterr().out
     assert main(["plot", str(path), "--kind", "diagram", "-o", str(tmp_path / "a.png")]) in (0, 2)
-    assert open_sweep(path).attrs["title"] == read_sweep(path).title == title
+    assert open_sweep(path).attrs["title"] == opened(path).sweep.title == title
 
 
 def test_what_cannot_be_looked_into_is_left_out_of_a_folder_s_stores(tmp_path, capsys):
@@ -123,8 +115,8 @@ from pathlib import Path
 from pipeline.cli import main
 from pipeline.scene.along import OperatingPoints
 from tribo import InputError
-codes = [main(["check", path]) for path in sys.argv[4:]] + [main(["status", sys.argv[1]])]
-for book in sys.argv[2:4]:
+codes = [main(["check", path]) for path in sys.argv[3:]]
+for book in sys.argv[1:3]:
     try:
         OperatingPoints.read(book)
     except InputError as error:
@@ -139,19 +131,16 @@ print(*{*codes}, int(peak) // 1024)
 def test_small_files_that_ask_for_much_are_refused_in_a_line_and_take_no_memory(tmp_path):
     for number, text in enumerate(SCENES.values()):
         (tmp_path / f"{number}.toml").write_text(_FIRST + text + "\n")
-    (tmp_path / "a.zarr").mkdir()
-    (tmp_path / "a.zarr" / "zarr.json").write_text(f'{{"a": [{"[]," * 3_300_000}[]]}}')
     with zipfile.ZipFile(tmp_path / "a.xlsx", "w", zipfile.ZIP_DEFLATED) as book:
         book.writestr("xl/worksheets/sheet1.xml", bytes(11_000_000))
     far = pytest.importorskip("openpyxl").Workbook()
     far.active["XFD1048576"] = 1
     far.save(tmp_path / "far.xlsx")
     scenes = [f"{number}.toml" for number in range(len(SCENES))]
-    done = python("-c", _ASKED, "a.zarr", "a.xlsx", "far.xlsx", *scenes, cwd=tmp_path)
+    done = python("-c", _ASKED, "a.xlsx", "far.xlsx", *scenes, cwd=tmp_path)
     said = done.stderr.splitlines()
     wanted = [
         *SCENES,
-        "zarr.json is damaged",
         "unpacks to 11 MB",
         "more than 1000000 cells",
     ]

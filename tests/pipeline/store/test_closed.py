@@ -118,7 +118,6 @@ BOMBS = {
     "larger": lambda content: ZEROS,
     "larger behind the chunk": lambda content: content + ZEROS,
     "of unknown size": lambda content: ZEROS[:4] + b"\x04\x58" + ZEROS[9:],
-    "of many texts": lambda content: Zstd(checksum=True).encode(b"\xff\xff\xff\x0f" + bytes(99)),
     "no frame": lambda content: bytes(100),
     "empty": lambda content: b"",
 }
@@ -128,7 +127,7 @@ BOMBS = {
     ("name", "bomb"),
     [
         *((CHUNK, bomb) for bomb in BOMBS),
-        ("about/message/c.0.0", "of many texts"),
+        ("about/message/c.0.0", "larger"),
         ("status/c.0.0", "larger"),
     ],
 )
@@ -142,7 +141,7 @@ def test_a_chunk_of_another_size_than_its_array_s_is_not_unpacked(copy, name, bo
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert peak < 100e6  # of the 268 MB that it would unpack to, or the 2 GB of that many texts
+    assert peak < 100e6  # of the 268 MB that it would unpack to
 
 
 def test_a_path_in_the_home_folder_leads_there(tmp_path, monkeypatch, irg):
@@ -157,5 +156,5 @@ def test_a_path_in_the_home_folder_leads_there(tmp_path, monkeypatch, irg):
     irg("boundary", "~/a.zarr", "-o", "~/table.csv")
     assert (tmp_path / "home" / "table.csv").exists()
     assert [entry.name for entry in tmp_path.iterdir()] == ["home"]
-    with pytest.raises(StoreError, match=r"~nobody-of-this-name/a\.zarr does not exist"):
+    with pytest.raises(StoreError, match=r"~nobody-of-this-name/a\.zarr"):
         pipeline.summary("~nobody-of-this-name/a.zarr")

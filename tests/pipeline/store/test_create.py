@@ -18,7 +18,7 @@ from pipeline.analysis.dataset import open_sweep
 from pipeline.scene.kept import text_sweep
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
-from pipeline.store.lock import held
+from pipeline.store.lock import locked
 from pipeline.store.place import StoreError, StoreMismatchError, place_of
 from pipeline.store.progress import summary
 from pipeline.store.take import take_points
@@ -93,10 +93,10 @@ def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, 
         assert (summary(path).done, summary(path).pending) in ((0, 0), (0, 9))  # asked for or not
         assert open_sweep(path).load()["mean_rise"].isnull().all()
     else:
-        with pytest.raises(StoreError, match="was left unfinished as it was made"):
+        with pytest.raises(StoreError, match="there is no store at"):
             summary(path)
         with (
-            held(place_of(path)),
+            locked(place_of(path)),
             pytest.raises(StoreError, match=f"being made by process {os.getpid()}"),
         ):
             summary(path)
@@ -341,12 +341,12 @@ def of_another_format(path):
 @pytest.mark.parametrize(
     ("make", "complaint"),
     [
-        (a_file, "is a file, not a store; give a folder that"),
-        (a_folder, "is not a store: there is no zarr.json; give a folder"),
-        (a_folder_named_like_a_variable, "is not a store"),
-        (a_group_of_somebody_else, "is not the store of a sweep"),
-        (without_root, "has lost its zarr.json; restore it from a backup, or run its scene into"),
-        (of_another_format, "of another version of this program: it has format 99, and this one"),
+        (a_file, "is no store"),
+        (a_folder, "is no store, or has lost its zarr.json"),
+        (a_folder_named_like_a_variable, "is no store"),
+        (a_group_of_somebody_else, "damaged, or not that of a sweep"),
+        (without_root, "has lost its zarr.json; restore it from a backup, or run the scene into"),
+        (of_another_format, "of another version of this program: of format 99, and not"),
     ],
 )
 def test_nothing_is_written_over(path, make, complaint):
