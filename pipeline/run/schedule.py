@@ -54,9 +54,7 @@ def compute(
                     link.tell(f"a worker has died: {cause}")
             for point, workers in losses.failed():
                 cause = link.want_of_memory(workers) or "out of memory, or killed from outside"
-                words = (
-                    f"{len(workers)} workers died of it, at last with nothing else to do: {cause}"
-                )
+                words = f"{len(workers)} workers died of it, at last when it was alone: {cause}"
                 writer.add([PointRecord(point, None, words)])
             for result in jobs.results():
                 writer.add(pickle.loads(result))

@@ -190,7 +190,4 @@ def _notes(store: Store, before: Sweep) -> Iterator[str]:
         )
     now = in_words(package_versions())
     if not (began := store.root.history[0]).endswith(now):
-        yield (
-            f"{store.place} was {began}, and goes on with {now}: new points may differ from the "
-            "others in the last digits"
-        )
+        yield f"{store.place} was {began}: new points by {now} may differ in the last digits"

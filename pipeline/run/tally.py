@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 
@@ -41,7 +42,8 @@ class Tally:
 
 def shown_progress(progress: Report | None) -> Report:
     """What shows progress: the callable that was given, or in a notebook a line below the cell."""
-    if progress is not None or "ipykernel" not in sys.modules:
+    ipython: Any = sys.modules.get("IPython")
+    if progress is not None or not hasattr(ipython and ipython.get_ipython(), "kernel"):
         return progress or silent
     from IPython.display import display
 

@@ -1,7 +1,6 @@
 """Scenes, points and figures as a notebook shows them."""
 
 import re
-import sys
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -77,7 +76,7 @@ def test_every_answer_that_the_page_of_functions_lists_has_a_table():
 
 def test_a_notebook_shows_one_line_of_progress(monkeypatch):
     assert shown_progress(None) is silent
-    monkeypatch.setitem(sys.modules, "ipykernel", None)
+    monkeypatch.setattr("IPython.get_ipython", lambda: SimpleNamespace(kernel=None))
     assert shown_progress(print) is print
     texts = []
     line = SimpleNamespace(update=lambda data, raw: texts.append(data["text/plain"]))

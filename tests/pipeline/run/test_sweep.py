@@ -103,8 +103,8 @@ def test_other_versions_are_told_and_noted(copy, monkeypatch):
     for _ in range(2):
         run_sweep(SWEEP, copy, progress=messages.hear)
     assert messages[0].startswith(f"{copy} was computed by irg-transition")
-    assert f"numpy {np.__version__}, scipy" in messages[0].partition("goes on with")[0]
-    assert "numpy 99.0" in messages[0].partition("goes on with")[2]
+    assert f"numpy {np.__version__}, scipy" in messages[0].partition(": new points by ")[0]
+    assert "numpy 99.0" in messages[0].partition(": new points by ")[2]
     first, later = pipeline.open_sweep(copy).attrs["history"].splitlines()
     assert f"numpy {np.__version__}" in first
     assert "numpy 99.0" in later
@@ -127,7 +127,7 @@ def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path, m
     deadly, velocities = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0), tiny.VELOCITIES[:2]
     outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=2)
     assert {failed.load for failed in outcome.failed} == {250.0}
-    words = "3 workers died of it, at last with nothing else to do: out of memory, or killed"
+    words = "3 workers died of it, at last when it was alone: out of memory, or killed"
     assert all(failed.message.startswith(words) for failed in outcome.failed)
     assert (outcome.done, len(outcome.failed)) == (2 * len(velocities), len(velocities))
     assert verify_store(path).is_clean
