@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
@@ -59,25 +58,12 @@ def _unknown_materials(scene: Any) -> Misfits:
             yield f"{body}.material", words
 
 
-@_check("window.pixels", "fidelity.pixels_per_element")
-def _unfit_pixels(scene: Any) -> Misfits:
-    pixels, block = scene.window.pixels, scene.fidelity.pixels_per_element
-    if any(count % block for count in pixels):
-        words = f"{quoted(list(pixels))} cannot be averaged {block} × {block}; give multiples of"
-        yield "window.pixels", f"{words} {block}, or another fidelity.pixels_per_element"
-
-
-def _short_of_window(key: str, length: float, window: Any, axis: int) -> Misfits:
-    side = window.pixels[axis] * window.pixel_size[axis]
-    if length < side * (1 - 1e-9):
-        words = f"is shorter than the window, {display(side, 'mm')} along {'xy'[axis]}"
-        yield key, f"{display(length, 'mm')} {words}; give at least that"
-
-
 @_check("pin.length", "window.pixels", "window.pixel_size")
 def _short_pin(scene: Any) -> Misfits:
-    if scene.pin.length:
-        yield from _short_of_window("pin.length", scene.pin.length, scene.window, 1)
+    length, side = scene.pin.length, scene.window.pixels[1] * scene.window.pixel_size[1]
+    if length and length < side * (1 - 1e-9):
+        words = f"is shorter than the window, {display(side, 'mm')} along y; give at least that"
+        yield "pin.length", f"{display(length, 'mm')} {words}"
 
 
 @_check("pin.shape", *(f"pin.{size}" for size in _SIZES))
@@ -102,14 +88,6 @@ def _unfit_track(scene: Any) -> Misfits:
     elif track and (worn := motion.track_length) and abs(worn / track - 1) > _ALIKE:
         problem = f"is not the {display(track, 'mm')} of {key}; leave it out"
         yield "motion.track_length", f"{display(worn, 'mm')} {problem}"
-
-
-@_check("motion", "pin.diameter", "pin.track_length", "pin.radius", "window.pixels",
-        "window.pixel_size")  # fmt: skip
-def _short_track(scene: Any) -> Misfits:
-    if scene.motion:
-        track = scene.motion.track_length or around(scene.pin) or 2 * math.pi * scene.pin.radius
-        yield from _short_of_window("motion.track_length", track, scene.window, 0)
 
 
 @_check("pin.stem", "motion", "sweep.velocities")
@@ -140,9 +118,6 @@ def _unfit_bodies(scene: Any) -> Misfits:
             yield f"{name}.{disc[0]}", problem
         elif body.diameter and not body.width:
             yield f"{name}.width", "missing; a disc of a diameter needs it"
-        elif body.bore and body.bore >= body.diameter:
-            problem = f"is not smaller than the diameter, {display(body.diameter, 'mm')}"
-            yield f"{name}.bore", f"{display(body.bore, 'mm')} {problem}; give less"
         if body.diameter and body.width and length and body.width < length:
             problem = f"is narrower than the contact, {display(length, 'mm')} of pin.length"
             yield f"{name}.width", f"{display(body.width, 'mm')} {problem}; give at least that"

@@ -15,7 +15,7 @@ from pipeline.scene.kinds import Kind, Quantity
 from pipeline.scene.units import si_unit, to_si, typeset
 from pipeline.sweep.conditions import FIELDS
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.tables import flat
+from pipeline.sweep.tables import Entries, flat
 
 _FEWEST, _MOST = 6, 17  # digits of a number
 
@@ -66,14 +66,14 @@ def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None)
     return sweep.changed("fidelity", choices)
 
 
-def scene_entries(sweep: Sweep) -> dict[str, str]:
-    """Entries of a sweep by their paths, in words; conditions as it is judged.
+def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str]:
+    """Entries of a sweep by their paths, in words, without the title; conditions as it is judged.
 
-    The title is left_out out.
+    Other entries that mean the same may be given.
     """
     left_out = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
-    entries = {key: one for key, one in sweep.entries.items() if key != "unknown"}
-    texts = {path: in_words(value) for path, value in _leaves(entries) if path not in left_out}
+    tables = {key: one for key, one in (entries or sweep.entries).items() if key != "unknown"}
+    texts = {path: in_words(value) for path, value in _leaves(tables) if path not in left_out}
     unknown = {
         f'unknown."{path}"': in_words(one)
         for path, one in (sweep.entries.get("unknown") or {}).items()
@@ -84,12 +84,11 @@ def scene_entries(sweep: Sweep) -> dict[str, str]:
 
 def differing(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]]:
     """Paths of entries that mean something else in another sweep, and both in words."""
-    plain = [dict(_leaves(sweep.reader.complete({}, sweep.parts()))) for sweep in (one, other)]
-    words = [scene_entries(sweep) for sweep in (one, other)]
+    sweeps = one, other
+    words = [scene_entries(sweep) for sweep in sweeps]
+    plain = [scene_entries(sweep, sweep.reader.complete({}, sweep.parts())) for sweep in sweeps]
     for path in {**words[0], **words[1]}:
-        judged = path in {**_judged(one), **_judged(other)}
-        is_other = words[0].get(path) != words[1].get(path)
-        if is_other and (judged or plain[0].get(path) != plain[1].get(path) or "unknown" in path):
+        if plain[0].get(path) != plain[1].get(path):
             yield path, words[0].get(path, ""), words[1].get(path, "")
 
 
