@@ -111,7 +111,7 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
         full = reader.complete(written, parts, base)
         before = {path: sweep.entries.get(path) for path in full}
         added = {path: one for path, one in changes(before, full) if path not in given}
-        contents = contents_of(parts).items()  # which changed entries of a file leave out
+        contents = contents_of(parts).items()  # a row with a file of its own lacks it
         files = {path: one for path, one in contents if entry_at(written, path) != one}
         rows.append(row._replace(values=given | added | files))
         read.append(parts)

@@ -145,7 +145,7 @@ class SceneReader:
     def _part(
         self, scene: Any, faults: Faults, make: Callable[..., Any], *paths: str, more: Any = ()
     ) -> Any:
-        """What some tables make, and keep it; None without the first, or if one is faulty."""
+        """What tables make, kept for other rows; None without the first, or for a faulty table."""
         tables = [entry_at(scene, path) for path in paths]
         if tables[0] is None or any(map(faults.touch, paths)):
             return None

@@ -96,7 +96,7 @@ def exact_decimals() -> Iterator[None]:
 
 
 class Unit(NamedTuple):
-    """A unit: its dimension by the unit of SI as CF writes it, its size, and what 0 of it is."""
+    """A unit: its dimension by the SI unit as CF writes it, and its size and zero in that."""
 
     dimension: str
     size: Decimal
