@@ -46,7 +46,11 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     table = Variants()
     for path, values in over.items():
         table *= _axis(path, values)
-    return with_rows(sweep, table, "sweep.over")
+    made = with_rows(sweep, table, "sweep.over")
+    first, *others = map(made.variant, made.variants.given)
+    if others and all(one == first for one in others):
+        raise InputError(f"sweep.over: {' and '.join(over)} changes nothing here; leave it out")
+    return made
 
 
 def _axis(path: str, values: Sequence[Any]) -> Variants:

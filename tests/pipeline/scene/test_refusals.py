@@ -205,6 +205,7 @@ ENTRIES = {
     "over fixed": (over("sweep.loads", [1, 2]), "this cannot take several values"),
     "over units": (over("pin.radius", ["1 mm", 2]), "pin.radius: 2 has no unit"),
     "over twice": (over("pin.radius", ["1 mm", "1000 um"]), "two rows of the sweep have the same"),
+    "over nothing": (over("oil.like", ["oil A", "ISO VG 46"]), "changes nothing here; leave it"),
     "over faulty": (over("pin.radius", ["2 mm", "-1 mm"]), '"-1 mm" is out of range'),
     "over bulks": (over("temperature.bulk.disk", ["25 degC", "50 degC"],
                         **{"temperature.bulk": {"pin": "25 degC", "disk": "25 degC"}}),
