@@ -161,15 +161,10 @@ def _weighed(
     ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
 ) -> xr.Dataset:
     """The dataset whose samples are weighed by the tests of their scene."""
-    if sweep_kind(ds) is not Kind.SAMPLES:
+    if sweep_kind(ds) is not Kind.SAMPLES or not given_measured:
         raise InputError(
-            "--given-measured and --scatter (in Python given_measured and scatter) are for "
-            "samples, and the sweep has none; leave them out"
-        )
-    if not given_measured:
-        raise InputError(
-            f"scatter is {scatter:g}, but measured velocities count only with --given-measured (in "
-            "Python given_measured=True); add that, or leave out the scatter"
+            "--given-measured weighs samples by the scene's tests, and --scatter goes with it (in "
+            "Python given_measured=True and scatter); leave them out of other sweeps"
         )
     if others := [name for name in others if name != "criterion"]:
         raise InputError(
@@ -202,6 +197,8 @@ def _si_value(path: str, value: Any) -> Any:
         return values
     match name:
         case "friction" if isinstance(value, str):
+            with suppress(ValueError):
+                return float(value)
             raise InputError(f"friction is {value!r}; give a number such as 0.1, or several")
         case "bulk_temperature" if isinstance(value, Mapping):
             return {body: oil_temperature(name, one) for body, one in value.items()}

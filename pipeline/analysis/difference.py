@@ -65,13 +65,9 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
         require_one_scene(held.entry_dims)
         held.require_lists(*PLANE)
     points, alike = _points(first, second)
-    return Difference(_entries(first, second), _boundary(first, second), points, alike)
-
-
-def _entries(a: Results, b: Results) -> pd.DataFrame:
-    """Entries that differ, in the order of the scene."""
-    rows = differing(a.sweep, b.sweep)
-    return frame_of(("entry", "a", "b"), ((path, x or None, y or None) for path, x, y in rows))
+    rows = differing(first.sweep, second.sweep)  # in the order of the scene
+    entries = frame_of(("entry", "a", "b"), ((path, x or None, y or None) for path, x, y in rows))
+    return Difference(entries, _boundary(first, second), points, alike)
 
 
 def _boundary(a: Results, b: Results) -> pd.DataFrame:

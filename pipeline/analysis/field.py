@@ -165,7 +165,7 @@ class PointField:
     def temperatures(self, loads: Places, velocities: Places) -> Here:
         """See `Field`."""
         loads, velocities = places_of(loads, velocities)
-        rises, is_within = self._rise(loads, velocities)
+        rises, is_within = self._rise(loads, np.where(velocities > 0, velocities, math.nan))
         is_known = np.all(np.isfinite(rises), axis=0)
         reasons = [
             self._reason(load, velocity, known)

@@ -208,8 +208,8 @@ class Results:
             return self
         held = self.rows["realization"].values.tolist() if "realization" in self.front else []
         if seed not in held:
-            others = f"it holds {', '.join(map(str, held))}" if held else "it has no others"
-            raise InputError(f"realization is {seed}, which the sweep does not hold; {others}")
+            others = ", ".join(map(str, held)) or "no others"
+            raise InputError(f"realization is {seed}; the sweep has {others}")
         return self.take({"realization": held.index(seed)})
 
     def require_plane(self) -> None:

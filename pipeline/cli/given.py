@@ -13,7 +13,6 @@ import pipeline
 from pipeline.cli.output import tell
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.over import notes_on_first_values
-from pipeline.scene.reference import number_at
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
@@ -53,23 +52,10 @@ def settings_in(options: argparse.Namespace) -> dict[str, Any]:
     return {path.removeprefix("fidelity."): value for path, value in options.set}
 
 
-def judged_entries(options: argparse.Namespace) -> dict[str, Any]:
-    """Values of --at by their paths, those of quantities with their units."""
-    values = dict(getattr(options, "at", []))
-    for path, value in values.items():
-        if isinstance(value, float | int) and (example := getattr(number_at(path), "example", "")):
-            raise InputError(
-                f'--at: {path} is {value:g}, without a unit; give one such as "{example}"'
-            )
-    return values
-
-
 def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Conditions that the user gave in place of the scene's own; several frictions as a tuple."""
-    conditions = values_in(options, *CONDITIONS)
-    frictions = conditions.get("friction")
-    if isinstance(frictions, list):
-        conditions["friction"] = tuple(frictions) if len(frictions) > 1 else frictions[0]
+    """Conditions that the user gave in place of the scene's own; several of one as a tuple."""
+    given = values_in(options, *CONDITIONS).items()
+    conditions = {name: values[0] if len(values) == 1 else tuple(values) for name, values in given}
     criterion = conditions.get("criterion", "share")
     if "share" in conditions and criterion != "share":
         raise InputError(f"criterion {criterion} has no share; leave out --share")
@@ -123,4 +109,4 @@ def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> 
     """The store, or another one, judged as the user asked for."""
     ds = pipeline.open_sweep(store or options.store)
     weighing = values_in(options, "given_measured", "scatter", "oil")
-    return pipeline.at(ds, **conditions_in(options), **weighing, **judged_entries(options))
+    return pipeline.at(ds, **conditions_in(options), **weighing, **dict(options.at))

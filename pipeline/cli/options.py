@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -21,15 +20,6 @@ class Option:
     def but(self, **settings: Any) -> Option:
         """The option with some settings replaced."""
         return Option(*self.names, **self.settings | settings)
-
-
-class _Once(argparse.Action):
-    """Keep the value of an option, and refuse a second one."""
-
-    def __call__(self, parser: Any, namespace: Any, value: Any, option: str | None = None) -> None:
-        if getattr(namespace, self.dest) is not None:
-            parser.error(f"{option} is given more than once; give it once")
-        setattr(namespace, self.dest, value)
 
 
 class Group(NamedTuple):
@@ -181,32 +171,32 @@ REALIZATION = value(
 AT = several(
     "--at KEY=VALUE",
     'judge at a value: of an entry in sweep.over, like "pin.radius=2 mm", of an unknown input '
-    'of samples, or of a condition, like "temperature.critical=150 degC"', values.setting,
+    'of samples, or of a condition, like "temperature.critical=150 degC"',
+    partial(values.pair, like='"pin.radius=2 mm"'),
 )  # fmt: skip
 
-FRICTION = value("--friction MU", "coefficient of friction, at least 0", float)
-FRICTIONS = FRICTION.but(action="append", help="coefficient of friction; may be repeated")
-BULK = value(
+FRICTION = several("--friction MU", "coefficient of friction, at least 0", float)
+BULK = several(
     "--bulk-temperature T", 'temperature of the bodies far from the contact, like "25 degC"; '
     '"pin=60 degC, disk=25 degC" if they differ', values.bulk,
 )  # fmt: skip
-CRITERION = value(
+CRITERION = several(
     "--criterion NAME", 'temperature that decides: "share", which that share exceeds, "highest" '
-    'or "mean"',
+    'or "mean"', str,
 )  # fmt: skip
-_THRESHOLD = (
-    value(
-        "--critical-temperature T", 'temperature above which the lubricant fails, like "145 degC"'
+CONDITIONS = Group("conditions, instead of the scene's", (
+    FRICTION,
+    BULK,
+    several(
+        "--critical-temperature T", 'temperature above which the lubricant fails, like "145 degC"',
+        str,
     ),
-    value(
+    several(
         "--share SHARE", "share of the contact above the critical temperature beyond which wear is "
-        "severe, such as 10%%; 0 for the highest temperature",
+        "severe, such as 10%%; 0 for the highest temperature", str,
     ),
     CRITERION,
-)  # fmt: skip
-_ONE_EACH = tuple(option.but(action=_Once) for option in (FRICTION, BULK, *_THRESHOLD))
-CONDITIONS = Group("conditions, instead of the scene's", _ONE_EACH)
-CONDITIONS_AT_FRICTIONS = CONDITIONS._replace(options=(FRICTIONS, *_ONE_EACH[1:]))
+))  # fmt: skip
 
 OVER = several(
     "--over KEY=VALUE,VALUE",

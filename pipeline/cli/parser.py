@@ -47,7 +47,7 @@ COMMANDS = (
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
         (
-            o.STORE, *o.OF_BOUNDARY, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS,
+            o.STORE, *o.OF_BOUNDARY, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS,
         ),
     ),
     Command(
@@ -55,7 +55,7 @@ COMMANDS = (
         "verdict on operating points, its probability and errors: one, a table, or rows of pairs",
         f"results/scene.zarr {_AT}",
         (
-            o.STORE, *o.PLACE, *o.POINTS, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS,
+            o.STORE, *o.PLACE, *o.POINTS, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS,
         ),
     ),
     Command(
@@ -85,7 +85,7 @@ COMMANDS = (
         "plot", "figures:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
-            o.STORE, *o.OF_PLOT, *o.WEIGHED, o.AT, o.CONDITIONS_AT_FRICTIONS,
+            o.STORE, *o.OF_PLOT, *o.WEIGHED, o.AT, o.CONDITIONS,
             *o.PLACE, o.REALIZATION,
         ),
     ),

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-
-import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.given import dataset_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, working, wrapped
 from pipeline.store.place import REMEDY, ROOT, StoreError
-from pipeline.store.progress import FailedPoint, Summary, summary
+from pipeline.store.progress import Summary, summary
 from pipeline.store.write import opened
 from pipeline.sweep.accuracy import error_in_words
 
@@ -78,12 +76,6 @@ def _row(path: Path | str, name: str) -> list[object]:
     return [name, words, *counts, preset, state.title]
 
 
-def failed_frame(points: Iterable[FailedPoint]) -> pd.DataFrame:
-    """Frame of points that failed or are damaged."""
-    rows = [(one.load, one.velocity, one.place, one.message) for one in points]
-    return frame_of(("load [N]", "velocity [m/s]", "place", "message"), rows)
-
-
 def verify(options: argparse.Namespace) -> Result:
     """Read everything and name what is damaged."""
     with working("reading points") as progress:
@@ -93,7 +85,8 @@ def verify(options: argparse.Namespace) -> Result:
         f"{check.done} points are done and intact, {len(check.damaged)} are damaged",
         *(f"damaged: {damage}" for damage in damaged),
     ]
-    frame = failed_frame(check.damaged)
+    rows = [(one.load, one.velocity, one.place, one.message) for one in check.damaged]
+    frame = frame_of(("load [N]", "velocity [m/s]", "place", "message"), rows)
     if check.is_clean:
         return Result(text=text, warned=pipeline.warned(options.store), frames=[frame])
     text.append(REMEDY)
@@ -120,11 +113,10 @@ def diff(options: argparse.Namespace) -> Result:
         "alone",
     ]
     if len(points):
-        text.append(short(points.head(_MOST_POINTS)))
+        rise = "rise: the highest of the contact at the end of the point, at friction 1"
+        text += [short(points.head(_MOST_POINTS)), rise]
     if len(points) > _MOST_POINTS:
-        text.append(f"and {len(points) - _MOST_POINTS} more, which -o TABLE.csv writes")
-    if len(points):
-        text.append("rise: the highest of the contact at the end of the point, at friction 1")
+        text.append(f"{len(points) - _MOST_POINTS} more, which -o TABLE.csv writes")
     for ds in stores:
         text += wrapped(pipeline.warned(ds).lines())
     return Result(text=text, frames=[entries, crossings, points])

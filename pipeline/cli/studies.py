@@ -52,5 +52,6 @@ def _critical_velocities(result: Variations) -> pd.DataFrame:
 def trade(options: argparse.Namespace) -> Result:
     """Measure speed against accuracy on a scene."""
     measured = pipeline.trade(given.scene_in(options), progress=tell)
-    draw = partial(pipeline.plot, measured)
-    return Result(text=[str(measured)], frames=[measured.table], draw=draw)
+    return Result(
+        text=[str(measured)], frames=[measured.table], draw=partial(pipeline.plot, measured)
+    )

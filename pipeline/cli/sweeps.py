@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import shlex
 from collections.abc import Iterator
 from contextlib import nullcontext
@@ -96,7 +95,7 @@ def check(options: argparse.Namespace) -> Result:
     nx, ny = sweep.scene.grid.shape
     rows = [
         *_meaning(sweep, facts),
-        *_library(sweep),
+        *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
         *on_unknown,
         *((one.grade, one.text) for one in said),
         ("grid", f"{nx} × {ny} elements; about {display(memory, 'MB', '.0f')} of memory a worker"),
@@ -133,18 +132,9 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
         f"{_text(facts.hertz_half_width, 'µm')}; {worn} and {rough}: "
         f"{_text(facts.contact_width, 'µm')} wide",
     )
-    carried = "elastic at any load"
-    if facts.greatest_load < math.inf:
-        greatest = display(facts.greatest_load, "kN", 3)
-        carried = f"carries at most {greatest} on the pin, with all of it at the hardness"
-    yield "window", f"{display_sides(facts.window)}, {carried}"
+    yield "window", display_sides(facts.window)
     yield "surface", facts.surface.words if facts.surface else "smooth"
     motion = f"{_text(facts.duration, 's')} and {_text(facts.sliding_distance, 'm')} until the end"
-    if facts.pin_velocity and facts.disk_velocity and facts.pin_turns:
-        motion += (
-            f"; the pin rolls at {_text(facts.pin_velocity, 'm/s')}, {_text(facts.pin_turns)} "
-            f"turns, the disk at {_text(facts.disk_velocity, 'm/s')}"
-        )
     yield "motion", motion
     yield from _film(sweep)
     depth = f"{_text(facts.wear_depth, 'µm')} deep at the end" if facts.wear_depth else "none"
@@ -178,12 +168,6 @@ def _film(sweep: Sweep) -> Iterator[_Row]:
             "",
             "what the film carries is not counted: −19 to +17 % in velocity (irg help physics)",
         )
-
-
-def _library(sweep: Sweep) -> Iterator[_Row]:
-    """Values from the library, a line for each table and source."""
-    for values, source in library_tables(sweep.sources):
-        yield "library", f"{values}, from {source}"
 
 
 def _text(span: Span, unit: str = "") -> str:

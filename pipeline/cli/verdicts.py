@@ -70,7 +70,6 @@ def place_lines(held: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
 def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities or loads with the band of their errors, or the tests."""
     held = pipeline.results(dataset_in(options))
-    is_plane = held.kind is not Kind.SAMPLES
     tests = compared(held)
     if options.by == "test":
         if tests is None:
@@ -88,7 +87,7 @@ def boundary(options: argparse.Namespace) -> Result:
     rests = [f"{left_out} more rows: --all, or -o TABLE.csv"] * bool(left_out)
     rests += words.boundary_lines(crossings)
     rests += [f"{agreement(tests)} They are printed by --by test."] if tests is not None else []
-    if not is_plane:
+    if held.kind is Kind.SAMPLES:
         rests += dict.fromkeys(line for field in fields(held) for line in field.basis)
     rests += remarks("warning", note_on_turns(held.sweep))
     rule = judged_by((one.conditions for one in held.scenes), held.sweep.variants.rule.unknown)

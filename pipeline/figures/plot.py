@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.analysis.results import results
+from pipeline.analysis.tables import FIGURES, writable_path
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
@@ -98,7 +99,7 @@ def plot(
         if name not in allowed:
             others = ", ".join(allowed) or "none"
             raise InputError(f"{kind} has no option {name!r}; it has {others}")
-    path = None if out is None else style.figure_path(out)
+    path = None if out is None else writable_path(out, FIGURES)
     metres = None if width is None else in_si("width", width, "1 m")
     with style.fitted(metres, plain):
         drawn: Figure = kinds[kind](ds if study else results(ds), **options)

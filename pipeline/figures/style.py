@@ -21,7 +21,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullLocator
 
 from pipeline.analysis.results import Results
-from pipeline.analysis.tables import FIGURES, writable_path, write_bytes
+from pipeline.analysis.tables import write_bytes
 from pipeline.sweep.about import condition_rows
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
@@ -154,14 +154,9 @@ def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:
     return legend
 
 
-def figure_path(out: str | Path) -> Path:
-    """Path of a figure to be written, examined before it is drawn."""
-    return writable_path(out, FIGURES)
-
-
 @house_style
 def save_figure(figure: Figure, out: Path) -> Path:
-    """Write a figure to a path of `figure_path`."""
+    """Write a figure to a path of `writable_path`."""
     written = io.BytesIO()
     figure.savefig(written, format=out.suffix[1:])
     return write_bytes(written.getvalue(), out)

@@ -25,7 +25,7 @@ MOST_STAGES = len(_STAGES)
 _STEEPEST = 2.0  # slide-roll ratio, of a surface at rest
 
 
-class Rule(NamedTuple):
+class Derived(NamedTuple):
     """A quantity that follows from others, in SI."""
 
     name: str
@@ -43,19 +43,19 @@ def _stage_force(stage: Array) -> Array:
 
 
 RULES = (
-    Rule("velocity", ("rotation", "track_radius"), lambda n, r: np.abs(n) * r),
-    Rule("velocity", ("rotation", "track_diameter"), lambda n, d: np.abs(n) * d / 2),
-    Rule("velocity", ("frequency", "stroke"), lambda f, s: 2 * f * s),
-    Rule("velocity", ("slide_roll_ratio", "rolling_velocity"), lambda s, u: np.abs(s * u)),
-    Rule("velocity", ("velocity_1", "velocity_2"), lambda u, v: np.abs(u - v)),
-    Rule("velocity", ("rotation_1", "rotation_2", "disc_diameter"),
+    Derived("velocity", ("rotation", "track_radius"), lambda n, r: np.abs(n) * r),
+    Derived("velocity", ("rotation", "track_diameter"), lambda n, d: np.abs(n) * d / 2),
+    Derived("velocity", ("frequency", "stroke"), lambda f, s: 2 * f * s),
+    Derived("velocity", ("slide_roll_ratio", "rolling_velocity"), lambda s, u: np.abs(s * u)),
+    Derived("velocity", ("velocity_1", "velocity_2"), lambda u, v: np.abs(u - v)),
+    Derived("velocity", ("rotation_1", "rotation_2", "disc_diameter"),
          lambda m, n, d: np.abs(m - n) * d / 2),
-    Rule("load", ("pinion_torque",), lambda torque: torque / _FZG["base_radius"]),
-    Rule("load", ("load_stage",), _stage_force),
-    Rule("severe_at", ("failed_stage",), _stage_force),
-    Rule("mild_up_to", ("failed_stage",), lambda stage: _stage_force(stage - 1)),
-    Rule("friction", ("friction_force", "load"), lambda f, load: np.abs(f / load)),
-    Rule("friction", ("friction_torque", "load", "track_radius"), lambda m, load, r: m / load / r),
+    Derived("load", ("pinion_torque",), lambda torque: torque / _FZG["base_radius"]),
+    Derived("load", ("load_stage",), _stage_force),
+    Derived("severe_at", ("failed_stage",), _stage_force),
+    Derived("mild_up_to", ("failed_stage",), lambda stage: _stage_force(stage - 1)),
+    Derived("friction", ("friction_force", "load"), lambda f, load: np.abs(f / load)),
+    Derived("friction", ("friction_torque", "load", "track_radius"), lambda m, F, r: m / F / r),
 )  # fmt: skip
 """The first of a quantity whose inputs are there makes it."""
 INGREDIENTS = {name for rule in RULES for name in rule.inputs} - {*UNITS}
@@ -162,7 +162,7 @@ def derive(sheet: Sheet, needed: Collection[str] = ()) -> dict[str, str]:
     return missing
 
 
-def _add_derived(sheet: Sheet, rule: Rule) -> None:
+def _add_derived(sheet: Sheet, rule: Derived) -> None:
     """Add the column that a rule makes, unless its inputs are faulty."""
     before = len(sheet.faults)
     inputs = {one: sheet.numbers(one) for one in rule.inputs}

@@ -44,10 +44,7 @@ class Facts:
     sliding_distance: Span  # distance slid until then [m]
     wear_depth: Span | None  # expected on the pin by then [m]; None without wear
     peclet_number: Span  # u a/(2κ) of the disk, a the half-width of Hertz
-    pin_velocity: Span | None  # that of its surface through the contact [m/s]
-    disk_velocity: Span | None  # the same; both are None where the pin is at rest
-    pin_turns: Span | None  # around its track until the end; None likewise
-    greatest_load: float  # all the window at the hardness [N]; may be infinite
+    disk_velocity: Span | None  # of its surface through the contact [m/s]; None if the pin rests
     surface: SurfaceFacts | None  # surface of the disk; None if it is smooth
 
 
@@ -55,9 +52,8 @@ def facts_of(sweep: Sweep | Parts) -> Facts:
     """Calculate the facts of a scene in closed form."""
     scene, surface = sweep.scene, surface_facts(sweep)
     velocities = sweep.plane.velocities
-    pin, disk = np.transpose([scene.velocities_at(velocity) for velocity in velocities])
+    _, disk = np.transpose([scene.velocities_at(velocity) for velocity in velocities])
     expected = expect_contacts(scene, sweep.plane.loads, velocities, surface.rq if surface else 0.0)
-    turns = np.outer(expected.durations, np.abs(pin)) / scene.track_length
     peclet = np.outer(expected.half_widths, np.abs(disk)) / (2 * scene.disk.thermal_diffusivity)
     return Facts(
         hertz_pressure=Span.of(expected.peak_pressures),
@@ -68,11 +64,8 @@ def facts_of(sweep: Sweep | Parts) -> Facts:
         sliding_distance=Span.of(expected.distances),
         wear_depth=Span.of(expected.depths) if scene.wear else None,
         peclet_number=Span.of(peclet),
-        greatest_load=scene.greatest_load,
         surface=surface,
-        pin_velocity=Span.of(pin) if scene.motion else None,
         disk_velocity=Span.of(disk) if scene.motion else None,
-        pin_turns=Span.of(turns) if scene.motion else None,
     )
 
 

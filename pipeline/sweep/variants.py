@@ -56,7 +56,7 @@ class Column:
         return self.entry or self.name
 
 
-class Rule(NamedTuple):
+class Sampling(NamedTuple):
     """What is asked of the rule by which rows were drawn, which the extra that draws them tells."""
 
     unknown: tuple[str, ...] = ()  # paths of the inputs that have no single value
@@ -134,9 +134,9 @@ class Variants:
         return tuple(pair for pair in name if pair[0] != VARIANT) if self.draw else name
 
     @cached_property
-    def rule(self) -> Rule:
+    def rule(self) -> Sampling:
         """The rule by which rows were drawn; an empty one where none is."""
-        return extras.module("drawn").read_rule(self.draw) if self.draw else Rule()
+        return extras.module("drawn").read_rule(self.draw) if self.draw else Sampling()
 
     def labels(self, name: str) -> tuple[Any, ...] | None:
         """Labels of the rows in a column; None without such a column."""

@@ -11,7 +11,7 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import frame_of, short
-from pipeline.cli.given import judged_entries, values_in
+from pipeline.cli.given import conditions_in, values_in
 from pipeline.cli.output import Result, working
 from pipeline.quantities import display
 from pipeline.sweep.remarks import remarks
@@ -24,8 +24,9 @@ def posterior(options: argparse.Namespace, store: Path) -> Result:
     """Print and draw the inputs as the tests leave them."""
     with working("reading samples"):
         ds = pipeline.open_sweep(store)
-        at = judged_entries(options)
-        ensemble = pipeline.Ensemble.of(pipeline.at(ds, **values_in(options, "criterion"), **at))
+        ensemble = pipeline.Ensemble.of(
+            pipeline.at(ds, **conditions_in(options), **dict(options.at))
+        )
     with working("weighing the inputs by the tests"):
         weighed = pipeline.posterior(ensemble, **values_in(options, "scatter"))
     document, text = weighed.as_dict(), list(_describe_inputs(weighed))

@@ -13,19 +13,19 @@ from scipy.special import ndtr
 from pipeline.quantities import ALIKE, snap
 from pipeline.scene.units import in_si
 from pipeline.sweep.shown import Line
-from pipeline.sweep.variants import Rule
+from pipeline.sweep.variants import Sampling
 from pipeline.uncertain.samples import REACH, Draw
 from tribo import InputError
 
 
-def read_rule(draw: Any) -> Rule:
+def read_rule(draw: Any) -> Sampling:
     """What the rest asks of a rule: samples depend on no correlation, and on no unit."""
     plain = json.loads(json.dumps(draw), object_hook=_drop_unit)
     unknown, fixed, design = (plain[key] for key in ("unknown", "fixed", "design"))
     inputs = [{**one, "correlated": None} for one in design["inputs"]]
     paths, movable = (one["path"] for one in unknown), Draw.of(draw).open_inputs
     rows = design | {"inputs": inputs}
-    return Rule(tuple(paths), tuple(movable), (unknown, fixed), rows, design["per_contact"])
+    return Sampling(tuple(paths), tuple(movable), (unknown, fixed), rows, design["per_contact"])
 
 
 def _drop_unit(table: dict[str, Any]) -> dict[str, Any]:

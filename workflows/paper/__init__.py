@@ -12,7 +12,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pipeline.figures.style import figure_path, save_figure
+from pipeline.analysis.tables import FIGURES, writable_path
+from pipeline.figures.style import save_figure
 from pipeline.scene.faults import did_you_mean
 from pipeline.sweep.stages import staged
 from tribo import InputError
@@ -81,7 +82,7 @@ def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Repor
             f"there are {', '.join(_MAKERS)}"
         )
     study = Study(**choices)
-    file = None if out is None else figure_path(out)
+    file = None if out is None else writable_path(out, FIGURES)
     began = time.perf_counter()
     report = _MAKERS[name](study)
     if file is not None:

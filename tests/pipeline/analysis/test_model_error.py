@@ -219,3 +219,15 @@ def test_a_test_beside_a_place_is_named_with_its_conditions():
     assert pipeline.margin(ds, 600.0, 1.5).tested == (said + usual, said + other)
     cool = pipeline.at(ds, critical_temperature=320.0)  # below the bulk of one of them
     assert pipeline.margin(cool, 600.0, 1.5).tested == (said + usual,)
+
+
+def test_a_transition_is_compared_with_a_turn_within_the_sweep_rather_than_with_one_beyond():
+    def dipping(load, velocity, quantile=1.0):
+        return synthetic.rise(load, velocity, quantile) * np.where(velocity < 3.0, 1.0, 0.6)
+
+    ds = synthetic.sweep(rise=dipping, measured=(Measurement(400.0, 5.0),), tested=())
+    turns = pipeline.boundary(ds).sel(load=400.0)["turns_at_load"].dropna("turn").values
+    assert len(turns) == 2  # severe between them, and again beyond the sweep
+    scale = math.sqrt((4 * 0.1**2 + math.log(5.0 / turns[0]) ** 2) / 5)
+    said = pipeline.margin(ds, 400.0, 1.0).model_error
+    assert said == f"± {100 * scale:.2g} % in velocity, from 1 test and a prior of 10 %"
