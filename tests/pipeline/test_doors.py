@@ -13,13 +13,15 @@ from pipeline.analysis.margin import DECIDED, clipped, verdict_plane
 from pipeline.cli import main
 from tests.helpers import synthetic
 from tests.helpers.samples import dataset, ensemble
+from tests.helpers.scenes import MEASURED, SCENE
+from tests.pipeline.conftest import commit_all
 from tests.pipeline.figures.test_planes import surfaces
 
 SAME = {"rel": 1e-9, "abs": 1e-12}
 """Doors ask one field, so that they differ by rounding alone."""
 OF_SAMPLES = {"abs": 1e-6}
 """Chances of samples move by 2e-7 with the other places that are asked with one."""
-PLANES = "plane", "judged otherwise", "a band", "half done", "a slice", "surfaces"
+PLANES = "plane", "from rest", "judged otherwise", "a band", "half done", "a slice", "surfaces"
 """Stores whose diagram has regions."""
 
 
@@ -56,6 +58,7 @@ def samples():
 
 STORES = {
     "plane": synthetic.sweep,
+    "from rest": lambda: synthetic.sweep(velocities=(0.0, *synthetic.VELOCITIES)),
     "judged otherwise": judged_otherwise,
     "a band": band,
     "half done": half_done,
@@ -71,7 +74,7 @@ STORES = {
 def places(ds, count):
     """Places within a sweep, half of them its own points [N, m/s]."""
     rng = np.random.default_rng(1)
-    ends = {name: ds[name].values for name in ("load", "velocity")}
+    ends = {name: ds[name].values[ds[name].values > 0] for name in ("load", "velocity")}
     inside = [rng.uniform(x.min(), x.max(), count) for x in ends.values()]
     return zip(
         *(
@@ -159,3 +162,33 @@ def test_the_ends_of_the_boundary_s_band_are_those_of_margins(name):
         asked += (pipeline.margin(held, table)["verdict"] == verdict).tolist()
     assert all(asked)
     assert len(asked) >= len(held.loads)
+
+
+@pytest.fixture(scope="module")
+def places_computed(tmp_path_factory):
+    """A scene, and the margins of some of its points: in its plane, alone, and as rows."""
+    folder = tmp_path_factory.mktemp("doors")
+    scene, rows = folder / "small.toml", [(200.0, 2.0), (400.0, 3.0), (400.0, 1.0)]
+    scene.write_text(SCENE + MEASURED)
+    lines = [f"{load},{velocity}" for load, velocity in rows]
+    (folder / "rows.csv").write_text("\n".join(["load [N],velocity [m/s]", *lines]))
+    axes = {"sweep.loads": ["200 N", "400 N"], "sweep.velocities": ["1 m/s", "2 m/s", "3 m/s"]}
+    along = {"sweep.along": str(folder / "rows.csv")}
+    with np.errstate(all="raise", under="ignore"):
+        for name, changes in (("plane", axes), ("rows", along)):
+            commit_all(folder / f"{name}.zarr", pipeline.load_scene(scene, overrides=changes))
+    return scene, rows, folder / "plane.zarr", pipeline.margin(folder / "rows.zarr")
+
+
+def test_a_point_and_a_row_are_as_hot_as_in_a_plane_and_never_decided_otherwise(
+    places_computed, irg
+):
+    scene, rows, plane, table = places_computed
+    for (load, velocity), row in zip(rows, table.to_dict("records"), strict=True):
+        place = f"--load={load} N", f"--velocity={velocity} m/s"
+        (alone,) = irg("point", scene, *place, "--json")
+        (within,) = irg("margin", plane, *place, "--json")
+        for door in (alone, row):
+            hot = door["decisive temperature [°C]"]
+            assert hot == pytest.approx(within["decisive temperature [°C]"], **SAME)
+            assert door["verdict"] in (within["verdict"], "not decided")
