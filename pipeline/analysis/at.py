@@ -271,13 +271,13 @@ def _place(axis: xr.DataArray, value: float | str) -> int:
     """Place of a value along the dimension of an entry."""
     values = np.atleast_1d(axis.values).tolist()
     if isinstance(values[0], str):
-        matches = [number for number, held in enumerate(values) if held == value]
+        matches = [number for number, data in enumerate(values) if data == value]
     else:
         wanted = _number(value)
         matches = np.flatnonzero(np.isclose(values, wanted, rtol=ALIKE, atol=0)).tolist()
     if not matches:
-        held = ", ".join(value_text(axis, one) for one in values)
-        raise InputError(f"{axis.name} is {value}, which the sweep does not have; it has {held}")
+        data = ", ".join(value_text(axis, one) for one in values)
+        raise InputError(f"{axis.name} is {value}, which the sweep does not have; it has {data}")
     return int(matches[0])
 
 

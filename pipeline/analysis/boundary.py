@@ -106,34 +106,34 @@ def boundary(ds: xr.Dataset | PathLike | Results) -> xr.Dataset:
     >>> pipeline.boundary(warmer)["critical_velocity"].sel(load=600).round(2).item()
     1.5
     """
-    held = results(ds)
-    require_kind(held.kind, Kind.PLANE, Kind.SAMPLES)
-    answer = _band_alone if held.kind is Kind.SAMPLES else boundary_under
-    axes = [held.rows[name] for name in held.entry_dims]
-    found = side_by_side([answer(scene) for scene in held.scenes], axes)
-    if held.kind is Kind.PLANE:
+    data = results(ds)
+    require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
+    answer = _band_alone if data.kind is Kind.SAMPLES else boundary_under
+    axes = [data.rows[name] for name in data.entry_dims]
+    found = side_by_side([answer(scene) for scene in data.scenes], axes)
+    if data.kind is Kind.PLANE:
         turns = [found[name].notnull() for name in found if "turn" in found[name].dims]
         most = max(int(one.sum("turn").max()) for one in turns)
         found = found.isel(turn=slice(max(most, 1)))
-    return found.assign_attrs(missing_points=held.missing)
+    return found.assign_attrs(missing_points=data.missing)
 
 
 def boundary_under(ds: xr.Dataset | Results, conditions: Conditions | None = None) -> xr.Dataset:
     """The boundary of one scene, under given conditions or its own."""
-    held = results(ds)
-    held.require_lists(*PLANE)
-    found = point_field(held, conditions)
-    held = found.source
-    coords = {name: held.rows[name].variable for name in held.front} | {
-        "load": axis_of("load", held.loads), "velocity": axis_of("velocity", held.velocities)
+    data = results(ds)
+    data.require_lists(*PLANE)
+    found = point_field(data, conditions)
+    data = found.source
+    coords = {name: data.rows[name].variable for name in data.front} | {
+        "load": axis_of("load", data.loads), "velocity": axis_of("velocity", data.velocities)
     }  # fmt: skip
     result = xr.Dataset(coords=coords, attrs=_condition_attributes(found.conditions))
-    if held.front:
+    if data.front:
         shares = ("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
         result = result.assign_coords(quantile=shares)
     for axis, line in (("velocity", "load"), ("load", "velocity")):
         result = result.assign(_transitions(found, axis, line))
-        if oil := find_lubrication(held.sweep):
+        if oil := find_lubrication(data.sweep):
             places = {line: result[line].values, axis: result[f"critical_{axis}"].values}
             bulk, dims = found.conditions.mean_bulk_temperature, result[f"critical_{axis}"].dims
             film = oil.film_parameter(places["load"], places["velocity"], bulk)
@@ -212,8 +212,8 @@ _BESIDE = (1 - 1e-6, 1 + 1e-6)  # sides of a point, at which the numerical error
 
 def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
     """Add the ends of the band that the errors leave, by load."""
-    held, loads = field.source, field.source.loads
-    scatter, velocities = model_error(held, field), held.velocities
+    data, loads = field.source, field.source.loads
+    scatter, velocities = model_error(data, field), data.velocities
     bands = np.full((len(loads), 2), math.nan)
     if velocities.max() > 0:
         grid = np.geomspace(velocities.min() / _BEYOND, velocities.max() * _BEYOND, _STEPS)
@@ -225,7 +225,7 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
     ):
         boundaries[name] = _described("load", ends, "m/s", words)
     misfit = {"misfit": field.misfit} if field.misfit else {}
-    notes = joined(caveats(held.sweep, field.conditions, field.counts_inputs))
+    notes = joined(caveats(data.sweep, field.conditions, field.counts_inputs))
     return boundaries.assign_attrs(model_error=scatter.text, caveats=notes, **misfit)
 
 

@@ -55,16 +55,16 @@ class Origin:
                 "pipeline.open_sweep, or keep attributes with "
                 "xarray.set_options(keep_attrs=True)"
             )
-        held = ds.variables.get(INPUTS)
-        digests = "" if held is None else str(held.attrs["digests"])
-        return cls(str(ds.attrs["sweep"]), digests, str(ds.attrs.get("rule", "")), held)
+        data = ds.variables.get(INPUTS)
+        digests = "" if data is None else str(data.attrs["digests"])
+        return cls(str(ds.attrs["sweep"]), digests, str(ds.attrs.get("rule", "")), data)
 
 
 @functools.lru_cache(maxsize=64)
 def stored_sweep(origin: Origin) -> Sweep:
     """The sweep as it was stored, whatever it is judged at."""
-    held = origin.arrays
-    return text_sweep(origin.text, {} if held is None else split_arrays(held.values, held.attrs))
+    data = origin.arrays
+    return text_sweep(origin.text, {} if data is None else split_arrays(data.values, data.attrs))
 
 
 @functools.lru_cache(maxsize=64)
@@ -184,8 +184,8 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     require_one_sweep(source, table)
     lazy = {
         name: source[name].compute()
-        for name, held in source.variables.items()
-        if held.chunks and name not in AT_END
+        for name, data in source.variables.items()
+        if data.chunks and name not in AT_END
     }
     return _per_point(ordered(source.assign(lazy) if lazy else source))
 
@@ -218,8 +218,8 @@ def _require_known_axes(ds: xr.Dataset, table: Variants) -> None:
                 f"the dataset has lost its coordinate {name}, or has it along another dimension; "
                 "keep it, and take each of its values by itself"
             )
-    for label, held in ds.coords.items():
-        given, unit = held.attrs.get("units"), units.get(str(label))
+    for label, data in ds.coords.items():
+        given, unit = data.attrs.get("units"), units.get(str(label))
         if given and unit and not _is_same_unit(given, unit):
             raise InputError(f"{label} of the dataset is in {given}; convert it to {unit}")
 

@@ -60,10 +60,10 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     [0.0, 0.0, 0.0, 0.0]
     """
     first, second = results(a), results(b)
-    for held in (first, second):
-        require_kind(held.kind, Kind.PLANE, Kind.SAMPLES)
-        require_one_scene(held.entry_dims)
-        held.require_lists(*PLANE)
+    for data in (first, second):
+        require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
+        require_one_scene(data.entry_dims)
+        data.require_lists(*PLANE)
     points, alike = _points(first, second)
     rows = differing(first.sweep, second.sweep)  # in the order of the scene
     entries = frame_of(("entry", "a", "b"), ((path, x or None, y or None) for path, x, y in rows))
@@ -74,7 +74,7 @@ def _boundary(a: Results, b: Results) -> pd.DataFrame:
     """Critical velocities at the loads of both; empty if wear is not judged."""
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
-        first, second = (_critical_velocities(held) for held in (a, b))
+        first, second = (_critical_velocities(data) for data in (a, b))
     except LawError:
         raise
     except InputError:  # no critical temperature
@@ -85,9 +85,9 @@ def _boundary(a: Results, b: Results) -> pd.DataFrame:
     return frame_of(heads, zip(*columns, both["outcome a"], both["outcome b"], strict=True))
 
 
-def _critical_velocities(held: Results) -> pd.DataFrame:
+def _critical_velocities(data: Results) -> pd.DataFrame:
     """Critical velocity and outcome at each load; over several surfaces or samples the median."""
-    boundaries, meanings = boundary(held), outcomes("velocity")
+    boundaries, meanings = boundary(data), outcomes("velocity")
     if "critical_velocity_quantile" in boundaries:
         velocity = boundaries["critical_velocity_quantile"].sel(quantile=0.5).values
     else:
@@ -109,9 +109,9 @@ def _points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
         "load [N]", "velocity [m/s]", "variant", "state a", "state b", "rise a [K]", "rise b [K]",
         "change [%]",
     )  # fmt: skip
-    has_seeds = any("realization" in held.front for held in (a, b))
+    has_seeds = any("realization" in data.front for data in (a, b))
     place = ["load", "velocity", "variant"]
-    states = (_states(held, has_seeds) for held in (a, b))
+    states = (_states(data, has_seeds) for data in (a, b))
     both = pd.merge(*states, on=place, how="outer", suffixes=(" a", " b"))
     both = both.fillna({"state a": "absent", "state b": "absent"})
     is_done = both[["state a", "state b"]] == "done"
@@ -122,28 +122,28 @@ def _points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
     return frame_of(heads, rows.itertuples(index=False, name=None)), int(is_alike.sum())
 
 
-def _states(held: Results, has_seeds: bool) -> pd.DataFrame:
+def _states(data: Results, has_seeds: bool) -> pd.DataFrame:
     """State and highest rise [K] of each point that is done, failed or asked for, by its place."""
-    held.require("max_rise")
+    data.require("max_rise")
     values = {
-        "status": held.columns["status"],
-        "asked": held.asked,
-        "rise": held.columns["max_rise"][..., -1],
+        "status": data.columns["status"],
+        "asked": data.asked,
+        "rise": data.columns["max_rise"][..., -1],
     }
-    axes = {"load": held.loads, "velocity": held.velocities}
-    own = {name: axis for name, axis in axes.items() if name not in held.rows.coords}
-    shape = *(held.rows.sizes[name] for name in held.front), *map(len, own.values())
-    dims, in_front = [*held.front, *own], [*held.front]
+    axes = {"load": data.loads, "velocity": data.velocities}
+    own = {name: axis for name, axis in axes.items() if name not in data.rows.coords}
+    shape = *(data.rows.sizes[name] for name in data.front), *map(len, own.values())
+    dims, in_front = [*data.front, *own], [*data.front]
     points = xr.Dataset(
         {name: (dims, np.reshape(one, shape)) for name, one in values.items()},
-        {**held.rows.coords, **own},
+        {**data.rows.coords, **own},
     )
     frame = points.to_dataframe().reset_index()
     frame["variant"] = None
     if in_front:
         frame["variant"] = frame[in_front].astype(str).agg(", ".join, axis="columns")
     elif has_seeds:
-        frame["variant"] = str(getattr(held.sweep.scene.roughness, "seed", None))
+        frame["variant"] = str(getattr(data.sweep.scene.roughness, "seed", None))
     frame["state"] = frame["status"].map(_STATES).fillna("pending")
     here = (frame["status"] != PENDING) | frame["asked"]
     return frame.loc[here, ["load", "velocity", "variant", "state", "rise"]]

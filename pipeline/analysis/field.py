@@ -271,28 +271,28 @@ class PointField:
     ) -> Array:
         """See `Field`."""
         loads, velocities = places_of(loads, velocities)
-        untold = self._is_untold(loads, velocities)
+        is_sparse = self._has_few_points(loads, velocities)
         # Places on a row of the sweep share its line.
-        is_row = np.isin(loads, self.loads) & ~untold
+        is_row = np.isin(loads, self.loads) & ~is_sparse
         keys = np.stack([loads, np.where(is_row, -1.0, velocities)])
         _, first, rows = np.unique(keys, axis=1, return_index=True, return_inverse=True)
-        line = self.lines("velocity", loads[first], velocities[first], untold[first])
+        line = self.lines("velocity", loads[first], velocities[first], is_sparse[first])
         shape = np.broadcast_shapes(loads.shape, np.shape(shift))
         factors = np.exp(-np.broadcast_to(shift, shape))[..., None, :]
-        asked = slice(None), rows.ravel()
+        chosen = slice(None), rows.ravel()
         shares = [
-            replace(line, limit=limit * factors, rows=asked).severe_share(velocities, scatter)
+            replace(line, limit=limit * factors, rows=chosen).severe_share(velocities, scatter)
             for limit in rise_limits(self.conditions)
         ]
         return np.asarray(np.mean(shares, axis=(0, -2)))
 
-    def _is_untold(self, loads: Array, velocities: Array) -> Mask:
+    def _has_few_points(self, loads: Array, velocities: Array) -> Mask:
         """A row of the sweep has too few points to go on to a velocity, on any surface."""
-        untold = np.zeros(loads.shape, bool)
+        is_sparse = np.zeros(loads.shape, bool)
         for member, row in np.argwhere(self._curves.count < 2).tolist():
             is_row = loads == self.loads[row]
-            untold |= is_row & ~np.isin(velocities, self._curves.x[member, row])
-        return untold
+            is_sparse |= is_row & ~np.isin(velocities, self._curves.x[member, row])
+        return is_sparse
 
     def lines(
         self, axis: str, loads: Array, velocities: Array, is_filled: Mask | bool = False
@@ -388,11 +388,11 @@ def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
 
 def fields(ds: xr.Dataset | PathLike | Results) -> list[Field]:
     """The field of each scene of a sweep, or of each row with its own place."""
-    held = results(ds)
-    if held.kind is Kind.SAMPLES:
-        made: list[Field] = extras.module("fields").fields(held)
+    data = results(ds)
+    if data.kind is Kind.SAMPLES:
+        made: list[Field] = extras.module("fields").fields(data)
         return made
-    return [point_field(scene) for scene in held.scenes]
+    return [point_field(scene) for scene in data.scenes]
 
 
 def point_field(ds: xr.Dataset | Results, conditions: Conditions | None = None) -> PointField:

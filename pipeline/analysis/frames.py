@@ -43,7 +43,7 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
         values["severe above [m/s]"] = boundaries["severe_above"]
     rows = next(iter(values.values()))
     dims = [*entry_dims(rows), axis]
-    crossings = xr.Dataset({head: held.drop_attrs() for head, held in values.items()})
+    crossings = xr.Dataset({head: data.drop_attrs() for head, data in values.items()})
     frame = crossings.to_dataframe(dims).reset_index()
     several = {field for field, path in FIELDS.items() if path in dims}
     judged = [one for one in ("friction", *JUDGED, "caveats") if one not in several]

@@ -47,18 +47,18 @@ def laboratory_tests(ds: xr.Dataset | Results) -> tuple[Measurement, ...]:
     All of them where that is not told.
     """
     sweep = results(ds).sweep
-    return sweep.tests if len(untold_oils(sweep)) > 1 else own_tests(sweep.tests)
+    return sweep.tests if len(ambiguous_oils(sweep)) > 1 else own_tests(sweep.tests)
 
 
-def untold_oils(sweep: Sweep) -> list[str]:
-    """Oils that the tests of a scene name, if it is not told whose tests count."""
+def ambiguous_oils(sweep: Sweep) -> list[str]:
+    """Oils that the tests of a scene name, unless the scene or the user says whose tests count."""
     names = oils_of(test.oil for test in sweep.tests)
     return [] if "" in names or sweep.oil else names
 
 
 def require_one_oil(sweep: Sweep) -> None:
     """Raise an `InputError` if tests name several oils, and it is not told whose count."""
-    names = untold_oils(sweep)
+    names = ambiguous_oils(sweep)
     if len(names) > 1:
         raise InputError(
             f"the tests are of {len(names)} oils, and the answer is for one: {', '.join(names)}; "
@@ -68,8 +68,8 @@ def require_one_oil(sweep: Sweep) -> None:
 
 def own_conditions(ds: xr.Dataset | Results, test: Measurement) -> Conditions:
     """Conditions of a test: its friction and bulk, or the scene's, not those judged at."""
-    held = results(ds)
-    judged, scene = held.sweep.conditions, held.stored.conditions
+    data = results(ds)
+    judged, scene = data.sweep.conditions, data.stored.conditions
     bulks = {body: getattr(scene, body) for body in ("bulk_temperature", "disk_temperature")}
     if test.bulk_temperature is not None:
         bulks = {"bulk_temperature": test.bulk_temperature, "disk_temperature": None}
@@ -78,33 +78,33 @@ def own_conditions(ds: xr.Dataset | Results, test: Measurement) -> Conditions:
 
 def model_error(ds: xr.Dataset | Results, field: Field) -> Scatter:
     """The model's own error in a scene, by its tests."""
-    held = results(ds)
+    data = results(ds)
     scatter: Scatter | None = getattr(field, "scatter", None)  # that samples have inferred
-    require_one_oil(held.sweep)
+    require_one_oil(data.sweep)
     if scatter is not None:
         return scatter
-    plain, tests = untested_error(held.sweep), laboratory_tests(held)
+    plain, tests = untested_error(data.sweep), laboratory_tests(data)
     if not isinstance(field, PointField):
-        untold = "the scene's tests count with --given-measured"
-        return replace(plain, untold=untold) if tests else plain
-    found = [(test, one) for test in tests if (one := _known(held, field, test))]
-    return replace(_counted(plain, found), untold=AGREED if found else plain.untold)
+        reason = "the scene's tests count with --given-measured"
+        return replace(plain, reason=reason) if tests else plain
+    found = [(test, one) for test in tests if (one := _known(data, field, test))]
+    return replace(_counted(plain, found), reason=AGREED if found else plain.reason)
 
 
 def untested_error(sweep: Sweep) -> ModelError:
     """The model's own error in a scene, without its tests."""
-    names = untold_oils(sweep)
+    names = ambiguous_oils(sweep)
     oil, model = sweep.oil or (names[0] if len(names) == 1 else ""), sweep.declared.model
     return ModelError(usual=model.scatter if model else USUAL, oil=oil)
 
 
-def _known(held: Results, field: PointField, test: Measurement) -> Comparison | None:
+def _known(data: Results, field: PointField, test: Measurement) -> Comparison | None:
     """A test beside what is computed at its own conditions.
 
     None beyond the loads of the sweep, and where velocities that were not computed may agree.
     """
     try:
-        found = comparison(field.under(own_conditions(held, test)), test)
+        found = comparison(field.under(own_conditions(data, test)), test)
     except InputError:
         return None
     return found if found.is_known and 0 < found.critical < math.inf else None
@@ -175,17 +175,17 @@ def critical_velocity(own: PointField, test: Measurement, continued: bool = Fals
     return float(quantile(nearest, own.weights, 0.5)[0])
 
 
-def tests_beside(held: Results, load: float, velocity: float) -> Iterator[str]:
+def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
     """Tests at or beside a place, in words, with their own conditions.
 
     Those as warm as the critical temperature are left out.
     """
-    for test in laboratory_tests(held):
+    for test in laboratory_tests(data):
         pairs = (test.normal_load, load), (test.velocity, velocity)
-        if any(abs(measured - asked) > _BESIDE * abs(asked) for measured, asked in pairs):
+        if any(abs(measured - here) > _BESIDE * abs(here) for measured, here in pairs):
             continue
         with suppress(InputError):
-            own = own_conditions(held, test)
+            own = own_conditions(data, test)
             at = f"friction {own.friction_at(test.velocity):.3g}"
             bulk = display(own.bulk_temperature, "°C", 3)
             place = f"{test.normal_load:g} N, {test.velocity:g} m/s"
@@ -197,11 +197,11 @@ def compared(ds: xr.Dataset | Results) -> pd.DataFrame | None:
 
     Of several values of a condition none is that of a test which gives none.
     """
-    held = results(ds)
-    held = held.take(dict.fromkeys(held.judged_dims, 0))
-    if not laboratory_tests(held) or held.kind is not Kind.PLANE:
+    data = results(ds)
+    data = data.take(dict.fromkeys(data.judged_dims, 0))
+    if not laboratory_tests(data) or data.kind is not Kind.PLANE:
         return None
-    return frame_by_scene(held, lambda scene: frame_of(_HEADS, _rows(scene)))
+    return frame_by_scene(data, lambda scene: frame_of(_HEADS, _rows(scene)))
 
 
 def agreement(frame: pd.DataFrame) -> str:
@@ -227,12 +227,12 @@ def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
     """Rows of one scene."""
     field = point_field(scene)
     under = functools.cache(field.under)
-    held = getattr(scene.sweep.scene.loading, "hold", 0.0)
+    data = getattr(scene.sweep.scene.loading, "hold", 0.0)
     for test in laboratory_tests(scene):
         place = test.normal_load, test.velocity
         note = ""
-        if test.hold not in (None, held):
-            note = f"computed with the hold of the scene, {held:g} s"
+        if test.hold not in (None, data):
+            note = f"computed with the hold of the scene, {data:g} s"
         at = test.friction, test.bulk_temperature
         try:
             own = own_conditions(scene, test)

@@ -83,22 +83,22 @@ def margin(
     0     400.0    mild
     1     600.0  severe
     """
-    held = results(ds)
+    data = results(ds)
     if velocity is not None:
         if load is None:
             raise InputError("velocity is given without a load; give both")
         place = Place(in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s"))
-        found = [*judged(held, OperatingPoints((place,), {}))]
+        found = [*judged(data, OperatingPoints((place,), {}))]
         if len(found) == 1:
             return found[0].known()
-        return margin_frame(held, found)
+        return margin_frame(data, found)
     if load is None or isinstance(load, OperatingPoints):
         points = load
     elif isinstance(load, float | int):
         raise InputError("load is given without a velocity; give both")
     else:
         points = OperatingPoints.read(load)
-    return margin_frame(held, [*judged(held, points)], points)
+    return margin_frame(data, [*judged(data, points)], points)
 
 
 class Judged(NamedTuple):
@@ -119,10 +119,10 @@ class Judged(NamedTuple):
 
 def judged(ds: xr.Dataset | Results, points: OperatingPoints | None) -> Iterator[Judged]:
     """Places of each scene of a sweep, or of its rows where no points are given."""
-    held = results(ds)
+    data = results(ds)
     if points is not None:
-        require_kind(held.kind, Kind.PLANE, Kind.SAMPLES)
-    for field in fields(held):
+        require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
+    for field in fields(data):
         scatter = model_error(field.source, field)
         place = field.source.place
         if points is None and place is None:
@@ -166,12 +166,12 @@ def margin_frame(
     ds: xr.Dataset | Results, found: Sequence[Judged], points: OperatingPoints | None = None
 ) -> pd.DataFrame:
     """Frame of places, with the labels of their scenes and further columns in front."""
-    held = results(ds)
-    names = _labels(found) if held.kind is Kind.PLACES else held.entry_dims
-    heads = heads_of(held.rows, names)
+    data = results(ds)
+    names = _labels(found) if data.kind is Kind.PLACES else data.entry_dims
+    heads = heads_of(data.rows, names)
     labels = pd.DataFrame(
         {
-            head: [shown_label(held.rows[name], one.field.source.labels[name]) for one in found]
+            head: [shown_label(data.rows[name], one.field.source.labels[name]) for one in found]
             for name, head in heads.items()
         }
     )
@@ -208,8 +208,8 @@ def _value(margin: Margin, name: str) -> Any:
 
 def _labels(found: Sequence[Judged]) -> list[str]:
     """Labels of rows with places of their own; their numbers where they have no others."""
-    held = [name for one in found[:1] for name in one.field.source.labels]
-    return [name for name in held if name != VARIANT] or held
+    data = [name for one in found[:1] for name in one.field.source.labels]
+    return [name for name in data if name != VARIANT] or data
 
 
 def _passed_on(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.DataFrame:

@@ -48,7 +48,7 @@ class ModelError:
     residuals: tuple[float, ...] = ()  #: ln(measured/computed) of transitions.
     wrong: tuple[float, ...] = ()  #: The same of outcomes that the model has wrong.
     usual: float = USUAL  #: Relative scatter that stands in for tests.
-    untold: str = "no test confirms or contradicts it"  #: Why no test counts, where none does.
+    reason: str = "no test confirms or contradicts it"  #: Why no test counts, where none does.
     oil: str = ""  #: Oil whose tests count, if they name it.
 
     @property
@@ -88,5 +88,5 @@ class ModelError:
             return f"{size} % in velocity, from {tests} and {prior}"
         if self.usual == 0:
             return "none, as the scene says"
-        untold = f"{self.untold}{self.oil and f', of oil {self.oil}'}"
-        return f"± {100 * self.usual:g} % in velocity, assumed; {untold}"
+        reason = f"{self.reason}{self.oil and f', of oil {self.oil}'}"
+        return f"± {100 * self.usual:g} % in velocity, assumed; {reason}"

@@ -206,11 +206,11 @@ class Results:
         """The results on the surface of a seed; on all surfaces if None."""
         if seed is None:
             return self
-        held = self.rows["realization"].values.tolist() if "realization" in self.front else []
-        if seed not in held:
-            others = ", ".join(map(str, held)) or "no others"
+        data = self.rows["realization"].values.tolist() if "realization" in self.front else []
+        if seed not in data:
+            others = ", ".join(map(str, data)) or "no others"
             raise InputError(f"realization is {seed}; the sweep has {others}")
-        return self.take({"realization": held.index(seed)})
+        return self.take({"realization": data.index(seed)})
 
     def require_plane(self) -> None:
         """Raise an `InputError` unless these are one scene on a plane, with what is drawn of it."""
@@ -255,10 +255,10 @@ class Results:
         stored = self.keeper.messages()
         axes = {"load": self.loads, "velocity": self.velocities} | dict(self.rows.coords)
         with suppress(KeyError):  # of a dataset with places of its own
-            told = stored.sel({name: axes[name] for name in stored.dims if name in axes})
-            told = told.expand_dims({name: self.rows[name] for name in self.judged_dims})
-            told = told.transpose(*self.front, *PLANE, missing_dims="ignore")
-            found = np.reshape(told.values, found.shape)
+            texts = stored.sel({name: axes[name] for name in stored.dims if name in axes})
+            texts = texts.expand_dims({name: self.rows[name] for name in self.judged_dims})
+            texts = texts.transpose(*self.front, *PLANE, missing_dims="ignore")
+            found = np.reshape(texts.values, found.shape)
         return found
 
     def values(self, name: str) -> Any:
@@ -343,10 +343,10 @@ def results(ds: xr.Dataset | PathLike | Results) -> Results:
     Examples
     --------
     >>> import pipeline
-    >>> held = pipeline.results("results/first_try.zarr")
-    >>> held.columns["mean_rise"].shape, held.loads.tolist()
+    >>> data = pipeline.results("results/first_try.zarr")
+    >>> data.columns["mean_rise"].shape, data.loads.tolist()
     ((4, 6, 4), [200.0, 400.0, 600.0, 750.0])
-    >>> pipeline.margin(held, "400 N", "1.4 m/s").verdict
+    >>> pipeline.margin(data, "400 N", "1.4 m/s").verdict
     'mild'
     """
     if isinstance(ds, Results):
@@ -355,8 +355,8 @@ def results(ds: xr.Dataset | PathLike | Results) -> Results:
     kind, status = sweep_kind(ds), ds["status"]
     front = (*entry_dims(ds), *(name for name in drawn_dims(ds) if name in status.dims))
     # In the order of the dataset, so that the first label of a row stays its first.
-    held = (name for name, one in ds.coords.items() if {*one.dims} <= {*front})
-    rows = dict.fromkeys((*held, *front))
+    data = (name for name, one in ds.coords.items() if {*one.dims} <= {*front})
+    rows = dict.fromkeys((*data, *front))
     plane = {name: ds.sizes[name] if name in status.dims else 1 for name in PLANE}
     sizes = {name: status.sizes[name] for name in front} | plane
     wanted = STEPPED if kind is Kind.SAMPLES else {*_RISES, *NEEDED}

@@ -266,8 +266,8 @@ def _interpolation(
     first, last = np.moveaxis(grid.velocities[columns], -1, 0)
     gaps = np.log(last / first)
     way = np.maximum(np.log(first / places), np.log(places / last))
-    further = np.hypot(_slope_spread(grid), BEYOND * (way + gaps))
-    beyond = np.where((gaps > 0) & (way > 0), way * further, 0.0).max(axis=1)
+    slope_error = np.hypot(_slope_spread(grid), BEYOND * (way + gaps))
+    beyond = np.where((gaps > 0) & (way > 0), way * slope_error, 0.0).max(axis=1)
     along = np.where(beyond > 0, beyond, _gap_errors(grid, "velocity", gaps.max(axis=1)))
     errors = np.hypot(along, _gap_errors(grid, "load", np.log(highest / lowest)))
     # No rise is known beyond the loads.

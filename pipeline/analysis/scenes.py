@@ -46,9 +46,9 @@ def side_by_side(answers: list[xr.Dataset], axes: Sequence[xr.DataArray]) -> xr.
 
 def caveats_of(ds: xr.Dataset | PathLike | Results) -> list[str]:
     """Caveats of answers on a sweep, each once."""
-    held = results(ds)
-    is_drawn = held.kind is Kind.SAMPLES
-    lines = (caveats(one.sweep, one.conditions, is_drawn) for one in held.scenes)
+    data = results(ds)
+    is_drawn = data.kind is Kind.SAMPLES
+    lines = (caveats(one.sweep, one.conditions, is_drawn) for one in data.scenes)
     return [*dict.fromkeys(itertools.chain(*lines))]
 
 
@@ -82,11 +82,11 @@ def _usual_unit(axis: xr.DataArray) -> str:
 
 
 def frame_by_scene(
-    held: Results, frame_of_scene: Callable[[Results], pd.DataFrame]
+    data: Results, frame_of_scene: Callable[[Results], pd.DataFrame]
 ) -> pd.DataFrame:
     """Frames of all scenes below each other, with the values of their entries in front."""
-    heads, frames = heads_of(held.rows, held.entry_dims), []
-    for scene in held.scenes:
+    heads, frames = heads_of(data.rows, data.entry_dims), []
+    for scene in data.scenes:
         frame = frame_of_scene(scene)
         labels = [scene.rows[name].item() for name in heads]
         values = frame_of([*heads.values()], [labels] * len(frame))

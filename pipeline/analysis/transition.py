@@ -219,12 +219,12 @@ def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> st
 
 def range_of(ds: xr.Dataset | Results, axis: str) -> tuple[float, float]:
     """Lowest and highest velocity [m/s] or load [N] of a scene, above 0."""
-    held = results(ds)
-    present = (held.loads if axis == "load" else held.velocities).tolist()
-    plane = held.sweep.plane
+    data = results(ds)
+    present = (data.loads if axis == "load" else data.velocities).tolist()
+    plane = data.sweep.plane
     of_scene = plane.loads if axis == "load" else plane.velocities
-    asked = [value for value in of_scene if value > 0] or present
-    return float(min(asked)), float(max(asked))
+    moving = [value for value in of_scene if value > 0] or present
+    return float(min(moving)), float(max(moving))
 
 
 class Transitions(NamedTuple):

@@ -62,23 +62,23 @@ def warned(ds: xr.Dataset | PathLike | Results) -> Warned:
     >>> pipeline.warned(pipeline.open_sweep("results/first_try.zarr")).points
     0
     """
-    held = results(ds)
-    judged = tuple(held.front.index(name) for name in held.judged_dims)
-    flags = warning_flags(held) | _marked(held, _is_molten) * int(WarningKind.MOLTEN)
+    data = results(ds)
+    judged = tuple(data.front.index(name) for name in data.judged_dims)
+    flags = warning_flags(data) | _marked(data, _is_molten) * int(WarningKind.MOLTEN)
     flags = np.bitwise_or.reduce(flags, axis=judged)
     counts = {kind.label: int((flags & kind != 0).sum()) for kind in WarningKind}
     return Warned(
         points=int((flags != 0).sum()),
         kinds={kind: count for kind, count in counts.items() if count},
-        example=_first(held.take(dict.fromkeys(held.judged_dims, 0)), flags),
+        example=_first(data.take(dict.fromkeys(data.judged_dims, 0)), flags),
     )
 
 
-def warning_flags(held: Results) -> Indices:
+def warning_flags(data: Results) -> Indices:
     """Sum of the `WarningKind` of each done point: its own, and what its neighbours tell."""
-    held.require("status", "warning_flags")
-    flags = np.where(held.done, held.columns["warning_flags"], 0).astype(int)
-    return np.asarray(flags | _marked(held, _rises_slowly) * int(WarningKind.SLOW_RISE))
+    data.require("status", "warning_flags")
+    flags = np.where(data.done, data.columns["warning_flags"], 0).astype(int)
+    return np.asarray(flags | _marked(data, _rises_slowly) * int(WarningKind.SLOW_RISE))
 
 
 def _is_molten(scene: Results) -> Mask:
@@ -88,24 +88,24 @@ def _is_molten(scene: Results) -> Mask:
     return np.asarray(scene.rises(judged) > judged.limit(MELTS))
 
 
-def _marked(held: Results, mark: Callable[[Results], Mask]) -> Mask:
+def _marked(data: Results, mark: Callable[[Results], Mask]) -> Mask:
     """Points that are marked in their scene; none of rows that have no plane."""
-    if held.kind is not Kind.PLANE:
-        return np.zeros(held.done.shape, bool)
-    return np.reshape([mark(scene) for scene in held.scenes], held.done.shape)
+    if data.kind is not Kind.PLANE:
+        return np.zeros(data.done.shape, bool)
+    return np.reshape([mark(scene) for scene in data.scenes], data.done.shape)
 
 
-def _first(held: Results, flags: Indices) -> str:
+def _first(data: Results, flags: Indices) -> str:
     """The first point that carries a warning, and its message; empty if none does."""
     if not flags.any():
         return ""
     *row, load, velocity = np.argwhere(flags)[0].tolist()
-    here = held.take(dict(zip(held.front, row, strict=True)))
+    here = data.take(dict(zip(data.front, row, strict=True)))
     flag = flags[(*row, load, velocity)]
     texts = {WarningKind.SLOW_RISE: SLOW, WarningKind.MOLTEN: MOLTEN}
     said = [here.messages[load, velocity], *(texts[kind] for kind in texts if flag & kind)]
     kinds = ", ".join(kind.label for kind in WarningKind if flag & kind)  # of a copy
-    values = tuple((n, value_text(here.rows[n], here.rows[n].item())) for n in held.front)
+    values = tuple((n, value_text(here.rows[n], here.rows[n].item())) for n in data.front)
     point = here.point(load, velocity)._replace(variant=values)
     return f"{point}: {'; '.join(filter(None, said)) or kinds}"
 

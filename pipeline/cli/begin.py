@@ -34,9 +34,9 @@ def new(options: argparse.Namespace) -> Result:
 
 def help_(options: argparse.Namespace) -> Result:
     """Print a page, the help of a command, or the names of all pages."""
-    topic, held = options.topic, shipped_pages()
+    topic, data = options.topic, shipped_pages()
     if topic is None:
-        texts = {name: path.read_text(encoding="utf-8") for name, path in held.items()}
+        texts = {name: path.read_text(encoding="utf-8") for name, path in data.items()}
         titles = {name: re.findall(r"(?m)^# (.+)", text)[0] for name, text in texts.items()}
         lines = [f"irg help {name:12} {title}" for name, title in titles.items()]
         return Result(
@@ -44,13 +44,13 @@ def help_(options: argparse.Namespace) -> Result:
         )
     names = [command.name for command in commands()]
     page = page_name(Path(topic))
-    if page not in held:
+    if page not in data:
         if topic in names:
             parse([topic, "--help"])
-        near = get_close_matches(topic, [*held, *names], 1)
+        near = get_close_matches(topic, [*data, *names], 1)
         meant = f' (did you mean "{near[0]}"?)' if near else ""
         raise InputError(f'no page or command is called "{topic}"{meant}; irg help lists them')
-    text = held[page].read_text(encoding="utf-8")
+    text = data[page].read_text(encoding="utf-8")
     if sys.stdout.isatty() and not options.json:
         pydoc.pager(text)
         return Result({}, ())

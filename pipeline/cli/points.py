@@ -46,22 +46,22 @@ def point(options: argparse.Namespace) -> Result:
         return _judged(pipeline.at(path, oil=options.oil), Place(*place), options.alone)
 
 
-def _simulate(sweep: Sweep, asked: Point, progress: Report) -> Iterator[PointRecord]:
-    """Records of the points of a sweep, the one asked for first; others may fail."""
-    for point in sorted(sweep.chosen or (), key=lambda one: one != asked):
+def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRecord]:
+    """Records of the points of a sweep, the wanted one first; others may fail."""
+    for point in sorted(sweep.chosen or (), key=lambda one: one != wanted):
         try:
             (result,) = run_points(sweep, (point,), progress=progress)
             yield result.record(sweep.plane.fields)
         except TriboError as error:
-            if point == asked:
+            if point == wanted:
                 raise
             yield PointRecord(point, None, str(error))
 
 
 def _judged(ds: xr.Dataset, place: Place, alone: bool) -> Result:
     """The margin of a place, and its contact."""
-    held = pipeline.results(ds)
-    conditions = held.conditions
+    data = pipeline.results(ds)
+    conditions = data.conditions
     point = ds.sel(load=[place.load], velocity=[place.velocity])
     contact = _contact_frame(point, bool(conditions.friction_law.by_temperature))
     if conditions.critical_temperature is None:
@@ -69,13 +69,13 @@ def _judged(ds: xr.Dataset, place: Place, alone: bool) -> Result:
         frame = contact = frame_of(_PLACE, [[*place, decides.item()]]).join(contact)
         text = ["mild or severe is not known without temperature.critical"]
     else:
-        found = [*judged(held, OperatingPoints((place,), {}))]
-        frame, text = margin_frame(held, found).join(contact), place_lines(held, found)
-    if alone and laboratory_tests(held):
+        found = [*judged(data, OperatingPoints((place,), {}))]
+        frame, text = margin_frame(data, found).join(contact), place_lines(data, found)
+    if alone and laboratory_tests(data):
         text.append("tests of the scene at other places are left out, by --alone")
-    text += [*missing_lines(held.missing), *wrapped(remarks("warning", note_on_turns(held.sweep)))]
-    text += ["", upright(contact), "", *caveats_of(held)]
-    return Result(text=text, warned=pipeline.warned(held), frames=[frame])
+    text += [*missing_lines(data.missing), *wrapped(remarks("warning", note_on_turns(data.sweep)))]
+    text += ["", upright(contact), "", *caveats_of(data)]
+    return Result(text=text, warned=pipeline.warned(data), frames=[frame])
 
 
 def _contact_frame(ds: xr.Dataset, solved: bool) -> pd.DataFrame:

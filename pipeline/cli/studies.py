@@ -51,7 +51,5 @@ def _critical_velocities(result: Variations) -> pd.DataFrame:
 
 def trade(options: argparse.Namespace) -> Result:
     """Measure speed against accuracy on a scene."""
-    measured = pipeline.trade(given.scene_in(options), progress=tell)
-    return Result(
-        text=[str(measured)], frames=[measured.table], draw=partial(pipeline.plot, measured)
-    )
+    found = pipeline.trade(given.scene_in(options), progress=tell)
+    return Result(text=[str(found)], frames=[found.table], draw=partial(pipeline.plot, found))

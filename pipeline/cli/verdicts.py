@@ -34,12 +34,12 @@ def margin(options: argparse.Namespace) -> Result:
     """Print the verdict on one operating point, or on those of a table or of the sweep's rows."""
     is_one = bool(values_in(options, "load", "velocity"))
     points = operating_points_in(options)
-    held = pipeline.results(dataset_in(options))
+    data = pipeline.results(dataset_in(options))
     with working("judging operating points"):
-        found = [*judged(held, points)]
-    table, caveats = margin_frame(held, found, points), caveats_of(held)
+        found = [*judged(data, points)]
+    table, caveats = margin_frame(data, found, points), caveats_of(data)
     known = [one.margin for one in found if one.margin]
-    lines = place_lines(held, found) if is_one else []
+    lines = place_lines(data, found) if is_one else []
     if not is_one:
         count = counted(len(table), "operating point", "operating points")
         lines += [points.counted] if points and points.counted else []
@@ -49,19 +49,19 @@ def margin(options: argparse.Namespace) -> Result:
         rests += remarks("warning", *dict.fromkeys(one.misfit for one in known))
         lines += wrapped(rests)
     rests_on = dict.fromkeys(line for one in found for line in one.field.basis)
-    lines += [*rests_on, *words.missing_lines(held.missing)]
-    return Result(text=[*lines, *caveats], warned=pipeline.warned(held), frames=[table])
+    lines += [*rests_on, *words.missing_lines(data.missing)]
+    return Result(text=[*lines, *caveats], warned=pipeline.warned(data), frames=[table])
 
 
-def place_lines(held: Results, found: Sequence[Judged]) -> list[str | pd.DataFrame]:
+def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFrame]:
     """The verdict on one place, in each scene; an `InputError` if it has none in the only one."""
     lines = list[str | pd.DataFrame]()
     if len(found) == 1:
         found[0].known()
     for one in found:
-        told = one.field.source.labels
-        labels = {name: value for name, value in told.items() if name in held.front}
-        lines += [f"{row}:" for row in [entries_in_words(held.rows, labels)] if row]
+        labels = one.field.source.labels.items()
+        own = {name: value for name, value in labels if name in data.front}
+        lines += [f"{row}:" for row in [entries_in_words(data.rows, own)] if row]
         lines += wrapped(words.margin_lines(one.margin) if one.margin else [one.reason])
     is_molten = any(one.margin and one.margin.decisive_temperature > MELTS for one in found)
     return [*lines, *remarks("warning", MOLTEN * is_molten)]
@@ -69,15 +69,15 @@ def place_lines(held: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
 
 def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities or loads with the band of their errors, or the tests."""
-    held = pipeline.results(dataset_in(options))
-    tests = compared(held)
+    data = pipeline.results(dataset_in(options))
+    tests = compared(data)
     if options.by == "test":
         if tests is None:
             raise InputError("the scene has no tests; give [[measured]] or [[tested]] in the scene")
         lines = (wrapped([one]) if isinstance(one, str) else [one] for one in test_parts(tests))
         return Result(text=itertools.chain(*lines), frames=[tests])
     with working("finding the boundary"):
-        crossings = pipeline.boundary(held)
+        crossings = pipeline.boundary(data)
     table = frames_of(crossings)[0 if options.by == "load" else -1]
     alone = ["friction"] if "friction" in crossings.attrs else []
     wide = ["film parameter Λ"] if "realization" in crossings.dims else []
@@ -87,9 +87,9 @@ def boundary(options: argparse.Namespace) -> Result:
     rests = [f"{left_out} more rows: --all, or -o TABLE.csv"] * bool(left_out)
     rests += words.boundary_lines(crossings)
     rests += [f"{agreement(tests)} They are printed by --by test."] if tests is not None else []
-    if held.kind is Kind.SAMPLES:
-        rests += dict.fromkeys(line for field in fields(held) for line in field.basis)
-    rests += remarks("warning", note_on_turns(held.sweep))
-    rule = judged_by((one.conditions for one in held.scenes), held.sweep.variants.rule.unknown)
-    text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(held)])]
-    return Result(text=text, warned=pipeline.warned(held), frames=[table])
+    if data.kind is Kind.SAMPLES:
+        rests += dict.fromkeys(line for field in fields(data) for line in field.basis)
+    rests += remarks("warning", note_on_turns(data.sweep))
+    rule = judged_by((one.conditions for one in data.scenes), data.sweep.variants.rule.unknown)
+    text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(data)])]
+    return Result(text=text, warned=pipeline.warned(data), frames=[table])

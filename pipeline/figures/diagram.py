@@ -57,39 +57,39 @@ def diagram(
     Each place has the verdict of its margin. Over several surfaces the boundary is that of the
     median one, in a band from the tenth to the ninetieth of a hundred.
     """
-    held = results(ds)
-    if held.kind is Kind.SAMPLES:
+    data = results(ds)
+    if data.kind is Kind.SAMPLES:
         if realization is not None:
             raise InputError("the diagram of samples shows probabilities; leave out the surface")
-        drawn: Figure = extras.module("figures").draw_probability(held, log)
+        drawn: Figure = extras.module("figures").draw_probability(data, log)
         return drawn
-    held = held.take_surface(realization)
-    require_kind(held.kind, Kind.PLANE)
+    data = data.take_surface(realization)
+    require_kind(data.kind, Kind.PLANE)
     if log:
-        held = held.take_moving()
+        data = data.take_moving()
     figure, axes = style.canvas(_SIZE)
-    conditions = next(held.scenes).conditions
-    legend, caption = (_draw_scenes if held.entry_dims else _draw_scene)(axes, held)
-    tests, beyond = reachable_tests(held, numbered(laboratory_tests(held)))
-    own_bulk = held.stored.conditions.bulk_temperature
+    conditions = next(data.scenes).conditions
+    legend, caption = (_draw_scenes if data.entry_dims else _draw_scene)(axes, data)
+    tests, beyond = reachable_tests(data, numbered(laboratory_tests(data)))
+    own_bulk = data.stored.conditions.bulk_temperature
     legend += [*mark_tests(axes, tests, conditions.bulk_temperature, own_bulk), *beyond]
     axes.use_sticky_edges = False  # those of the regions would leave no margin
     axes.margins(0.04)
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
-    style.write_title(axes, ", ".join([style.title_of(held), *named(held.surface)]))
+    style.write_title(axes, ", ".join([style.title_of(data), *named(data.surface)]))
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
     style.legend_below(figure, handles=legend, caption=caption)
     return figure
 
 
-def _draw_scene(axes: Axes, held: Results) -> tuple[list[Artist], str]:
+def _draw_scene(axes: Axes, data: Results) -> tuple[list[Artist], str]:
     """Draw one scene, the boundary that of the median of its surfaces; its legend and caption."""
-    field = point_field(held)
+    field = point_field(data)
     caption, legend = judged_by([field.conditions]), list[Artist]()
-    if min(len(held.loads), len(held.velocities)) > 1:
-        x, y = _between(held.velocities, 96), _between(held.loads, 48)
+    if min(len(data.loads), len(data.velocities)) > 1:
+        x, y = _between(data.velocities, 96), _between(data.loads, 48)
         excess = _excess(field, x, y)
         legend += _shade_verdicts(axes, field, x, y, excess)
         if zero_line(axes, x, y, np.median(excess, axis=0), "boundary", **style.BOUNDARY):
@@ -97,30 +97,30 @@ def _draw_scene(axes: Axes, held: Results) -> tuple[list[Artist], str]:
             legend.append(Line2D([], [], label=label, **style.BOUNDARY))
         legend += _shade_surfaces(axes, x, y, excess)
         legend += _friction_lines(axes, field, x, y)
-        legend += film_lines(axes, held, field.conditions)
-        caption += f"\nthe model's own error: {model_error(held, field).text}"
-    return [*legend, *_mark_points(axes, held)], caption
+        legend += film_lines(axes, data, field.conditions)
+        caption += f"\nthe model's own error: {model_error(data, field).text}"
+    return [*legend, *_mark_points(axes, data)], caption
 
 
-def _draw_scenes(axes: Axes, held: Results) -> tuple[list[Artist], str]:
+def _draw_scenes(axes: Axes, data: Results) -> tuple[list[Artist], str]:
     """Draw the boundary of each scene of a sweep over entries, the median of its surfaces."""
-    if min(len(held.loads), len(held.velocities)) < 2:
+    if min(len(data.loads), len(data.velocities)) < 2:
         raise InputError(
             "the diagram of several scenes takes two loads and two velocities or more; irg "
             "boundary prints their transitions"
         )
-    several, legend = [point_field(scene) for scene in held.scenes], list[Artist]()
+    several, legend = [point_field(scene) for scene in data.scenes], list[Artist]()
     shades = colormaps["viridis"](np.linspace(0.0, _LIGHTEST, len(several)))
-    x, y = _between(held.velocities, 96), _between(held.loads, 48)
+    x, y = _between(data.velocities, 96), _between(data.loads, 48)
     for field, shade in zip(several, shades, strict=True):
         plane = np.median(_excess(field, x, y), axis=0)
         labels = field.source.labels
-        name = ", ".join(value_text(held.rows[path], labels[path]) for path in held.entry_dims)
+        name = ", ".join(value_text(data.rows[path], labels[path]) for path in data.entry_dims)
         look: dict[str, Any] = style.BOUNDARY | {"color": shade}
         if not zero_line(axes, x, y, plane, f"boundary {name}", **look):
             name, look = f"{name}: no transition computed", {"ls": "none"}
         legend.append(Line2D([], [], label=name, **look))
-    entries = " and ".join(held.entry_dims).replace(".", " ").replace("_", " ")
+    entries = " and ".join(data.entry_dims).replace(".", " ").replace("_", " ")
     caption, conditions = f"transition by {entries}", {field.conditions for field in several}
     return legend, caption + (f"; {judged_by(conditions)}" if len(conditions) == 1 else "")
 
@@ -195,12 +195,12 @@ def _friction_lines(axes: Axes, field: PointField, x: Array, y: Array) -> list[A
     return [Line2D([], [], label=label, **look)] * any(drawn)
 
 
-def _mark_points(axes: Axes, held: Results) -> list[Artist]:
+def _mark_points(axes: Axes, data: Results) -> list[Artist]:
     """Mark the points; over several surfaces, by those on which the point is done."""
-    r, limit = held.rises(held.conditions), rise_limit(held.conditions)
+    r, limit = data.rises(data.conditions), rise_limit(data.conditions)
     severe, mild = (_any_surface(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
-    failed = ~(severe | mild) & _any_surface(held.columns["status"] != PENDING)
-    pending = ~(severe | mild) & ~failed & _any_surface(held.asked)
+    failed = ~(severe | mild) & _any_surface(data.columns["status"] != PENDING)
+    pending = ~(severe | mild) & ~failed & _any_surface(data.asked)
     usual = rcParams["lines.markersize"]
     kinds: list[tuple[str, Mask, dict[str, Any]]] = [
         ("mild wear, computed", mild & ~severe, {"marker": "o", "mfc": "white", "mec": BLUE}),
@@ -209,7 +209,7 @@ def _mark_points(axes: Axes, held: Results) -> list[Artist]:
          {"marker": "s", "mfc": "white", "mec": VERMILION}),
         ("failed", failed, {"marker": "x", "mec": BLACK}),
         ("pending", pending, {"marker": "o", "mfc": GREY, "mec": "none"}),
-        ("carries a warning", _any_surface(warning_flags(held) != 0),
+        ("carries a warning", _any_surface(warning_flags(data) != 0),
          {"marker": "o", "mfc": "none", "mec": BLACK, "ms": style.BIG * usual}),
     ]  # fmt: skip
     look_of_all = {"ls": "none", "ms": usual * (0.5 if failed.size > _MANY else 0.8)}
@@ -217,7 +217,7 @@ def _mark_points(axes: Axes, held: Results) -> list[Artist]:
     for label, where, look in kinds:
         rows, columns = np.nonzero(where)
         if rows.size:
-            places = held.velocities[columns], held.loads[rows]
+            places = data.velocities[columns], data.loads[rows]
             legend += axes.plot(
                 *places, label=label, gid=label, mew=style.THIN, **look_of_all | look
             )

@@ -25,26 +25,26 @@ _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 
 
 def chosen_points(
-    held: Results, load: Wanted, velocity: Wanted, conditions: Conditions
+    data: Results, load: Wanted, velocity: Wanted, conditions: Conditions
 ) -> list[Spot]:
     """Find the points nearest to loads and velocities; of one not given, to the transition."""
-    rises = held.rises(conditions)
+    rises = data.rises(conditions)
     is_done = np.isfinite(rises)
     reached = np.flatnonzero(is_done.any(axis=1))
     judged = conditions.critical_temperature is not None
     limit, points = rise_limit(conditions) if judged else math.inf, list[Spot]()
-    for i in nearest_indices(held.loads, "load", load) or reached[-1:].tolist() or [0]:
-        require_done_at(held.loads[i], is_done[i])
+    for i in nearest_indices(data.loads, "load", load) or reached[-1:].tolist() or [0]:
+        require_done_at(data.loads[i], is_done[i])
         distance = np.abs(rises[i] - min(limit, np.nanmax(rises[i])))
-        wanted = nearest_indices(held.velocities, "velocity", velocity) or [
+        wanted = nearest_indices(data.velocities, "velocity", velocity) or [
             int(np.nanargmin(distance))
         ]
         points += [(i, j) for j in wanted]
     for point in points:
         if not is_done[point]:
-            reason = str(held.messages[point])
+            reason = str(data.messages[point])
             raise InputError(
-                f"the point {held.point(*point)} is not done{reason and ': '}{reason}; "
+                f"the point {data.point(*point)} is not done{reason and ': '}{reason}; "
                 "give another load or velocity, or go on with irg run"
             )
     return points
@@ -58,18 +58,18 @@ def require_done_at(load: float, is_done: Mask) -> None:
         )
 
 
-def nearest_indices(held: Array, axis: str, values: Wanted) -> list[int]:
+def nearest_indices(data: Array, axis: str, values: Wanted) -> list[int]:
     """Find the indices nearest to one load or velocity or several; none if none is given."""
     found = list[int]()
     several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
     for value in several:
         place = in_si(axis, value, _LIKE[axis])
-        if not held[0] <= place <= held[-1]:
+        if not data[0] <= place <= data[-1]:
             raise InputError(
-                f"{axis} is {place:g} {UNITS[axis]}; the sweep has {held[0]:g} to {held[-1]:g} "
+                f"{axis} is {place:g} {UNITS[axis]}; the sweep has {data[0]:g} to {data[-1]:g} "
                 f"{UNITS[axis]}: give one of these"
             )
-        found.append(int(np.abs(held - place).argmin()))
+        found.append(int(np.abs(data - place).argmin()))
     return found
 
 
@@ -80,7 +80,7 @@ _COLUMN = 4.7  # [inch], below which panels lie below each other
 
 @style.house_style
 def fields(
-    held: Results,
+    data: Results,
     load: float | str | None = None,
     velocity: float | str | None = None,
     realization: int | None = None,
@@ -89,16 +89,16 @@ def fields(
 
     In a figure as narrow as a column of a journal they lie below each other.
     """
-    if "pressure" not in held.rest:
+    if "pressure" not in data.rest:
         raise InputError(
             "the sweep holds no fields; set 'fields = true' under [sweep] in the scene, and run it "
             "into another store"
         )
-    held = held.take_row(realization)
-    conditions = held.shown_conditions
-    point = chosen_points(held, load, velocity, conditions)[0]
-    shown = _shown(held, point, conditions)
-    x, y = (shown_in(held.rest[axis].values, "µm") for axis in "xy")
+    data = data.take_row(realization)
+    conditions = data.shown_conditions
+    point = chosen_points(data, load, velocity, conditions)[0]
+    shown = _shown(data, point, conditions)
+    x, y = (shown_in(data.rest[axis].values, "µm") for axis in "xy")
     is_stacked = style.wanted_width(_COLUMN) < _COLUMN
     height = float(np.clip(3.3 * np.ptp(y) / np.ptp(x), 0.5, 2.6 if is_stacked else 6.0))
     panel = 1.4 + height
@@ -118,20 +118,20 @@ def fields(
         if shown[1].min() < limit < shown[1].max():
             grid[1].contour(x, y, shown[1].T, [limit], colors=style.SKY, linewidths=style.THIN)
             grid[1].child_axes[0].set_xlabel(f"{labels[1]}, outlined at {limit:g}")
-    title = f"{style.title_of(held)}\n{held.point(*point)}, {style.heating(conditions)}"
+    title = f"{style.title_of(data)}\n{data.point(*point)}, {style.heating(conditions)}"
     style.write_title(figure, title)
     return figure
 
 
-def _shown(held: Results, point: Spot, conditions: Conditions) -> tuple[Array, ...]:
+def _shown(data: Results, point: Spot, conditions: Conditions) -> tuple[Array, ...]:
     """Pressure [GPa], temperature [°C] and wear depth [µm] at the end of a point, by x and y."""
-    here = held.rest.isel(load=point[0], velocity=point[1]).transpose("x", "y", ...)
+    here = data.rest.isel(load=point[0], velocity=point[1]).transpose("x", "y", ...)
     rise = here["rise"].values
     if conditions.bulk_ratio:
         rise = rise + conditions.bulk_ratio * here["bulk_response"].values
         rise += max(0.0, -conditions.bulk_ratio)  # above the colder body
     if conditions.corrections:
-        columns = {name: held.columns[name][point] for name in columns_needed(conditions)}
+        columns = {name: data.columns[name][point] for name in columns_needed(conditions)}
         line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}
         zero, one = corrected_columns(columns | line, conditions)["rise_quantile"][-1]
         rise = zero + (one - zero) * rise

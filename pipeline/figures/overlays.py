@@ -41,12 +41,12 @@ def zero_line(
     return True
 
 
-def film_lines(axes: Axes, held: Results, conditions: Conditions) -> list[Artist]:
+def film_lines(axes: Axes, data: Results, conditions: Conditions) -> list[Artist]:
     """Draw the beginnings of mixed lubrication and of the full film, if they lie in the figure."""
-    lubrication = find_lubrication(held.sweep)
+    lubrication = find_lubrication(data.sweep)
     if lubrication is None:
         return []
-    y, x = (np.linspace(*axis[[0, -1]]) for axis in (held.loads, held.velocities))
+    y, x = (np.linspace(*axis[[0, -1]]) for axis in (data.loads, data.velocities))
     film = lubrication.film_parameter(y[:, None], x, conditions.mean_bulk_temperature)
     legend: list[Artist] = []
     for level, beyond, dashes in _LEVELS:
@@ -107,10 +107,10 @@ def numbered(tests: Iterable[Measurement]) -> dict[str, Measurement]:
 
 
 def reachable_tests(
-    held: Results, tests: Mapping[str, Measurement]
+    data: Results, tests: Mapping[str, Measurement]
 ) -> tuple[dict[str, Measurement], list[Artist]]:
     """Tests within about half the sweep's range beyond it; a line of the legend on the others."""
-    ends = {"load": held.loads[[0, -1]], "velocity": held.velocities[[0, -1]]}
+    ends = {"load": data.loads[[0, -1]], "velocity": data.velocities[[0, -1]]}
 
     def is_near(test: Measurement) -> bool:
         place = {"load": test.normal_load, "velocity": abs(test.velocity)}

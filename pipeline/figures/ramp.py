@@ -37,7 +37,7 @@ _COARSE_RAMP = "; marks: end of the ramp, on smaller elements than the lines"
 
 @style.house_style
 def ramp(
-    held: Results,
+    data: Results,
     load: Wanted = None,
     velocity: Wanted = None,
     realization: int | None = None,
@@ -47,14 +47,14 @@ def ramp(
 
     Steps on the grid of the history and on the point's own are not joined.
     """
-    held = held.take_row(realization)
-    conditions = held.shown_conditions
-    points = chosen_points(held, load, velocity, conditions)
-    held = replace(held, columns=rises_above_colder(held.columns, conditions))
-    panels = [_CONTACT, _WEAR] if show is None else [(_stored(held, show),)]
+    data = data.take_row(realization)
+    conditions = data.shown_conditions
+    points = chosen_points(data, load, velocity, conditions)
+    data = replace(data, columns=rises_above_colder(data.columns, conditions))
+    panels = [_CONTACT, _WEAR] if show is None else [(_stored(data, show),)]
     figure = style.Picture((8.0, 4.2 + 2.1 * len(panels)))
     top, *below = figure.subplots(1 + len(panels), sharex=True)
-    _temperatures(top, held, points, conditions)
+    _temperatures(top, data, points, conditions)
     for axes, panel in zip(below, panels, strict=True):
         handles = []
         # The right axis has more room, so that quantities in proportion do not lie on each other.
@@ -62,54 +62,54 @@ def ramp(
             side = axes if look is _SOLID else axes.twinx()
             side.grid(visible=look is _SOLID)
             words, unit = label.rstrip("]").split(" [")
-            values = held.values(name).astype(float)
+            values = data.values(name).astype(float)
             values = values if show else shown_in(values, unit.split()[0])
-            _draw(side, held, values, points, look)
+            _draw(side, data, values, points, look)
             side.ticklabel_format(axis="y", scilimits=(-2, 3))
             side.set(ylabel=label, ylim=(0, room * side.get_ylim()[1]))  # room for the legend
             handles.append(Line2D([], [], color=BLACK, label=words, **look))
         style.fitting_legend(axes, 2, handles=handles, loc="upper left")
     below[-1].set_xlabel("time [s]")
     below[-1].set_xlim(left=0)
-    _load_axis(top, held, max(points))
-    style.write_title(figure, style.title_of(held))
+    _load_axis(top, data, max(points))
+    style.write_title(figure, style.title_of(data))
     names = [
-        Line2D([], [], color=f"C{k}", lw=3, label=str(held.point(*point)))
+        Line2D([], [], color=f"C{k}", lw=3, label=str(data.point(*point)))
         for k, point in enumerate(points)
     ]
-    time, own = held.values("time"), held.values("own_grid")
+    time, own = data.values("time"), data.values("own_grid")
     is_coarse = any((np.isfinite(time[point]) & ~own[point]).any() for point in points)
     caption = style.heating(conditions) + _COARSE_RAMP * is_coarse
     style.legend_below(figure, handles=names, caption=caption)
     return figure
 
 
-def _stored(held: Results, name: str) -> tuple[str, str]:
+def _stored(data: Results, name: str) -> tuple[str, str]:
     """Label and name of a variable at each step."""
-    stepped = {*STEPPED, *MADE, "own_grid"} & {*held.columns, *held.rest}
+    stepped = {*STEPPED, *MADE, "own_grid"} & {*data.columns, *data.rest}
     names = sorted(one for one in stepped if VARIABLES[one].dims[-1] == "step")
     if name not in names:
         raise InputError(f"show is {name!r}; stored at each step are {', '.join(names)}")
     return f"{name} [{VARIABLES[name].units}]", name
 
 
-def _draw(axes: Axes, held: Results, values: Array, points: list[Spot], look: Any) -> None:
+def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: Any) -> None:
     """Draw values (load, velocity, step) at the steps of points, the ends as marks."""
     for number, point in enumerate(points):
-        time, own = (held.values(name)[point] for name in ("time", "own_grid"))
+        time, own = (data.values(name)[point] for name in ("time", "own_grid"))
         known = np.isfinite(values[point])
         for part, marks in ((known & ~own, {"marker": "None"}), (known & own, {"markevery": [-1]})):
             if part.any():
                 axes.plot(time[part], values[point][part], color=f"C{number}", **look | marks)
 
 
-def _temperatures(axes: Axes, held: Results, points: list[Spot], conditions: Conditions) -> None:
+def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Conditions) -> None:
     """Draw the highest temperature, and that which decides."""
     handles = []
     for judged, look in _judged_looks(conditions):
-        rise = judged.decisive.rise({**held.columns, "quantile": held.shares})
+        rise = judged.decisive.rise({**data.columns, "quantile": data.shares})
         temperature = shown_in(conditions.contact_temperature(rise), "°C")
-        _draw(axes, held, temperature, points, look)
+        _draw(axes, data, temperature, points, look)
         handles.append(Line2D([], [], color=BLACK, label=judged.decisive.temperature, **look))
     handles += _critical_line(axes, conditions)
     axes.set_ylabel("contact temperature [°C]")
@@ -133,9 +133,9 @@ def _critical_line(axes: Axes, conditions: Conditions) -> list[Line2D]:
     return [axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")]
 
 
-def _load_axis(axes: Axes, held: Results, point: Spot) -> None:
+def _load_axis(axes: Axes, data: Results, point: Spot) -> None:
     """Put the load that belongs to each time above `axes`, if no two times share one."""
-    time, load = (np.append(0.0, held.values(name)[point]) for name in ("time", "normal_load"))
+    time, load = (np.append(0.0, data.values(name)[point]) for name in ("time", "normal_load"))
     time, load = time[np.isfinite(time)], load[np.isfinite(time)]
     if (np.diff(load) > 0).all():
         time, load = np.append(time, 2 * time[-1]), np.append(load, 2 * load[-1])
@@ -146,18 +146,18 @@ def _load_axis(axes: Axes, held: Results, point: Spot) -> None:
 
 @style.house_style
 def temperature(
-    held: Results,
+    data: Results,
     load: float | str | None = None,
     realization: int | None = None,
 ) -> Figure:
     """Draw how the temperatures of the contact grow with the velocity at one load."""
-    held = held.take_row(realization)
-    conditions, velocities = held.shown_conditions, held.velocities
-    row = (nearest_indices(held.loads, "load", load) or [-1])[0]
-    load_here = float(held.loads[row])
+    data = data.take_row(realization)
+    conditions, velocities = data.shown_conditions, data.velocities
+    row = (nearest_indices(data.loads, "load", load) or [-1])[0]
+    load_here = float(data.loads[row])
     figure, axes = style.canvas()
     for judged, look in _judged_looks(conditions):
-        rises = held.rises(judged)[row]
+        rises = data.rises(judged)[row]
         require_done_at(load_here, np.isfinite(rises))
         between = along_friction(velocities, rises, conditions.friction_factor)
         for (x, rise), part in ((between, {"marker": "None"}), ((velocities, rises), {"ls": ""})):
@@ -165,10 +165,10 @@ def temperature(
             axes.plot(x, curve, color=BLUE, **look | part)
         axes.plot([], [], color=BLUE, label=judged.decisive.temperature, **look)
     if _critical_line(axes, conditions):
-        turns = point_field(held).transitions("velocity", load_here, velocities[-1]).places
+        turns = point_field(data).transitions("velocity", load_here, velocities[-1]).places
         for turn in turns[np.isfinite(turns)]:
             axes.axvline(turn, color=VERMILION, label=f"transition, {turn:.3g} m/s")
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
-    style.write_title(axes, f"{style.title_of(held)}\n{load_here:g} N")
+    style.write_title(axes, f"{style.title_of(data)}\n{load_here:g} N")
     style.legend_below(figure, caption=style.heating(conditions))
     return figure

@@ -183,9 +183,9 @@ def write_title(owner: Axes | Figure, words: str) -> None:
     write("" if _PLAIN.get() else words, wrap=True)
 
 
-def title_of(held: Results) -> str:
+def title_of(data: Results) -> str:
     """Title of a sweep."""
-    return as_text(held.sweep.title)
+    return as_text(data.sweep.title)
 
 
 def entry_label(path: str) -> str:

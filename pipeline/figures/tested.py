@@ -13,11 +13,11 @@ from pipeline.analysis.dataset import Kind, require_kind, require_one_scene
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import (
     USUAL_SCATTER,
+    ambiguous_oils,
     comparison,
     laboratory_tests,
     model_error,
     own_conditions,
-    untold_oils,
 )
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import Scatter
@@ -37,14 +37,14 @@ def measured_over_computed(ds: xr.Dataset | Results) -> Figure:
     read = results(ds)
     require_kind(read.kind, Kind.PLANE)
     require_one_scene(read.entry_dims)
-    held = numbered(laboratory_tests(read))
-    if not held:
+    data = numbered(laboratory_tests(read))
+    if not data:
         raise InputError(
             "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene, or a "
             "log of them as irg tests writes it"
         )
     field, found = point_field(read), []
-    for number, test in held.items():
+    for number, test in data.items():
         with suppress(InputError):  # as warm as the critical temperature
             one = comparison(field.under(own_conditions(read, test)), test)
             if one.is_known and 0 < one.critical < np.inf:
@@ -56,7 +56,7 @@ def measured_over_computed(ds: xr.Dataset | Results) -> Figure:
     figure, axes = style.canvas((8.0, 5.6))
     places = np.array([(one.critical, test.velocity) for _, test, one in found])
     ends = places.min() / _ROOM, places.max() * _ROOM
-    oils = untold_oils(read.sweep)
+    oils = ambiguous_oils(read.sweep)
     scatter = model_error(read, field) if len(oils) < 2 else None  # one error is of one oil
     _draw_band(axes, np.array(ends), scatter)
     for number, test, one in found:
@@ -64,8 +64,8 @@ def measured_over_computed(ds: xr.Dataset | Results) -> Figure:
         axes.errorbar(one.critical, test.velocity, error, fmt="none", ecolor=GREY)
         beside = ", beyond what was computed" * (one.critical != one.turn)
         mark_test(axes, number, test, (one.critical, test.velocity), beside)
-    if unknown := len(held) - len(found):
-        axes.plot([], [], ls="none", label=f"{unknown} of {len(held)} tests: not known")
+    if unknown := len(data) - len(found):
+        axes.plot([], [], ls="none", label=f"{unknown} of {len(data)} tests: not known")
     axes.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
     style.plain_numbers(axes)
     axes.set(xlabel="critical velocity computed at the test's own conditions [m/s]")

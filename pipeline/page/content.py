@@ -65,26 +65,26 @@ _NUMBERS = (
 
 def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     """What a page shows, as plain data, with the fields of the points nearest to the transition."""
-    held = results(ds).take_moving()
-    held.require_plane()
-    sweep, conditions = held.sweep, held.conditions
+    data = results(ds).take_moving()
+    data.require_plane()
+    sweep, conditions = data.sweep, data.conditions
     require_one_oil(sweep)
-    unequal = held.rest["bulk_ratio"].values.tolist() if "bulk_ratio" in held.rest.coords else []
-    ratios, shares, done = sorted([*unequal, 0.0]), _shares(held, conditions), held.done
-    columns = corrected_columns(held.columns, conditions)
+    unequal = data.rest["bulk_ratio"].values.tolist() if "bulk_ratio" in data.rest.coords else []
+    ratios, shares, done = sorted([*unequal, 0.0]), _shares(data, conditions), data.done
+    columns = corrected_columns(data.columns, conditions)
     # By load, velocity, bulk ratio, share or quantile, and step.
-    deciding, quantiles = _tables(columns, held.shares, conditions.decisive, ratios, shares)
-    load = held.columns["normal_load"][..., None, None, :]
-    worst = worst_moment(deciding, load, held.loads[:, None, None, None, None])
+    deciding, quantiles = _tables(columns, data.shares, conditions.decisive, ratios, shares)
+    load = data.columns["normal_load"][..., None, None, :]
+    worst = worst_moment(deciding, load, data.loads[:, None, None, None, None])
     decisive = np.where(done[..., None, None], _step_values(deciding, worst), np.nan)
     # The step at which each point is shown is the one that decides.
     steps = worst[..., ratios.index(0.0), shares.index(conditions.failing_share)]
-    has_fields = {*FIELDS} <= held.rest.keys()
-    chosen = _nearest(held, done, conditions, most_fields) if has_fields else []
+    has_fields = {*FIELDS} <= data.rest.keys()
+    chosen = _nearest(data, done, conditions, most_fields) if has_fields else []
     return {
-        **_page_facts(held),
-        **_point_states(held),
-        "conditions": _conditions(held, conditions),
+        **_page_facts(data),
+        **_point_states(data),
+        "conditions": _conditions(data, conditions),
         "critical_errors": critical_errors(conditions),
         "controls": [
             asdict(control)
@@ -93,31 +93,31 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
             )
         ],
         "deciding": conditions.decisive.temperature,
-        "times": packed_array(_step_values(held.columns["time"], steps), "<f4"),
+        "times": packed_array(_step_values(data.columns["time"], steps), "<f4"),
         "bulk_ratios": ratios,
         "shares": shares,
         "rises": packed_array(_step_values(quantiles, steps[..., None, None]), "<f4"),
-        **_planes(decisive, held, conditions),
-        **_model_facts(held),
-        "fields": packed_fields(held.rest, chosen, conditions.bulk_ratio)
+        **_planes(decisive, data, conditions),
+        **_model_facts(data),
+        "fields": packed_fields(data.rest, chosen, conditions.bulk_ratio)
         | {"stored": int(done.sum()) * has_fields},
     }
 
 
-def _page_facts(held: Results) -> dict[str, Any]:
+def _page_facts(data: Results) -> dict[str, Any]:
     """What a page shows of the scene and its axes."""
-    sweep = held.sweep
+    sweep = data.sweep
     return {
         "name": sweep.name,
-        "outside": _outside(held.loads, held.velocities),
+        "outside": _outside(data.loads, data.velocities),
         "origins": _ORIGINS,
         "friction_band": sweep.declared.friction.band,
-        "range": {name: range_of(held, name) for name in ("load", "velocity")},
+        "range": {name: range_of(data, name) for name in ("load", "velocity")},
         "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
-        "loads": held.loads.tolist(),
-        "velocities": held.velocities.tolist(),
-        "quantiles": held.shares.tolist(),
-        "surfaces": held.rows["realization"].values.tolist() if held.front else None,
+        "loads": data.loads.tolist(),
+        "velocities": data.velocities.tolist(),
+        "quantiles": data.shares.tolist(),
+        "surfaces": data.rows["realization"].values.tolist() if data.front else None,
     }
 
 
@@ -127,13 +127,13 @@ def _test_facts(test: Measurement) -> dict[str, Any]:
     return test.as_dict() | {"load": test.normal_load, "sign": sign}
 
 
-def _tests(held: Results, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
+def _tests(data: Results, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
     """Tests with the nearest node, and the friction and bulk that each is judged at."""
-    facts, tests = [], laboratory_tests(held)
-    drawn = reachable_tests(held, numbered(tests))[0].values()
+    facts, tests = [], laboratory_tests(data)
+    drawn = reachable_tests(data, numbered(tests))[0].values()
     for test in tests:
-        own = own_conditions(held, test)
-        there = _conditions(held, own) | {"strip_friction": test.friction is not None}
+        own = own_conditions(data, test)
+        there = _conditions(data, own) | {"strip_friction": test.friction is not None}
         names = ("friction", "bulk_temperature", "disk_temperature", "strip_friction")
         k = _nearest_of(loads, test.normal_load)
         j = first + _nearest_of(velocities[first:], test.velocity)
@@ -157,21 +157,21 @@ def _outside(loads: Array, velocities: Array) -> str:
     return f"Type a load and a velocity within the sweep: {ends[0]} N, {ends[1]} m/s."
 
 
-def _point_states(held: Results) -> dict[str, Any]:
+def _point_states(data: Results) -> dict[str, Any]:
     """State, numbers and message of each point."""
-    stored = {*held.columns, *held.rest}
+    stored = {*data.columns, *data.rest}
     return {
-        "status": digit_string(held.columns["status"]),
-        "asked": digit_string(held.asked),
+        "status": digit_string(data.columns["status"]),
+        "asked": digit_string(data.asked),
         "numbers": [
             {"label": label, "unit": unit}
-            | {"values": packed_array(shown_in(held.values(name)[..., -1], unit.split()[0]), "<f4")}
+            | {"values": packed_array(shown_in(data.values(name)[..., -1], unit.split()[0]), "<f4")}
             for name, label, unit in _NUMBERS
             if name in stored
         ],
         "messages": {
             str(place): str(message)
-            for place, message in enumerate(held.messages.ravel())
+            for place, message in enumerate(data.messages.ravel())
             if isinstance(message, str) and message  # NaN at points that were masked
         },
     }
@@ -180,19 +180,19 @@ def _point_states(held: Results) -> dict[str, Any]:
 _LOADS, _VELOCITIES = 45, 121  # nodes of the plane on a page of samples
 
 
-def content_of_samples(held: Results) -> dict[str, Any]:
+def content_of_samples(data: Results) -> dict[str, Any]:
     """What a page of samples shows, as plain data."""
     samples = extras.module("fields")
-    field = samples.single_field(held)
-    ensemble, scatter = field.ensemble, model_error(held, field)
+    field = samples.single_field(data)
+    ensemble, scatter = field.ensemble, model_error(data, field)
     loads = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
     loads = loads if len(ensemble.loads) > 1 else ensemble.loads
     slowest, fastest = ensemble.velocities
     velocities = np.linspace(slowest, fastest, _VELOCITIES)
     plane = field.probability(loads[:, None], velocities, scatter)
     return {
-        "name": held.sweep.name,
-        "measured": [_test_facts(test) for test in laboratory_tests(held)],
+        "name": data.sweep.name,
+        "measured": [_test_facts(test) for test in laboratory_tests(data)],
         "outside": _outside(loads, velocities),
         "misfit": [("wear", field.misfit)] if field.misfit else [],
         "loads": loads.tolist(),
@@ -204,12 +204,12 @@ def content_of_samples(held: Results) -> dict[str, Any]:
     }
 
 
-def _shares(held: Results, conditions: Conditions) -> list[float]:
+def _shares(data: Results, conditions: Conditions) -> list[float]:
     """Failing shares between which the deciding rise is linear; the scene's alone without."""
     failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:
         return [failing_share]
-    shares = np.minimum(np.round(1 - held.shares, 12), np.nextafter(1.0, 0.0))
+    shares = np.minimum(np.round(1 - data.shares, 12), np.nextafter(1.0, 0.0))
     return [float(share) for share in np.union1d(shares, failing_share)]
 
 
@@ -234,14 +234,14 @@ def _step_values(values: Array, steps: Indices) -> Array:
     return chosen
 
 
-def _planes(rises: Array, held: Results, conditions: Conditions) -> dict[str, Any]:
+def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
     """Tables of the deciding rise on a fine plane, and along load at each velocity of the sweep.
 
     Rises by load, velocity, bulk ratio and share [K]. Along velocity the plane goes on beyond the
     points, far beyond at its outermost nodes.
     """
-    loads, velocities, done = held.loads, held.velocities, held.done
-    missing = ~done & held.asked
+    loads, velocities, done = data.loads, data.velocities, data.done
+    missing = ~done & data.asked
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
     fine_loads = divided(loads, by_load)
     rows, nodes = rows_along(rises, velocities, by_velocity, conditions)
@@ -265,7 +265,7 @@ def _planes(rises: Array, held: Results, conditions: Conditions) -> dict[str, An
         "inner": nodes[first : own_nodes[-1] + 1].tolist(),
         "nodes": {"velocity": own_nodes.tolist(), "load": own_rows.tolist()},
         "beside": np.stack([own_rows[below], own_rows[above]], axis=-1).tolist(),
-        "measured": _tests(held, fine_loads, nodes[: own_nodes[-1] + 1], first),
+        "measured": _tests(data, fine_loads, nodes[: own_nodes[-1] + 1], first),
         "friction_factors": conditions.friction_factor(nodes).tolist(),
         "friction_by_temperature": [
             *zip(*(conditions.friction_law.by_temperature or ((0.0, 1.0),)), strict=True)
@@ -275,7 +275,7 @@ def _planes(rises: Array, held: Results, conditions: Conditions) -> dict[str, An
             f"{surface} {own_nodes[j]}": state.size + k * fine_loads.size
             for k, (surface, j) in enumerate(own_columns.tolist())
         },
-        "errors": packed_array(node_errors(point_field(held), fine_loads, nodes), "<f4"),
+        "errors": packed_array(node_errors(point_field(data), fine_loads, nodes), "<f4"),
         "state": digit_string(state) + digit_string(within),
         "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
     }
@@ -289,14 +289,14 @@ def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
     return np.reshape(errors, (-1, len(loads), len(velocities)))
 
 
-def _model_facts(held: Results) -> dict[str, Any]:
+def _model_facts(data: Results) -> dict[str, Any]:
     """The distribution of the model's own error, and by what a verdict is decided.
 
     Cumulative probabilities by the number of transitions, at distances in units of the scale.
     """
-    untested = untested_error(held.sweep)
+    untested = untested_error(data.sweep)
     distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))
-    counts = range(len(laboratory_tests(held)) + 1)
+    counts = range(len(laboratory_tests(data)) + 1)
     plain = [ModelError((0.0,) * n, usual=1.0) for n in counts]
     own = [replace(untested, residuals=(0.0,) * n) for n in counts]
     words = [one.text.partition(" % ")[2] for one in own]
@@ -307,29 +307,29 @@ def _model_facts(held: Results) -> dict[str, Any]:
             "prior": untested.usual,
             "worth": WORTH,
             "words": [own[0].text, *words[1:]],
-            "agreed": replace(own[0], untold=AGREED).text,
+            "agreed": replace(own[0], reason=AGREED).text,
         },
-        "misfit": point_field(held).misfit,
+        "misfit": point_field(data).misfit,
         "decided": [DECIDED[0], DECIDED[-1]],
     }
 
 
-def _conditions(held: Results, conditions: Conditions) -> dict[str, Any]:
+def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
     """The conditions of the sweep; that of the disk's bulk where it may differ from the pin's."""
     disk, bulk = conditions.disk_temperature, conditions.bulk_temperature
     plain = conditions.as_dict()
-    if "bulk_rise_quantile" in held.columns:
+    if "bulk_rise_quantile" in data.columns:
         plain["disk_temperature"] = bulk if disk is None else disk
     return plain
 
 
-def _nearest(held: Results, done: Mask, conditions: Conditions, most: int) -> list[tuple[int, ...]]:
+def _nearest(data: Results, done: Mask, conditions: Conditions, most: int) -> list[tuple[int, ...]]:
     """Choose the points whose fields to show: all, or those nearest to the transition."""
     places = np.argwhere(done)
     if len(places) > most:
         judged = conditions.critical_temperature is not None
         limit = rise_limit(conditions) if judged else math.inf
-        rise = np.nan_to_num(held.rises(conditions)[done])
+        rise = np.nan_to_num(data.rises(conditions)[done])
         distance = np.abs(rise - min(limit, rise.max(initial=0.0)))
         places = places[np.sort(np.argsort(distance, kind="stable")[:most])]
     return [tuple(place) for place in places.tolist()]

@@ -37,16 +37,16 @@ _MODEL = (
 _CLOSED = "Inputs", "Origin"  # on a screen, until they are asked for
 
 
-def sections(held: Results, points: OperatingPoints | None) -> dict[str, str]:
+def sections(data: Results, points: OperatingPoints | None) -> dict[str, str]:
     """Sections of one scene, or of rows with their own places, as HTML by their names."""
-    has_places = points is not None or held.kind is Kind.PLACES
+    has_places = points is not None or data.kind is Kind.PLACES
     return {
-        "answer": _section("Answer", _answer(held)),
-        "caveats": "".join(f"<li>{html.escape(line)}</li>" for line in caveats_of(held)),
-        "duties": _section("Operating points", _margins(held, points)) if has_places else "",
-        "tests": _section("Tests", _tests(held)),
-        "inputs": _section("Inputs", _inputs(held)),
-        "origin": _section("Origin", _origin(held)),
+        "answer": _section("Answer", _answer(data)),
+        "caveats": "".join(f"<li>{html.escape(line)}</li>" for line in caveats_of(data)),
+        "duties": _section("Operating points", _margins(data, points)) if has_places else "",
+        "tests": _section("Tests", _tests(data)),
+        "inputs": _section("Inputs", _inputs(data)),
+        "origin": _section("Origin", _origin(data)),
     }
 
 
@@ -71,45 +71,45 @@ def _html(part: str | pd.DataFrame) -> str:
     return f"<p>{html.escape(part[:1].upper() + part[1:].rstrip('.'))}.</p>"
 
 
-def _answer(held: Results) -> Iterator[str]:
+def _answer(data: Results) -> Iterator[str]:
     """What wear is judged by, the verdict on the next run, and warnings."""
-    yield judged_by((one.conditions for one in held.scenes), held.sweep.variants.rule.unknown)
-    if held.kind is Kind.PLACES:
-        yield counts_in_words(margin(held))
+    yield judged_by((one.conditions for one in data.scenes), data.sweep.variants.rule.unknown)
+    if data.kind is Kind.PLACES:
+        yield counts_in_words(margin(data))
     else:
-        yield next_run_line(found := boundary(held))
+        yield next_run_line(found := boundary(data))
         yield from boundary_lines(found)
-    for field in fields(held):
+    for field in fields(data):
         yield from filter(None, (field.misfit, *field.basis))
-    yield from warned(held).lines()
+    yield from warned(data).lines()
 
 
-def _margins(held: Results, points: OperatingPoints | None) -> Iterator[str | pd.DataFrame]:
+def _margins(data: Results, points: OperatingPoints | None) -> Iterator[str | pd.DataFrame]:
     """Margins of operating points; a row that cannot be judged is named below the table."""
-    table = margin_frame(held, [*judged(held, points)], points)
+    table = margin_frame(data, [*judged(data, points)], points)
     yield short(table, LONG)
-    yield from notes_of(table, caveats_of(held))
+    yield from notes_of(table, caveats_of(data))
     yield from filter(None, (points.counted, *points.remarks)) if points else ()
     if table["velocity factor"].notna().any():
         yield "a factor is the velocity or load at which wear turns severe over that of the row"
 
 
-def _tests(held: Results) -> Iterable[str | pd.DataFrame]:
+def _tests(data: Results) -> Iterable[str | pd.DataFrame]:
     """Tests of the laboratory beside what is computed at their own conditions."""
-    table = compared(held)
+    table = compared(data)
     return () if table is None else test_parts(table)
 
 
-def _inputs(held: Results) -> Iterator[str | pd.DataFrame]:
+def _inputs(data: Results) -> Iterator[str | pd.DataFrame]:
     """Entries of the scene with their units, their sources, and the numerical choices."""
-    sweep = held.sweep
+    sweep = data.sweep
     entries, meanings = scene_entries(sweep), {key: one.meaning for key, one in all_keys()}
     if surface := surface_words(sweep):
         yield f"surface of the disk: {surface.replace('disk.roughness.file: ', '')}"
     rows = (
         (path, text, _first_sentence(meanings.get(_key_of(path), "")))
         for path, text in entries.items()
-        if not path.startswith(("fidelity", "measured", "tested")) and path not in held.rows.coords
+        if not path.startswith(("fidelity", "measured", "tested")) and path not in data.rows.coords
     )
     yield frame_of(("entry", "value", "meaning"), rows)
     if library := sweep.sources:
@@ -132,13 +132,13 @@ def _first_sentence(meaning: str) -> str:
     return meaning.split(";")[0].split(". ")[0].rstrip(".").replace("`", "")
 
 
-def _origin(held: Results) -> Iterator[str]:
+def _origin(data: Results) -> Iterator[str]:
     """Model, programs and scene that the answers are from, and how to cite them."""
-    sweep = held.sweep
+    sweep = data.sweep
     yield _MODEL
     if sweep.selection:
         yield str(sweep.selection)
-    yield from str(held.rest.attrs.get("history", "")).splitlines()
+    yield from str(data.rest.attrs.get("history", "")).splitlines()
     yield f"scene {sweep.name}, {digest(sweep.scene)} (SHA-256 of its inputs)"
     yield f"written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
     yield from citation()

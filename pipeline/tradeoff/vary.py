@@ -14,7 +14,7 @@ import numpy as np
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.frames import frames_of
-from pipeline.analysis.laboratory import untold_oils
+from pipeline.analysis.laboratory import ambiguous_oils
 from pipeline.analysis.warned_points import Warned, warned
 from pipeline.run.cluster import Client
 from pipeline.run.sweep import run_sweep
@@ -153,7 +153,7 @@ def vary(
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {(*varied.contact_of(point), point.load) for point in done}
         ds = at(path, criterion=laws.get("criterion"))
-        ds = at(ds, oil=next(iter(untold_oils(varied)), None))  # no test moves the boundary
+        ds = at(ds, oil=next(iter(ambiguous_oils(varied)), None))  # no test moves the boundary
         found, carried = boundary(ds).transpose(_ROW, ...), warned(ds)
         velocities = found["critical_velocity"].values.tolist()
         words = np.reshape(frames_of(found)[0]["outcome"], found["outcome_at_load"].shape).tolist()
