@@ -14,7 +14,7 @@ from pipeline.run.cluster import CONFIGURATION
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.heard import Heard
-from tests.pipeline.run.test_cluster import when_done
+from tests.pipeline.run.test_cluster import Cluster, when_done
 from tests.pipeline.run.test_sweep import content
 
 OWN_WORKERS = True
@@ -80,6 +80,26 @@ def test_a_cluster_or_a_client_that_is_closed_ends_a_run_with_one_error(threads,
     with lost:
         pipeline.run_sweep(MANY, path, client=threads[1], progress=close, patience=5.0)
     assert 0 < pipeline.summary(path).done < len(MANY.plane.loads) * 60
+
+
+def test_a_run_goes_on_with_a_scheduler_that_was_started_again(tmp_path, path, alone):
+    slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
+    began = Cluster(tmp_path / "before")
+    port = began.address.rpartition(":")[2]
+    others = []
+
+    def restart():
+        if not others:
+            began.close()
+            others.append(Cluster(tmp_path / "after", port=port))
+
+    with Client(began.address, set_as_default=False) as client:
+        outcome = pipeline.run_sweep(
+            slow, path, client=client, progress=when_done(restart), patience=60.0
+        )
+    others[0].close()
+    assert (outcome.done, outcome.computed, outcome.failed) == (9, 9, ())
+    assert content(path) == content(alone)
 
 
 def test_a_run_goes_on_after_its_workers_were_restarted(processes, path, alone):
