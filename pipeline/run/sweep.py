@@ -23,7 +23,7 @@ from pipeline.store.create import grown, writing
 from pipeline.store.place import PathLike
 from pipeline.store.progress import FailedPoint, summarized
 from pipeline.store.root import find_sweep
-from pipeline.store.schema import FAILED
+from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.take import take_points
 from pipeline.store.verify import mend_store
 from pipeline.store.versions import in_words, package_versions
@@ -120,6 +120,7 @@ def run_sweep(
     require_positive(patience=patience)
     _require_cluster(client)
     sweep = sweep_of(sweep)
+    require_free_names(sweep)  # before a folder is made
     choose_next = None if boundary_only is None else boundary_search(sweep, boundary_only)
     began = time.monotonic()
     report = progress or silent
