@@ -35,7 +35,7 @@ LOCK = "status/lock"
 """Key of the lock of a store: within it, where no other path misses it."""
 KEPT = "status/kept-"
 """Beginning of the keys of what commands keep beside the lock, which is no data."""
-REMEDY = "irg run with its scene makes it sound again; of an address, write to another store"
+REMEDY = "irg run with its scene mends it; on an object store, write to another store"
 """What to do about a store that is damaged."""
 
 

@@ -219,7 +219,7 @@ def test_the_command_names_what_is_damaged(copy, irg):
     assert record == place | {"message": OTHER}
     said = irg("verify", copy, code=1)
     assert f"damaged: 250 N, 1 m/s: {OTHER}" in said
-    assert "irg run with its scene makes it sound again" in said
+    assert "irg run with its scene mends it" in said
     irg("verify", copy.parent, code=2)
 
 
