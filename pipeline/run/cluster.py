@@ -8,6 +8,7 @@ import logging
 import math
 import multiprocessing
 import time
+import warnings
 from collections.abc import Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
@@ -188,7 +189,11 @@ def connected(
         stack.enter_context(client.as_current())
         if dashboard:
             progress(Progress(f"dashboard: {client.dashboard_link}"))
-        yield Connection(client, patience, progress, cluster)
+        try:
+            yield Connection(client, patience, progress, cluster)
+        except KeyboardInterrupt:  # in the middle of a call to Dask
+            warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
+            raise
 
 
 def client_of(

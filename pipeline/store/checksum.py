@@ -27,8 +27,7 @@ def checksum(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
     for name in sorted(entries.keys() & _COVERED):
         digest.update(name.encode())
         content = entries[name]
-        is_text = isinstance(content, str)
-        data = content.encode() if is_text else np.ascontiguousarray(content).data
+        data = content.encode() if isinstance(content, str) else np.ascontiguousarray(content).data
         digest.update(struct.pack("<L", zlib.crc32(data)))
     return digest.hexdigest()
 

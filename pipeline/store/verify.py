@@ -211,6 +211,5 @@ def _differing_coordinates(store: Store) -> Iterator[tuple[str, tuple[str, Any, 
     for name, values in sorted(store.root.coordinates().items()):
         found = _read(store, name, ...)
         right = np.asarray(values, store.arrays[name].dtype)
-        is_real = right.dtype.kind == "f"
-        if found is None or not np.array_equal(found, right, equal_nan=is_real):
+        if found is None or not np.array_equal(found, right, equal_nan=right.dtype.kind == "f"):
             yield name, (name, ..., values)
