@@ -27,15 +27,13 @@ from pipeline.store.place import (
 from pipeline.store.progress import FailedPoint
 from pipeline.store.root import find_root, read_root, require_same_scene
 from pipeline.store.schema import DONE, PENDING, RECORDS, STEPPED, is_coordinate
-from pipeline.store.write import Store
+from pipeline.store.write import Index, Store
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 
 _MARKS = ("status", "asked")
 _TOLD = {*RECORDS} - {*_MARKS, "steps"}  # also of a point that failed
-
-_Index = tuple[int, ...]
 
 
 @shown
@@ -109,7 +107,7 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
 class _Damage(NamedTuple):
     """What is damaged: points, and what several points share, by its key, to be written anew."""
 
-    points: dict[_Index, FailedPoint]
+    points: dict[Index, FailedPoint]
     files: dict[str, tuple[str, Any, Any]]  # the variable, the place in it and the values
 
 
@@ -138,7 +136,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
     return damage
 
 
-def _read_marks(store: Store, damage: _Damage, numbers: _Index, block: Slices) -> None:
+def _read_marks(store: Store, damage: _Damage, numbers: Index, block: Slices) -> None:
     """Read statuses and points asked for, which a run writes before it computes, statuses first."""
     for name, marks in (("status", store.flags), ("asked", store.asked)):
         is_there = store.place.read(store.key(name, numbers)) is not None
@@ -148,7 +146,7 @@ def _read_marks(store: Store, damage: _Damage, numbers: _Index, block: Slices) -
             _note_chunk(store, damage, name, numbers, block)
 
 
-def _note_chunk(store: Store, damage: _Damage, name: str, numbers: _Index, block: Slices) -> None:
+def _note_chunk(store: Store, damage: _Damage, name: str, numbers: Index, block: Slices) -> None:
     """Note a chunk that is to be emptied."""
     damage.files[store.key(name, numbers)] = name, block, store.arrays[name].fill_value
 
@@ -170,7 +168,7 @@ def read_block(store: Store, block: Slices) -> dict[str, Any]:
 
 def stored_entries(
     store: Store, block: Slices, values: Mapping[str, Any]
-) -> Iterator[tuple[_Index, Point, dict[str, Any]]]:
+) -> Iterator[tuple[Index, Point, dict[str, Any]]]:
     """What a store has of each point that is not pending, by the values in its chunks.
 
     None stands for what is lost.

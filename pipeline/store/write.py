@@ -49,7 +49,7 @@ from tribo.types import Indices, Mask
 
 _ABOUT = ("message", "warning_flags", "wall_time", "checksum")  # what is told about a point
 
-_Index = tuple[int, ...]
+Index = tuple[int, ...]
 
 
 class Store:
@@ -81,13 +81,13 @@ class Store:
 
     # Places of points
 
-    def index(self, point: Point) -> _Index:
+    def index(self, point: Point) -> Index:
         """Place of a point."""
         labels = {"load": point.load, "velocity": point.velocity, POINT: point, **dict(point[2])}
         found = zip(self.dims, self._numbers, strict=True)
         return tuple(numbers[labels[dim]] for dim, numbers in found)
 
-    def within(self, index: _Index) -> _Index:
+    def within(self, index: Index) -> Index:
         """Place of a point in its chunk."""
         return tuple(i % n for i, n in zip(index, self.block, strict=True))
 
@@ -158,10 +158,10 @@ class Store:
         self._put_marks("asked", wanted, changed)
 
     def write(
-        self, values: Mapping[_Index, Mapping[str, Any]], statuses: Mapping[_Index, int]
+        self, values: Mapping[Index, Mapping[str, Any]], statuses: Mapping[Index, int]
     ) -> None:
         """Write values of points by name, and once they are on the disk statuses."""
-        chunks: dict[tuple[str, _Index], dict[_Index, Any]] = {}
+        chunks: dict[tuple[str, Index], dict[Index, Any]] = {}
         for index, of_point in values.items():
             chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
             for name, value in of_point.items():
@@ -176,7 +176,7 @@ class Store:
         self.flags = flags
 
     def _changed(
-        self, name: str, chunk: _Index, values: Mapping[_Index, Any]
+        self, name: str, chunk: Index, values: Mapping[Index, Any]
     ) -> tuple[str, Slices, Any]:
         """A variable, the place of a chunk, and its values with new ones at some points."""
         block = slices_of(chunk, self.block)
