@@ -1,0 +1,120 @@
+"""What a cheap point costs in CPU time, and what part of that is Dask's own.
+
+    python -m tests.cluster.cheap --points 10000
+    python -m tests.cluster.cheap --points 100000 --for 600
+
+A sweep on smooth bodies, whose points take some milliseconds, and as many empty tasks in the same
+graph, given out as those of the sweep are. Both run on two workers of this machine with encrypted
+connections. CPU times hardly depend on what else the machine does. Prints a JSON document.
+"""
+
+import argparse
+import json
+import tempfile
+import threading
+import time
+from collections import deque
+from contextlib import suppress
+from pathlib import Path
+
+import dask
+import numpy as np
+from distributed import Client
+
+import pipeline
+from pipeline.run import schedule
+from pipeline.run.cluster import CONFIGURATION, processes
+
+_LOADS, _WORKERS = 10, 2
+
+
+def scene_of(points):
+    """The first try on smooth bodies and 24 × 1 elements: few loads and many velocities."""
+    return pipeline.load_scene(
+        "first_try",
+        "draft",
+        {
+            "without": ["disk.roughness"],
+            "window.pixels": [96, 4],
+            "window.pixel_size": ["4 um", "20 um"],
+            "sweep.loads": [f"{load} N" for load in range(200, 700, 50)],
+            "sweep.velocities": [
+                f"{velocity:.6g} m/s" for velocity in np.linspace(1.0, 4.0, points // _LOADS)
+            ],
+        },
+    )
+
+
+class EnoughError(Exception):
+    """The time is over."""
+
+
+def timed(client, compute):
+    """CPU time of the driver and of the workers for each point [ms], and the wall time [s]."""
+    before = time.monotonic(), time.process_time(), sum(client.run(time.process_time).values())
+    points = compute()
+    after = time.monotonic(), time.process_time(), sum(client.run(time.process_time).values())
+    wall, driver, workers = (b - a for a, b in zip(before, after, strict=True))
+    each = {"driver_ms": 1e3 * driver / points, "workers_ms": 1e3 * workers / points}
+    return {"done": points, **each, "wall_s": wall}
+
+
+def swept(client, sweep, out, duration):
+    """Compute a sweep for so long [s]; return how many points are done."""
+    end = time.monotonic() + duration
+
+    def note(_):
+        if time.monotonic() > end:
+            raise EnoughError
+
+    with suppress(EnoughError):
+        pipeline.run_sweep(sweep, out, client=client, progress=note)
+    return pipeline.summary(out).done
+
+
+def empty_tasks(client, points):
+    """Compute empty tasks, one waiting on each worker as in a sweep; return how many."""
+    left, done, running, news = deque(range(points)), deque(), 0, threading.Event()
+
+    def ended(future):
+        done.append(future)
+        news.set()
+
+    while left or running:
+        while left and running < schedule._AHEAD * _WORKERS:
+            future = client.submit(bool, 0, key=f"empty-{left.popleft()}")
+            future.add_done_callback(ended)
+            running += 1
+        news.wait()
+        news.clear()
+        while done:
+            done.popleft()
+            running -= 1
+    return points
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--points", type=int, default=10_000)
+    parser.add_argument("--for", dest="duration", type=float, default=3600.0, help="seconds")
+    options = parser.parse_args()
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        dask.config.set(CONFIGURATION),
+        processes(_WORKERS) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
+        sweep = scene_of(options.points)
+        report = {
+            "dask": dask.__version__,
+            "empty": timed(client, lambda: empty_tasks(client, min(options.points, 2000))),
+            "sweep": timed(
+                client,
+                lambda: swept(client, sweep, Path(folder) / "out.zarr", options.duration),
+            ),
+        }
+    print(json.dumps(report, indent=1))
+
+
+if __name__ == "__main__":
+    main()
