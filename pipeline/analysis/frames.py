@@ -11,7 +11,7 @@ import xarray as xr
 from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.scenes import heads_of
 from pipeline.analysis.tables import frame_of
-from pipeline.analysis.transition import CROSSES
+from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.quantities import UNITS, column_heads
 from pipeline.sweep.conditions import FIELDS
 
@@ -64,7 +64,7 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
 
 
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Median and ends of the band of several surfaces, and how many surfaces cross.
+    """Median and ends of the band of several surfaces, and how many surfaces have each outcome.
 
     For samples, the velocities of some probabilities alone.
     """
@@ -80,4 +80,6 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
     for place in (1, 0, 2):
         yield f"{heads[place]} [{unit}]", band.isel(quantile=place, drop=True)
     codes = boundaries[f"outcome_at_{axis}"]
-    yield "surfaces that cross", (codes == CROSSES).sum(surfaces)
+    for code, outcome in outcomes(other).items():
+        if code == CROSSES or (codes == code).any():
+            yield f"surfaces: {outcome}", (codes == code).sum(surfaces)

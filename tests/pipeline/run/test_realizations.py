@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline.run.sweep import run_sweep
@@ -58,14 +59,31 @@ def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):
 
 
 LIFTS = {0: 1.0, 1: 1.1, 2: 0.9, 3: 1.05}
-LIMIT = synthetic.limit()
 
 
-def velocities(load, lifts=LIFTS):
-    return np.array([synthetic.critical_velocity(load, LIMIT / lift) for lift in lifts.values()])
+def velocities(load):
+    limit = synthetic.limit()
+    return np.array([synthetic.critical_velocity(load, limit / lift) for lift in LIFTS.values()])
 
 
-# Boundary mode, figures, command
+def test_the_band_is_that_of_the_surfaces():
+    sweeps = [
+        synthetic.sweep(rise=lambda F, V, q=1.0, k=lift: k * synthetic.rise(F, V, q))
+        for lift in LIFTS.values()
+    ]
+    surfaces = xr.Variable("realization", list(LIFTS))
+    ds = xr.concat(sweeps, surfaces, combine_attrs="override")
+    crossings = pipeline.boundary(ds)
+    assert crossings["critical_velocity"].dims == ("realization", "load")
+    for load in (300.0, 600.0):
+        band, expected = crossings.sel(load=load), velocities(load)
+        np.testing.assert_allclose(band["critical_velocity"], expected, rtol=1e-12)
+        np.testing.assert_allclose(
+            band["critical_velocity_quantile"], np.quantile(expected, [0.1, 0.5, 0.9])
+        )
+
+
+# Commands
 
 
 def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):
@@ -74,7 +92,8 @@ def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):
     assert "18: 3 loads, 3 velocities, 2 surfaces" in irg("check", scene)
     assert "8 points: 8 done" in irg("status", swept)
     document = irg("boundary", swept, "--json")
-    assert [row["surfaces that cross"] for row in document] == [0, 0]
+    counts = [(row["surfaces: crosses"], row["surfaces: mild throughout"]) for row in document]
+    assert counts == [(0, 2), (0, 2)]
     assert {"10 % [m/s]", "critical velocity, median [m/s]", "90 % [m/s]"} < {*document[0]}
     place = ["--load", "400 N", "--velocity", "2 m/s", "--realization", "1", "--json"]
     (point,) = irg("point", scene, *place)
