@@ -150,7 +150,7 @@ class SceneReader:
         if tables[0] is None or any(map(faults.touch, paths)):
             return None
         made_of = (*paths, *tables, *more)
-        if made_of not in self.parts:
+        if self.parts.get(made_of) is None:  # a faulty part is made again, and refused each time
             with faults.at(f"{paths[0]}.file" if hasattr(tables[0], "file") else paths[0]):
                 self.parts[made_of] = make(*tables, *more)
         return self.parts.get(made_of)

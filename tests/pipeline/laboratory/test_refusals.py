@@ -21,6 +21,7 @@ from tests.helpers.instruments import gwy, sur, x3p
 from tests.helpers.refusals import command, refusal_tests
 from tests.pipeline.laboratory.test_surfaces import FakeTopography
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
+from tribo import InputError
 
 SQUARE = (480, 480)
 SMALL = np.eye(8)
@@ -285,3 +286,12 @@ REFUSALS = {
 refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
     "laboratory", REFUSALS
 )
+
+
+def test_a_surface_with_holes_is_refused_each_time(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    sweep = measured(np.ones(SQUARE))()
+    np.save("holed.npy", HOLED)
+    for _ in range(2):
+        with pytest.raises(InputError, match=r"76800 of 230400 heights \(33 %\) are missing"):
+            sweep.changed("disk.roughness", {"file": "holed.npy", "height_unit": "um"})
