@@ -66,8 +66,11 @@ class Contents:
         return key
 
     def take(self, key: str, shape: tuple[int, ...]) -> Array:
-        """An array by its digest."""
-        return self.arrays[key].reshape(shape)
+        """An array by its digest; raise an `InputError` if it is another one."""
+        array = self.arrays[key].reshape(shape)
+        if array_digest(array) != key:
+            raise tribo.InputError(f"the array {key} is another one")
+        return array
 
     def find(self, table: Any, path: str, faults: Faults) -> Path | None:
         """The file of a table, if its content is not known; a store opens none."""

@@ -266,11 +266,12 @@ TEXTS = {
 }
 
 
-def scanned():
-    """Heights of a sweep, read from its text alone."""
+def scanned(factor=None):
+    """Heights of a sweep, read from its text, alone or with the heights times a factor."""
     heights = 1e-7 * np.random.default_rng(0).standard_normal((32, 16))
     sweep = tiny.full(roughness=tribo.MeasuredRoughness(heights))
-    read = text_sweep(sweep_text(sweep), {})
+    beside = {sweep.scene.roughness.digest: factor * heights} if factor else {}
+    read = text_sweep(sweep_text(sweep), beside)
     return read.scene.roughness.heights(read.scene.pixels)
 
 
@@ -285,6 +286,7 @@ def unkept():
 KEPT = {
     "text": (lambda: text_sweep("3", {}), "is not the text of a sweep"),
     "no array": (scanned, "is not beside the sweep"),
+    "exchanged": (lambda: scanned(3.0), "is another one"),
     "law": (unkept, "other fields are numbers or text"),
 }
 

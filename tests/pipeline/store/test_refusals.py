@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+import zarr
 
 import tribo
 from pipeline.analysis.dataset import open_sweep
@@ -61,6 +62,11 @@ def measured(change):
     commit("a.zarr", tiny.full(roughness=tribo.MeasuredRoughness(heights)), ())
     change(Path("a.zarr"))
     return summary("a.zarr")
+
+
+def exchange(path):
+    """Exchange the heights, with a sound checksum."""
+    zarr.open_group(path, mode="r+")["inputs"][:] = 0.0
 
 
 def edit(path, change):
@@ -152,6 +158,7 @@ REFUSALS = {
     "variable": (changed(forged(lambda texts, _: texts["store"]["axes"].update(mine=[1.0]))),
                  "zarr.json is damaged, or not"),
     "inputs": (lambda: measured(put("inputs/c.0", b"1")), "zarr.json is damaged, or not"),
+    "exchanged": (lambda: measured(exchange), "is another one"),
     "sweep": (changed(forged(lambda texts, _: texts["sweep"]["entries"]["sweep"].update(loads=3))),
               "the text of a sweep: sweep.loads: 3 is"),
     "lost": (changed(lambda path: (path / ROOT).unlink()), "or has lost its zarr.json"),
