@@ -56,7 +56,8 @@ class Jobs:
         self._run = Run(uuid.uuid4().hex[:8], sweep, with_fields)  # a scheduler may know other runs
         self._numbers = itertools.count()
         self._ended, self._news = deque[str](), threading.Event()
-        self._gathering: Answer[dict[str, Any]] | None = None  # of results from the workers
+        # Requests of results from the workers, and the futures by key that each has.
+        self._gathering: dict[Answer[dict[str, Any]], dict[str, Future]] = {}
         self._next = 0.0  # time of the next gathering
         self._without_result: list[tuple[Job, Loss]] = []
         self.running: dict[str, Job] = {}
@@ -67,8 +68,8 @@ class Jobs:
         return self
 
     def __exit__(self, error: object, *_: object) -> None:
-        if self._gathering:
-            self._gathering.cancel()
+        for gathering in self._gathering:
+            gathering.cancel()
         if error is None:
             # All is computed: a worker that comes or goes now, or has not got the run, is no loss.
             with suppress(*GONE, KeyError, ValueError):
@@ -159,28 +160,29 @@ class Jobs:
     def results(self) -> list[bytes]:
         """Results that have come since the last call; once a second, and at the end, ask for more.
 
-        A worker that stands still holds up the results of others until Dask gives it up.
+        A worker that stands still holds up those alone that were asked for with one of its own.
         """
         results = []
-        if self._gathering and self._gathering.done():
+        for answer in [one for one in self._gathering if one.done()]:
+            del self._gathering[answer]
             gathered: dict[str, Any] = {}
             # A scheduler may be started again, as the next look tells.
             with self._link.reached(), suppress(CancelledError, OSError):
-                gathered = self._gathering.result()
-            self._gathering = None
+                gathered = answer.result()
             for key, result in gathered.items():
                 job = self.computed.pop(key, None)  # None if it was given up meanwhile
                 if job and result:
                     results.append(result)
                 elif job:
                     self._without_result.append((job, Loss.FORGOTTEN))
-        is_due = time.monotonic() >= self._next or not self.running
-        if self.computed and not self._gathering and is_due:
-            self._next = time.monotonic() + POLL
-            futures = {key: job.future for key, job in self.computed.items()}
+        if self.running and time.monotonic() < self._next:
+            return results
+        self._next = time.monotonic() + POLL
+        requested = set().union(*self._gathering.values())
+        if new := {key: job.future for key, job in self.computed.items() if key not in requested}:
             with self._link.reached():
-                request = self._client.gather(futures, errors="skip", asynchronous=True)
-                loop = self._client.loop.asyncio_loop
-                self._gathering = asyncio.run_coroutine_threadsafe(request, loop)
-            self._gathering.add_done_callback(lambda _: self._news.set())
+                request = self._client.gather(new, errors="skip", asynchronous=True)
+                answer = asyncio.run_coroutine_threadsafe(request, self._client.loop.asyncio_loop)
+            self._gathering[answer] = new
+            answer.add_done_callback(lambda _: self._news.set())
         return results

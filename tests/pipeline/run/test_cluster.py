@@ -15,6 +15,7 @@ from contextlib import ExitStack, closing
 from pathlib import Path
 
 import dask
+import numpy as np
 import psutil
 import pytest
 from distributed import Client, LocalCluster, SchedulerPlugin, Security
@@ -154,6 +155,23 @@ def test_a_scheduler_that_stops_or_dies_is_lost_and_its_finished_points_are_not(
             run_sweep(SLOW, path, client=client, progress=lose, patience=5.0)
         assert summary(path).done
         cluster.scheduler.send_signal(signal.SIGCONT)
+
+
+@pytest.mark.timeout(200)
+def test_a_worker_that_stands_still_holds_up_no_later_results_of_another(tmp_path):
+    velocities = tuple(np.linspace(0.5, 1.5, 16).tolist())
+    sweep = tiny.full(loading=tiny.SlowRamp(150.0, 750.0), velocities=velocities)
+    settings = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    with LocalCluster(**settings) as cluster, Client(cluster) as client:
+        worker = psutil.Process(next(iter(client.run(os.getpid).values())))
+
+        def stop(progress):
+            if progress.done > 24:
+                worker.resume()
+            elif progress.done:
+                worker.suspend()
+
+        assert run_sweep(sweep, tmp_path / "tiny.zarr", client=client, progress=stop).done == 48
 
 
 def test_a_worker_with_another_number_in_its_code_is_refused_and_computes_nothing(tmp_path):
