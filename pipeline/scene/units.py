@@ -301,7 +301,7 @@ def _misfit(text: str, unit: Unit, like: str) -> str:
 
 def _quoted(text: str) -> str:
     short = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
-    return json.dumps(short, ensure_ascii=False)
+    return json.dumps(short, ensure_ascii=not short.isprintable())
 
 
 _SCALE = re.compile(r"(HV) ?[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HR)[Cc]")
