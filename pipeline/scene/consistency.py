@@ -58,6 +58,14 @@ def _unknown_materials(scene: Any) -> Misfits:
             yield f"{body}.material", words
 
 
+@_check("window.pixels", "fidelity.pixels_per_element")
+def _unfit_pixels(scene: Any) -> Misfits:
+    pixels, block = scene.window.pixels, scene.fidelity.pixels_per_element
+    if any(count % block for count in pixels):
+        problem = f"cannot be averaged {block} × {block}; give multiples of {block}, or another"
+        yield "window.pixels", f"{quoted(list(pixels))} {problem} fidelity.pixels_per_element"
+
+
 @_check("pin.length", "window.pixels", "window.pixel_size")
 def _short_pin(scene: Any) -> Misfits:
     length, side = scene.pin.length, scene.window.pixels[1] * scene.window.pixel_size[1]
@@ -102,7 +110,7 @@ def _turning_rod(scene: Any) -> Misfits:
             )
 
 
-@_check("pin", "disk")
+@_check("pin.length", *(f"{body}.{key}" for body in ("pin", "disk") for key in (*DISC, *_PLATE)))
 def _unfit_bodies(scene: Any) -> Misfits:
     """A disc of all that it needs, and said in one way."""
     for name in ("pin", "disk"):

@@ -196,11 +196,14 @@ def around(body: Body) -> float | None:
 
 def _ring_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:
     """The track around a body of a material; None if its table gives none."""
-    if body.diameter:
-        sizes = {name: getattr(body, name) for name in DISC if getattr(body, name) is not None}
-        return tribo.Track.under(pin, material, tribo.Disc(**sizes))
-    length = around(body)
-    return tribo.Track.under(pin, material, length) if length else None
+    track = disc_of(body) or around(body)
+    return tribo.Track.under(pin, material, track) if track else None
+
+
+def disc_of(body: Body) -> tribo.Disc | None:
+    """The disc that a body is; None if it is none, or lacks a size."""
+    sizes = {name: getattr(body, name) for name in DISC if getattr(body, name) is not None}
+    return tribo.Disc(**sizes) if body.diameter and body.width else None
 
 
 def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:

@@ -18,6 +18,7 @@ from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import (
     Contents,
     corrections_of,
+    disc_of,
     grid_of,
     loading_of,
     material_of,
@@ -99,6 +100,8 @@ class SceneReader:
             "fidelity": fidelity,
         }
         oil = part(oil_of, "oil")
+        for body in ("pin", "disk"):
+            part(disc_of, body)
         check_tables(replace(scene, fidelity=fidelity), changed, faults)
         if faults:
             return None, taken

@@ -154,7 +154,7 @@ ENTRIES = {
     "short pin": (entry("pin.length", "0.455 mm"), "0.455 mm is shorter than the window, 0.456 mm"),
     "material": (entry("disk.material", "stell"), 'disk.material: "stell" is neither'),
     "like": (entry("oil", "vg33"), '"vg33" is not in the library'),
-    "pixels": (entry("window.pixels", [480, 481]), "does not divide the (480, 481) pixels"),
+    "pixels": (entry("window.pixels", [480, 481]), "window.pixels: [480, 481] cannot be averaged"),
     "one pixel": (entry("window.pixels", [1, 1], **{"fidelity.pixels_per_element": 1}),
                   "one pixel cannot be rough"),
     "crown": (entry("pin.shape", "crowned", without="pin.length"),

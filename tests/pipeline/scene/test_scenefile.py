@@ -198,6 +198,24 @@ def test_an_empty_file_lacks_every_table(tmp_path):
     assert [line.partition(": missing; give a")[0] for line in caught.value.faults] == needed
 
 
+_DISC = {"disk.diameter": "20 mm", "disk.width": "5 mm", "disk.bore": "30 mm"}
+
+
+@pytest.mark.parametrize(
+    ("overrides", "keys"),
+    [
+        ({"window.pixels": [33, 33], "pin.radius": "2 N"}, {"window.pixels", "pin.radius"}),
+        ({"pixels_per_element": 5, "pin.lenght": "1 mm"}, {"window.pixels", "pin.lenght"}),
+        ({"disk.diameter": "20 mm", "pin.radius": "2 N"}, {"disk.width", "pin.radius"}),
+        (_DISC | {"pin.length": "0.01 mm"}, {"disk", "pin.length"}),
+    ],
+)
+def test_conflicts_of_entries_are_named_beside_other_mistakes(overrides, keys):
+    with pytest.raises(SceneFileError) as caught:
+        load_scene("first_try", overrides=overrides)
+    assert {fault.partition(":")[0].partition(" ")[0] for fault in caught.value.faults} == keys
+
+
 def test_a_byte_order_mark_and_windows_line_ends_are_read(tmp_path):
     path = tmp_path / "irg_transition.toml"
     path.write_bytes(b"\xef\xbb\xbf" + PAPER.replace("\n", "\r\n").encode())
