@@ -102,8 +102,7 @@ def _pickled(sweep: Sweep) -> bytes:
     laws = filter(None, [*given_laws(sweep.scene), sweep.conditions.rule])
     for name in {code_of(law).__module__ for law in laws} & sys.modules.keys():
         cloudpickle.register_pickle_by_value(sys.modules[name])
-    content: bytes = cloudpickle.dumps(sweep)
-    return content
+    return bytes(cloudpickle.dumps(sweep))
 
 
 # Threads of one process gained 6 % at most.
