@@ -20,15 +20,7 @@ from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import DECIDED, error_band
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.scenes import side_by_side
-from pipeline.analysis.transition import (
-    ABOVE,
-    BELOW,
-    MILD,
-    SEVERAL,
-    SEVERE,
-    Line,
-    outcomes,
-)
+from pipeline.analysis.transition import ABOVE, BELOW, MILD, SEVERAL, SEVERE, Line, outcomes
 from pipeline.quantities import UNITS
 from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE, attributes_of
@@ -108,7 +100,7 @@ def boundary(ds: xr.Dataset | PathLike | Results) -> xr.Dataset:
     """
     data = results(ds)
     require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
-    answer = _band_alone if data.kind is Kind.SAMPLES else boundary_under
+    answer = _band_alone if data.kind is Kind.SAMPLES else _plane_boundary
     axes = [data.rows[name] for name in data.entry_dims]
     found = side_by_side([answer(scene) for scene in data.scenes], axes)
     if data.kind is Kind.PLANE:
@@ -118,11 +110,10 @@ def boundary(ds: xr.Dataset | PathLike | Results) -> xr.Dataset:
     return found.assign_attrs(missing_points=data.missing)
 
 
-def boundary_under(ds: xr.Dataset | Results, conditions: Conditions | None = None) -> xr.Dataset:
-    """The boundary of one scene, under given conditions or its own."""
-    data = results(ds)
+def _plane_boundary(data: Results) -> xr.Dataset:
+    """The boundary of one scene."""
     data.require_lists(*PLANE)
-    found = point_field(data, conditions)
+    found = point_field(data)
     data = found.source
     coords = {name: data.rows[name].variable for name in data.front} | {
         "load": axis_of("load", data.loads), "velocity": axis_of("velocity", data.velocities)

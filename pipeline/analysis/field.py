@@ -15,17 +15,15 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-import xarray as xr
 
 from pipeline import extras
 from pipeline.analysis.curve import Curve, certain
 from pipeline.analysis.dataset import Kind
 from pipeline.analysis.model_error import Scatter
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import RisePlane, counted_error, planes_of, rise_errors, totals
 from pipeline.analysis.transition import LEAST_SLOPE, Line, Transitions, range_of
 from pipeline.quantities import UNITS
-from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import Conditions
@@ -386,18 +384,16 @@ def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
     return Curve(places, heat(places, continued=True, least_slope=LEAST_SLOPE) * factor(places))
 
 
-def fields(ds: xr.Dataset | PathLike | Results) -> list[Field]:
+def fields(data: Results) -> list[Field]:
     """The field of each scene of a sweep, or of each row with its own place."""
-    data = results(ds)
     if data.kind is Kind.SAMPLES:
         made: list[Field] = extras.module("fields").fields(data)
         return made
     return [point_field(scene) for scene in data.scenes]
 
 
-def point_field(ds: xr.Dataset | Results, conditions: Conditions | None = None) -> PointField:
+def point_field(whole: Results, conditions: Conditions | None = None) -> PointField:
     """The field of one scene, under given conditions or its own."""
-    whole = results(ds)
     conditions, place, scene = conditions or whole.conditions, whole.place, whole.take_moving()
     ends = {
         name: (at, at) if place else range_of(scene, name)

@@ -12,13 +12,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import Field, Here, PointField, places_of, point_field, quantile
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import AGREED, USUAL, ModelError, Scatter
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import totals
 from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import frame_of, notes_of, short
@@ -41,13 +40,13 @@ _HEADS = (
 )  # fmt: skip
 
 
-def laboratory_tests(ds: xr.Dataset | Results) -> tuple[Measurement, ...]:
+def laboratory_tests(data: Results) -> tuple[Measurement, ...]:
     """Measured transitions of a sweep, and then its tests, of the oil that it is judged for.
 
     All of them where that is not told.
     """
-    sweep = results(ds).sweep
-    return sweep.tests if len(ambiguous_oils(sweep)) > 1 else own_tests(sweep.tests)
+    tests = data.sweep.tests
+    return tests if len(ambiguous_oils(data.sweep)) > 1 else own_tests(tests)
 
 
 def ambiguous_oils(sweep: Sweep) -> list[str]:
@@ -66,9 +65,8 @@ def require_one_oil(sweep: Sweep) -> None:
         )
 
 
-def own_conditions(ds: xr.Dataset | Results, test: Measurement) -> Conditions:
+def own_conditions(data: Results, test: Measurement) -> Conditions:
     """Conditions of a test: its friction and bulk, or the scene's, not those judged at."""
-    data = results(ds)
     judged, scene = data.sweep.conditions, data.stored.conditions
     bulks = {body: getattr(scene, body) for body in ("bulk_temperature", "disk_temperature")}
     if test.bulk_temperature is not None:
@@ -76,9 +74,8 @@ def own_conditions(ds: xr.Dataset | Results, test: Measurement) -> Conditions:
     return replace(judged, friction=scene.friction, **bulks).replace_friction(test.friction)
 
 
-def model_error(ds: xr.Dataset | Results, field: Field) -> Scatter:
+def model_error(data: Results, field: Field) -> Scatter:
     """The model's own error in a scene, by its tests."""
-    data = results(ds)
     scatter: Scatter | None = getattr(field, "scatter", None)  # that samples have inferred
     require_one_oil(data.sweep)
     if scatter is not None:
@@ -192,12 +189,11 @@ def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
             yield f"{test.outcome or 'severe'}, {place} at {at} and bulk {bulk}"
 
 
-def compared(ds: xr.Dataset | Results) -> pd.DataFrame | None:
+def compared(data: Results) -> pd.DataFrame | None:
     """Frame of tests beside what is computed at their own conditions; None if there are none.
 
     Of several values of a condition none is that of a test which gives none.
     """
-    data = results(ds)
     data = data.take(dict.fromkeys(data.judged_dims, 0))
     if not laboratory_tests(data) or data.kind is not Kind.PLANE:
         return None

@@ -84,21 +84,18 @@ def margin(
     1     600.0  severe
     """
     data = results(ds)
+    points = load
+    if (load is None or isinstance(load, float | int)) and (load is None) != (velocity is None):
+        raise InputError("load and velocity go together; give both")
     if velocity is not None:
-        if load is None:
-            raise InputError("velocity is given without a load; give both")
         place = Place(in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s"))
-        found = [*judged(data, OperatingPoints((place,), {}))]
-        if len(found) == 1:
-            return found[0].known()
-        return margin_frame(data, found)
-    if load is None or isinstance(load, OperatingPoints):
-        points = load
-    elif isinstance(load, float | int):
-        raise InputError("load is given without a velocity; give both")
-    else:
+        points = OperatingPoints((place,), {})
+    elif not (load is None or isinstance(load, OperatingPoints)):
         points = OperatingPoints.read(load)
-    return margin_frame(data, [*judged(data, points)], points)
+    found = [*judged(data, points)]
+    if velocity is not None and len(found) == 1:
+        return found[0].known()
+    return margin_frame(data, found, points)
 
 
 class Judged(NamedTuple):
@@ -117,9 +114,8 @@ class Judged(NamedTuple):
         return self.margin
 
 
-def judged(ds: xr.Dataset | Results, points: OperatingPoints | None) -> Iterator[Judged]:
+def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
     """Places of each scene of a sweep, or of its rows where no points are given."""
-    data = results(ds)
     if points is not None:
         require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
     for field in fields(data):
@@ -163,10 +159,9 @@ def _judged_places(
 
 
 def margin_frame(
-    ds: xr.Dataset | Results, found: Sequence[Judged], points: OperatingPoints | None = None
+    data: Results, found: Sequence[Judged], points: OperatingPoints | None = None
 ) -> pd.DataFrame:
     """Frame of places, with the labels of their scenes and further columns in front."""
-    data = results(ds)
     names = _labels(found) if data.kind is Kind.PLACES else data.entry_dims
     heads = heads_of(data.rows, names)
     labels = pd.DataFrame(

@@ -11,12 +11,11 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.dataset import Kind
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.results import Results
 from pipeline.analysis.tables import frame_of
 from pipeline.quantities import display, shown_in
 from pipeline.scene.reference import number_at
 from pipeline.scene.units import typeset
-from pipeline.store.place import PathLike
 from pipeline.sweep.caveats import caveats
 
 _OWN = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
@@ -44,9 +43,8 @@ def side_by_side(answers: list[xr.Dataset], axes: Sequence[xr.DataArray]) -> xr.
     return whole
 
 
-def caveats_of(ds: xr.Dataset | PathLike | Results) -> list[str]:
+def caveats_of(data: Results) -> list[str]:
     """Caveats of answers on a sweep, each once."""
-    data = results(ds)
     is_drawn = data.kind is Kind.SAMPLES
     lines = (caveats(one.sweep, one.conditions, is_drawn) for one in data.scenes)
     return [*dict.fromkeys(itertools.chain(*lines))]

@@ -9,11 +9,10 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.model_error import Scatter
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.results import Results
 from pipeline.quantities import UNITS
 from tribo import Criterion
 from tribo.types import Array, Mask
@@ -217,9 +216,8 @@ def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> st
     return f"severe {' and '.join(parts)}"
 
 
-def range_of(ds: xr.Dataset | Results, axis: str) -> tuple[float, float]:
+def range_of(data: Results, axis: str) -> tuple[float, float]:
     """Lowest and highest velocity [m/s] or load [N] of a scene, above 0."""
-    data = results(ds)
     present = (data.loads if axis == "load" else data.velocities).tolist()
     plane = data.sweep.plane
     of_scene = plane.loads if axis == "load" else plane.velocities

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib import colormaps, rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -21,7 +20,7 @@ from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.analysis.margin import DECIDED, verdict_plane
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import value_text
 from pipeline.analysis.warned_points import warning_flags
 from pipeline.figures import style
@@ -47,17 +46,12 @@ _MANY = 1500  # points, from which marks are small
 
 
 @style.house_style
-def diagram(
-    ds: xr.Dataset | Results,
-    realization: int | None = None,
-    log: bool = False,
-) -> Figure:
+def diagram(data: Results, realization: int | None = None, log: bool = False) -> Figure:
     """Draw the transition diagram; of samples, the probability of severe wear.
 
     Each place has the verdict of its margin. Over several surfaces the boundary is that of the
     median one, in a band from the tenth to the ninetieth of a hundred.
     """
-    data = results(ds)
     if data.kind is Kind.SAMPLES:
         if realization is not None:
             raise InputError("the diagram of samples shows probabilities; leave out the surface")

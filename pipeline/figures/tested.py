@@ -5,7 +5,6 @@ from __future__ import annotations
 from contextlib import suppress
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -21,20 +20,18 @@ from pipeline.analysis.laboratory import (
 )
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import Scatter
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.results import Results
 from pipeline.figures import style
 from pipeline.figures.overlays import mark_test, numbered
 from pipeline.figures.style import BLACK, GREY
-from pipeline.store.schema import PENDING
 from tribo import InputError
 
 _ROOM = 1.25  # factor of velocity about the tests
 
 
 @style.house_style
-def measured_over_computed(ds: xr.Dataset | Results) -> Figure:
+def measured_over_computed(read: Results) -> Figure:
     """Draw the velocity of each test over the critical one computed at its own conditions."""
-    read = results(ds)
     require_kind(read.kind, Kind.PLANE)
     require_one_scene(read.entry_dims)
     data = numbered(laboratory_tests(read))
@@ -50,9 +47,7 @@ def measured_over_computed(ds: xr.Dataset | Results) -> Figure:
             if one.is_known and 0 < one.critical < np.inf:
                 found.append((number, test, one))
     if not found:
-        if (read.asked & (read.columns["status"] == PENDING)).any():
-            raise InputError("too little is done to tell of any test; go on with irg run")
-        raise InputError("no test of the scene is in the sweep; add loads and velocities to it")
+        raise InputError("no test of the scene can be compared; go on with irg run, or add points")
     figure, axes = style.canvas((8.0, 5.6))
     places = np.array([(one.critical, test.velocity) for _, test, one in found])
     ends = places.min() / _ROOM, places.max() * _ROOM

@@ -87,9 +87,9 @@ def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, A
         outcome = pipeline.run_sweep(sweep, store, workers, progress=progress)
         if outcome.failed:
             raise pipeline.ExecutionError(f"a place of mesh failed: {outcome.failed[0]}")
-        ds = pipeline.open_sweep(store)
-        found = [*judged(ds, None)]
-        table = margin_frame(ds, found)
+        data = pipeline.results(store)
+        found = [*judged(data, None)]
+        table = margin_frame(data, found)
     margins = [one.known() for one in found]
     table["sentence"] = [one.sentence for one in margins]
     table["notes"] = [

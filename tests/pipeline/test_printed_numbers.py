@@ -113,7 +113,9 @@ def answers():
 
 def margin_in_python(ds, options):
     """Margins of a place by row, as Python has them."""
-    found = [*judged(ds, OperatingPoints((Place(options.load, options.velocity),), {}))]
+    found = [
+        *judged(pipeline.results(ds), OperatingPoints((Place(options.load, options.velocity),), {}))
+    ]
     margins = [one.known() for one in found]
     scenes = [as_plain({"verdict": one.verdict} | asdict(one)) for one in margins]
     return {"scenes": scenes} if len(scenes) > 1 else scenes[0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from pipeline import at, boundary
+from pipeline import at, boundary, results
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.variants import surfaces
 from tribo import InputError
@@ -86,5 +86,5 @@ def band(study: Study) -> Report:
                 for entry, on_surfaces, pair in zip(measured, velocities, ends, strict=True)
             ]
         },
-        figure=diagram(ds),
+        figure=diagram(results(ds)),
     )

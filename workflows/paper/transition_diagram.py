@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline import at, boundary
+from pipeline import at, boundary, results
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import GREEN, HALO
 
@@ -65,7 +65,7 @@ def fig10(study: Study) -> Report:
             "computed": outcome.computed,
             "points": outcome.total,
         },
-        figure=_with_local_wear(diagram(ds), boundary(by_local_wear)),
+        figure=_with_local_wear(diagram(results(ds)), boundary(by_local_wear)),
     )
 
 

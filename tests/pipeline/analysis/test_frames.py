@@ -4,7 +4,6 @@ import pytest
 
 import pipeline
 from pipeline.analysis.laboratory import agreement, compared
-from pipeline.figures.diagram import diagram
 from pipeline.sweep.about import Measurement
 from tests.helpers import synthetic
 from tests.helpers.sweeps import with_fields
@@ -36,31 +35,35 @@ CRITICAL = pipeline.boundary(synthetic.sweep())["critical_velocity"].sel(load=60
     ],
 )
 def test_a_test_agrees_beyond_the_error_at_its_own_conditions(case, computed, agrees):
-    (row,) = compared(sweep(case)).to_dict("records")
+    (row,) = compared(pipeline.results(sweep(case))).to_dict("records")
     assert (row["computed"], row["agrees"]) == (computed, agrees)
 
 
 @pytest.mark.parametrize("velocity", [0.6 * CRITICAL, CRITICAL, 1.46 * CRITICAL, 2.2 * CRITICAL])
 def test_nothing_agrees_where_the_error_is_not_known(velocity):
     unknown = with_fields(sweep(rig(None, velocity)), preset=None)
-    (row,) = compared(unknown).to_dict("records")
+    (row,) = compared(pipeline.results(unknown)).to_dict("records")
     assert row["agrees"] == "not decided"
-    assert agreement(compared(unknown)) == "Agreement with the tests: 1 not decided."
+    assert (
+        agreement(compared(pipeline.results(unknown))) == "Agreement with the tests: 1 not decided."
+    )
 
 
 def test_the_tests_that_agree_are_counted():
-    table = compared(sweep(rig("mild", 0.7 * CRITICAL), rig("mild", 1.3 * CRITICAL)))
+    table = compared(
+        pipeline.results(sweep(rig("mild", 0.7 * CRITICAL), rig("mild", 1.3 * CRITICAL)))
+    )
     assert agreement(table) == "Agreement with the tests: 1 yes, 1 no."
-    assert compared(sweep()) is None
+    assert compared(pipeline.results(sweep())) is None
 
 
 def test_other_conditions_for_the_plane_leave_the_tests_at_their_own():
     ds = sweep(rig("severe", 0.7 * CRITICAL, bulk_temperature=400.0), rig("mild", 0.7 * CRITICAL))
     kept = ["friction", "bulk temperature [°C]", "computed", "agrees"]
-    there = compared(pipeline.at(ds, friction=0.15, bulk_temperature="60 degC"))
-    assert there[kept].equals(compared(ds)[kept])
+    there = compared(pipeline.results(pipeline.at(ds, friction=0.15, bulk_temperature="60 degC")))
+    assert there[kept].equals(compared(pipeline.results(ds))[kept])
     warm, cold = rig("mild", 1.0, bulk_temperature=333.15), rig("mild", 1.2)
-    axes = diagram(pipeline.at(sweep(warm, cold), bulk_temperature="60 degC")).axes[0]
+    axes = pipeline.plot(pipeline.at(sweep(warm, cold), bulk_temperature="60 degC")).axes[0]
     drawn = {line.get_gid(): line for line in axes.lines}
     assert drawn["tested-mild"].get_xdata().tolist() == [1.0]
     assert drawn["tested-mild-elsewhere"].get_xdata().tolist() == [1.2]

@@ -79,12 +79,14 @@ def test_a_test_is_compared_at_the_friction_that_it_measured():
     ]
     measured = tuple(Measurement(**test) for test in tests)
     ds = with_fields(swept(FALLING), measured=measured)
-    for test, row in zip(tests, compared(ds).to_dict("records"), strict=True):
+    for test, row in zip(tests, compared(pipeline.results(ds)).to_dict("records"), strict=True):
         place = test["normal_load"], test["velocity"]
         friction = test["friction"] or 0.1 * float(FALLING.friction.at(place[1]))
         warm = 25.0 + friction * float(synthetic.rise(*place, 0.9))
         assert row["decisive temperature [°C]"] == pytest.approx(warm, rel=2e-3)
-        own = point_field(ds).under(own_conditions(ds, Measurement(**test)))
+        own = point_field(pipeline.results(ds)).under(
+            own_conditions(pipeline.results(ds), Measurement(**test))
+        )
         line = own.lines("velocity", *np.transpose([place]))
         expected = line.nearest(place[1]).item()
         if not test.get("outcome"):

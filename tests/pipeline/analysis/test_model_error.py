@@ -42,7 +42,7 @@ def swept_with(*tests):
 
 
 def scatter_of(ds):
-    return model_error(ds, point_field(ds))
+    return model_error(pipeline.results(ds), point_field(pipeline.results(ds)))
 
 
 def counted(ds):
@@ -148,7 +148,7 @@ def test_a_test_that_velocities_beyond_the_computed_ones_may_make_right_does_not
     assert counted(ds) == pytest.approx(expected)
     assert scatter_of(ds).residuals == ()  # so that a transition out of reach narrows nothing
     told = "yes" if outcome == ("mild" if everywhere is MILD else "severe") else NOT_KNOWN
-    assert compared(ds)["agrees"].to_list() == ["no" if is_wrong else told]
+    assert compared(pipeline.results(ds))["agrees"].to_list() == ["no" if is_wrong else told]
 
 
 @pytest.mark.parametrize("velocity", [0.6, 1.0, 1.2, 1.6, 2.2, 2.6, 3.5])

@@ -110,6 +110,11 @@ def unwritable():
     return write_text("", Path("a.csv"))
 
 
+def unknown_place():
+    """Ask a field of a place beyond its loads."""
+    return point_field(pipeline.results(plane())).temperatures(9e3, 1.0).require_known()
+
+
 REFUSALS = {
     # other conditions
     "entry": (at(**{"pin.radius": "3 mm"}), "; run the scene with pin.radius = 3 mm into"),
@@ -155,7 +160,7 @@ REFUSALS = {
     "one point": (lambda: pipeline.boundary(plane().isel(load=0, velocity=0)),
                   "the dataset has a single load"),
     "end cut off": (lambda: pipeline.end_of_point(plane().isel(step=[0])), "has not step 0"),
-    "an unknown place": (lambda: point_field(plane()).temperatures(9e3, 1.0).require_known(),
+    "an unknown place": (unknown_place,
         "load is 9000 N; the sweep has 200 to 750 N: give one within"),
     "temperatures": (lambda: pipeline.temperatures(plane()[["status", "max_rise"]]),
                      "the dataset has no mean_rise, rise_quantile"),
@@ -178,8 +183,8 @@ REFUSALS = {
     "velocity": (margin(400.0, 0.1), "velocity is 0.1 m/s; the sweep has 0.5 to 4 m/s"),
     "nothing": (margin(400.0, 2.1, status=synthetic.NOTHING),
                 "too few points about 400 N and 2.1 m/s"),
-    "no load": (margin(None, 2.0), "velocity is given without a load"),
-    "no velocity": (margin(400.0), "load is given without a velocity"),
+    "no load": (margin(None, 2.0), "load and velocity go together; give both"),
+    "no velocity": (margin(400.0), "load and velocity go together; give both"),
     "no place": (margin(), "no operating point is given"),
     # files
     "suffix": (lambda: writable_path("a.txt", (".csv", ".xlsx")), "must be one of .csv, .xlsx"),

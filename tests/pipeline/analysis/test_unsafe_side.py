@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import pipeline
 from pipeline import boundary, margin
 from pipeline.analysis.laboratory import compared
 from pipeline.analysis.margin import NOT_DECIDED
@@ -112,7 +113,7 @@ def test_a_test_within_the_numerical_error_neither_agrees_nor_contradicts():
         for share in (0.5, 0.98, 1.02, 1.5)
         for outcome in ("mild", "severe")
     ]
-    found = compared(synthetic.sweep(measured=tuple(tests), preset="draft"))
+    found = compared(pipeline.results(synthetic.sweep(measured=tuple(tests), preset="draft")))
     assert [*found["agrees"]] == [
         "yes", "no", *[NOT_DECIDED] * 4, "no", "yes"
     ]  # fmt: skip

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.legend import Legend
 from matplotlib.text import Text
 
-from pipeline.figures.diagram import diagram
+import pipeline
 from pipeline.figures.plot import KINDS, plot
 from tests.helpers import synthetic
 from tests.helpers.sweeps import with_fields
@@ -44,7 +44,7 @@ def test_all_words_and_legends_are_inside_and_readable(sweep, kind):
 
 def test_a_logarithmic_diagram_has_the_same_boundary(sweep):
     sweep = with_fields(sweep, friction_band=None)
-    plain, log = diagram(sweep).axes[0], diagram(sweep, log=True).axes[0]
+    plain, log = pipeline.plot(sweep).axes[0], pipeline.plot(sweep, log=True).axes[0]
     assert (log.get_xscale(), log.get_yscale()) == ("log", "log")
     np.testing.assert_allclose(contour(log, "boundary")[0], contour(plain, "boundary")[0])
     low, high = log.get_xlim()

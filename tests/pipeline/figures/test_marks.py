@@ -5,7 +5,6 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.figures.diagram import diagram
 from pipeline.sweep.about import Measurement
 from pipeline.uncertain.sensitivity import Sensitivity
 from tests.helpers import samples, synthetic, unknowns
@@ -29,7 +28,7 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
         Measurement(901.0, 2.0, outcome="mild"),
         Measurement(200.0, 9.0, outcome="mild"),
     )
-    axes = diagram(synthetic.sweep(*NARROW, measured=(), tested=tests)).axes[0]
+    axes = pipeline.plot(synthetic.sweep(*NARROW, measured=(), tested=tests)).axes[0]
     places, colours = lines(axes), faces(axes)
     assert places["tested-mild"].tolist() == [[1.5, 250.0]]
     assert places["tested-severe"].tolist() == [[3.0, 500.0]]
@@ -53,7 +52,7 @@ def test_over_surfaces_the_boundary_is_the_median_s_in_a_band_from_10_to_90_perc
         for lift in LIFTS
     ]
     seeds = xr.Variable("realization", [0, 1, 2, 3])
-    figure = diagram(xr.concat(several, seeds, combine_attrs="override"))
+    figure = pipeline.plot(xr.concat(several, seeds, combine_attrs="override"))
     (axes,) = figure.axes
     for load in (450.0, 600.0):
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pipeline.figures.diagram import diagram
+import pipeline
 from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.entries import two_pins as radii_rows
@@ -21,7 +21,7 @@ def sweep(**told):
 
 def drawn(ds, **options):
     """Axes of a diagram, and the words of its legend."""
-    figure = diagram(ds, **options)
+    figure = pipeline.plot(ds, **options)
     (legend,) = figure.legends or [figure.axes[0].get_legend()]
     return figure.axes[0], [text.get_text() for text in legend.get_texts()], legend
 
@@ -132,7 +132,7 @@ def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
     title = legend.get_title().get_text()
     assert title.startswith("transition by pin radius; severe wear: ")
     with pytest.raises(InputError, match="takes two loads and two velocities or more"):
-        diagram(two_pins(loads=(400.0,)))
+        pipeline.plot(two_pins(loads=(400.0,)))
     axes, words, _ = drawn(two_pins((1.0, 0.9), loads=LOADS[:2], velocities=(2.0, 4.0)))
     assert words == ["1 mm", "2 mm"]
     lines = [vertices(axes, f"boundary {name}") for name in words]

@@ -10,7 +10,6 @@ import pytest
 import pipeline
 from pipeline.cli.options import OF_PLOT
 from pipeline.figures import plot as live
-from pipeline.figures.diagram import diagram
 from pipeline.figures.plot import plot
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.about import Measurement
@@ -37,7 +36,7 @@ def sweep():
 @pytest.fixture(scope="module")
 def drawn(sweep):
     with np.errstate(all="raise", under="ignore"):
-        return diagram(sweep).axes[0]
+        return pipeline.plot(sweep).axes[0]
 
 
 def lines(axes):
@@ -146,14 +145,14 @@ def test_fields_of_the_point_nearest_to_the_transition(sweep):
 def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     assert not [line for line in drawn.collections if "Λ" in str(line.get_gid())]
     ds = synthetic.sweep(oil=synthetic.OIL, roughness=of_height(0.2e-6))
-    axes = diagram(ds).axes[0]
+    axes = pipeline.plot(ds).axes[0]
     (line,) = contour(axes, "Λ = 1, mixed beyond")
     film = find_lubrication(pipeline.results(ds).sweep).film_parameter(
         line[:, 1], line[:, 0], 298.15
     )
     assert film == pytest.approx(np.ones(len(line)), rel=1e-3)
     rough = {"oil": synthetic.OIL, "roughness": of_height(2e-6)}
-    thick = diagram(synthetic.sweep([200.0, 600.0], [1.0, 2.0], **rough))
+    thick = pipeline.plot(synthetic.sweep([200.0, 600.0], [1.0, 2.0], **rough))
     said = [text for text in labels(thick.legends[0]) if text.startswith("Λ")]
     assert said[0].endswith(": boundary lubrication")
 

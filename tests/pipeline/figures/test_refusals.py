@@ -46,7 +46,9 @@ def begun():
 
 
 def over_computed(*measured, **values):
-    return lambda: measured_over_computed(synthetic.sweep(measured=measured, **values))
+    return lambda: measured_over_computed(
+        pipeline.results(synthetic.sweep(measured=measured, **values))
+    )
 
 
 TRADE = Trade("A scene", (), ())
@@ -69,9 +71,9 @@ REFUSALS = {
     "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the sweep holds no fields"),
     "show": (plot("ramp", show="colour"), "show is 'colour'; stored at each step are"),
     "no tests": (over_computed(), "the scene has no tests to draw"),
-    "far tests": (over_computed(Measurement(9000.0, 1.0)), "no test of the scene is in the sweep"),
+    "far tests": (over_computed(Measurement(9000.0, 1.0)), "no test of the scene can be compared"),
     "begun tests": (over_computed(Measurement(600.0, 1.5), status=synthetic.NOTHING),
-                    "too little is done to tell of any test; go on with irg run"),
+                    "no test of the scene can be compared; go on with irg run"),
 }  # fmt: skip
 
 

@@ -161,8 +161,8 @@ def test_a_page_of_samples_tells_the_probability_at_any_place(page, monkeypatch)
     measured = ({"normal_load": 400.0, "velocity": 2.0, "friction": None},)
     ds = samples.dataset(samples.ensemble(tests=measured))
     ds = ds.assign(status=(("variant", "load"), np.ones((ds.sizes["variant"], ds.sizes["load"]))))
-    (field,) = fields(ds)
-    loads, scatter = field.ensemble.loads, model_error(ds, field)
+    (field,) = fields(pipeline.results(ds))
+    loads, scatter = field.ensemble.loads, model_error(pipeline.results(ds), field)
     load = float(loads.mean())
     grid = np.linspace(*field.ensemble.velocities, 200)
     half = float(np.interp(0.5, field.probability(load, grid, scatter), grid))
@@ -203,8 +203,8 @@ def test_an_operating_point_gets_the_verdict_of_the_nearest_node(page):
     return [content.fine.load[k], content.fine.velocity[j]];
     """)
     assert (load, velocity) == pytest.approx((425.0, 1.1), rel=0.05)
-    (own,) = fields(ds)
-    expected = answer(own, load, velocity, model_error(ds, own))
+    (own,) = fields(pipeline.results(ds))
+    expected = answer(own, load, velocity, model_error(pipeline.results(ds), own))
     text = driver.find_element(By.ID, "margin").text
     assert f"wear {expected.verdict}" in text
     assert f"likely by {percent(expected.probability)}" in text

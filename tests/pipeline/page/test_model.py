@@ -118,8 +118,8 @@ def test_the_verdict_at_a_node_is_that_of_the_command(kind):
     compared, verdicts = 0, set()
     for given, told in zip(asked, run(ds, MARGINS, asked), strict=True):
         there = under(ds, given["conditions"])
-        (field,) = fields(there)
-        scatter = model_error(there, field)
+        (field,) = fields(pipeline.results(there))
+        scatter = model_error(pipeline.results(there), field)
         for page in told:
             if {BETWEEN, EXTRAPOLATED} & {*page["states"]}:
                 continue
@@ -168,12 +168,12 @@ def test_beyond_the_sweep_friction_is_what_its_table_says():
     ds = with_fields(ds, conditions=conditions, model_scatter=0.3)
     places = [[float(load), float(v)] for load in ds["load"][::3] for v in ds["velocity"][::2]]
     (told,) = run(ds, MARGINS, [{"conditions": {}, "places": places}])
-    (field,) = fields(ds)
-    scatter = model_error(ds, field)
+    (field,) = fields(pipeline.results(ds))
+    scatter = model_error(pipeline.results(ds), field)
     expected = [answer(field, *page["place"], scatter).probability for page in told]
     assert [page["probabilities"][1] for page in told] == pytest.approx(expected, abs=0.01)
     plain = with_fields(ds, conditions=replace(conditions, corrections=None))
-    (field,) = fields(plain)
+    (field,) = fields(pipeline.results(plain))
     without = [answer(field, *page["place"], scatter).probability for page in told]
     assert np.abs(np.subtract(expected, without)).max() > 0.1
 
@@ -209,7 +209,7 @@ def test_a_page_counts_the_tests_beyond_the_velocities_that_the_command_counts(m
     });"""
     for given, told in zip(ENDS, run(ds, script, ENDS), strict=True):
         there = pipeline.at(ds, **given)
-        found = model_error(there, fields(there)[0])
+        found = model_error(pipeline.results(there), fields(pipeline.results(there))[0])
         expected = [*found.residuals, *found.wrong]
         here = [*told["turn"], *told["below"], *told["above"]]
         assert sorted(here) == pytest.approx(sorted(expected), rel=0.01, abs=0.01)
