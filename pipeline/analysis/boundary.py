@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,9 @@ from pipeline.store.schema import COORDINATES, PLANE, attributes_of
 from pipeline.sweep.caveats import caveats, joined
 from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
+from pipeline.sweep.physics import cold_tracks
 from pipeline.sweep.surface import find_lubrication
+from tribo import Corrections
 from tribo.types import Array
 
 
@@ -131,6 +134,20 @@ def _plane_boundary(data: Results) -> xr.Dataset:
             words = "film parameter at the crossing"
             result[f"film_parameter_at_{line}"] = _described(dims, film, "1", words)
     return _add_errors(result, found)
+
+
+def warm_transitions(data: Results) -> str:
+    """Where wear first turns severe if `cold_tracks` are warm, in words; empty if not computed."""
+    found = []
+    for scene in data.scenes:
+        parts, tracks = scene.conditions.corrections or Corrections(), cold_tracks(scene.sweep)
+        parts = replace(parts, motion=scene.sweep.scene.motion, **tracks)
+        field = point_field(scene, replace(scene.conditions, corrections=parts))
+        found.append(field.transitions("velocity", scene.loads, scene.velocities[-1:]).first)
+    first = np.maximum(np.fmin.reduce(np.concatenate(found)), min(field.velocities))
+    ends = {float(data.loads[k]): first[k] for k in (0, -1) if np.isfinite(first[k])}
+    places = " and ".join(f"{velocity:.3g} m/s at {load:g} N" for load, velocity in ends.items())
+    return f"wear would turn severe as early as {places}" if places else ""
 
 
 def _described(dims: Any, values: Any, units: str, words: str) -> xr.Variable:

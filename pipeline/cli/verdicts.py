@@ -10,6 +10,7 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis import words
+from pipeline.analysis.boundary import warm_transitions
 from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import fields
 from pipeline.analysis.frames import JUDGED, frames_of
@@ -22,7 +23,7 @@ from pipeline.analysis.tables import notes_of, short, some_rows
 from pipeline.cli.given import dataset_in, operating_points_in, values_in
 from pipeline.cli.output import Result, counted, working, wrapped
 from pipeline.sweep.about import judged_by
-from pipeline.sweep.physics import note_on_turns
+from pipeline.sweep.physics import cold_tracks, note_on_turns
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
 from tribo import InputError
@@ -89,7 +90,9 @@ def boundary(options: argparse.Namespace) -> Result:
     rests += [f"{agreement(tests)} They are printed by --by test."] if tests is not None else []
     if data.kind is Kind.SAMPLES:
         rests += dict.fromkeys(line for field in fields(data) for line in field.basis)
-    rests += remarks("warning", note_on_turns(data.sweep))
+    is_cold = data.kind is Kind.PLANE and cold_tracks(data.sweep)
+    effect = warm_transitions(data) if is_cold else ""
+    rests += remarks("warning", note_on_turns(data.sweep, effect))
     rule = judged_by((one.conditions for one in data.scenes), data.sweep.variants.rule.unknown)
     text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(data)])]
     return Result(text=text, warned=pipeline.warned(data), frames=[table])

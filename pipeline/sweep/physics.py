@@ -3,29 +3,38 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from pipeline.quantities import display
 from pipeline.sweep.model import Sweep
-from tribo import Corrections
+from tribo import Corrections, Track
 
 
-def note_on_turns(sweep: Sweep) -> str | None:
-    """Say that earlier turns of bodies that roll are not counted; None where all are."""
+def cold_tracks(sweep: Sweep) -> dict[str, Any]:
+    """Tracks of rolling bodies whose earlier turns are not counted, by names in `Corrections`."""
     motion, pin = sweep.scene.motion, sweep.scene.pin
     is_rolling = motion is not None and motion.slide_roll_ratio not in (-2.0, 2.0)
     if not (is_rolling and any(sweep.plane.velocities)):
-        return None
+        return {}
     present = sweep.conditions.corrections or Corrections()
-    tracks = {"pin": present.pin_track, "disk": present.track}
-    cold = [body for body, track in tracks.items() if track is None]
-    if not cold:
-        return None
     around = (motion and motion.track_length) or 2 * math.pi * pin.radius
-    entries = " and ".join(f"{body}.diameter" for body in cold)
+    materials = {"pin_track": pin.material, "track": sweep.scene.disk}
+    cold = [name for name in materials if getattr(present, name) is None]
+    return {name: Track.under(pin, materials[name], around) for name in cold}
+
+
+def note_on_turns(sweep: Sweep, effect: str = "") -> str | None:
+    """Say that earlier turns of bodies that roll are not counted, and their effect, if so."""
+    tracks = cold_tracks(sweep)
+    if not tracks:
+        return None
+    bodies = ["pin" if name == "pin_track" else "disk" for name in tracks]
+    around = display(next(iter(tracks.values())).length, "mm", 3)
+    entries = " and ".join(f"{body}.diameter" for body in bodies)
+    effect = effect or "they would warm the contact further"
     return (
-        f"earlier turns of the {' and the '.join(cold)} are not counted, as if each met a cold "
-        f"track: on tracks of {display(around, 'mm', 3)} they would warm the contact further; give "
-        f"{entries} and width, or track_length"
+        f"earlier turns of the {' and the '.join(bodies)} are not counted, as if each met a cold "
+        f"track: on tracks of {around} {effect}; give {entries} and width, or track_length"
     )
 
 

@@ -1,10 +1,14 @@
 """Notes on what a scene leaves out: earlier turns, and sharp ends of the pin."""
 
+from dataclasses import replace
+
 import pytest
 
 import pipeline
+import tribo
 from pipeline.sweep.physics import note_on_ends, note_on_turns
-from tests.helpers.scenes import SCENE
+from tests.helpers import synthetic
+from tests.helpers.scenes import SCENE, STEEL
 
 ROLLING = {"motion": {"slide_roll_ratio": 0.5, "track_length": "314 mm"}}
 BALL = {"without": ["pin.length"], "pin.shape": "ball"}
@@ -39,3 +43,16 @@ def test_sharp_ends_are_said_of_a_cylinder_at_rest(scene, entries, is_said):
     note = note_on_ends(scene(entries))
     assert (note is not None) == is_said
     assert note is None or note.startswith("only the pin's middle is computed: at sharp ends")
+
+
+def test_a_boundary_says_where_wear_turns_severe_on_tracks_that_earlier_turns_warm(tmp_path, irg):
+    motion = tribo.Motion(slide_roll_ratio=0.5, track_length=0.314)
+    cold = synthetic.sweep(motion=motion, measured=())
+    cold.drop_vars("message").to_netcdf(tmp_path / "cold.nc")
+    track = tribo.Track.under(synthetic.scene().scene.pin, STEEL, 0.314)
+    warm = tribo.Corrections(motion=motion, track=track, pin_track=track)
+    conditions = replace(pipeline.results(cold).conditions, corrections=warm)
+    found = pipeline.boundary(synthetic.sweep(motion=motion, measured=(), conditions=conditions))
+    said = " ".join(irg("boundary", tmp_path / "cold.nc").split())
+    first, last = found["critical_velocity"].values[[0, -1]]
+    assert f"as early as {first:.3g} m/s at 200 N and {last:.3g} m/s at 750 N; give" in said
