@@ -3,21 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import itertools
-import math
 from functools import partial
-from typing import TYPE_CHECKING, Any
-
-import pandas as pd
+from typing import Any
 
 import pipeline
-from pipeline.analysis.tables import frame_of, short
+from pipeline.analysis.tables import short
 from pipeline.cli import given
 from pipeline.cli.output import Result, run_line, tell
 from tribo import InputError
-
-if TYPE_CHECKING:
-    from pipeline.tradeoff.vary import Variations  # with Dask
 
 
 def vary(options: argparse.Namespace) -> Result:
@@ -33,20 +26,9 @@ def vary(options: argparse.Namespace) -> Result:
             options.scene, over, options.preset, settings, out=options.kept,
             workers=options.workers, progress=progress,
         )  # fmt: skip
-    frame = _critical_velocities(result)
     counts = f"{result.points} points, computed on the contacts of {result.contacts}"
-    return Result(text=[short(frame), "", counts], warned=result.warned, frames=[frame])
-
-
-def _critical_velocities(result: Variations) -> pd.DataFrame:
-    """Frame with a row for each value and load."""
-    rows: list[tuple[Any, ...]] = []
-    for one in (result.base, *itertools.chain(*result.keyed_changes().values())):
-        changes = result.changes(one).tolist() if one.key else [math.nan] * len(result.loads)
-        values = zip(result.loads, one.critical_velocities, changes, one.outcomes, strict=True)
-        rows += [(one.key or "unchanged", one.value, *row) for row in values]
-    heads = "entry", "value", "load [N]", "critical velocity [m/s]", "change [%]", "outcome"
-    return frame_of(heads, rows)
+    text = [short(result.table), "", counts]
+    return Result(text=text, warned=result.warned, frames=[result.table])
 
 
 def trade(options: argparse.Namespace) -> Result:

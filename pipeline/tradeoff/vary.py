@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -10,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
@@ -29,25 +31,10 @@ from pipeline.sweep.stages import Progress, Report
 from pipeline.sweep.tables import changes, entry_at
 from pipeline.sweep.variants import Label, labelled_rows
 from tribo import InputError
-from tribo.types import Array
 
-_ROW = "variation"  # dimension of the scenes
+_ROW, _UNCHANGED = "variation", "unchanged"  # dimension of the scenes, and entry of the first
 _RELATIVE = re.compile(r"([+-]\d+(?:\.\d+)?)\s*%")
 _NUMBER = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?")
-
-
-@dataclass(frozen=True, slots=True)
-class Variation:
-    """The boundary with one entry changed."""
-
-    #: Path of the entry, and what it is given, as it would stand in the scene; both empty for the
-    #: scene as it is.
-    key: str
-    value: str
-    #: Critical velocity at each load [m/s]; NaN where there is no transition within the sweep.
-    critical_velocities: tuple[float, ...]
-    #: At each load ``"crosses"``, the ranges of severe wear, or why there is no transition.
-    outcomes: tuple[str, ...]
 
 
 @shown
@@ -56,30 +43,15 @@ class Variations:
     """The boundary of a scene, unchanged and with single entries changed."""
 
     title: str  #: Title of the scene.
-    loads: tuple[float, ...]  #: Normal loads on the whole pin [N].
-    base: Variation  #: The scene as it is.
-    others: tuple[Variation, ...]  #: The changes, in the order in which they were asked for.
+    #: Boundaries, a row for each load: ``entry`` and ``value``, as they would stand in the scene,
+    #: ``load [N]``, ``critical velocity [m/s]``, ``change [%]`` and ``outcome``. First the
+    #: ``unchanged`` scene, then the entry that moves the boundary most.
+    table: pd.DataFrame
     #: Points of all scenes, and the points whose contacts were computed for them.
     points: int
     contacts: int
     #: Points that carry a warning, over all scenes.
     warned: Warned = field(default_factory=Warned)
-
-    def changes(self, variation: Variation) -> Array:
-        """Relative change of the critical velocity at each load; NaN where there is none."""
-        changed: Array = np.array(variation.critical_velocities) / self.base.critical_velocities - 1
-        return changed
-
-    def keyed_changes(self) -> dict[str, list[Variation]]:
-        """Changes by entry; first the entry that moves the boundary most."""
-        groups: dict[str, list[Variation]] = {}
-        for variation in self.others:
-            groups.setdefault(variation.key, []).append(variation)
-        return dict(sorted(groups.items(), key=lambda item: -self._swing(item[1])))
-
-    def _swing(self, variations: list[Variation]) -> float:
-        moved = np.abs([self.changes(variation) for variation in variations])
-        return float(np.nanmax(moved)) if np.isfinite(moved).any() else 0.0
 
 
 @np.errstate(under="ignore")
@@ -144,7 +116,7 @@ def vary(
         for key, values in over.items()
         for value in _absolute(sweep, key, values)
     }
-    variations = [("", ""), *others]
+    variations = [(_UNCHANGED, ""), *others]
     scenes = [sweep, *others.values()]
     varied = _combine(sweep.variant(), variations, scenes)
     with stored(out) as path:
@@ -154,21 +126,28 @@ def vary(
         contacts = {(*varied.contact_of(point), point.load) for point in done}
         ds = at(path, criterion=laws.get("criterion"))
         ds = at(ds, oil=next(iter(ambiguous_oils(varied)), None))  # no test moves the boundary
-        found, carried = boundary(ds).transpose(_ROW, ...), warned(ds)
-        velocities = found["critical_velocity"].values.tolist()
-        words = np.reshape(frames_of(found)[0]["outcome"], found["outcome_at_load"].shape).tolist()
-    unvaried, *rest = (
-        Variation(key, value, tuple(velocities[row]), tuple(words[row]))
-        for row, (key, value) in enumerate(variations)
-    )
-    counts = len(done), len(contacts)
-    loads = sweep.plane.loads
-    return Variations(sweep.title, loads, unvaried, tuple(rest), *counts, carried)
+        table, carried = _table(frames_of(boundary(ds))[0], variations), warned(ds)
+    return Variations(sweep.title, table, len(done), len(contacts), carried)
+
+
+def _table(found: pd.DataFrame, variations: Sequence[tuple[str, str]]) -> pd.DataFrame:
+    """The frame of the boundaries of all scenes, as `Variations` has it."""
+    velocity = found["critical velocity [m/s]"].to_numpy().reshape(len(variations), -1)
+    change = 100 * (velocity / velocity[0] - 1)
+    change[0] = math.nan  # of the unchanged scene
+    entries, values = np.repeat(variations, velocity.shape[1], axis=0).T
+    table = found[["load [N]", "critical velocity [m/s]", "outcome"]]
+    table.insert(0, "entry", entries)
+    table.insert(1, "value", values)
+    table.insert(4, "change [%]", change.ravel())
+    moved = table["change [%]"].abs().groupby(table["entry"]).transform("max").fillna(0.0)
+    moved[table["entry"] == _UNCHANGED] = math.inf
+    return table.iloc[np.argsort(-moved, kind="stable")].reset_index(drop=True)
 
 
 def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequence[Sweep]) -> Sweep:
     """The sweep with a variant for each scene, by the entries in which that differs."""
-    words = (f"{key} = {value}" if key else "the unchanged scene" for key, value in variations)
+    words = (f"{key} = {value}" for key, value in variations)
     reader: Any = sweep.reader
     arrays = [one.reader.contents.arrays for one in (sweep, *scenes)]
     contents = replace(reader.contents, arrays=dict(ChainMap(*arrays)))

@@ -122,12 +122,13 @@ def _boundary(study: Study) -> dict[str, Any]:
         variation = vary(
             scene, over, study.preset, changes, workers=study.workers, progress=progress
         )
-    (hard,) = variation.others
+    table = variation.table[::-1]
+    hard, soft = (table[table["entry"] == one] for one in (entry, "unchanged"))
     return {
-        "load": list(variation.loads)[::-1],
-        "soft": list(variation.base.critical_velocities)[::-1],
-        "hard": list(hard.critical_velocities)[::-1],
-        "change": variation.changes(hard).tolist()[::-1],
+        "load": hard["load [N]"].tolist(),
+        "soft": soft["critical velocity [m/s]"].tolist(),
+        "hard": hard["critical velocity [m/s]"].tolist(),
+        "change": (hard["change [%]"] / 100).tolist(),
     }
 
 
