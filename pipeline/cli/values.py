@@ -32,13 +32,6 @@ def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
     return read
 
 
-def sides(text: str) -> tuple[float, float]:
-    """Read the sides of a pixel, or the one of a square pixel."""
-    read = quantity("0.8 um")
-    first, comma, second = text.partition(",")
-    return read(first), read(second if comma else first)
-
-
 def bulk(text: str) -> str | dict[str, str]:
     """Read a bulk temperature, or each of pin and disk, as text with units."""
     if "=" not in text:
@@ -102,11 +95,3 @@ def pair(text: str, like: str = '"load=Normalkraft F_N / N"') -> tuple[str, str]
     if not (name and separator and value):
         raise Refused(f'"{text}" has no name and value; give both, like {like}')
     return name, value
-
-
-def word(text: str) -> tuple[str, str]:
-    """Read ``WORD=OUTCOME``; the word of empty cells is empty."""
-    name, _, outcome = map(str.strip, text.partition("="))
-    if outcome not in ("mild", "severe"):
-        raise Refused(f'"{outcome}" is no outcome; give {name}=mild or {name}=severe')
-    return name, outcome

@@ -2,10 +2,28 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentTypeError
+
 from pipeline.cli import options as o
 from pipeline.cli import values
 from pipeline.cli.options import Command, Option
 from pipeline.paths import user_path
+
+
+def _sides(text: str) -> tuple[float, float]:
+    """Read the sides of a pixel, or the one of a square pixel."""
+    read = values.quantity("0.8 um")
+    first, comma, second = text.partition(",")
+    return read(first), read(second if comma else first)
+
+
+def _word(text: str) -> tuple[str, str]:
+    """Read ``WORD=OUTCOME``; the word of empty cells is empty."""
+    name, _, outcome = map(str.strip, text.partition("="))
+    if outcome not in ("mild", "severe"):
+        raise ArgumentTypeError(f'"{outcome}" is no outcome; give {name}=mild or {name}=severe')
+    return name, outcome
+
 
 _SCAN = (
     Option(
@@ -17,7 +35,7 @@ _SCAN = (
         help='unit of the heights, such as "um", where the file gives none or a wrong one',
     ),
     Option(
-        "--pixel-size", metavar="DX[,DY]", type=values.sides,
+        "--pixel-size", metavar="DX[,DY]", type=_sides,
         help='sides of a pixel, where the file gives none, like "0.8 um" or "0.8 um,0.9 um"',
     ),
     o.flag("--transpose", "exchange x and y of the file"),
@@ -33,7 +51,7 @@ _TESTS = (
         "repeated",
     ),
     Option(
-        "--word", metavar="WORD=OUTCOME", type=values.word, action="append", default=[],
+        "--word", metavar="WORD=OUTCOME", type=_word, action="append", default=[],
         help='what a word of the log means, like Fresser=severe, or an empty cell, "=mild"; may be '
         "repeated",
     ),
