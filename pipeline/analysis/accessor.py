@@ -10,9 +10,7 @@ import xarray as xr
 
 from pipeline import extras
 
-_ANSWERS = (
-    "at", "boundary", "margin", "temperatures", "warned", "end_of_point", "plot", "explore",
-)  # fmt: skip
+_ANSWERS = "at", "boundary", "margin", "temperatures", "warned", "end_of_point", "plot", "explore"
 
 
 @xr.register_dataset_accessor("irg")  # type: ignore[no-untyped-call]

@@ -122,7 +122,6 @@ def _label(labels: Sequence[Label], value: Any) -> Label:
     return min(labels, key=lambda label: abs(float(label) - value))
 
 
-_USUAL = {*COORDINATES}
 _UNITS = {name: variable.units for name, variable in VARIABLES.items()} | {
     path: UNITS.get(name) for name, path in PATHS.items()
 }
@@ -250,7 +249,7 @@ def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
     return [
         str(dim)
         for dim in dims
-        if dim not in _USUAL or (dim == VARIANT and VARIANT not in drawn_dims(ds))
+        if dim not in COORDINATES or (dim == VARIANT and VARIANT not in drawn_dims(ds))
     ]
 
 

@@ -65,8 +65,6 @@ class Margin:
     critical_load: float  #: First load at this velocity, likewise [N].
     velocity_outcome: str  #: Why there is none, or where wear is severe if it turns several times.
     load_outcome: str  #: Likewise, along the load.
-    velocity_range: tuple[float, float]  #: Lowest and highest velocity computed there [m/s].
-    load_range: tuple[float, float]  #: Lowest and highest load computed there [N].
     is_computed: bool  #: That very point is done, and the temperature not interpolated.
     is_continued: bool  #: Temperature extrapolated beyond the computed points.
     members: int  #: Surfaces, or draws of unknown inputs, that it rests on.
@@ -153,23 +151,18 @@ def percent(probability: float) -> str:
 
 
 def answers(
-    field: Field,
-    loads: Array,
-    velocities: Array,
-    scatter: Scatter,
-    tested: Sequence[Sequence[str]] | None = None,
+    field: Field, loads: Array, velocities: Array, scatter: Scatter, tested: Sequence[Sequence[str]]
 ) -> list[Margin | str]:
     """The margins of a field at loads [N] and velocities [m/s] (k,), or why there is none.
 
-    Tests at or beside each place may be given in words.
+    Tests at or beside each place are given in words.
     """
     here = field.temperatures(loads, velocities)
     is_known = np.array([not reason for reason in here.reasons])
     if not is_known.any():
         return [*here.reasons]
     columns = _columns(field, loads[is_known], velocities[is_known], scatter, here, is_known)
-    if tested is not None:
-        columns["tested"] = [tuple(tests) for tests in itertools.compress(tested, is_known)]
+    columns["tested"] = [tuple(tests) for tests in itertools.compress(tested, is_known)]
     shared: dict[str, Any] = {
         "model_error": scatter.text,
         "members": len(field.weights),
@@ -213,7 +206,6 @@ def _columns(
     columns["error"] = [RiseError.of(parts).times(scale) for parts, scale in pairs]
     for axis, one in along.items():
         columns[f"{axis}_outcome"] = [*one.outcome_texts(axis)]
-        columns[f"{axis}_range"] = [*zip(*(end.tolist() for end in one.computed), strict=True)]
     if len(weights) > 1:
         ends = (zip(low[name].tolist(), high[name].tolist(), strict=True) for name in low)
         columns["intervals"] = [dict(zip(low, row, strict=True)) for row in zip(*ends, strict=True)]

@@ -32,15 +32,7 @@ from pipeline.analysis.dataset import (
     sweep_kind,
 )
 from pipeline.store.place import PathLike
-from pipeline.store.schema import (
-    COORDINATES,
-    DONE,
-    MADE,
-    OF_POINT,
-    PLANE,
-    SCENE_ID,
-    STEPPED,
-)
+from pipeline.store.schema import COORDINATES, DONE, MADE, OF_POINT, PLANE, SCENE_ID, STEPPED
 from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.laws import Law
 from pipeline.sweep.model import Point, Sweep

@@ -6,12 +6,12 @@ import argparse
 import pydoc
 import re
 import sys
-from difflib import get_close_matches
 from pathlib import Path
 
 import pipeline
 from pipeline.cli.output import Result
 from pipeline.cli.parser import commands, parse
+from pipeline.scene.faults import did_you_mean
 from pipeline.scene.shipped import page_name, shipped_pages, shipped_scenes
 from tribo import InputError
 
@@ -47,8 +47,7 @@ def help_(options: argparse.Namespace) -> Result:
     if page not in data:
         if topic in names:
             parse([topic, "--help"])
-        near = get_close_matches(topic, [*data, *names], 1)
-        meant = f' (did you mean "{near[0]}"?)' if near else ""
+        meant = did_you_mean(topic, [*data, *names])
         raise InputError(f'no page or command is called "{topic}"{meant}; irg help lists them')
     text = data[page].read_text(encoding="utf-8")
     if sys.stdout.isatty() and not options.json:

@@ -87,9 +87,7 @@ def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
         named = ["--preset"] if options.preset else []
         named += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
         if named:
-            raise InputError(
-                f"--accuracy picks the numerical choices itself; leave out {', '.join(named)}"
-            )
+            raise InputError(f"--accuracy picks the fidelity; leave out {', '.join(named)}")
         sweep = choose_accuracy(sweep, accuracy, store, tell)
     elif store is not None and options.measure:
         sweep = measure_error(sweep, store, tell)

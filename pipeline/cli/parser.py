@@ -46,17 +46,13 @@ COMMANDS = (
         "boundary", "verdicts:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
-        (
-            o.STORE, *o.OF_BOUNDARY, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS,
-        ),
+        (o.STORE, *o.OF_BOUNDARY, o.TABLE, *o.WEIGHED, *o.JUDGED),
     ),
     Command(
         "margin", "verdicts:margin",
         "verdict on operating points, its probability and errors: one, a table, or rows of pairs",
         f"results/scene.zarr {_AT}",
-        (
-            o.STORE, *o.PLACE, *o.POINTS, o.TABLE, *o.WEIGHED, o.AT, o.CONDITIONS,
-        ),
+        (o.STORE, *o.PLACE, *o.POINTS, o.TABLE, *o.WEIGHED, *o.JUDGED),
     ),
     Command(
         "diff", "stores:diff",
@@ -73,9 +69,7 @@ COMMANDS = (
     Command(
         "point", "points:point", "simulate one point and the tests of its scene",
         f"scene.toml {_AT}",
-        (
-            *o.OF_SCENE, *o.NEEDED_PLACE, o.ALONE, o.REALIZATION, o.CONDITIONS, o.OIL, o.TABLE,
-        ),
+        (*o.OF_SCENE, *o.NEEDED_PLACE, o.ALONE, o.REALIZATION, o.CONDITIONS, o.OIL, o.TABLE),
     ),
     Command(
         "trade", "studies:trade", "measure speed against accuracy",
@@ -84,10 +78,7 @@ COMMANDS = (
     Command(
         "plot", "figures:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
-        (
-            o.STORE, *o.OF_PLOT, *o.WEIGHED, o.AT, o.CONDITIONS,
-            *o.PLACE, o.REALIZATION,
-        ),
+        (o.STORE, *o.OF_PLOT, *o.WEIGHED, *o.JUDGED, *o.PLACE, o.REALIZATION),
     ),
     Command(
         "help", "begin:help_", "print a page of the documentation, or list them",

@@ -15,7 +15,7 @@ from pipeline import extras
 from pipeline.analysis.dataset import Kind, scene_sweep, sweep_kind
 from pipeline.analysis.tables import frame_of
 from pipeline.cli import output
-from pipeline.cli.given import scene_in
+from pipeline.cli.given import scene_in, values_in
 from pipeline.cli.output import Result, counted, tell
 from pipeline.machine import memory as machine_memory
 from pipeline.quantities import display, display_sides, shown_in
@@ -42,20 +42,11 @@ def run(options: argparse.Namespace) -> Result:
     tell(*map(str, sweep.notes))
     require_bearable_load(sweep, min(sweep.plane.loads), "sweep.loads")
     tell(*remarks("warning", note_on_turns(sweep)))
+    choices = values_in(options, "workers", "dashboard", "retry_failed", "boundary_only", "source")
     is_elsewhere = options.scheduler or options.scheduler_file
     elsewhere = client_of(options.scheduler, options.scheduler_file) if is_elsewhere else None
     with elsewhere or nullcontext() as client, output.run_line() as progress:
-        outcome = pipeline.run_sweep(
-            sweep,
-            out,
-            workers=options.workers,
-            client=client,
-            dashboard=options.dashboard,
-            progress=progress,
-            retry_failed=options.retry_failed,
-            boundary_only=options.boundary_only,
-            source=options.source,
-        )
+        outcome = pipeline.run_sweep(sweep, out, client=client, progress=progress, **choices)
     judged = pipeline.at(out)
     if sweep_kind(judged) is Kind.SAMPLES:
         extras.module("fields").keep_fits(judged)

@@ -53,9 +53,7 @@ def chosen_points(
 def require_done_at(load: float, is_done: Mask) -> None:
     """Raise an `InputError` where no point at a load is done."""
     if not is_done.any():
-        raise InputError(
-            f"no point at {load:g} N is done; give another load, or go on with irg run"
-        )
+        raise InputError(f"no point at {load:g} N is done; give another, or go on with irg run")
 
 
 def nearest_indices(data: Array, axis: str, values: Wanted) -> list[int]:

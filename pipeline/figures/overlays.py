@@ -24,10 +24,7 @@ from tribo.types import Array, Mask
 
 _REACH = 1.5  # times the ends of the sweep, beyond which a test would shrink the figure
 _SAME_BULK = 1.0  # [K] between bulk temperatures
-_LEVELS = (
-    (BOUNDARY, "mixed", ":"),
-    (FULL_FILM, "full film", "-."),
-)
+_LEVELS = ((BOUNDARY, "mixed", ":"), (FULL_FILM, "full film", "-."))
 """Levels of Λ, what begins there, and the dashes of their lines."""
 
 

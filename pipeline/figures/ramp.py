@@ -13,13 +13,7 @@ from matplotlib.lines import Line2D
 from pipeline.analysis.field import along_friction, point_field
 from pipeline.analysis.results import Results
 from pipeline.figures import style
-from pipeline.figures.fields import (
-    Spot,
-    Wanted,
-    chosen_points,
-    nearest_indices,
-    require_done_at,
-)
+from pipeline.figures.fields import Spot, Wanted, chosen_points, nearest_indices, require_done_at
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.quantities import shown_in
 from pipeline.store.schema import MADE, STEPPED, VARIABLES
@@ -146,9 +140,7 @@ def _load_axis(axes: Axes, data: Results, point: Spot) -> None:
 
 @style.house_style
 def temperature(
-    data: Results,
-    load: float | str | None = None,
-    realization: int | None = None,
+    data: Results, load: float | str | None = None, realization: int | None = None
 ) -> Figure:
     """Draw how the temperatures of the contact grow with the velocity at one load."""
     data = data.take_row(realization)

@@ -77,7 +77,6 @@ class Choice:
     velocity_error: float  # largest at any point, without sign
     error_at_any_load: float  # largest to expect, by the errors at the points and a margin
     seconds: float  # processor time of the points [s]
-    share_of_fine: float | None = None  # time over that of preset fine, if measured
 
 
 @shown

@@ -24,7 +24,7 @@ def choose_accuracy(
 ) -> Sweep:
     """Give a sweep the cheapest fidelity within an accuracy, or the fidelity of its store."""
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
-    stored = _find_stored(store)
+    stored = None if store is None else find_sweep(store)
     selection = stored and stored.selection
     if stored and not selection:
         raise StoreMismatchError(
@@ -44,21 +44,13 @@ def choose_accuracy(
 
 def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
     """Give a sweep the error of its own fidelity, which its store has or is measured now."""
-    stored = _find_stored(store)
-    selection = stored and stored.selection
-    selection = selection or choose_fidelity(sweep, None, progress)
+    stored = find_sweep(store)
+    selection = (stored and stored.selection) or choose_fidelity(sweep, None, progress)
     return replace(sweep, selection=selection)
 
 
-def _find_stored(store: PathLike | None) -> Sweep | None:
-    """Sweep of a store that a run goes on with; None for a new store."""
-    return None if store is None else find_sweep(store)
-
-
 def choose_fidelity(
-    sweep: SceneLike,
-    accuracy: float | str | None,
-    progress: Report | None = None,
+    sweep: SceneLike, accuracy: float | str | None, progress: Report | None = None
 ) -> Selection:
     """Find the cheapest numerical choice whose measured error is within a bound.
 
@@ -96,10 +88,5 @@ def choose_fidelity(
     if accuracy is None and table.not_converged:
         raise ConvergenceError(table.not_converged[0], None)
     picked = table.choices[0] if accuracy is None else table.cheapest(accuracy)
-    return Selection(
-        accuracy=accuracy,
-        name=picked.name,
-        fidelity=picked.fidelity,
-        error=picked.error_at_any_load,
-        choices=table.choices,
-    )
+    error = picked.error_at_any_load
+    return Selection(accuracy, picked.name, picked.fidelity, error, table.choices)

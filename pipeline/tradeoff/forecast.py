@@ -48,7 +48,6 @@ class Estimate:
     tasks: int  #: Points, where points that share a contact count as one: more workers are idle.
     workers: int  #: Processes that compute.
     seconds: float  #: Wall time on an idle machine, roughly, by steps timed here and now [s].
-    worker_bytes: float  #: Memory of each worker [B].
     disk_bytes: float  #: Room that the store takes on a disk [B].
 
 
@@ -99,7 +98,6 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
         tasks=len(every),
         workers=workers,
         seconds=_SECONDS_TO_START + wall * max(1.0, parallel / available),
-        worker_bytes=max(worker_bytes(sweep.variant(name), len(every)) for name in given),
         disk_bytes=_STORE_BYTES + points * _point_bytes(scene, state),
     )
 
@@ -140,12 +138,12 @@ class _Work:
         return float(steps * self.contact_time + of_heat + commits)
 
 
-def worker_bytes(sweep: Sweep, tasks: int = 1) -> float:
-    """Memory of a worker of so many tasks, with the ramps that it keeps [B]."""
+def worker_bytes(sweep: Sweep) -> float:
+    """Memory of a worker, with a ramp that it keeps [B]."""
     scene = as_computed(sweep)
     elements = math.prod(next(scene.levels()).grid.shape)
-    of_ramps = tasks * scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements
-    kept = min(MOST_BYTES, of_ramps) if scene.remembers_steps else 0.0
+    of_ramp = scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements
+    kept = min(MOST_BYTES, of_ramp) if scene.remembers_steps else 0.0
     return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(scene.grid.shape) + kept
 
 

@@ -16,7 +16,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import tasks
 from pipeline.sweep.severity import momentary_rise, rise_limit
 from pipeline.sweep.variants import Variant
-from tribo import PRESETS, Fidelity, InputError, Scene, State, simulate
+from tribo import PRESETS, Fidelity, InputError, State, simulate
 from tribo.simulation import Trunks, forget_contacts
 
 
@@ -49,31 +49,26 @@ def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
     _run(scene.variant(first.variant), first.load / 2, first.velocity * 0.9)
     forget_contacts()
     began = time.process_time()
-    runs = {}
-    trunks = Trunks()
+    runs, trunks = dict[Point, tuple[float, State]](), Trunks()
     for point in (point for task in tasks(points, scene) for point in task.points):
         variant = scene.variant(point.variant)
         runs[point] = _run(variant, point.load, point.velocity, trunks)
     seconds = time.process_time() - began
-    rises = tuple(_deciding_rise(sweep, scene.scene, runs[point]) for point in points)
-    fewest = min(int(np.count_nonzero(state.pressure)) for state in runs.values())
+    rises = tuple(runs[point][0] for point in points)
+    fewest = min(int(np.count_nonzero(state.pressure)) for _, state in runs.values())
     return Probe(fidelity, rises, fewest, seconds)
 
 
-def _run(sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None) -> State:
-    """Simulate a point: its hottest state under full load."""
-    under_load: list[tuple[float, State]] = []
-    for state in simulate(sweep.scene, load, velocity, trunks):
-        if state.heat is not None and state.normal_load >= load:
-            under_load.append((momentary_rise(sweep.scene, state, sweep.conditions), state))
-    return max(under_load, key=lambda reading: reading[0])[1] if under_load else state
-
-
-def _deciding_rise(sweep: Sweep, scene: Scene, state: State) -> float:
-    """Rise that decides at friction 1 [K]."""
-    if state.heat is None:
-        raise InputError("a point ended without a temperature")
-    return momentary_rise(scene, state, sweep.conditions)
+def _run(
+    sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None
+) -> tuple[float, State]:
+    """Simulate a point: its hottest state under full load, and the rise [K] at friction 1."""
+    under_load = (
+        (momentary_rise(sweep.scene, state, sweep.conditions), state)
+        for state in simulate(sweep.scene, load, velocity, trunks)
+        if state.heat is not None and state.normal_load >= load
+    )
+    return max(under_load, key=lambda reading: reading[0])
 
 
 def with_dividing_elements(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
@@ -103,15 +98,11 @@ def points_near_boundary(
     points, exponents = [], []
     moving = [abs(velocity) for velocity in sweep.plane.velocities if velocity]
     if not moving:
-        raise InputError(
-            "the sweep has no velocity but 0, and so no heat to be wrong about; "
-            "give velocities above 0"
-        )
+        raise InputError("the sweep has no velocity but 0, and so no heat; give some above 0")
     limit = rise_limit(sweep.conditions)
 
     def rise_at(place: Target, velocity: float) -> float:
-        state = _run(scene.variant(place.variant), place.load, velocity)
-        return _deciding_rise(sweep, scene.scene, state)
+        return _run(scene.variant(place.variant), place.load, velocity)[0]
 
     for place in places:
         rise = partial(rise_at, place)

@@ -40,7 +40,7 @@ USUAL = ("draft", "standard", "fine")
 OWN = "the scene's own fidelity"
 _LOADS, _PLACES = 4, 6  # to measure at, and with several variants
 _BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # errors, for each of which the cheapest is named
-_HEADS = "name", "velocity error [%]", "error at any load [%]", "seconds [s]", "share of fine"
+_HEADS = "name", "velocity error [%]", "error at any load [%]", "seconds [s]"
 _MARGIN, _DEVIATIONS = 1.3, 2.5
 """Error at loads that were not measured, where each touches other summits: the larger of two.
 
@@ -112,9 +112,7 @@ class Trade:
 
 @np.errstate(under="ignore")
 def trade(
-    sweep: SceneLike,
-    presets: Sequence[str] = USUAL,
-    progress: Report | None = None,
+    sweep: SceneLike, presets: Sequence[str] = USUAL, progress: Report | None = None
 ) -> Trade:
     """Measure speed against accuracy on the boundary of a scene.
 
@@ -172,15 +170,7 @@ def trade(
     # By work: unlike time it is the same on every machine, and so is the choice.
     choices.sort(key=lambda choice: _work(sweep, choice.fidelity, places))
     choices.append(_choice("reference", reference, reference, exponents))
-    fine = next((one.seconds for one in choices if one.name == "fine"), None)
-    if fine:
-        choices = [replace(one, share_of_fine=one.seconds / fine) for one in choices]
-    return Trade(
-        title=sweep.title,
-        points=near,
-        choices=tuple(choices),
-        not_converged=tuple(failed),
-    )
+    return Trade(sweep.title, near, tuple(choices), tuple(failed))
 
 
 def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:

@@ -8,7 +8,7 @@ from tribo import InputError
 
 def answer(field, load, velocity, scatter):
     """The margin of a field at one place; an `InputError` where there is none."""
-    (found,) = answers(field, np.array([load]), np.array([velocity]), scatter)
+    (found,) = answers(field, np.array([load]), np.array([velocity]), scatter, [()])
     if isinstance(found, str):
         raise InputError(found)
     return found

@@ -39,7 +39,6 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
-    "probe._deciding_rise InputError": "a point always has a temperature; for types",
     "choose.choose_fidelity ConvergenceError": "test_choice_of_readings",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
