@@ -55,7 +55,7 @@ GONE = (CancelledError, OSError, ClosedClientError, AttributeError, RuntimeError
 """What Dask raises without a scheduler, the last three of a client that was closed."""
 LOST = f"the Dask scheduler is lost; {SAFE}"
 
-_START = 120.0  # [s] that the workers may take to start
+_START, _TRIES = 120.0, 3  # [s] that the workers may take to start, and how often they are started
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
 _WORD = 10.0  # [s] without a worker, after which the user is told
 _ADVICE = "take fewer workers, or fewer window.pixels"
@@ -79,7 +79,7 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
                     process.kill()  # or Python would wait for them in the end
 
 
-def _start_cluster(workers: int, dashboard: bool) -> LocalCluster:
+def _start_cluster(workers: int, dashboard: bool, tries: int = _TRIES) -> LocalCluster:
     try:
         return LocalCluster(
             n_workers=workers,
@@ -91,6 +91,8 @@ def _start_cluster(workers: int, dashboard: bool) -> LocalCluster:
             silence_logs=logging.CRITICAL,
         )
     except (OSError, RuntimeError, AssertionError) as error:  # the last if one has not even begun
+        if tries > 1 and not isinstance(error, TimeoutError):  # one killed as it starts fails all
+            return _start_cluster(workers, dashboard, tries - 1)
         raise ExecutionError(
             f"the worker processes do not start within {_START:g} s: {error}; memory, threads or "
             f"processes may be limited (ulimit -a): take fewer workers; {UNGUARDED}"
