@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
@@ -51,6 +51,7 @@ def margin(options: argparse.Namespace) -> Result:
         lines += wrapped(rests)
     rests_on = dict.fromkeys(line for one in found for line in one.field.basis)
     lines += [*rests_on, *words.missing_lines(data.missing)]
+    lines += wrapped(_turns_line(data))
     return Result(text=[*lines, *caveats], warned=pipeline.warned(data), frames=[table])
 
 
@@ -66,6 +67,13 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
         lines += wrapped(words.margin_lines(one.margin) if one.margin else [one.reason])
     is_molten = any(one.margin and one.margin.decisive_temperature > MELTS for one in found)
     return [*lines, *remarks("warning", MOLTEN * is_molten)]
+
+
+def _turns_line(data: Results) -> Iterator[str]:
+    """The warning of earlier turns that are not counted, if there are any."""
+    is_cold = data.kind is Kind.PLANE and cold_tracks(data.sweep)
+    effect = warm_transitions(data) if is_cold else ""
+    return remarks("warning", note_on_turns(data.sweep, effect))
 
 
 def boundary(options: argparse.Namespace) -> Result:
@@ -90,9 +98,7 @@ def boundary(options: argparse.Namespace) -> Result:
     rests += [f"{agreement(tests)} They are printed by --by test."] if tests is not None else []
     if data.kind is Kind.SAMPLES:
         rests += dict.fromkeys(line for field in fields(data) for line in field.basis)
-    is_cold = data.kind is Kind.PLANE and cold_tracks(data.sweep)
-    effect = warm_transitions(data) if is_cold else ""
-    rests += remarks("warning", note_on_turns(data.sweep, effect))
+    rests += _turns_line(data)
     rule = judged_by((one.conditions for one in data.scenes), data.sweep.variants.rule.unknown)
     text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(data)])]
     return Result(text=text, warned=pipeline.warned(data), frames=[table])

@@ -53,6 +53,9 @@ def test_a_boundary_says_where_wear_turns_severe_on_tracks_that_earlier_turns_wa
     warm = tribo.Corrections(motion=motion, track=track, pin_track=track)
     conditions = replace(pipeline.results(cold).conditions, corrections=warm)
     found = pipeline.boundary(synthetic.sweep(motion=motion, measured=(), conditions=conditions))
-    said = " ".join(irg("boundary", tmp_path / "cold.nc").split())
+    place = "--load=400 N", "--velocity=1.4 m/s"
+    commands = ("boundary",), ("margin", *place)
     first, last = found["critical_velocity"].values[[0, -1]]
-    assert f"as early as {first:.3g} m/s at 200 N and {last:.3g} m/s at 750 N; give" in said
+    for command, *options in commands:
+        said = " ".join(irg(command, tmp_path / "cold.nc", *options).split())
+        assert f"as early as {first:.3g} m/s at 200 N and {last:.3g} m/s at 750 N; give" in said
