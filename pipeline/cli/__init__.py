@@ -94,7 +94,8 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
         return output.DONE
     except (MemoryError, OSError, RuntimeError, ImportError) as error:
         if not is_lack_of_memory(error):
-            if not isinstance(error, OSError):
+            # Zarr says so of a damaged chunk of a copy.
+            if not isinstance(error, OSError) and "decompress" not in str(error):
                 raise
             output.complain(f"cannot go on: {error}{safe}")
             with suppress(OSError, ValueError, AttributeError):

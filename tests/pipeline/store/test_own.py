@@ -1,12 +1,12 @@
 """What users add to a store stays, and is in nobody's way; what they copy of it is read."""
 
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 import zarr
-from numcodecs.zstd import Zstd
 
 import pipeline
 import tribo
@@ -19,7 +19,6 @@ from tests.helpers.entries import changed, rows
 from tests.helpers.stores import commit, record
 
 SWEEP = tiny.full()
-ZEROS = Zstd(level=1, checksum=True).encode(np.zeros(2**28, np.uint8))
 
 
 @pytest.fixture(autouse=True)
@@ -135,6 +134,15 @@ def test_plain_xarray_writes_tables_and_files(opened, tmp_path):
                 xr.testing.assert_equal(written.load(), ds.compute())
         ds.to_zarr(target := tmp_path / f"copy{number}.zarr", consolidated=False)
         xr.testing.assert_equal(xr.open_zarr(target, consolidated=False).load(), ds.compute())
+
+
+def test_a_damaged_chunk_of_a_copy_is_one_line(copy, tmp_path, irg):
+    pipeline.open_sweep(copy).to_zarr(tmp_path / "copy.zarr")
+    for file in filter(Path.is_file, (tmp_path / "copy.zarr").rglob("c/*/*/*/*")):
+        file.write_bytes(file.read_bytes()[:20])
+    assert "cannot go on: Zstd decompression error" in irg(
+        "boundary", tmp_path / "copy.zarr", code=2
+    )
 
 
 def test_fields_lie_in_a_group_of_their_own(copy):
