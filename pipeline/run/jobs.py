@@ -157,12 +157,11 @@ class Jobs:
                         self._client.cancel([job.future])
                     yield job, loss
 
-    def results(self) -> list[bytes]:
-        """Results that have come since the last call; once a second, and at the end, ask for more.
+    def results(self) -> Iterator[bytes]:
+        """Yield results that have come; once a second, and at the end, ask for those that are new.
 
         A worker that stands still holds up those alone that were asked for with one of its own.
         """
-        results = []
         for answer in [one for one in self._gathering if one.done()]:
             del self._gathering[answer]
             gathered: dict[str, Any] = {}
@@ -172,11 +171,11 @@ class Jobs:
             for key, result in gathered.items():
                 job = self.computed.pop(key, None)  # None if it was given up meanwhile
                 if job and result:
-                    results.append(result)
+                    yield result
                 elif job:
                     self._without_result.append((job, Loss.FORGOTTEN))
         if self.running and time.monotonic() < self._next:
-            return results
+            return
         self._next = time.monotonic() + POLL
         requested = set().union(*self._gathering.values())
         if new := {key: job.future for key, job in self.computed.items() if key not in requested}:
@@ -185,4 +184,3 @@ class Jobs:
                 answer = asyncio.run_coroutine_threadsafe(request, self._client.loop.asyncio_loop)
             self._gathering[answer] = new
             answer.add_done_callback(lambda _: self._news.set())
-        return results

@@ -157,21 +157,35 @@ def test_a_scheduler_that_stops_or_dies_is_lost_and_its_finished_points_are_not(
         cluster.scheduler.send_signal(signal.SIGCONT)
 
 
-@pytest.mark.timeout(200)
+class Stop(SchedulerPlugin):
+    """Stops a worker as soon as it has a result, which nobody has taken yet."""
+
+    name = "stop"
+
+    def __init__(self, address, process):
+        self.address, self.process = address, process
+
+    def transition(self, key, start, finish, *_, worker=None, **__):
+        if finish == "memory" and worker == self.address:
+            self.address = None
+            self.process.suspend()
+
+
+@pytest.mark.timeout(100)
 def test_a_worker_that_stands_still_holds_up_no_later_results_of_another(tmp_path):
-    velocities = tuple(np.linspace(0.5, 1.5, 16).tolist())
+    velocities = tuple(np.linspace(0.5, 1.5, 12).tolist())
     sweep = tiny.full(loading=tiny.SlowRamp(150.0, 750.0), velocities=velocities)
     settings = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
     with LocalCluster(**settings) as cluster, Client(cluster) as client:
-        worker = psutil.Process(next(iter(client.run(os.getpid).values())))
+        address, number = next(iter(client.run(os.getpid).items()))
+        worker = psutil.Process(number)
+        cluster.scheduler.add_plugin(Stop(address, worker))
 
-        def stop(progress):
-            if progress.done > 24:
+        def go_on(progress):
+            if progress.done > 18:
                 worker.resume()
-            elif progress.done:
-                worker.suspend()
 
-        assert run_sweep(sweep, tmp_path / "tiny.zarr", client=client, progress=stop).done == 48
+        assert run_sweep(sweep, tmp_path / "tiny.zarr", client=client, progress=go_on).done == 36
 
 
 def test_a_worker_with_another_number_in_its_code_is_refused_and_computes_nothing(tmp_path):
