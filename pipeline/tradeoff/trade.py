@@ -91,7 +91,10 @@ class Trade:
     def table(self) -> pd.DataFrame:
         """Error and time of the choices, one in a row."""
         names = [head.partition(" [")[0].replace(" ", "_") for head in _HEADS]
-        return frame_of(_HEADS, ([getattr(one, name) for name in names] for one in self.choices))
+        table = frame_of(_HEADS, ([getattr(one, name) for name in names] for one in self.choices))
+        fine = next((one.seconds for one in self.choices if one.name == "fine"), math.nan)
+        table["share of fine"] = table["seconds [s]"] / fine
+        return table
 
     def __str__(self) -> str:
         places = ", ".join(f"{point.load:g} N {point.velocity:.3g} m/s" for point in self.points)

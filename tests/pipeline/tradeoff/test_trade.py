@@ -89,6 +89,7 @@ def test_the_command_prints_the_errors_of_the_points_against_the_reference(
         assert told["velocity error [%]"] == pytest.approx(100 * one.velocity_error)
         assert told["error at any load [%]"] == pytest.approx(100 * one.error_at_any_load)
         assert told["seconds [s]"] == one.seconds
+        assert told["share of fine"] == pytest.approx(one.seconds / choices["fine"].seconds)
         for head, value in told.items():
             if head != "name":
                 assert float(rows[one.name][head]) == pytest.approx(value, rel=1e-5)
