@@ -175,7 +175,7 @@ class Stop(SchedulerPlugin):
 def test_a_worker_that_stands_still_holds_up_no_later_results_of_another(tmp_path):
     velocities = tuple(np.linspace(0.5, 1.5, 12).tolist())
     sweep = tiny.full(loading=tiny.SlowRamp(150.0, 750.0), velocities=velocities)
-    settings = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    settings = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0"}
     with LocalCluster(**settings) as cluster, Client(cluster) as client:
         address, number = next(iter(client.run(os.getpid).items()))
         worker = psutil.Process(number)
