@@ -172,7 +172,8 @@ def _absolute(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
             continue
         present = entry_at(sweep.entries, key)
         number = _NUMBER.match(present if isinstance(present, str) else repr(present))
-        if number is None:
-            raise InputError(f"{key}={value}: the scene gives no number there; give a value")
+        # Degrees, of Rockwell too, begin elsewhere than at 0.
+        if number is None or str(present).endswith(("C", "F")):
+            raise InputError(f"{key}={value}: the scene gives {present} there; give a value")
         changed = f"{float(number[0]) * (1 + float(relative[1]) / 100):.12g}"
         yield changed + present[number.end() :] if isinstance(present, str) else json.loads(changed)

@@ -34,7 +34,9 @@ REFUSALS = {
     "coarser": (stored(selection=synthetic.selection(error=0.05)), "whose boundary errs by 5 %"),
     "preset": (lambda: trade(PAPER, ("fast",)), "preset 'fast' is unknown; known are draft"),
     "no number": (lambda: pipeline.vary("first_try", {"pin.shape": ["+5%"]}),
-                  "pin.shape=+5%: the scene gives no number there"),
+                  "pin.shape=+5%: the scene gives cylinder there; give a value"),
+    "of degrees": (lambda: pipeline.vary("first_try", {"temperature.bulk": ["+20%"]}),
+                   "temperature.bulk=+20%: the scene gives 25 degC there"),
     "no velocity": (lambda: trade(changed(PAPER, velocities=(0.0,))), "no velocity but 0"),
 }  # fmt: skip
 
