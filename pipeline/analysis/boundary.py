@@ -19,11 +19,10 @@ from pipeline.analysis.decisive import attributes_by
 from pipeline.analysis.field import Field, PointField, fields, places_of, point_field
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import DECIDED, error_band
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.results import Results, ResultsLike, results
 from pipeline.analysis.scenes import side_by_side
 from pipeline.analysis.transition import ABOVE, BELOW, MILD, SEVERAL, SEVERE, Line, outcomes
 from pipeline.quantities import UNITS
-from pipeline.store.place import PathLike
 from pipeline.store.schema import COORDINATES, PLANE, attributes_of
 from pipeline.sweep.caveats import caveats, joined
 from pipeline.sweep.conditions import FIELDS, Conditions
@@ -35,7 +34,7 @@ from tribo.types import Array
 
 
 @np.errstate(under="ignore")
-def boundary(ds: xr.Dataset | PathLike | Results) -> xr.Dataset:
+def boundary(ds: ResultsLike) -> xr.Dataset:
     """Critical velocity for each load and critical load for each velocity.
 
     Parameters

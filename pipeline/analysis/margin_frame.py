@@ -5,18 +5,17 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.field import Field, fields
 from pipeline.analysis.laboratory import model_error, tests_beside
 from pipeline.analysis.margin import Margin, answers, clipped
 from pipeline.analysis.model_error import Scatter
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.results import Results, ResultsLike, results
 from pipeline.analysis.scenes import heads_of, shown_label
 from pipeline.analysis.tables import frame_of
 from pipeline.quantities import column_heads, snap
@@ -33,10 +32,16 @@ Points = OperatingPoints | PathLike | Mapping[str, Sequence[Any]]
 """Operating points as they may be given."""
 
 
+@overload
+def margin(ds: ResultsLike, load: Any, velocity: float | str) -> Margin | pd.DataFrame: ...
+
+
+@overload
+def margin(ds: ResultsLike, load: Points | None = None) -> pd.DataFrame: ...
+
+
 @np.errstate(under="ignore")
-def margin(
-    ds: xr.Dataset | PathLike | Results, load: Any = None, velocity: Any = None
-) -> Margin | pd.DataFrame:
+def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | pd.DataFrame:
     """Verdict on operating points, and their distance from severe wear, without a new simulation.
 
     Parameters

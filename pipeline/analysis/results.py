@@ -311,7 +311,11 @@ class Results:
         return self.columns.get("coupled_rise", np.array(np.nan))
 
 
-def results(ds: xr.Dataset | PathLike | Results) -> Results:
+ResultsLike = xr.Dataset | PathLike | Results
+"""What answers a question: a dataset, the place of a store, or results that were read."""
+
+
+def results(ds: ResultsLike) -> Results:
     """Read the results of a sweep, for many questions on the same numbers.
 
     Every answer takes what it returns in place of a dataset. Later changes of the dataset are not

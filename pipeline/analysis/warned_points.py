@@ -12,12 +12,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import xarray as xr
 
 from pipeline.analysis.dataset import Kind
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.results import Results, ResultsLike, results
 from pipeline.analysis.scenes import value_text
-from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
@@ -47,7 +45,7 @@ class Warned:
 
 
 @np.errstate(under="ignore")
-def warned(ds: xr.Dataset | PathLike | Results) -> Warned:
+def warned(ds: ResultsLike) -> Warned:
     """Count the points of a sweep that carry a warning.
 
     Parameters

@@ -200,5 +200,5 @@ def test_a_store_names_no_files_outside_it(strangers, done, irg, name):
     write(strangers / store, root)
     for command in ("status", "verify", "boundary"):
         said = irg(command, store, code=2)
-        assert "is unknown or missing" in said
+        assert "is damaged, or not that of a sweep" in said
     assert not (strangers / "outside").exists()

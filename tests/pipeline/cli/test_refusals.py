@@ -50,7 +50,6 @@ REFUSALS = {
                   "criterion is 'coldest'; allowed"),
     "nested": (nested, "title is nested without an end"),
     "no value": (irg("check", "first_try", "--set", "title"), '"title" has no name and value'),
-    "word": (irg("tests", "log.csv", "--word", "broken=gone"), '"gone" is no outcome; give'),
     # files that are read and would be written
     "over points": (over_itself("margin", "tiny.zarr", "--points", "duty.csv", "-o", "duty.csv"),
                     "duty.csv is read by this command; name another file to write"),

@@ -277,6 +277,7 @@ REFUSALS = {
     "thousandths": (log_command(many("1,100\n")), "friction is 100, and that of a contact at"),
     "no trace": (log_command("load [N],velocity [m/s],outcome\n4,2,mild\n", "-o", "a.png"),
                  "is no record of friction over time, which -o draws"),
+    "outcome of a word": (log_command("a,b\n1,2\n", "--word", "broken=gone"), '"gone" is no outcome; give'),
     "log": (logged("load [N],velocity [m/s],outcome\n400,2,mlid\n"), "row 2, outcome"),
     "log of": (logged("Kraft [N],speed [rpm],result\n400,500,ok\n"), "printed by: irg tests"),
     "no log": (no_log, "no.csv"),
