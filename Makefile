@@ -86,7 +86,7 @@ mutants: .venv/test   ## change the code at random, and see whether a test notic
 crash: .venv/test     ## kill sweeps, cut their power, damage their files, read beside them, for 25 minutes
 	$(BIN)/python -m tests.crash
 
-cluster: .venv/test   ## a real Slurm and a real Ceph object gateway, if the distribution's are installed, in 15 minutes
+cluster: .venv/test   ## a real Slurm, if that of the distribution is installed, in 15 minutes
 	$(BIN)/python -m tests.cluster
 
 many: .venv/test      ## 10000 and 100000 cheap points: what is seen early, and what they cost, in 10 to 30 minutes

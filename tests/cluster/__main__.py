@@ -1,6 +1,6 @@
-"""The recipe for a cluster on a real Slurm, and stores in a real Ceph object gateway.
+"""The recipe for a cluster on a real Slurm.
 
-    python -m tests.cluster                    # all of it, where both are installed
+    python -m tests.cluster                    # all of it, where Slurm is installed
     python -m tests.cluster losses walltime    # some of it
 
 Jobs are lost in every way, and drivers are killed. Each store is compared, bit for bit, with a run
@@ -24,9 +24,7 @@ import pipeline
 from pipeline.run.sweep import run_sweep
 from pipeline.store.place import StoreError
 from pipeline.store.schema import COLUMNS
-from tests.cluster import objects
 from tests.cluster.daemons import SLURM, missing, slurm
-from tests.cluster.gateway import CEPH, gateway
 from tests.helpers.campaigns import conclude
 from tests.pipeline.run.test_sweep import content
 from tribo import TriboError
@@ -196,24 +194,16 @@ def tried(trials, server, folder, expected, document):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    names = ", ".join((*TRIALS, *objects.TRIALS))
-    parser.add_argument("trials", nargs="*", metavar="TRIAL", help=names)
+    parser.add_argument("trials", nargs="*", metavar="TRIAL", help=", ".join(TRIALS))
     options = parser.parse_args()
-    document, expected = {}, {}
+    if absent := missing(SLURM):
+        parser.error(f"there is no {', '.join(absent)}: apt-get install slurm-wlm munge")
+    document, trials = {}, [TRIALS[name] for name in options.trials or TRIALS]
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        for server, trials, programs, packages in (
-            (slurm, TRIALS, SLURM, "slurm-wlm munge"),
-            (gateway, objects.TRIALS, CEPH, "radosgw ceph-mon ceph-osd ceph-common"),
-        ):
-            asked = [trials[name] for name in options.trials or trials if name in trials]
-            if absent := missing(programs):
-                said = f"there is no {', '.join(absent)}: apt-get install {packages}"
-                print(f"not tried with a {server.__name__}, since {said}", file=sys.stderr)
-            elif asked:
-                (folder / server.__name__).mkdir()
-                with server(folder / server.__name__) as running, DRIVERS:
-                    tried(asked, running, folder, expected, document)
+        (folder / "slurm").mkdir()
+        with slurm(folder / "slurm") as running, DRIVERS:
+            tried(trials, running, folder, {}, document)
     is_right = not any(report["faults"] for report in document.values())
     return conclude("cluster", json.dumps(document, indent=1), is_right)
 

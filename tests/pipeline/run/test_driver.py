@@ -53,12 +53,7 @@ def processes():
 
     def start(workers, memory):
         clusters.append(
-            LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                memory_limit=memory,
-                dashboard_address="127.0.0.1:0",
-            )
+            LocalCluster(None, workers, 1, memory_limit=memory, dashboard_address="127.0.0.1:0")
         )
         clusters.append(Client(clusters[-1], set_as_default=False))
         return clusters[-1]
