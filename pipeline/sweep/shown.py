@@ -51,8 +51,8 @@ def _html(answer: Any) -> str:
     cells = "".join(
         f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows
     )
-    frames = [value for _, value in _values(answer) if hasattr(value, "to_html")]
-    frames += [answer.table] if hasattr(answer, "table") else []
+    values = {**dict(_values(answer)), "table": getattr(answer, "table", None)}
+    frames = [value for value in values.values() if hasattr(value, "to_html")]
     tables = "".join(frame.to_html(index=False) for frame in frames)
     return f"<table><caption>{escape(title)}</caption>{cells}</table>{tables}"
 

@@ -55,6 +55,10 @@ def test_the_boundary_is_that_of_the_whole_sweep(variations, folder):
     assert velocities(variations, "unchanged")[0] == pytest.approx(critical, rel=0.02)
 
 
+def test_a_notebook_shows_the_boundaries_once_below_the_other_values(variations):
+    assert variations._repr_html_().count("<table") == 2
+
+
 def test_wear_rate_thermal_constants_and_friction_take_each_contact_once(folder, variations):
     scene = folder / "small.toml"
     over = {
