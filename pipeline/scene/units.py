@@ -32,19 +32,19 @@ if TYPE_CHECKING:
 
 _LONGEST = 80
 _GRAVITY = Decimal("9.80665")  # [m/s²], of weights
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
+NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 # The unit's characters leave out "_", and so delta_degC, which would make 25 K of 25 °C.
-_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
+_QUANTITY = re.compile(rf"\s*({NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
 TURNS = ("rpm", "1/min", "min^-1", "U/min")
 """Units of a rotation, which is a velocity at a radius or a diameter."""
 _TURNS = re.compile(
-    rf"\s*(?P<number>{_NUMBER})\s*(?:{'|'.join(map(re.escape, TURNS))})\s+at\s+"
+    rf"\s*(?P<number>{NUMBER})\s*(?:{'|'.join(map(re.escape, TURNS))})\s+at\s+"
     r"(?P<which>radius|diameter)\s+(?P<length>.+)"
 )
 _COMMA = re.compile(r"\s*[+-]?\d+,\d")
 _SCALE_FIRST = re.compile(r"^\s*(HV|HBW?|HR[Cc])\s*(\d.*)")
 _RANGE = re.compile(
-    rf"\s*({_NUMBER})\s*(-|to|\.\.\.?|…|\+/-|±|\+)\s*({_NUMBER})\s*(HV[\d.]*|HBW?|HRC)\s*"
+    rf"\s*({NUMBER})\s*(-|to|\.\.\.?|…|\+/-|±|\+)\s*({NUMBER})\s*(HV[\d.]*|HBW?|HRC)\s*"
 )
 
 _SIGNS_OF_PRINT = str.maketrans(

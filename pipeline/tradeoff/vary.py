@@ -22,6 +22,7 @@ from pipeline.run.cluster import Client
 from pipeline.run.sweep import run_sweep
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.scenefile import load_scene
+from pipeline.scene.units import NUMBER
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.store.write import opened, stored
@@ -34,7 +35,8 @@ from tribo import InputError
 
 _ROW, _UNCHANGED = "variation", "unchanged"  # dimension of the scenes, and entry of the first
 _RELATIVE = re.compile(r"([+-]\d+(?:\.\d+)?)\s*%")
-_NUMBER = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?")
+# But for degrees, of Rockwell too, which begin elsewhere than at 0.
+_NUMBER = re.compile(rf"\s*{NUMBER}(?!.*([CF℃]|HRc|degRe|celsius|fahrenheit)\s*$)")
 
 
 @shown
@@ -172,8 +174,7 @@ def _absolute(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
             continue
         present = entry_at(sweep.entries, key)
         number = _NUMBER.match(present if isinstance(present, str) else repr(present))
-        # Degrees, of Rockwell too, begin elsewhere than at 0.
-        if number is None or str(present).endswith(("C", "F")):
+        if number is None:
             raise InputError(f"{key}={value}: the scene gives {present} there; give a value")
         changed = f"{float(number[0]) * (1 + float(relative[1]) / 100):.12g}"
         yield changed + present[number.end() :] if isinstance(present, str) else json.loads(changed)

@@ -26,6 +26,11 @@ def stored(**values):
     return build
 
 
+def vary_by(path, present):
+    """Vary an entry by a fifth of what the scene gives."""
+    return pipeline.vary("first_try", {path: ["+20%"]}, overrides={path: present})
+
+
 REFUSALS = {
     "no accuracy": (lambda: choose_fidelity(PAPER, 0.0), "accuracy is 0.0; it must be between 0"),
     "share": (lambda: choose_fidelity(PAPER, "two"), '"two": give a share such as'),
@@ -35,8 +40,10 @@ REFUSALS = {
     "preset": (lambda: trade(PAPER, ("fast",)), "preset 'fast' is unknown; known are draft"),
     "no number": (lambda: pipeline.vary("first_try", {"pin.shape": ["+5%"]}),
                   "pin.shape=+5%: the scene gives cylinder there; give a value"),
-    "of degrees": (lambda: pipeline.vary("first_try", {"temperature.bulk": ["+20%"]}),
-                   "temperature.bulk=+20%: the scene gives 25 degC there"),
+    "no digit": (lambda: vary_by("title", ".."), "title=+20%: the scene gives .. there"),
+    "of degrees": (lambda: vary_by("temperature.bulk", "25 degC "), "gives 25 degC  there"),
+    "of degrees in words": (lambda: vary_by("temperature.bulk", "25 celsius"), "gives 25 celsius"),
+    "of Rockwell": (lambda: vary_by("materials.steel.hardness", "60 HRc"), "gives 60 HRc there"),
     "no velocity": (lambda: trade(changed(PAPER, velocities=(0.0,))), "no velocity but 0"),
 }  # fmt: skip
 
