@@ -126,8 +126,8 @@ def vary(
         store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {(*varied.contact_of(point), point.load) for point in done}
-        ds = at(path, criterion=laws.get("criterion"))
-        ds = at(ds, oil=next(iter(ambiguous_oils(varied)), None))  # no test moves the boundary
+        oil = next(iter(ambiguous_oils(varied)), None)  # no test moves the boundary
+        ds = at(path, criterion=laws.get("criterion"), oil=oil)
         table, carried = _table(frames_of(boundary(ds))[0], variations), warned(ds)
     return Variations(sweep.title, table, len(done), len(contacts), carried)
 
@@ -149,7 +149,7 @@ def _table(found: pd.DataFrame, variations: Sequence[tuple[str, str]]) -> pd.Dat
 
 def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequence[Sweep]) -> Sweep:
     """The sweep with a variant for each scene, by the entries in which that differs."""
-    words = (f"{key} = {value}" for key, value in variations)
+    words = (" = ".join(filter(None, variation)) for variation in variations)
     reader: Any = sweep.reader
     arrays = [one.reader.contents.arrays for one in (sweep, *scenes)]
     contents = replace(reader.contents, arrays=dict(ChainMap(*arrays)))

@@ -87,6 +87,8 @@ def test_points_that_are_kept_are_resumed_with_the_same_numbers(folder, variatio
         folder / "small.toml", OVER, out=folder / "kept.zarr", progress=done.append, workers=1
     )
     assert repr(again) == repr(variations)
+    labels = pipeline.open_sweep(folder / "kept.zarr")["variation"].values.tolist()
+    assert labels[:2] == ["unchanged", "friction.coefficient = 0.12"]
     assert done[0].done == done[-1].total
 
 
