@@ -13,7 +13,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import compared, test_parts
-from pipeline.analysis.margin_frame import LONG, counts_in_words, judged, margin, margin_frame
+from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
 from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import caveats_of
 from pipeline.analysis.tables import frame_of, html_of, notes_of, short
@@ -86,7 +86,7 @@ def _answer(data: Results) -> Iterator[str]:
 
 def _margins(data: Results, points: OperatingPoints | None) -> Iterator[str | pd.DataFrame]:
     """Margins of operating points; a row that cannot be judged is named below the table."""
-    table = margin_frame(data, [*judged(data, points)], points)
+    table = margin(data, points)
     yield short(table, LONG)
     yield from notes_of(table, caveats_of(data))
     yield from filter(None, (points.counted, *points.remarks)) if points else ()
