@@ -271,13 +271,13 @@ def _place(axis: xr.DataArray, value: float | str) -> int:
     """Place of a value along the dimension of an entry."""
     values = np.atleast_1d(axis.values).tolist()
     if isinstance(values[0], str):
-        matches = [number for number, data in enumerate(values) if data == value]
+        matches = [number for number, one in enumerate(values) if one == value]
     else:
         wanted = _number(value)
         matches = np.flatnonzero(np.isclose(values, wanted, rtol=ALIKE, atol=0)).tolist()
     if not matches:
-        data = ", ".join(value_text(axis, one) for one in values)
-        raise InputError(f"{axis.name} is {value}, which the sweep does not have; it has {data}")
+        known = ", ".join(value_text(axis, one) for one in values)
+        raise InputError(f"{axis.name} is {value}, which the sweep does not have; it has {known}")
     return int(matches[0])
 
 

@@ -223,12 +223,12 @@ def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
     """Rows of one scene."""
     field = point_field(scene)
     under = functools.cache(field.under)
-    data = getattr(scene.sweep.scene.loading, "hold", 0.0)
+    hold = getattr(scene.sweep.scene.loading, "hold", 0.0)
     for test in laboratory_tests(scene):
         place = test.normal_load, test.velocity
         note = ""
-        if test.hold not in (None, data):
-            note = f"computed with the hold of the scene, {data:g} s"
+        if test.hold not in (None, hold):
+            note = f"computed with the hold of the scene, {hold:g} s"
         at = test.friction, test.bulk_temperature
         try:
             own = own_conditions(scene, test)

@@ -208,8 +208,8 @@ def _value(margin: Margin, name: str) -> Any:
 
 def _labels(found: Sequence[Judged]) -> list[str]:
     """Labels of rows with places of their own; their numbers where they have no others."""
-    data = [name for one in found[:1] for name in one.field.source.labels]
-    return [name for name in data if name != VARIANT] or data
+    names = [name for one in found[:1] for name in one.field.source.labels]
+    return [name for name in names if name != VARIANT] or names
 
 
 def _passed_on(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.DataFrame:

@@ -198,11 +198,11 @@ class Results:
         """The results on the surface of a seed; on all surfaces if None."""
         if seed is None:
             return self
-        data = self.rows["realization"].values.tolist() if "realization" in self.front else []
-        if seed not in data:
-            others = ", ".join(map(str, data)) or "no others"
+        seeds = self.rows["realization"].values.tolist() if "realization" in self.front else []
+        if seed not in seeds:
+            others = ", ".join(map(str, seeds)) or "no others"
             raise InputError(f"realization is {seed}; the sweep has {others}")
-        return self.take({"realization": data.index(seed)})
+        return self.take({"realization": seeds.index(seed)})
 
     def require_plane(self) -> None:
         """Raise an `InputError` unless these are one scene on a plane, with what is drawn of it."""
@@ -351,8 +351,8 @@ def results(ds: ResultsLike) -> Results:
     kind, status = sweep_kind(ds), ds["status"]
     front = (*entry_dims(ds), *(name for name in drawn_dims(ds) if name in status.dims))
     # In the order of the dataset, so that the first label of a row stays its first.
-    data = (name for name, one in ds.coords.items() if {*one.dims} <= {*front})
-    rows = dict.fromkeys((*data, *front))
+    labels = (name for name, one in ds.coords.items() if {*one.dims} <= {*front})
+    rows = dict.fromkeys((*labels, *front))
     plane = {name: ds.sizes[name] if name in status.dims else 1 for name in PLANE}
     sizes = {name: status.sizes[name] for name in front} | plane
     wanted = STEPPED if kind is Kind.SAMPLES else {*_RISES, *NEEDED}

@@ -72,12 +72,12 @@ def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable
 
 def _numbers(values: Sequence[Label], labels: Any) -> Array:
     """Number of the value that each label stands for, which may have lost its last digits."""
-    data, flat = pd.Index(values), np.ravel(labels)
-    if data.dtype.kind in "if":
-        order = data.argsort()
-        numbers = order[data[order].get_indexer(flat, method="nearest")]
+    index, flat = pd.Index(values), np.ravel(labels)
+    if index.dtype.kind in "if":
+        order = index.argsort()
+        numbers = order[index[order].get_indexer(flat, method="nearest")]
     else:
-        numbers = data.get_indexer(flat)
+        numbers = index.get_indexer(flat)
     return np.reshape(numbers, np.shape(labels))
 
 

@@ -56,9 +56,9 @@ def some_rows(frame: pd.DataFrame, most: int) -> pd.DataFrame:
 
 def upright(frame: pd.DataFrame) -> pd.DataFrame:
     """A frame of one row as a row for each of its columns that hold something."""
-    data = short(frame)
-    (cells,) = _cells(data, "-")
-    return pd.DataFrame({"quantity": [*map(str, data)], "value": cells})
+    columns = short(frame)
+    (cells,) = _cells(columns, "-")
+    return pd.DataFrame({"quantity": [*map(str, columns)], "value": cells})
 
 
 def lines_of(frame: pd.DataFrame) -> list[str]:

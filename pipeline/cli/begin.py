@@ -34,9 +34,9 @@ def new(options: argparse.Namespace) -> Result:
 
 def help_(options: argparse.Namespace) -> Result:
     """Print a page, the help of a command, or the names of all pages."""
-    topic, data = options.topic, shipped_pages()
+    topic, pages = options.topic, shipped_pages()
     if topic is None:
-        texts = {name: path.read_text(encoding="utf-8") for name, path in data.items()}
+        texts = {name: path.read_text(encoding="utf-8") for name, path in pages.items()}
         titles = {name: re.findall(r"(?m)^# (.+)", text)[0] for name, text in texts.items()}
         lines = [f"irg help {name:12} {title}" for name, title in titles.items()]
         return Result(
@@ -44,12 +44,12 @@ def help_(options: argparse.Namespace) -> Result:
         )
     names = [command.name for command in commands()]
     page = page_name(Path(topic))
-    if page not in data:
+    if page not in pages:
         if topic in names:
             parse([topic, "--help"])
-        meant = did_you_mean(topic, [*data, *names])
+        meant = did_you_mean(topic, [*pages, *names])
         raise InputError(f'no page or command is called "{topic}"{meant}; irg help lists them')
-    text = data[page].read_text(encoding="utf-8")
+    text = pages[page].read_text(encoding="utf-8")
     if sys.stdout.isatty() and not options.json:
         pydoc.pager(text)
         return Result({}, ())

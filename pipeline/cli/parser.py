@@ -181,9 +181,9 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     if options.parser is parser:
         parser.print_help(sys.stderr)
         parser.exit(2, "irg: give a command\n")
-    data = {name: value for name, value in vars(options).items() if isinstance(value, str | Path)}
-    read = [Path(value) for name, value in data.items() if name not in o.WRITTEN]
-    for out in (Path(value) for name, value in data.items() if name in o.WRITTEN):
+    paths = {name: value for name, value in vars(options).items() if isinstance(value, str | Path)}
+    read = [Path(value) for name, value in paths.items() if name not in o.WRITTEN]
+    for out in (Path(value) for name, value in paths.items() if name in o.WRITTEN):
         if out.is_file() and any(one.exists() and out.samefile(one) for one in read):
             options.parser.error(f"{out} is read by this command; name another file to write")
     return options

@@ -56,18 +56,18 @@ def require_done_at(load: float, is_done: Mask) -> None:
         raise InputError(f"no point at {load:g} N is done; give another, or go on with irg run")
 
 
-def nearest_indices(data: Array, axis: str, values: Wanted) -> list[int]:
+def nearest_indices(places: Array, axis: str, values: Wanted) -> list[int]:
     """Find the indices nearest to one load or velocity or several; none if none is given."""
     found = list[int]()
     several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
     for value in several:
-        place = in_si(axis, value, _LIKE[axis])
-        if not data[0] <= place <= data[-1]:
+        wanted = in_si(axis, value, _LIKE[axis])
+        if not places[0] <= wanted <= places[-1]:
             raise InputError(
-                f"{axis} is {place:g} {UNITS[axis]}; the sweep has {data[0]:g} to {data[-1]:g} "
-                f"{UNITS[axis]}: give one of these"
+                f"{axis} is {wanted:g} {UNITS[axis]}; the sweep has {places[0]:g} to "
+                f"{places[-1]:g} {UNITS[axis]}: give one of these"
             )
-        found.append(int(np.abs(data - place).argmin()))
+        found.append(int(np.abs(places - wanted).argmin()))
     return found
 
 

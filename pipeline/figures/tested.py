@@ -30,20 +30,20 @@ _ROOM = 1.25  # factor of velocity about the tests
 
 
 @style.house_style
-def measured_over_computed(read: Results) -> Figure:
+def measured_over_computed(data: Results) -> Figure:
     """Draw the velocity of each test over the critical one computed at its own conditions."""
-    require_kind(read.kind, Kind.PLANE)
-    require_one_scene(read.entry_dims)
-    data = numbered(laboratory_tests(read))
-    if not data:
+    require_kind(data.kind, Kind.PLANE)
+    require_one_scene(data.entry_dims)
+    tests = numbered(laboratory_tests(data))
+    if not tests:
         raise InputError(
             "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene, or a "
             "log of them as irg tests writes it"
         )
-    field, found = point_field(read), []
-    for number, test in data.items():
+    field, found = point_field(data), []
+    for number, test in tests.items():
         with suppress(InputError):  # as warm as the critical temperature
-            one = comparison(field.under(own_conditions(read, test)), test)
+            one = comparison(field.under(own_conditions(data, test)), test)
             if one.is_known and 0 < one.critical < np.inf:
                 found.append((number, test, one))
     if not found:
@@ -51,21 +51,21 @@ def measured_over_computed(read: Results) -> Figure:
     figure, axes = style.canvas((8.0, 5.6))
     places = np.array([(one.critical, test.velocity) for _, test, one in found])
     ends = places.min() / _ROOM, places.max() * _ROOM
-    oils = ambiguous_oils(read.sweep)
-    scatter = model_error(read, field) if len(oils) < 2 else None  # one error is of one oil
+    oils = ambiguous_oils(data.sweep)
+    scatter = model_error(data, field) if len(oils) < 2 else None  # one error is of one oil
     _draw_band(axes, np.array(ends), scatter)
     for number, test, one in found:
         error = 0.0 if test.outcome else test.velocity_scatter or USUAL_SCATTER * test.velocity
         axes.errorbar(one.critical, test.velocity, error, fmt="none", ecolor=GREY)
         beside = ", beyond what was computed" * (one.critical != one.turn)
         mark_test(axes, number, test, (one.critical, test.velocity), beside)
-    if unknown := len(data) - len(found):
-        axes.plot([], [], ls="none", label=f"{unknown} of {len(data)} tests: not known")
+    if unknown := len(tests) - len(found):
+        axes.plot([], [], ls="none", label=f"{unknown} of {len(tests)} tests: not known")
     axes.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
     style.plain_numbers(axes)
     axes.set(xlabel="critical velocity computed at the test's own conditions [m/s]")
     axes.set_ylabel("velocity of the test [m/s]")
-    style.write_title(axes, f"{style.title_of(read)}\ncomputed against measured")
+    style.write_title(axes, f"{style.title_of(data)}\ncomputed against measured")
     caption = f"tests of {len(oils)} oils: {', '.join(oils)}"
     caption = f"the model's own error: {scatter.text}" if scatter else caption
     style.legend_below(figure, ncols=2, caption=caption)
