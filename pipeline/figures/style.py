@@ -167,9 +167,9 @@ def heating(conditions: Conditions) -> str:
     return " ".join(next(condition_rows(conditions)))
 
 
-def plain_numbers(axes: Axes, names: str = "xy") -> None:
-    """Write plain numbers beside logarithmic axes of some names, and enough of them."""
-    for axis in (getattr(axes, f"{name}axis") for name in names):
+def plain_numbers(axes: Axes) -> None:
+    """Write plain numbers beside logarithmic axes, and enough of them."""
+    for axis in (axes.xaxis, axes.yaxis):
         low, high = axis.get_view_interval()
         subs = range(1, 10) if high < 10 * low else (1, 2, 5)
         axis.set_major_locator(LogLocator(subs=tuple(map(float, subs))))
