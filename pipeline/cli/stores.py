@@ -117,6 +117,6 @@ def diff(options: argparse.Namespace) -> Result:
         text += [short(points.head(_MOST_POINTS)), rise]
     if len(points) > _MOST_POINTS:
         text.append(f"{len(points) - _MOST_POINTS} more, which -o TABLE.csv writes")
-    for ds in stores:
-        text += wrapped(pipeline.warned(ds).lines())
+    for name, ds in zip("AB", stores, strict=True):
+        text += wrapped(f"{name}: {line}" for line in pipeline.warned(ds).lines())
     return Result(text=text, frames=[entries, crossings, points])

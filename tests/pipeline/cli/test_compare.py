@@ -44,3 +44,14 @@ def test_both_stores_are_judged_at_what_at_gives(monkeypatch, irg):
     held = synthetic.sweep((200.0, 400.0), synthetic.VELOCITIES[:11])
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: held)
     assert "their scenes are equal" in irg("diff", "a", "b", "--at", "friction.coefficient=0.2")
+
+
+def test_a_difference_says_which_store_carries_a_warning(monkeypatch, irg):
+    sound = synthetic.sweep((200.0, 400.0), synthetic.VELOCITIES[:11])
+    flags = sound["warning_flags"].copy(data=0 * sound["warning_flags"].values)
+    flags[0, 0] = tribo.WarningKind.FEW_STEPS
+    stores = {"a": sound, "b": sound.assign(warning_flags=flags)}
+    monkeypatch.setattr(pipeline, "open_sweep", lambda path: stores[str(path)])
+    said = irg("diff", "a", "b")
+    assert "B: warning: 1 point carries a warning (few steps at 1)" in said
+    assert "A: warning" not in said
