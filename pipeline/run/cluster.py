@@ -23,7 +23,7 @@ from distributed.utils import silence_logging_cmgr
 
 from pipeline.machine import oom_kills
 from pipeline.run import forkserver
-from pipeline.run.forkserver import UNGUARDED, WORKER_ENVIRONMENT, block_interrupts
+from pipeline.run.forkserver import WORKER_ENVIRONMENT, block_interrupts
 from pipeline.run.work import SAFE, ExecutionError
 from pipeline.sweep.stages import Progress, Report, duration, silent
 
@@ -90,12 +90,15 @@ def _start_cluster(workers: int, dashboard: bool, tries: int = _TRIES) -> LocalC
             scheduler_kwargs={"dashboard": dashboard},
             silence_logs=logging.CRITICAL,
         )
-    except (OSError, RuntimeError, AssertionError) as error:  # the last if one has not even begun
-        if tries > 1 and not isinstance(error, TimeoutError):  # one killed as it starts fails all
+    except (OSError, RuntimeError, AssertionError) as error:
+        # One worker that is killed as it starts fails all. An assertion of Dask's fails where one
+        # has not even begun in time.
+        if tries > 1 and not isinstance(error, TimeoutError | AssertionError):
             return _start_cluster(workers, dashboard, tries - 1)
         raise ExecutionError(
-            f"the worker processes do not start within {_START:g} s: {error}; memory, threads or "
-            f"processes may be limited (ulimit -a): take fewer workers; {UNGUARDED}"
+            f"the worker processes do not start within {_START:g} s: {str(error) or 'none came'}; "
+            "memory, threads or processes may be limited (ulimit -a): take fewer workers; in a "
+            'script, call run_sweep under if __name__ == "__main__":, since workers import it'
         ) from None
 
 

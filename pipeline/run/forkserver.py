@@ -25,8 +25,6 @@ WORKER_ENVIRONMENT = {
 }
 """Environment of the workers, also of those that are started elsewhere."""
 
-UNGUARDED = 'in a script, call run_sweep under if __name__ == "__main__":, since workers import it'
-
 
 def start() -> None:
     """Start the process, unless it runs."""

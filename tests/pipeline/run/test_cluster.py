@@ -13,6 +13,7 @@ import urllib.error
 import urllib.request
 from contextlib import ExitStack, closing
 from pathlib import Path
+from types import SimpleNamespace
 
 import dask
 import numpy as np
@@ -222,12 +223,27 @@ def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
     server.suspend()
     try:
         with (
-            pytest.raises(ExecutionError, match=r"do not start within 0\.5 s"),
+            pytest.raises(ExecutionError, match=r"do not start within 0\.5 s: \w"),
             connected(None, 1),
         ):
             pass
     finally:
         server.resume()
+
+
+def test_workers_are_started_again_if_one_was_killed_meanwhile(monkeypatch):
+    forkserver.start()
+    cluster = SimpleNamespace(close=lambda timeout: None)
+    outcomes = iter([RuntimeError("Nanny failed to start worker process"), cluster])
+
+    def start(**_):
+        if isinstance(outcome := next(outcomes), RuntimeError):
+            raise outcome
+        return outcome
+
+    monkeypatch.setattr(of_run, "LocalCluster", start)
+    with of_run.processes(1) as started:
+        assert started is cluster
 
 
 class Tasks(SchedulerPlugin):
