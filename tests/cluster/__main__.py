@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,7 @@ import pipeline
 from pipeline.run.sweep import run_sweep
 from pipeline.store.place import StoreError
 from pipeline.store.schema import COLUMNS
-from tests.cluster.daemons import SLURM, missing, slurm
+from tests.cluster.daemons import Slurm, missing_programs
 from tests.helpers.campaigns import conclude
 from tests.pipeline.run.test_sweep import content
 from tribo import TriboError
@@ -177,33 +177,36 @@ def crowd(batch, folder, expected):
 TRIALS = {trial.__name__: trial for trial in (losses, walltime, killed, crowd)}
 
 
-def tried(trials, server, folder, expected, document):
-    """Make trials, and note in the document what came of each."""
-    for trial in trials:
+def tried(names, batch, folder):
+    """Make trials; return what came of each."""
+    document, expected = {}, {}
+    for name in names:
         began, results = time.monotonic(), []
         try:
-            results += trial(server, folder, expected)
+            results += TRIALS[name](batch, folder, expected)
         except (AssertionError, OSError, TriboError, subprocess.SubprocessError) as error:
             results += [{}, f"{type(error).__name__}: {error}"]
         took = {"took": round(time.monotonic() - began, 1)}
         reports = [report for report in results if isinstance(report, dict)]
         faults = [fault for fault in results if isinstance(fault, str)]
-        document[trial.__name__] = {**took, **reports[0], "faults": faults}
-        print(trial.__name__, took, faults, file=sys.stderr)
+        document[name] = {**took, **reports[0], "faults": faults}
+        print(name, took, faults, file=sys.stderr)
+    return document
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("trials", nargs="*", metavar="TRIAL", help=", ".join(TRIALS))
-    options = parser.parse_args()
-    if absent := missing(SLURM):
+    names = parser.parse_args().trials or [*TRIALS]
+    if unknown := {*names} - {*TRIALS}:
+        parser.error(f"no such trial: {', '.join(unknown)}; give some of {', '.join(TRIALS)}")
+    if absent := missing_programs():
         parser.error(f"there is no {', '.join(absent)}: apt-get install slurm-wlm munge")
-    document, trials = {}, [TRIALS[name] for name in options.trials or TRIALS]
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         (folder / "slurm").mkdir()
-        with slurm(folder / "slurm") as running, DRIVERS:
-            tried(trials, running, folder, {}, document)
+        with closing(Slurm(folder / "slurm")) as batch, DRIVERS:
+            document = tried(names, batch, folder)
     is_right = not any(report["faults"] for report in document.values())
     return conclude("cluster", json.dumps(document, indent=1), is_right)
 

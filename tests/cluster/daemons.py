@@ -6,10 +6,10 @@ import shutil
 import socket
 import subprocess
 import time
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 
-NODES = ("n1", "n2")
-SLURM = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel", "scontrol")
+_NODES = ("n1", "n2")
+_PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel", "scontrol")
 _CORES = 8  # that each node claims to have
 _CONFIGURATION = """\
 ClusterName=trial
@@ -42,51 +42,26 @@ PartitionName=work Nodes=ALL Default=YES MaxTime=INFINITE OverTimeLimit=0 State=
 """
 
 
-def missing(programs):
-    """Those of the programs that are not installed."""
-    return [name for name in programs if shutil.which(name) is None]
+def missing_programs():
+    """Programs of Slurm that are not installed."""
+    return [name for name in _PROGRAMS if shutil.which(name) is None]
 
 
-class Daemons:
-    """Daemons that run in the foreground, as children of this process."""
-
-    def __init__(self, folder):
-        self.folder, self._daemons = folder, {}
-
-    def start(self, program, *options):
-        with (self.folder / f"{program}.out").open("a") as out:
-            command = [shutil.which(program), *options]
-            self._daemons[program, options] = subprocess.Popen(command, stdout=out, stderr=out)
-
-    def kill(self, program, *options):
-        daemon = self._daemons.pop((program, options))
-        daemon.kill()
-        daemon.wait()
-
-    def close(self):
-        for daemon in reversed(self._daemons.values()):
-            daemon.terminate()
-            try:
-                daemon.wait(30)
-            except subprocess.TimeoutExpired:
-                daemon.kill()
-
-
-class Slurm(Daemons):
-    """Its controller, and a daemon for each node."""
+class Slurm:
+    """Its controller, and a daemon for each node, in the foreground as children of this process."""
 
     def __init__(self, folder):
-        super().__init__(folder)
+        self._folder, self._daemons = folder, {}
         host = socket.gethostname()
         (folder / "state").mkdir()
         key = folder / "munge.key"
         key.touch(mode=0o600)
         key.write_bytes(secrets.token_bytes(1024))
-        ports = free_ports(1 + len(NODES))
+        ports = _free_ports(1 + len(_NODES))
         nodes = "\n".join(
             f"NodeName={node} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs={_CORES} "
             "RealMemory=16000"
-            for node, port in zip(NODES, ports[1:], strict=True)
+            for node, port in zip(_NODES, ports[1:], strict=True)
         )
         configuration = folder / "slurm.conf"
         configuration.write_text(
@@ -95,20 +70,27 @@ class Slurm(Daemons):
         os.environ["SLURM_CONF"] = str(configuration)
         munge = {"socket": "socket", "key-file": "key", "pid-file": "pid", "seed-file": "seed"}
         options = [f"--{option}={folder}/munge.{name}" for option, name in munge.items()]
-        self.start("munged", "--foreground", "--force", f"--log-file={folder}/munge.log", *options)
-        self.start("slurmctld", "-D")
-        for node in NODES:
-            self.start("slurmd", "-D", "-N", node)
+        self._start("munged", "--foreground", "--force", f"--log-file={folder}/munge.log", *options)
+        self._start("slurmctld", "-D")
+        for node in _NODES:
+            self._start("slurmd", "-D", "-N", node)
         end = time.monotonic() + 60.0
         while self.ask("sinfo", "--noheader", "--format=%T", "--states=idle").strip() != "idle":
             assert time.monotonic() < end, f"Slurm does not start; its logs are in {folder}"
             time.sleep(0.5)
 
+    def _start(self, program, *options):
+        with (self._folder / f"{program}.out").open("a") as out:
+            command = [shutil.which(program), *options]
+            self._daemons[program, options] = subprocess.Popen(command, stdout=out, stderr=out)
+
     def restart_controller(self, pause):
         """Kill the controller, and start it again after a time [s]."""
-        self.kill("slurmctld", "-D")
+        controller = self._daemons.pop(("slurmctld", ("-D",)))
+        controller.kill()
+        controller.wait()
         time.sleep(pause)
-        self.start("slurmctld", "-D")
+        self._start("slurmctld", "-D")
 
     def ask(self, *command):
         """Output of a command; nothing if it fails."""
@@ -125,19 +107,15 @@ class Slurm(Daemons):
         end = time.monotonic() + 30.0
         while self.jobs("running") and time.monotonic() < end:
             time.sleep(0.5)
-        super().close()
+        for daemon in reversed(self._daemons.values()):
+            daemon.terminate()
+            try:
+                daemon.wait(30)
+            except subprocess.TimeoutExpired:
+                daemon.kill()
 
 
-@contextmanager
-def slurm(folder):
-    running = Slurm(folder)
-    try:
-        yield running
-    finally:
-        running.close()
-
-
-def free_ports(number):
+def _free_ports(number):
     """Ports of this machine that nobody uses now."""
     with ExitStack() as stack:
         sockets = [
