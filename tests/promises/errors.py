@@ -285,7 +285,10 @@ def covered(name, places):
 
 
 def are_covered(lines, clean):
-    """True if 99 % of places hold, without a warning at 4 times what 99 % of errors keep to."""
+    """True if the stated errors hold at 99 % of places, and are not stated much too large.
+
+    Without a warning they are at most 4 times what 99 % of errors keep to.
+    """
     held = [float(line[-1].rstrip("%")) for line in [*lines, *clean]]
     return min(held) >= 99 and max(float(line[-2]) for line in clean) <= 4
 

@@ -17,6 +17,7 @@ from tribo import PRESETS, warnings
 TRUTH = replace(PRESETS["reference"], contact_tolerance=5e-6, heat_tolerance=5e-9)
 _NEARLY = replace(TRUTH, increments=12, contact_tolerance=1e-4, heat_tolerance=1e-6)
 _CLOSE = 5e-4  # relative, of a boundary velocity
+_APART = 0.03  # of the logarithm of velocity, over which its exponent is found
 _SMALL_STEP = 5e-3  # of the logarithm of velocity, over which its known exponent is exact enough
 
 
@@ -54,12 +55,12 @@ def boundary_velocity(sweep, fidelity, place, velocity, exponent=None):
     return velocity, sorted({warning.kind.label for warning in warnings})
 
 
-def exponent_at(sweep, fidelity, place, velocity, apart=0.03):
+def exponent_at(sweep, fidelity, place, velocity):
     """d ln(rise)/d ln(velocity) about a velocity."""
     low, high = (
-        rise_at(sweep, fidelity, place, velocity * math.exp(sign * apart))[0] for sign in (-1, 1)
+        rise_at(sweep, fidelity, place, velocity * math.exp(sign * _APART))[0] for sign in (-1, 1)
     )
-    return min(max(math.log(high / low) / (2 * apart), 0.2), 2.0)
+    return min(max(math.log(high / low) / (2 * _APART), 0.2), 2.0)
 
 
 def true_boundary(sweep):
@@ -81,14 +82,13 @@ def exponents(sweep, true):
     return {place: exponent_at(sweep, PRESETS["draft"], place, true[place]) for place in true}
 
 
-def boundaries(sweep, fidelity, true, starts=None):
+def boundaries(sweep, fidelity, true, slopes):
     """Velocity at each place by a fidelity, sought from the true one; and the kinds of warnings.
 
-    Fewer points are looked at where the exponents are known.
+    The slopes are the `exponents` at the places.
     """
-    starts = starts or {}
     results = {
-        place: boundary_velocity(sweep, fidelity, place, true[place], starts.get(place))
+        place: boundary_velocity(sweep, fidelity, place, true[place], slopes[place])
         for place in true
     }
     kinds = {kind for _, labels in results.values() for kind in labels}
