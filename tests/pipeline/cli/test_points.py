@@ -1,4 +1,4 @@
-"""Tables of operating points in; tables of margins and boundaries out."""
+"""Tables of operating points in; tables of margins out."""
 
 import csv
 import math

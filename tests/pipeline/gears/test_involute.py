@@ -1,4 +1,4 @@
-"""Geometry of involutes against closed forms, worked examples, and drawings of mistakes."""
+"""Geometry of involutes against closed forms, and worked examples."""
 
 import math
 

@@ -17,10 +17,8 @@ from tests.helpers.scenes import SCENE
 SEEDS = (4, 1)
 
 
-def several(seeds=SEEDS, **changes):
-    return tiny.full(
-        variants=surfaces(seeds), loads=(150.0, 600.0), velocities=(0.5, 1.5), **changes
-    )
+def several(seeds=SEEDS):
+    return tiny.full(variants=surfaces(seeds), loads=(150.0, 600.0), velocities=(0.5, 1.5))
 
 
 def alone_on(seed):
@@ -71,9 +69,8 @@ def test_the_band_is_that_of_the_surfaces():
         synthetic.sweep(rise=lambda F, V, q=1.0, k=lift: k * synthetic.rise(F, V, q))
         for lift in LIFTS.values()
     ]
-    surfaces = xr.Variable("realization", list(LIFTS))
-    ds = xr.concat(sweeps, surfaces, combine_attrs="override")
-    crossings = pipeline.boundary(ds)
+    seeds = xr.Variable("realization", list(LIFTS))
+    crossings = pipeline.boundary(xr.concat(sweeps, seeds, combine_attrs="override"))
     assert crossings["critical_velocity"].dims == ("realization", "load")
     for load in (300.0, 600.0):
         band, expected = crossings.sel(load=load), velocities(load)

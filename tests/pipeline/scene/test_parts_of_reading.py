@@ -1,4 +1,4 @@
-"""What reading a scene is made of: units, cells, rows, kinds of values, seeds and doubts."""
+"""Details of reading a scene: rotations, seeds, pairs of values, and doubts about grooves."""
 
 import math
 
@@ -6,14 +6,12 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.scene.units import (
-    to_si,
-)
+from pipeline.scene.units import to_si
 from tests.helpers.entries import changed
 from tests.pipeline.scene.test_doubts import said_of, surface
 from tests.pipeline.scene.test_facts import SMOOTH
 
-# Units
+# Rotations
 
 
 @pytest.mark.parametrize(

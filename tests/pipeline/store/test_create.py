@@ -68,6 +68,13 @@ def test_axes_are_exact_and_attributes_say_what_was_computed(path):
     assert f"numpy {np.__version__}" in ds.attrs["history"]
 
 
+@pytest.mark.parametrize(("changes", "steps"), [({}, 13), ({"steps": "end"}, 1)])
+def test_a_course_has_room_for_the_steps_of_twice_the_reference_load(path, changes, steps):
+    make(path, tiny.full(**changes))
+    with xr.open_zarr(path, chunks=None) as ds:
+        assert ds["step"].values.tolist() == [*range(1 - steps, 1)]
+
+
 def test_a_new_store_opens_in_plain_xarray_without_a_warning(alone):
     command = f"""if True:
         import warnings; warnings.simplefilter("error")

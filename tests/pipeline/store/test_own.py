@@ -1,4 +1,7 @@
-"""What users add to a store stays, and is in nobody's way; what they copy of it is read."""
+"""What users add to a store stays, and is in nobody's way; what they copy of it is read.
+
+What commands keep there is in nobody's way, either.
+"""
 
 import warnings
 from pathlib import Path
@@ -143,6 +146,16 @@ def test_a_damaged_chunk_of_a_copy_is_one_line(copy, tmp_path, irg):
     assert "cannot go on: Zstd decompression error" in irg(
         "boundary", tmp_path / "copy.zarr", code=2
     )
+
+
+def test_what_a_command_caches_is_kept_by_a_run_alone(copy):
+    keeper = pipeline.open_sweep(copy)["status"].encoding["keeper"]
+    keeper.keep("a", b"content")
+    assert keeper.kept("a") is None
+    keeper.may_keep = True
+    keeper.keep("a", b"content")
+    assert keeper.kept("a") == b"content"
+    assert pipeline.verify_store(copy).is_clean
 
 
 def test_fields_lie_in_a_group_of_their_own(copy):

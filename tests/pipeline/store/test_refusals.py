@@ -5,7 +5,6 @@ import os
 import shutil
 from pathlib import Path
 
-import pytest
 import zarr
 
 import tribo
@@ -104,15 +103,6 @@ def searched():
 def grown():
     commit("a.zarr", SWEEP, ())
     commit("a.zarr", tiny.full(loads=(50.0, 150.0)), ())
-
-
-def patched(module, name, value, build):
-    def run():
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(module, name, value)
-            return build()
-
-    return run
 
 
 def below_file():

@@ -1,4 +1,4 @@
-"""Sweeps, points and answers as users read them, line by line."""
+"""Surfaces and conditions as users read them."""
 
 import math
 from dataclasses import replace
