@@ -160,7 +160,7 @@ class Jobs:
     def results(self) -> Iterator[bytes]:
         """Yield results that have come; once a second, and at the end, ask for those that are new.
 
-        A worker that stands still holds up those alone that were asked for with one of its own.
+        A worker that stands still holds up results that are asked for together, and no later ones.
         """
         for answer in [one for one in self._gathering if one.done()]:
             del self._gathering[answer]

@@ -101,7 +101,7 @@ class SceneReader:
         }
         oil = part(oil_of, "oil")
         for body in ("pin", "disk"):
-            part(disc_of, body)
+            part(disc_of, body)  # which refuses its sizes
         check_tables(replace(scene, fidelity=fidelity), changed, faults)
         if faults:
             return None, taken

@@ -1,4 +1,4 @@
-"""What a scene, a workbook or a store may ask for, so that a small file cannot take the memory."""
+"""What a scene, a workbook or a table may ask for, so that a small file cannot take the memory."""
 
 MOST_BYTES_OF_SCENE = 1_000_000
 """Bytes of a scene file: 10 000 places of a table, written out, need less."""
@@ -7,7 +7,7 @@ MOST_ON_AXIS = 5000
 MOST_SCENES = 10_000
 """Combinations of `over`, places of `along`, or surfaces; each is a scene, read in 0.5 ms."""
 MOST_POINTS = 10_000_000
-"""Points that a store may have."""
+"""Points that a sweep may have."""
 MOST_BYTES_OF_BOOK = 10_000_000
 """Bytes that a workbook may unpack to: some 300 000 cells, each an object of 100 bytes and more."""
 MOST_CELLS_OF_SHEET = 1_000_000
