@@ -40,9 +40,9 @@ from pipeline.scene.reference import all_keys, find_entry
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.sweep.about import oils_of
 from pipeline.sweep.conditions import FIELDS, PATHS, UNITS, Bulk
 from pipeline.sweep.laws import name_of
+from pipeline.sweep.measurement import oils_of
 from tribo import InputError, Rule
 from tribo.types import Array
 

@@ -22,8 +22,8 @@ from pipeline.analysis.rise_error import totals
 from pipeline.analysis.scenes import frame_by_scene
 from pipeline.analysis.tables import frame_of, notes_of, short
 from pipeline.quantities import display
-from pipeline.sweep.about import Measurement, oils_of, own_tests
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.measurement import Measurement, oils_of, own_tests
 from pipeline.sweep.model import Sweep
 from tribo import InputError
 

@@ -23,11 +23,11 @@ from pipeline.run.cluster import client_of
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.store.schema import require_free_names
-from pipeline.sweep.about import library_tables
 from pipeline.sweep.accuracy import MEASURES, error_in_words, has_unknown_error
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.remarks import remarks
+from pipeline.sweep.sources import library_tables
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import VARIANT

@@ -22,7 +22,7 @@ from pipeline.analysis.scenes import words as entries_in_words
 from pipeline.analysis.tables import notes_of, short, some_rows
 from pipeline.cli.given import dataset_in, operating_points_in, values_in
 from pipeline.cli.output import Result, counted, working, wrapped
-from pipeline.sweep.about import judged_by
+from pipeline.sweep.condition_words import judged_by
 from pipeline.sweep.physics import cold_tracks, note_on_turns
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN

@@ -34,7 +34,7 @@ from pipeline.figures.overlays import (
 )
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, TINTS, VERMILION
 from pipeline.store.schema import PENDING, PLANE
-from pipeline.sweep.about import judged_by
+from pipeline.sweep.condition_words import judged_by
 from pipeline.sweep.model import named
 from pipeline.sweep.severity import rise_limit
 from tribo import Criterion, InputError

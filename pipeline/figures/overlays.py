@@ -15,8 +15,8 @@ from scipy.ndimage import distance_transform_edt
 from pipeline.analysis.results import Results
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, FAINT, THIN, VERMILION
-from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.surface import find_lubrication
 from tribo import lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM

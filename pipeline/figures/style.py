@@ -22,7 +22,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from pipeline.analysis.results import Results
 from pipeline.analysis.tables import write_bytes
-from pipeline.sweep.about import condition_rows
+from pipeline.sweep.condition_words import condition_rows
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 

@@ -23,8 +23,8 @@ from pipeline.gears.reading import read_pair
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import conclusion, judge_spectrum
 from pipeline.quantities import si_of
-from pipeline.sweep.about import library_tables
 from pipeline.sweep.caveats import joined, parted
+from pipeline.sweep.sources import library_tables
 from tribo import InputError
 
 _PLACES = (

@@ -9,9 +9,9 @@ from typing import Any
 
 from pipeline.gears.involute import Involutes
 from pipeline.gears.pairfile import PairFile
-from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.caveats import critical_in_words
 from pipeline.sweep.remarks import Remark
+from pipeline.sweep.sources import FromLibrary
 from tribo import Material, Oil
 
 UNTESTED = (

@@ -20,7 +20,7 @@ from pipeline.scene.document import override_entries, read_document
 from pipeline.scene.faults import Faults, SceneFileError
 from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import material_of, oil_of
-from pipeline.sweep.about import FromLibrary
+from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.tables import entry_at
 from tribo import InputError, Oil
 

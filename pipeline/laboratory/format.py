@@ -7,7 +7,7 @@ from typing import Any
 
 from pipeline.scene.declare import ByPath, Example, declared
 from pipeline.scene.kinds import OneOf, Scalar, Text
-from pipeline.sweep.about import OUTCOMES
+from pipeline.sweep.measurement import OUTCOMES
 from pipeline.sweep.tables import Entries
 
 

@@ -23,7 +23,7 @@ from pipeline.scene.declare import table_of
 from pipeline.scene.faults import numbered
 from pipeline.scene.format import Stages, Test, Transition
 from pipeline.scene.sheet import EMPTY, Sheet
-from pipeline.sweep.about import OUTCOMES
+from pipeline.sweep.measurement import OUTCOMES
 
 MAY_LACK = (
     "friction", "friction_scatter", "velocity_scatter", "mild_up_to", "severe_at",

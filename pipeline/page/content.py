@@ -33,8 +33,8 @@ from pipeline.figures.overlays import numbered, reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, coloured, packed_fields
 from pipeline.quantities import shown_in
-from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.severity import (
     above_colder,
     corrected_columns,

@@ -23,7 +23,7 @@ from pipeline.scene.along import OperatingPoints
 from pipeline.scene.reference import all_keys
 from pipeline.scene.written import scene_entries
 from pipeline.store.versions import package_versions
-from pipeline.sweep.about import judged_by
+from pipeline.sweep.condition_words import judged_by
 from pipeline.sweep.digest import digest
 from pipeline.sweep.laws import LawError
 from pipeline.sweep.surface import surface_words

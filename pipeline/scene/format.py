@@ -32,8 +32,8 @@ from pipeline.scene.kinds import (
     UnitText,
     Whole,
 )
-from pipeline.sweep.about import OUTCOMES
 from pipeline.sweep.limits import MOST_SCENES
+from pipeline.sweep.measurement import OUTCOMES
 from tribo.simulation.pins import sizes_of
 
 USUAL_PRESET = "standard"

@@ -13,10 +13,10 @@ from typing import Any
 import tribo
 from pipeline.scene.parts import Contents
 from pipeline.scene.reading import SceneReader
-from pipeline.sweep.about import FromLibrary
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.selection import Selection
+from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Column, Row, Variants
 from tribo import InputError

@@ -14,7 +14,7 @@ from typing import Any
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import Faults, joined, quoted
 from pipeline.scene.format import Material
-from pipeline.sweep.about import FromLibrary
+from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.tables import entry_at
 
 Entries = dict[str, Any]

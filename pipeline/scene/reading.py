@@ -30,10 +30,11 @@ from pipeline.scene.parts import (
 )
 from pipeline.scene.runs import expand_tests, tested_holds, tests_of
 from pipeline.scene.written import complete_fidelity, completed, entries_of
-from pipeline.sweep.about import FromLibrary, Measurement
 from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.laws import name_of
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Parts
+from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.tables import Entries, entry_at
 from tribo.simulation.pins import sizes_of
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
-from pipeline.sweep.about import FromLibrary, Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.contact_sharing import (
     ContactSource,
@@ -15,9 +14,11 @@ from pipeline.sweep.contact_sharing import (
     contact_sources_of_samples,
 )
 from pipeline.sweep.digest import digest
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import shown
+from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.tables import Entries, replace_value, replace_values
 from pipeline.sweep.variants import PLACE_UNITS, SEED, Row, Variant, Variants

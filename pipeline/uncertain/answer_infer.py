@@ -13,7 +13,7 @@ from pipeline.analysis.tables import TABLES, frame_of, short, writable_path
 from pipeline.cli.given import PLACE, flags_of, one_scene_in, values_in
 from pipeline.cli.output import Result, counted, run_line, tell, working
 from pipeline.quantities import display, shown_in
-from pipeline.sweep.about import own_tests
+from pipeline.sweep.measurement import own_tests
 from pipeline.sweep.model import Sweep
 from pipeline.uncertain.answer_posterior import posterior
 from pipeline.uncertain.critical_temperature import CriticalTemperatures, take_own_tests

@@ -14,7 +14,7 @@ from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.store.place import PathLike
 from pipeline.store.write import opened, stored
-from pipeline.sweep.about import own_tests
+from pipeline.sweep.measurement import own_tests
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Report

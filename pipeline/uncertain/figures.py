@@ -15,7 +15,7 @@ from pipeline.figures.overlays import mark_tests, numbered
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.quantities import shown_in
 from pipeline.scene.units import typeset
-from pipeline.sweep.about import condition_rows
+from pipeline.sweep.condition_words import condition_rows
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.fields import single_field
 from pipeline.uncertain.inputs import QUANTILES

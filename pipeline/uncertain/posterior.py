@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from pipeline.quantities import display, shown_in
-from pipeline.sweep.about import oils_of
+from pipeline.sweep.measurement import oils_of
 from pipeline.sweep.shown import shown
 from pipeline.uncertain.answers import draws_of, log_boundary
 from pipeline.uncertain.ensemble import Ensemble

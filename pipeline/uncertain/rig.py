@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.sweep.about import oils_of
+from pipeline.sweep.measurement import oils_of
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, FRICTION, LEAST_FRICTION
 from pipeline.uncertain.unknown import Unknown

@@ -7,8 +7,8 @@ import pipeline
 import tribo
 from pipeline.analysis.model_error import ModelError
 from pipeline.store.schema import DONE
-from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.measurement import Measurement
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import draws_of
 from pipeline.uncertain.ensemble import Ensemble

@@ -5,8 +5,8 @@ import xarray as xr
 
 import tribo
 from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, PENDING
-from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.selection import Selection
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import attributes_of, sweep_of_fields

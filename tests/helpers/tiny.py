@@ -8,8 +8,8 @@ import sys
 import time
 
 import tribo
-from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.measurement import Measurement
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import sweep_of_fields
 

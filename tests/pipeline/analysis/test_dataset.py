@@ -19,8 +19,8 @@ from pipeline.analysis.decisive import temperatures
 from pipeline.analysis.margin_frame import margin
 from pipeline.analysis.warned_points import warned
 from pipeline.store.schema import MADE, STEPPED
-from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
 from tests.helpers.entries import changed

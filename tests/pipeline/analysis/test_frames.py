@@ -4,7 +4,7 @@ import pytest
 
 import pipeline
 from pipeline.analysis.laboratory import agreement, compared
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic
 from tests.helpers.sweeps import with_fields
 

@@ -10,7 +10,8 @@ import tribo
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import compared, own_conditions
 from pipeline.analysis.transition import MILD, SEVERE
-from pipeline.sweep.about import Measurement, judged_by
+from pipeline.sweep.condition_words import judged_by
+from pipeline.sweep.measurement import Measurement
 from tests.helpers import javascript, synthetic
 from tests.helpers.sweeps import with_fields
 

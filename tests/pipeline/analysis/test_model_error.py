@@ -15,7 +15,7 @@ from pipeline.analysis.laboratory import (
     model_error,
 )
 from pipeline.analysis.model_error import ModelError
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic
 
 EXPONENT = synthetic.VELOCITY_EXPONENT

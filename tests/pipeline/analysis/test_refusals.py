@@ -10,9 +10,9 @@ import pipeline
 from pipeline.analysis.field import point_field
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.store.create import writing
-from pipeline.sweep.about import Measurement
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import Law
+from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import placed_rows, rows
 from tests.helpers.refusals import refusal_tests

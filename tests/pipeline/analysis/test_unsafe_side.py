@@ -11,7 +11,7 @@ import pipeline
 from pipeline import boundary, margin
 from pipeline.analysis.laboratory import compared
 from pipeline.analysis.margin import NOT_DECIDED
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic
 from tribo import Corrections, Friction, WarningKind
 

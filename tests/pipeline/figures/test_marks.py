@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.measurement import Measurement
 from pipeline.uncertain.sensitivity import Sensitivity
 from tests.helpers import samples, synthetic, unknowns
 from tests.pipeline.figures.test_plot import contour, labels, lines

@@ -12,7 +12,7 @@ from pipeline.cli.options import OF_PLOT
 from pipeline.figures import plot as live
 from pipeline.figures.plot import plot
 from pipeline.store.schema import FAILED, PENDING
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
 from tests.helpers.synthetic import VELOCITIES

@@ -6,7 +6,7 @@ import pipeline
 from pipeline.figures.tested import measured_over_computed
 from pipeline.store.create import writing
 from pipeline.store.schema import FAILED, PENDING
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.measurement import Measurement
 from pipeline.tradeoff.trade import Trade
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import placed_rows

@@ -3,7 +3,7 @@
 import pytest
 
 import pipeline
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.measurement import Measurement
 
 SCENE = """
 extends = "first_try"

@@ -12,7 +12,7 @@ from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.transition import CROSSES
 from pipeline.page.content import BETWEEN, EXTRAPOLATED
 from pipeline.store.schema import PENDING
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.measurement import Measurement
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tests.helpers.answers import answer

@@ -12,7 +12,7 @@ import tribo
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Span, facts_of
 from pipeline.scene.scenefile import load_scene
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.physics import note_on_ends
 from pipeline.sweep.surface import SurfaceFacts, surface_words
 from tests.helpers.entries import changed

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 import tribo
-from pipeline.sweep.about import judged_by
+from pipeline.sweep.condition_words import judged_by
 from pipeline.sweep.surface import SurfaceFacts, surface_facts
 from tests.helpers import tiny
 

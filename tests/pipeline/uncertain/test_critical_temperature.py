@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
-from pipeline.sweep.about import Measurement
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.variants import surfaces
 from pipeline.uncertain.critical_temperature import critical_temperatures
 from tests.helpers import tiny

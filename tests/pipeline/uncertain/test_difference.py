@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.sweep.about import Measurement, own_tests
+from pipeline.sweep.measurement import Measurement, own_tests
 from pipeline.uncertain.answer_posterior import _describe_contrast
 from pipeline.uncertain.posterior import contrasts
 from tests.helpers.samples import EXPONENT, LOADS, critical_velocity, ensemble

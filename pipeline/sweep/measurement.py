@@ -1,0 +1,57 @@
+"""Tests on rigs that a scene names: transitions, and outcomes that were mild or severe."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
+
+_UNNAMED = "without a name"  # oil of tests that name none, in a scene of another
+OUTCOMES = ("mild", "severe")
+"""Outcomes of a test; a transition has none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """A test on a rig: a transition to severe wear, or a point that was mild or severe."""
+
+    normal_load: float  # on the whole pin [N]
+    velocity: float  # [m/s]
+    friction: float | None = None
+    velocity_scatter: float | None = None  # standard deviation [m/s]
+    friction_scatter: float | None = None
+    bulk_temperature: float | None = None  # the same in both bodies [K]
+    hold: float | None = None  # at the full load [s]
+    outcome: Literal["mild", "severe"] | None = None  # None at a transition
+    number: str | None = None  # by which answers call it
+    run: str | None = None  # shared by the tests of one specimen
+    oil: str | None = None  # the scene's if None
+
+    @classmethod
+    def of(cls, entry: Mapping[str, Any]) -> Measurement:
+        """The test of an entry of a scene."""
+        names = {k: str(entry[k]) for k in ("number", "run", "oil") if entry.get(k) is not None}
+        return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
+
+    def under_oil(self, oil: str | None) -> Measurement:
+        """The test in a scene of an oil, which its tests do not name; itself if None."""
+        if oil is None:
+            return self
+        name = self.oil or _UNNAMED
+        return replace(self, oil=None if name == oil else name)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all fields as plain data, of those after the friction only what is known."""
+        always = ("normal_load", "velocity", "friction")
+        return {k: v for k, v in asdict(self).items() if v is not None or k in always}
+
+
+def oils_of(names: Iterable[str | None]) -> list[str]:
+    """Oils of tests in the order of their names, first the scene's: empty, of tests without one."""
+    return sorted({name or "" for name in names})
+
+
+def own_tests(tests: Sequence[Measurement]) -> tuple[Measurement, ...]:
+    """Tests of the scene's own oil; of the first by name where all name theirs."""
+    first, *_ = [*oils_of(test.oil for test in tests), ""]
+    return tuple(test for test in tests if (test.oil or "") == first)

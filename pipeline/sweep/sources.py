@@ -1,0 +1,24 @@
+"""Numbers that a scene takes from the library, with their sources."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+
+class FromLibrary(NamedTuple):
+    """A number that a scene takes from the library: key path, value with unit, and its source."""
+
+    key: str
+    value: str
+    source: str
+
+
+def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
+    """Numbers of each table that are from one source, in words, and that source."""
+    tables: dict[tuple[str, str], list[str]] = {}
+    for key, value, source in taken:
+        table, _, name = key.rpartition(".")
+        tables.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
+    for (table, source), values in tables.items():
+        yield f"{table}: {', '.join(values)}", source
