@@ -22,9 +22,9 @@ _OF_SWEEP = {"name", "variants", "notes", "sources", "selection", "chosen", "sta
 _TESTS = {"measured": False, "tested": True}  # whether each has an outcome
 _DECLARED = ("title", "caveat", "friction_band", "same_rig", "model_scatter")
 PART_OF = {one.name: "scene" for one in fields(tribo.Scene)}
-PART_OF |= dict.fromkeys((*_TESTS, "oil", "preset", *_DECLARED), "parts")
+PART_OF |= dict.fromkeys((*_TESTS, "oil", "preset"), "parts")
 PART_OF |= dict.fromkeys(("loads", "velocities", "fields", "steps"), "plane")
-FIELDS = {*PART_OF, *_OF_SWEEP, "conditions", "tested_oil"}
+FIELDS = {*PART_OF, *_DECLARED, *_OF_SWEEP, "conditions", "tested_oil"}
 
 
 class Given:
@@ -83,6 +83,7 @@ def changed(sweep, **values):
     try:
         made.parts()
     except tribo.TriboError:
+        assert not {*_DECLARED} & rest.keys(), "these are entries alone, and some entry is unfit"
         made = replace(sweep, **own)
     other = {name: value for name, value in rest.items() if not _has(made, name, value)}
     return replace(made, reader=Given(reader, other)) if other else made
@@ -91,7 +92,7 @@ def changed(sweep, **values):
 def _has(sweep, name, value):
     if name == "conditions":
         return sweep.parts().conditions == value
-    if name in _DECLARED:
+    if name in _DECLARED:  # which no object has: they are as they are written
         return True
     part = PART_OF[name]
     held = sweep if name in _TESTS else sweep.parts()
