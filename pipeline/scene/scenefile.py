@@ -106,7 +106,7 @@ def load_scene(
 
 
 def _require_few_points(sweep: Sweep) -> None:
-    """Raise an `InputError` for more points than a store may have, before any is made."""
+    """Raise an `InputError` for more points than a sweep may have, before any is made."""
     loads = len(sweep.plane.loads) if sweep.variants.labels("load") is None else 1
     if (count := sweep.ramps * loads) > MOST_POINTS:
         raise tribo.InputError(
