@@ -21,7 +21,7 @@ ONSET = "the median is not the onset: the hottest patch under the pin scuffs fir
 def model_error_line(errors: Iterable[str]) -> str:
     """The model's own error of some scenes, the first in words."""
     first, *others = dict.fromkeys(errors)
-    return f"the model's own error: {first}" + f", and {len(others)} others" * bool(others)
+    return f"the model's own error: {first}" + f", and {len(others)} more" * bool(others)
 
 
 def missing_lines(missing: int) -> list[str]:
