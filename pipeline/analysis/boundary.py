@@ -136,17 +136,18 @@ def _plane_boundary(data: Results) -> xr.Dataset:
 
 
 def warm_transitions(data: Results) -> str:
-    """Where wear first turns severe if `cold_tracks` are warm, in words; empty if not computed."""
+    """Where wear is severe if `cold_tracks` are warm, in words; empty if not computed."""
     found = []
     for scene in data.scenes:
         parts, tracks = scene.conditions.corrections or Corrections(), cold_tracks(scene.sweep)
         parts = replace(parts, motion=scene.sweep.scene.motion, **tracks)
         field = point_field(scene, replace(scene.conditions, corrections=parts))
         found.append(field.transitions("velocity", scene.loads, scene.velocities[-1:]).first)
-    first = np.maximum(np.fmin.reduce(np.concatenate(found)), min(field.velocities))
-    ends = {float(data.loads[k]): first[k] for k in (0, -1) if np.isfinite(first[k])}
-    places = " and ".join(f"{velocity:.3g} m/s at {load:g} N" for load, velocity in ends.items())
-    return f"wear would turn severe as early as {places}" if places else ""
+    first = np.fmin.reduce(np.concatenate(found))
+    begins = [f"from {v:.3g} m/s" if v > 0 else "at every velocity computed" for v in first]
+    ends = {float(data.loads[k]): begins[k] for k in (0, -1) if first[k] < math.inf}
+    places = " and ".join(f"{begin} at {load:g} N" for load, begin in ends.items())
+    return f"wear would be severe {places}" if places else ""
 
 
 def _described(dims: Any, values: Any, units: str, words: str) -> xr.Variable:

@@ -71,8 +71,7 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
 
 def _turns_line(data: Results) -> Iterator[str]:
     """The warning of earlier turns that are not counted, if there are any."""
-    is_cold = data.kind is Kind.PLANE and cold_tracks(data.sweep)
-    effect = warm_transitions(data) if is_cold else ""
+    effect = warm_transitions(data) if data.kind is Kind.PLANE and cold_tracks(data.sweep) else ""
     return remarks("warning", note_on_turns(data.sweep, effect))
 
 
