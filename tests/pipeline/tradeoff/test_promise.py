@@ -13,6 +13,7 @@ from tests.helpers.entries import changed
 from tests.promises.judge import (
     boundaries,
     boundary_velocity,
+    exponents,
     largest_error,
     places,
     true_boundary,
@@ -60,8 +61,9 @@ def truth(name):
 
 @functools.cache
 def true_error(name, fidelity):
-    velocities, _ = boundaries(ALL[name], fidelity, truth(name))
-    return largest_error(velocities, truth(name))
+    true = truth(name)
+    velocities, _ = boundaries(ALL[name], fidelity, true, exponents(ALL[name], true))
+    return largest_error(velocities, true)
 
 
 def kept(name, accuracy):
