@@ -7,6 +7,7 @@ import pytest
 import pipeline
 from pipeline.cli import main
 from pipeline.sweep.physics import note_on_ends
+from tests.helpers.scenes import SCENE as SMALL
 
 SCENE = str(Path(__file__).parents[3] / "workflows" / "first_try.toml")
 
@@ -42,6 +43,22 @@ def test_a_check_has_at_most_20_lines_of_100_letters_and_the_same_rows_as_a_docu
     rows = {row["subject"]: row["meaning"] for row in check("--json")}
     assert rows["warning"] == f"pin.length: {note_on_ends(pipeline.load_scene(SCENE))}"
     assert {"contact", "window", "surface", "motion", "wear", "heat", "points", "time"} < {*rows}
+
+
+OIL = """[oil]
+kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]
+density = "866 kg/m^3"
+
+[sweep]
+along = [{ load = "300 N", velocity = "1 m/s" }, { load = "600 N", velocity = "2 m/s" }]"""
+
+
+def test_a_check_says_what_a_film_lacks_and_that_rows_have_their_own_places(check, tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(SMALL.replace("[sweep]", OIL))
+    rows = {row["subject"]: row["meaning"] for row in check("--json", scene=path)}
+    assert rows["oil"].endswith("film is not known without pressure_viscosity_coefficient")
+    assert rows["points"] == "2: 2 rows, each at its own load and velocity"
 
 
 @pytest.mark.parametrize(

@@ -30,6 +30,13 @@ def carry_out(result=None, command="stores:status", **options):
     return carried_out(argparse.Namespace(**usual | options), function)
 
 
+def error_of(module):
+    """A `ValueError` that a module raised."""
+    with pytest.raises(ValueError, match="qt9") as caught:
+        exec("raise ValueError('qt9 is unknown')", {"__name__": module})
+    return caught.value
+
+
 SAFE = "; finished points are safe"
 
 
@@ -50,6 +57,8 @@ SAFE = "; finished points are safe"
         (RuntimeError("can't start new thread"), "stores:status", 2,
          "irg: out of memory, or of the threads and processes that this user may start (ulimit -a)"
          ": take fewer workers or a coarser grid\n"),
+        (error_of("matplotlib"), "stores:status", 2,
+         "irg: the variable MPLBACKEND (irg needs no backend) is wrong: qt9 is unknown\n"),
     ],
 )  # fmt: skip
 @pytest.mark.filterwarnings("always")
