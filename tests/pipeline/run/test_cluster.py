@@ -176,17 +176,17 @@ class Stop(SchedulerPlugin):
 def test_a_worker_that_stands_still_holds_up_no_later_results_of_another(tmp_path):
     velocities = tuple(np.linspace(0.5, 1.5, 5).tolist())
     sweep = tiny.full(loading=tiny.SlowRamp(150.0, 750.0), velocities=velocities)
-    settings = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0"}
-    with LocalCluster(**settings) as cluster, Client(cluster) as client:
-        address, number = next(iter(client.run(os.getpid).items()))
+    with connected(None, 2) as link:
+        address, number = next(iter(link.client.run(os.getpid).items()))
         worker = psutil.Process(number)
-        cluster.scheduler.add_plugin(Stop(address, worker))
+        link.client.cluster.scheduler.add_plugin(Stop(address, worker))
 
         def go_on(progress):
             if progress.done > 7:
                 worker.resume()
 
-        assert run_sweep(sweep, tmp_path / "tiny.zarr", client=client, progress=go_on).done == 15
+        outcome = run_sweep(sweep, tmp_path / "tiny.zarr", client=link.client, progress=go_on)
+        assert outcome.done == 15
 
 
 def test_a_worker_with_another_number_in_its_code_is_refused_and_computes_nothing(tmp_path):
@@ -311,7 +311,9 @@ def test_a_cluster_here_talks_to_its_driver_only_with_its_settings_and_replaces_
     before = dict(os.environ)
     forkserver.start()
     assert dict(os.environ) == before
-    with connected(None, 2) as link:
+    # Dask replaces a lost worker after 15 s if nothing else is configured.
+    waiting = dask.config.set({"distributed.deploy.lost-worker-timeout": "100ms"})
+    with waiting, connected(None, 2) as link:
         client = link.client
         began = client.run(lambda: psutil.Process().environ())
         for name, value in forkserver.WORKER_ENVIRONMENT.items():

@@ -14,7 +14,7 @@ from pipeline.run.cluster import CONFIGURATION
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.heard import Heard
-from tests.pipeline.run.test_cluster import Cluster, when_done
+from tests.pipeline.run.test_cluster import when_done
 from tests.pipeline.run.test_sweep import content
 
 OWN_WORKERS = True
@@ -84,24 +84,27 @@ def test_a_cluster_or_a_client_that_is_closed_ends_a_run_with_one_error(threads,
     assert 0 < pipeline.summary(path).done < len(MANY.plane.loads) * 60
 
 
-def test_a_run_goes_on_with_a_scheduler_that_was_started_again(tmp_path, path, alone):
-    slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
-    began = Cluster(tmp_path / "before")
-    port = began.address.rpartition(":")[2]
+def test_a_run_goes_on_with_a_scheduler_that_was_started_again(path):
+    def start(port):
+        settings = {"protocol": "tcp://", "dashboard_address": "127.0.0.1:0"}
+        return LocalCluster(None, 1, 1, processes=False, scheduler_port=port, **settings)
+
+    began = start(0)
+    port = int(began.scheduler_address.rpartition(":")[2])
     others = []
 
     def restart():
         if not others:
             began.close()
-            others.append(Cluster(tmp_path / "after", port=port))
+            others.append(start(port))
 
-    with Client(began.address, set_as_default=False) as client:
+    sweep = changed(MANY, loads=(150.0,))
+    with Client(began.scheduler_address, set_as_default=False) as client:
         outcome = pipeline.run_sweep(
-            slow, path, client=client, progress=when_done(restart), patience=60.0
+            sweep, path, client=client, progress=when_done(restart), patience=60.0
         )
     others[0].close()
-    assert (outcome.done, outcome.computed, outcome.failed) == (9, 9, ())
-    assert content(path) == content(alone)
+    assert (outcome.done, outcome.computed, outcome.failed) == (60, 60, ())
 
 
 def test_a_run_goes_on_after_its_workers_were_restarted(processes, path, alone):
@@ -117,7 +120,7 @@ def test_a_run_goes_on_after_its_workers_were_restarted(processes, path, alone):
 
 
 def test_a_worker_that_dask_ends_for_memory_is_told_as_such(processes, path, monkeypatch):
-    monkeypatch.setattr(schedule, "TRIALS", 3)
+    monkeypatch.setattr(schedule, "TRIALS", 2)
     said = Heard()
     outcome = pipeline.run_sweep(HUNGRY, path, client=processes(1, "500 MB"), progress=said.hear)
     (failed,) = outcome.failed
@@ -129,10 +132,10 @@ def test_a_worker_that_dask_ends_for_memory_is_told_as_such(processes, path, mon
 
 def test_a_worker_that_died_while_the_kernel_killed_for_memory_is_told_as_such(path, monkeypatch):
     monkeypatch.setattr(of_run, "oom_kills", partial(next, iter(range(100))))
-    monkeypatch.setattr(schedule, "TRIALS", 3)
+    monkeypatch.setattr(schedule, "TRIALS", 2)
     deadly = changed(HUNGRY, loading=tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0))
     (failed,) = pipeline.run_sweep(deadly, path, workers=1).failed
-    assert "3 workers died of it" in failed.message
+    assert "2 workers died of it" in failed.message
     assert "the kernel has killed processes here for want of memory; take fewer" in failed.message
 
 
