@@ -48,7 +48,7 @@ class Facts:
     surface: SurfaceFacts | None  # surface of the disk; None if it is smooth
 
 
-def facts_of(sweep: Sweep | Parts) -> Facts:
+def facts_of(sweep: Sweep) -> Facts:
     """Calculate the facts of a scene in closed form."""
     scene, surface = sweep.scene, surface_facts(sweep)
     velocities = sweep.plane.velocities
@@ -85,7 +85,10 @@ def track_faults(parts: Parts) -> Iterator[tuple[str, str]]:
     """Tracks that are too short, and why: each turn is taken to release its heat at once."""
     corrections = parts.conditions.corrections or Corrections()
     tracks = {"pin": corrections.pin_track, "disk": corrections.track}
-    width = facts_of(parts).contact_width.high if any(tracks.values()) else 0.0
+    width, plane = 0.0, parts.plane
+    if any(tracks.values()):
+        expected = expect_contacts(parts.scene, plane.loads, plane.velocities)
+        width = float(expected.widths.max())  # of smooth bodies, since roughness takes its time
     for name, track in tracks.items():
         if track and track.length < _FEWEST_WIDTHS * width:
             key = "diameter" if getattr(parts.declared, name).diameter else "track_length"

@@ -11,6 +11,7 @@ from tribo.types import Array
 
 _DIRECTIONS = 90  # over half a turn, in which the autocorrelation falls
 _FALLEN = 1 / math.e  # autocorrelation down to which a length reaches
+_MOST_LAGS = 16  # for each height along a side, where pixels are much longer than wide
 _FARTHEST = 0.5  # share of a side beyond which lags have too few pairs of heights
 
 
@@ -52,9 +53,9 @@ def autocorrelation_lengths(
     angles = np.pi * np.arange(1 - _DIRECTIONS // 2, _DIRECTIONS // 2 + 1) / _DIRECTIONS
     steps = np.stack([np.cos(angles) / spacing[0], np.sin(angles) / spacing[1]])  # pixels a metre
     ends = (_FARTHEST * np.array(heights.shape)[:, None]) / np.maximum(np.abs(steps), 1e-30)
-    lengths = np.full(_DIRECTIONS, np.inf)
+    lengths, most = np.full(_DIRECTIONS, np.inf), _MOST_LAGS * max(heights.shape)
     for number, (step, end) in enumerate(zip(steps.T, ends.min(axis=0), strict=True)):
-        lags = np.arange(0.0, end, min(spacing) / 2)
+        lags = np.arange(0.0, end, max(min(spacing) / 2, end / most))
         values = map_coordinates(correlation, origin[:, None] + np.outer(step, lags), order=1)
         below = np.flatnonzero(values < _FALLEN)
         if len(below):

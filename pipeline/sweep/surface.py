@@ -12,7 +12,7 @@ import numpy as np
 from pipeline.quantities import display, shown_in
 from pipeline.sweep.areal import areal_roughness
 from pipeline.sweep.lubrication import Lubrication
-from pipeline.sweep.model import Parts, Sweep
+from pipeline.sweep.model import Sweep
 from tribo import Grid, InputError, MeasuredRoughness, SelfAffineRoughness
 from tribo.surface import UnknownHeights
 from tribo.types import Array
@@ -56,7 +56,7 @@ class SurfaceFacts:
         )
 
 
-def surface_facts(sweep: Sweep | Parts) -> SurfaceFacts | None:
+def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
     """Describe the disk's surface, not made if it has a million pixels; None if it is smooth."""
     rough = sweep.scene.roughness
     return None if isinstance(rough, UnknownHeights) else _facts(rough, sweep.scene.pixels)
