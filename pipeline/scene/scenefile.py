@@ -24,7 +24,7 @@ from pipeline.sweep import plan
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import Report, silent
-from pipeline.sweep.tables import entry_at, replace_value, replace_values
+from pipeline.sweep.tables import Entries, entry_at, flat, replace_value, replace_values
 from pipeline.sweep.variants import SEED, surfaces
 
 
@@ -76,8 +76,6 @@ def load_scene(
     document = override_entries(document, replaced, faults)
     document, extensions = begin(document, faults)
     entries = document.entries()
-    if isinstance(entries.get("oil"), str):
-        entries["oil"] = {"like": entries["oil"]}
     folders = {file: document.file_of(file).parent for file in FILES}
     reader = SceneReader(Contents(folders=folders), laws)
     try:
@@ -99,10 +97,18 @@ def load_scene(
                 sweep = extend(sweep, Reading(document, parts.declared, faults))
             _require_few_points(sweep)
     except (tribo.InputError, tribo.InvariantError) as error:
-        raise SceneFileError(path, [str(error)]) from error
+        raise SceneFileError(path, [_with_path(str(error), entries)]) from error
     if parts is None or faults:
         raise SceneFileError(path, [*map(document.line, faults)])
     return sweep
+
+
+def _with_path(words: str, entries: Entries) -> str:
+    """Words that begin with the name of a table or entry, after the paths where it stands."""
+    name = words.partition(" ")[0]
+    listed = [path for path, _ in flat(entries) if path.endswith(f".{name}")]
+    paths = [name] if name in entries else listed
+    return f"{' and '.join(paths)}: {words}" if paths else words
 
 
 def _require_few_points(sweep: Sweep) -> None:

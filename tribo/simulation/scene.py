@@ -124,8 +124,8 @@ class Scene:
             )
         if self.unequal_bulks and self.fidelity.partition == "uniform":
             raise InputError(
-                "the partition 'uniform' divides frictional heat alone, and the bulk temperatures "
-                "are unequal; use 'local'"
+                "partition is 'uniform', which divides frictional heat alone, and the bulk "
+                "temperatures are unequal; use 'local'"
             )
         if self.motion and self.track_length < self.pixels.size[0] * (1 - 1e-9):
             raise InputError(
