@@ -24,7 +24,6 @@ from pipeline.scene.faults import (
 )
 from pipeline.scene.format import SceneFile
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
-from pipeline.sweep.limits import MOST_BYTES_OF_SCENE
 from pipeline.sweep.tables import entry_at, flat, replace_value
 
 _KEYS = table_of(SceneFile).keys
@@ -198,19 +197,13 @@ def _toml(path: Path) -> dict[str, Any]:
         if path.exists() and not path.is_file():
             what = "a store" if (path / "zarr.json").exists() else "not a file"
             raise SceneFileError(path, [f"cannot be read: {what}; give a scene file (TOML)"])
-        with path.open("rb") as file:
-            content = file.read(MOST_BYTES_OF_SCENE + 1)
+        content = path.read_bytes()
     except (OSError, ValueError) as error:
         reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
         if isinstance(error, FileNotFoundError) and not reason.endswith(")"):
             near = did_you_mean(path.stem, shipped_scenes())
             reason += near or "; give a scene file, or a shipped scene that irg new --list names"
         raise SceneFileError(path, [f"cannot be read: {reason}"]) from error
-    if len(content) > MOST_BYTES_OF_SCENE:
-        raise SceneFileError(
-            path,
-            [f"is larger than {MOST_BYTES_OF_SCENE // 10**6} MB; give a scene file, which is text"],
-        )
     try:
         return tomllib.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError as error:

@@ -1,7 +1,5 @@
 """What a scene, a workbook or a table may ask for, so that a small file cannot take the memory."""
 
-MOST_BYTES_OF_SCENE = 1_000_000
-"""Bytes of a scene file: 10 000 places of a table, written out, need less."""
 MOST_ON_AXIS = 5000
 """Loads or velocities of a range: `irg check` looks at each, in 3 s of processor time in all."""
 MOST_SCENES = 10_000

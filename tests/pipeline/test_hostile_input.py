@@ -100,7 +100,6 @@ SCENES = {
     ),
     "samples: 100001 is out of range": "sweep.samples = 100001",
     "at most 100000 are allowed": 'loading.reference_load = "1 N"\nfidelity.increments = 1000',
-    "larger than 1 MB": f"pin.radius = {'9' * 4_000_000}",
     "2.5e+07 points are too many": "[sweep]\n"
     + "".join(
         f'{name} = {{ from = "1 {unit}", to = "7 {unit}", count = 5000 }}\n'

@@ -241,7 +241,6 @@ TEXTS = {
     "line": (toml(b'a = 1\ntitle = "no end\n'), "line 2"),
     "twice": (toml(b"a = 1\nb = 2\na = 3\n"), "A key is given twice (at line 3"),
     "utf-16": (toml(TEXT.encode("utf-16")), "line 1 is not UTF-8"),
-    "large": (toml(b"#" * 10_000_001), "larger than 1 MB"),
     "deep": (toml(b"a = " + b"[" * 100_000), "not valid TOML"),
     "folder": (lambda: load_scene("."), "not a file; give a scene file (TOML)"),
     "no scene": (lambda: load_scene("first_tyr"), "first_tyr"),
