@@ -41,7 +41,7 @@ def flags_of(names: Iterable[str]) -> str:
     return ", ".join(f"--{name}" for name in typed)
 
 
-def beside(store: Path | str, ending: str) -> Path:
+def path_beside(store: Path | str, ending: str) -> Path:
     """File beside a store, or here for a store at an address."""
     path = Path(store) if "://" not in str(store) else Path(Path(store).name)
     return path.with_name(f"{path.stem}{ending}")

@@ -43,7 +43,7 @@ def point(options: argparse.Namespace) -> Result:
     with stored(None) as path:
         with working("simulating") as progress, writing(path, places) as store:
             store.commit(_simulate(places, Point(*place), progress))
-        return _judged(pipeline.at(path, oil=options.oil), Place(*place), options.alone)
+        return _margin_result(pipeline.at(path, oil=options.oil), Place(*place), options.alone)
 
 
 def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRecord]:
@@ -58,7 +58,7 @@ def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRe
             yield PointRecord(point, None, str(error))
 
 
-def _judged(ds: xr.Dataset, place: Place, alone: bool) -> Result:
+def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
     """The margin of a place, and its contact."""
     data = pipeline.results(ds)
     conditions = data.conditions

@@ -81,11 +81,11 @@ def check(options: argparse.Namespace) -> Result:
     facts, memory, machine = facts_of(sweep), worker_bytes(sweep), machine_memory()
     on_unknown = list[_Row]()
     for extra in extras.modules("drawn") if sweep.variants.draw else ():
-        on_unknown += extra.described(sweep.variants.draw, len(sweep.variants.axes[VARIANT]))
+        on_unknown += extra.describe_samples(sweep.variants.draw, len(sweep.variants.axes[VARIANT]))
     said = *sweep.notes, *doubts(sweep, facts)
     nx, ny = sweep.scene.grid.shape
     rows = [
-        *_meaning(sweep, facts),
+        *_meaning_rows(sweep, facts),
         *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
         *on_unknown,
         *((one.grade, one.text) for one in said),
@@ -100,7 +100,7 @@ def check(options: argparse.Namespace) -> Result:
             "needs; give fewer window.pixels, or a coarser fidelity"
         )
     cost = pipeline.estimate(sweep, workers=options.workers)
-    costs = [*_cost(sweep, cost)]
+    costs = [*_cost_rows(sweep, cost)]
     if has_unknown_error(sweep):
         costs.append(("error", f"not known; {MEASURES} measures it"))
     frame = frame_of(_HEADS, costs)
@@ -113,7 +113,7 @@ _Row = tuple[str, str]
 """A subject, empty where it goes on, and what is said of it."""
 
 
-def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
+def _meaning_rows(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
     """Meaning of a scene in words, a row for each subject."""
     worn = "worn" if facts.wear_depth else "unworn"
     rough = "rough" if facts.surface else "smooth"
@@ -127,7 +127,7 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
     yield "surface", facts.surface.words if facts.surface else "smooth"
     motion = f"{_text(facts.duration, 's')} and {_text(facts.sliding_distance, 'm')} until the end"
     yield "motion", motion
-    yield from _film(sweep)
+    yield from _film_rows(sweep)
     depth = f"{_text(facts.wear_depth, 'µm')} deep at the end" if facts.wear_depth else "none"
     yield "wear", depth
     u = "V" if facts.disk_velocity is None else "of the disk u"
@@ -137,7 +137,7 @@ def _meaning(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
         yield "corrections", sweep.conditions.corrections.text
 
 
-def _film(sweep: Sweep) -> Iterator[_Row]:
+def _film_rows(sweep: Sweep) -> Iterator[_Row]:
     """Film of the oil, or the entry that is missing to compute it; none without an oil."""
     if sweep.lubricant is None:
         return
@@ -167,7 +167,7 @@ def _text(span: Span, unit: str = "") -> str:
     return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
 
 
-def _cost(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
+def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     """Cost of a sweep."""
     velocities = sweep.variants.labels("velocity") or sweep.plane.velocities
     counts = [

@@ -28,7 +28,7 @@ from pipeline.figures.overlays import (
     film_lines,
     mark_tests,
     name_regions,
-    numbered,
+    number_tests,
     reachable_tests,
     zero_line,
 )
@@ -64,7 +64,7 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
     figure, axes = style.canvas(_SIZE)
     conditions = next(data.scenes).conditions
     legend, caption = (_draw_scenes if data.entry_dims else _draw_scene)(axes, data)
-    tests, beyond = reachable_tests(data, numbered(laboratory_tests(data)))
+    tests, beyond = reachable_tests(data, number_tests(laboratory_tests(data)))
     own_bulk = data.stored.conditions.bulk_temperature
     legend += [*mark_tests(axes, tests, conditions.bulk_temperature, own_bulk), *beyond]
     axes.use_sticky_edges = False  # those of the regions would leave no margin
@@ -83,7 +83,7 @@ def _draw_scene(axes: Axes, data: Results) -> tuple[list[Artist], str]:
     field = point_field(data)
     caption, legend = judged_by([field.conditions]), list[Artist]()
     if min(len(data.loads), len(data.velocities)) > 1:
-        x, y = _between(data.velocities, 96), _between(data.loads, 48)
+        x, y = _refine_axis(data.velocities, 96), _refine_axis(data.loads, 48)
         excess = _excess(field, x, y)
         legend += _shade_verdicts(axes, field, x, y, excess)
         if zero_line(axes, x, y, np.median(excess, axis=0), "boundary", **style.BOUNDARY):
@@ -105,7 +105,7 @@ def _draw_scenes(axes: Axes, data: Results) -> tuple[list[Artist], str]:
         )
     several, legend = [point_field(scene) for scene in data.scenes], list[Artist]()
     shades = colormaps["viridis"](np.linspace(0.0, _LIGHTEST, len(several)))
-    x, y = _between(data.velocities, 96), _between(data.loads, 48)
+    x, y = _refine_axis(data.velocities, 96), _refine_axis(data.loads, 48)
     for field, shade in zip(several, shades, strict=True):
         plane = np.median(_excess(field, x, y), axis=0)
         labels = field.source.labels
@@ -122,7 +122,7 @@ def _draw_scenes(axes: Axes, data: Results) -> tuple[list[Artist], str]:
 _INSIDE = 1e-4  # of an interval between points, at whose ends the error is smaller
 
 
-def _between(points: Array, least: int) -> Array:
+def _refine_axis(points: Array, least: int) -> Array:
     """Places from the first point to the last, among them both sides of each point."""
     begins, ends = points[:-1], points[1:]
     inside, parts = _INSIDE * (ends - begins), max(2, math.ceil(least / len(begins)))

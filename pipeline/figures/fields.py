@@ -95,7 +95,7 @@ def fields(
     data = data.take_row(realization)
     conditions = data.shown_conditions
     point = chosen_points(data, load, velocity, conditions)[0]
-    shown = _shown(data, point, conditions)
+    shown = _surface_fields(data, point, conditions)
     x, y = (shown_in(data.rest[axis].values, "µm") for axis in "xy")
     is_stacked = style.wanted_width(_COLUMN) < _COLUMN
     height = float(np.clip(3.3 * np.ptp(y) / np.ptp(x), 0.5, 2.6 if is_stacked else 6.0))
@@ -121,7 +121,7 @@ def fields(
     return figure
 
 
-def _shown(data: Results, point: Spot, conditions: Conditions) -> tuple[Array, ...]:
+def _surface_fields(data: Results, point: Spot, conditions: Conditions) -> tuple[Array, ...]:
     """Pressure [GPa], temperature [°C] and wear depth [µm] at the end of a point, by x and y."""
     here = data.rest.isel(load=point[0], velocity=point[1]).transpose("x", "y", ...)
     rise = here["rise"].values

@@ -98,7 +98,7 @@ def mark_tests(
     return [mark for mark in marks if not str(mark.get_label()).startswith("_")]  # the first
 
 
-def numbered(tests: Iterable[Measurement]) -> dict[str, Measurement]:
+def number_tests(tests: Iterable[Measurement]) -> dict[str, Measurement]:
     """Tests by their own numbers, or by their places in the scene."""
     return {test.number or str(place): test for place, test in enumerate(tests, 1)}
 

@@ -45,7 +45,7 @@ def ramp(
     conditions = data.shown_conditions
     points = chosen_points(data, load, velocity, conditions)
     data = replace(data, columns=rises_above_colder(data.columns, conditions))
-    panels = [_CONTACT, _WEAR] if show is None else [(_stored(data, show),)]
+    panels = [_CONTACT, _WEAR] if show is None else [(_stored_variable(data, show),)]
     figure = style.Picture((8.0, 4.2 + 2.1 * len(panels)))
     top, *below = figure.subplots(1 + len(panels), sharex=True)
     _temperatures(top, data, points, conditions)
@@ -78,7 +78,7 @@ def ramp(
     return figure
 
 
-def _stored(data: Results, name: str) -> tuple[str, str]:
+def _stored_variable(data: Results, name: str) -> tuple[str, str]:
     """Label and name of a variable at each step."""
     stepped = {*STEPPED, *MADE, "own_grid"} & {*data.columns, *data.rest}
     names = sorted(one for one in stepped if VARIABLES[one].dims[-1] == "step")

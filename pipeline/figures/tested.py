@@ -22,7 +22,7 @@ from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results
 from pipeline.figures import style
-from pipeline.figures.overlays import mark_test, numbered
+from pipeline.figures.overlays import mark_test, number_tests
 from pipeline.figures.style import BLACK, GREY
 from tribo import InputError
 
@@ -34,7 +34,7 @@ def measured_over_computed(data: Results) -> Figure:
     """Draw the velocity of each test over the critical one computed at its own conditions."""
     require_kind(data.kind, Kind.PLANE)
     require_one_scene(data.entry_dims)
-    tests = numbered(laboratory_tests(data))
+    tests = number_tests(laboratory_tests(data))
     if not tests:
         raise InputError(
             "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene, or a "

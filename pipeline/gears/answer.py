@@ -53,15 +53,15 @@ def gears(options: argparse.Namespace) -> Result:
         pair = replace(pair, duty=stage_duty(pair, options.stage))
     found = list[pd.DataFrame]()
     if options.failure_stage:
-        found.append(_simulated(options, critical_temperature, pair, options.failure_stage))
+        found.append(_simulate(options, critical_temperature, pair, options.failure_stage))
         value, sd, *_ = found[0].iloc[0]
         pair = pair.with_critical(si_of(value, "°C"), sd)
     found_mesh, sentences = mesh(pair), list[str]()
     if options.stages:
-        table = _simulated(options, predict_stages, pair)
+        table = _simulate(options, predict_stages, pair)
         sentences = [first_failure(table)]
     elif options.points:
-        table = _simulated(options, judge_spectrum, pair, options.points, options.sheet)
+        table = _simulate(options, judge_spectrum, pair, options.points, options.sheet)
         sentences = [conclusion(table), *table.attrs["remarks"]]
     else:
         table = frame_of(_PLACES, map(astuple, found_mesh.places))
@@ -95,7 +95,7 @@ def _check(options: argparse.Namespace, pair: Pair) -> None:
         writable_path(options.new_scene, (".toml",))
 
 
-def _simulated(options: argparse.Namespace, simulate: Callable[..., Any], *given: Any) -> Any:
+def _simulate(options: argparse.Namespace, simulate: Callable[..., Any], *given: Any) -> Any:
     """Call what simulates, with the options of a run and a line of progress."""
     with output.run_line() as progress:
         return simulate(*given, preset=options.preset, workers=options.workers, progress=progress)

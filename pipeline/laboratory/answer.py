@@ -62,7 +62,7 @@ def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
     toml = [*_log_toml(log, path, named)] if found and not faults else []
     doubts = [*_doubts(log.in_si)] if log.row_of is not Stages else []
     document = {
-        "file": str(path), **_about(log.sheet, log.export), "words": log.words, "tests": found,
+        "file": str(path), **_describe(log.sheet, log.export), "words": log.words, "tests": found,
         "faults": faults, "toml": "\n".join(toml), "doubts": doubts,
     }  # fmt: skip
     text: list[str | pd.DataFrame] = [*_head(path, log.sheet, log.export)]
@@ -82,7 +82,7 @@ def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result
     toml = [*_trace_toml(tests, read.missing, trace.scuff)]
     scuff = trace.scuff
     document = {
-        "file": str(path), **_about(read.sheet, read.export),
+        "file": str(path), **_describe(read.sheet, read.export),
         "transition_time": None if scuff is None else float(trace.time[scuff.row]),
         "stages": [
             one._asdict() | {"rows": [one.rows.start, one.rows.stop]} for one in trace.stages
@@ -111,7 +111,7 @@ def _head(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
     yield ""
 
 
-def _about(sheet: Sheet, export: Export) -> dict[str, Any]:
+def _describe(sheet: Sheet, export: Export) -> dict[str, Any]:
     """Plain data on how a file is understood."""
     return {
         "form": [export.title, *sheet.form] if export.title else sheet.form,

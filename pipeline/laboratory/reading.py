@@ -251,7 +251,7 @@ def read_trace(read: Read) -> Trace:
     if sheet.faults:
         raise InputError(fault_lines(sheet.name, sheet.faults))
     if export.restarts or "step" in sheet.heading("time").title.lower():
-        columns["time"] = _continued(columns["time"])
+        columns["time"] = _unwrap_time(columns["time"])
     for name in ("friction", "velocity"):  # whose signs turn with the stroke
         if name in columns:
             columns[name] = np.abs(columns[name])
@@ -288,7 +288,7 @@ def _drop(sheet: Sheet, columns: dict[str, Array], reason: str, rows: Any) -> No
     columns |= {name: values[~rows] for name, values in columns.items()}
 
 
-def _continued(time: Array) -> Array:
+def _unwrap_time(time: Array) -> Array:
     """Time that goes on where it begins anew."""
     steps = np.diff(time)
     usual = float(np.nanmedian(steps[steps > 0]))

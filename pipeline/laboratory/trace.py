@@ -69,7 +69,7 @@ class Trace:
         ends = [slice(0, len(self.time))]
         ramps = [False]
         if columns:
-            commands = np.stack([_command(x) / max(x.max(), 1e-300) for x in columns], axis=1)
+            commands = np.stack([_setpoint(x) / max(x.max(), 1e-300) for x in columns], axis=1)
             ends, ramps = _cut(commands, self.time)
         return [
             Stage(rows, _level(self.load, rows), _level(self.velocity, rows), is_ramp)
@@ -225,12 +225,12 @@ def _level(column: Array | None, rows: slice) -> float | None:
 
 def at_rest(column: Array) -> Array:
     """Rows in which a load or a speed is nothing beside its highest, shape (rows,)."""
-    command = _command(column)
+    command = _setpoint(column)
     result: Array = command <= _REST * command.max()
     return result
 
 
-def _command(column: Array) -> Array:
+def _setpoint(column: Array) -> Array:
     """What was commanded: the mean over many strokes where a signal swings, else the median."""
     off = column / max(column.mean(), 1e-300) - 1
     crossings = np.count_nonzero(np.diff(np.sign(off[np.abs(off) > _SWING])))

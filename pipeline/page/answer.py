@@ -12,7 +12,7 @@ from pipeline.cli.output import Result, working
 def explore(options: argparse.Namespace) -> Result:
     """Write a page of a store, which a browser shows and prints."""
     ds = given.dataset_in(options)
-    out = options.output or given.beside(options.store, ".html")
+    out = options.output or given.path_beside(options.store, ".html")
     chosen = {"most_fields": 0} if options.no_fields else {}
     with working("writing the page"):
         page = pipeline.explore(ds, out, points=given.operating_points_in(options), **chosen)

@@ -29,7 +29,7 @@ from pipeline.analysis.model_error import AGREED, WORTH, ModelError
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.rise_error import totals
 from pipeline.analysis.transition import LEAST_SLOPE, outcomes, range_of
-from pipeline.figures.overlays import numbered, reachable_tests
+from pipeline.figures.overlays import number_tests, reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, coloured, packed_fields
 from pipeline.quantities import shown_in
@@ -130,7 +130,7 @@ def _test_facts(test: Measurement) -> dict[str, Any]:
 def _tests(data: Results, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
     """Tests with the nearest node, and the friction and bulk that each is judged at."""
     facts, tests = [], laboratory_tests(data)
-    drawn = reachable_tests(data, numbered(tests))[0].values()
+    drawn = reachable_tests(data, number_tests(tests))[0].values()
     for test in tests:
         own = own_conditions(data, test)
         there = _conditions(data, own) | {"strip_friction": test.friction is not None}

@@ -33,9 +33,9 @@ from tribo.simulation import (
     SolvedFriction,
     Trunks,
     contacts,
+    fit_elements,
     heat,
     solve_friction,
-    suited,
     warn_friction,
 )
 from tribo.thermal import BULK_RATIOS
@@ -191,7 +191,7 @@ def run_points(
     first, name_of_source = sweep.contact_of(points[0])
     source = sweep.variant(name_of_source).scene
     # Rises at friction 1 are the same for all frictions.
-    scenes = [suited(replace(one.scene, solved_friction=None), load) for one in variants]
+    scenes = [fit_elements(replace(one.scene, solved_friction=None), load) for one in variants]
     places = [(one, point.velocity) for one, point in zip(scenes, points, strict=True)]
     different = tuple(dict.fromkeys(places))
     heat_steps, kept = stations.heat_steps(source, load), stations.kept(source, load)

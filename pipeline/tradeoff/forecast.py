@@ -20,7 +20,7 @@ from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.shown import shown
 from pipeline.sweep.station_choice import choose_stations
 from tribo import Scene, State
-from tribo.simulation import Trunks, contacts, heat, suited
+from tribo.simulation import Trunks, contacts, fit_elements, heat
 from tribo.simulation.trunks import MOST_BYTES
 
 _SECONDS_TO_START = 1.0  # a cluster and its workers
@@ -151,7 +151,7 @@ def as_computed(sweep: Sweep) -> Scene:
     """The scene on the elements of its lowest load; on the pixels, if too many to look at."""
     scene = sweep.scene
     if math.prod(scene.pixels.shape) <= _MOST_PIXELS:
-        return suited(scene, min(sweep.plane.loads))
+        return fit_elements(scene, min(sweep.plane.loads))
     finest = replace(scene.fidelity, pixels_per_element=1, elements_per_summit=0.0)
     return replace(scene, fidelity=finest)
 

@@ -59,7 +59,7 @@ def drawn_value(draw: Any, path: str, value: float | str) -> float:
     )
 
 
-def described(data: Any, count: int) -> list[Line]:
+def describe_samples(data: Any, count: int) -> list[Line]:
     """Inputs that are not known exactly, and their samples, in words."""
     draw = Draw.of(data)
     design = draw.design

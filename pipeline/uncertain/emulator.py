@@ -124,13 +124,13 @@ def fitted(
         return np.array([_fit_constants(*fit) for fit in fits])
 
     constants, *without = load_or_compute(keeper, data, leave_out)
-    solve = functools.partial(_solved, features, dimensions, contacts, outputs - mean)
+    solve = functools.partial(_solve_kernel, features, dimensions, contacts, outputs - mean)
     whitener, weights = solve(constants)
     check = _check(groups, parts, map(solve, without or [constants] * len(parts)))
     return Emulator(features, dimensions, mean, weights, constants, whitener, check)
 
 
-def _solved(
+def _solve_kernel(
     features: Array, dimensions: Groups, contacts: Groups, outputs: Array, constants: Array
 ) -> tuple[Array, Array]:
     """Inverse of the factor of the kernel between rows, and what solves its equations."""

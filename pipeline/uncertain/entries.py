@@ -113,7 +113,7 @@ def _extend(sweep: Sweep, reading: Reading) -> Sweep:
     if design.sufficient and count > design.sufficient:
         count = design.sufficient
         faults.note("sweep.samples", f"{count} are computed, as more would share their contacts")
-    return _drawn(Draw(inputs, design, known), count, sweep)
+    return _add_samples(Draw(inputs, design, known), count, sweep)
 
 
 def _inputs(
@@ -191,7 +191,7 @@ def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sw
     return Design(unknown, kinds, ends, seed, group)
 
 
-def _drawn(draw: Draw, count: int, sweep: Sweep) -> Sweep:
+def _add_samples(draw: Draw, count: int, sweep: Sweep) -> Sweep:
     """The sweep with samples of each of its rows; raises if one is not a sound scene."""
     made = replace(sweep, variants=sweep.variants * drawn_rows(draw, count))
     try:

@@ -238,7 +238,7 @@ class Joint:
             runs.setdefault(test.get("run", number), []).append(number)
         return list(runs.values())
 
-    def judged(self, inputs: Array) -> JudgedTests:
+    def judge_draws(self, inputs: Array) -> JudgedTests:
         """Tests beside draws of all inputs, shape (n, n_unknown)."""
         shift, variance = self._part_scatter
         distances = self._distances(fix_varying(self.unknown, inputs))

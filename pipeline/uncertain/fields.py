@@ -170,11 +170,11 @@ class SampleField:
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
         """See `Field`."""
         places = zip(*places_of(loads, velocities), strict=True)
-        outcome, first = zip(*(self._turns(axis, *place) for place in places), strict=True)
+        outcome, first = zip(*(self._outcomes_along(axis, *place) for place in places), strict=True)
         low, high = (np.full(len(first), end) for end in self.ends[axis])
         return Transitions(np.column_stack(outcome), np.column_stack(first), (low, high))
 
-    def _turns(self, axis: str, load: float, velocity: float) -> tuple[Array, Array]:
+    def _outcomes_along(self, axis: str, load: float, velocity: float) -> tuple[Array, Array]:
         """Outcome by draw along an axis through a place, and where wear first turns severe."""
         ends = self.ends[axis]
         if axis == "velocity":
@@ -210,7 +210,7 @@ class SampleField:
         begins = float(self.weights @ (lines[:, 0] + shift > 0))
         signs, at = turns[rows, columns], places[rows, columns]
         result = np.full(len(velocities), begins)
-        for below, weights in self._parts(scatter):
+        for below, weights in self._mixture(scatter):
             weight = weights[rows] * signs
             # On a grid, since draws are many.
             grid = np.linspace(x[0], x[-1], _GRID)
@@ -228,7 +228,7 @@ class SampleField:
             result += (1 - np.interp(apart, table, below(table))) @ held[some]
         return np.asarray(np.clip(result, 0.0, 1.0))
 
-    def _parts(self, scatter: Scatter) -> Iterator[tuple[Callable[[Array], Array], Array]]:
+    def _mixture(self, scatter: Scatter) -> Iterator[tuple[Callable[[Array], Array], Array]]:
         """Distributions of the next run, each with the weights of the draws that have it."""
         if not isinstance(scatter, InferredScatter):
             yield scatter.below, self.weights

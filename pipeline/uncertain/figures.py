@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from pipeline.analysis.laboratory import laboratory_tests, model_error
 from pipeline.analysis.results import Results
 from pipeline.figures import style
-from pipeline.figures.overlays import mark_tests, numbered
+from pipeline.figures.overlays import mark_tests, number_tests
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.quantities import shown_in
 from pipeline.scene.units import typeset
@@ -58,7 +58,7 @@ def draw_probability(held: Results, log: bool = False) -> Figure:
     bulk = ensemble.conditions.bulk_temperature
     (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     inside = {
-        k: one for k, one in numbered(tests).items()
+        k: one for k, one in number_tests(tests).items()
         if low <= one.velocity <= high and bottom <= one.normal_load <= top
     }  # fmt: skip
     for mark in mark_tests(axes, inside, bulk, bulk):

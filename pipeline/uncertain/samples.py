@@ -83,7 +83,7 @@ class Design:
         contacts = sequence(self.seed, -(-count // group)).repeat(group, axis=0)[:count]
         rows = sequence(self.seed + 2**31, count)
         columns = [
-            one.quantile(_widened(one, (rows if layer == "heat" else contacts)[:, i]))
+            one.quantile(_widen_shares(one, (rows if layer == "heat" else contacts)[:, i]))
             for i, (one, layer) in enumerate(zip(self.inputs, self.layers, strict=True), 1)
         ]
         place = np.arange(count) % group
@@ -175,7 +175,7 @@ def _sum(shares: Array, one: float, other: float) -> Array:
     return total
 
 
-def _widened(unknown: Unknown, shares: Array) -> Array:
+def _widen_shares(unknown: Unknown, shares: Array) -> Array:
     """Shares by which to draw samples of an input, from even ones."""
     if unknown.kind not in ("normal", "log-normal"):
         return shares

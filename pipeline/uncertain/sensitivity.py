@@ -145,7 +145,7 @@ def _first_order_indices(draws: Draws, values: Array) -> Array:
     by_chance = np.sum((weights[:, None] * y) ** 2, axis=0)  # variance of the mean of all
     orders = []
     for column in draws.inputs.T:
-        part = _parts(draws, column)
+        part = _bin_numbers(draws, column)
         is_in = part == np.arange(_BINS)[:, None]
         weight = np.maximum(is_in @ weights[:, None], 1e-150)
         means = is_in @ (weights[:, None] * y) / weight
@@ -157,7 +157,7 @@ def _first_order_indices(draws: Draws, values: Array) -> Array:
     return first
 
 
-def _parts(draws: Draws, column: Array) -> NDArray[np.intp]:
+def _bin_numbers(draws: Draws, column: Array) -> NDArray[np.intp]:
     """Number of the part of its distribution in which each value of an input lies."""
     distinct = np.unique(column)
     if len(distinct) <= _BINS:

@@ -73,8 +73,8 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
     result = Posterior(ensemble, model.unknown, before, before, (), scatter, assumed)
     if not model.tests:
         return result
-    draws, judgement = _weighed(model, before)
-    inferred = _inferred(model.scatters, softmax(judgement.joint))
+    draws, judgement = _weigh_draws(model, before)
+    inferred = _scatter_interval(model.scatters, softmax(judgement.joint))
     wrong = faults(ensemble.unknown, draws, scatter, inferred)
     by_others = tuple(_left_out_judgements(model, draws, judgement, scatter, not wrong))
     wrong = () if any(one.contradicts for one in by_others) else wrong
@@ -89,19 +89,19 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
     )
 
 
-def _weighed(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
+def _weigh_draws(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
     """Draws that the tests leave, and the tests beside them."""
-    judgement = model.judged(before.inputs)
+    judgement = model.judge_draws(before.inputs)
     model.require_near(judgement.distances)
     inputs, over = before.inputs, np.zeros(len(before.inputs))
     if effective_share(logsumexp(judgement.joint, axis=1)) < _ENOUGH / len(inputs):
         inputs, log_weights = sample(
             model.unknown,
-            lambda inputs: logsumexp(model.judged(inputs).joint, axis=1),
+            lambda inputs: logsumexp(model.judge_draws(inputs).joint, axis=1),
             _seed(model),
             _COUNT,
         )
-        judgement = model.judged(inputs)
+        judgement = model.judge_draws(inputs)
         over = log_weights - logsumexp(judgement.joint, axis=1)
     judgement = judgement._replace(joint=judgement.joint + over[:, None])
     return Draws(inputs, softmax(judgement.joint).sum(axis=1)), judgement
@@ -125,7 +125,7 @@ def _left_out_judgements(
             draws.interval(velocities),
             _probability(low, high, weights),
             limit,
-            fits or explains(unknown, others, scatter, _inferred(model.scatters, weights)),
+            fits or explains(unknown, others, scatter, _scatter_interval(model.scatters, weights)),
         )
 
 
@@ -133,7 +133,7 @@ def _seed(model: Joint) -> int:
     return model.ensemble.design.seed + 1
 
 
-def _inferred(scatters: Array, weights: Array) -> tuple[float, float, float]:
+def _scatter_interval(scatters: Array, weights: Array) -> tuple[float, float, float]:
     """Scatters that 5, 50 and 95 % stay below, by weights of draws and scatters."""
     of_scatter = Draws(scatters[:, None], weights.sum(axis=0))
     low, middle, high = np.exp(of_scatter.interval(np.log(scatters))).tolist()

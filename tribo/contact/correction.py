@@ -15,7 +15,7 @@ from tribo.types import Array
 _LOCAL_STEPS = 2
 
 
-def corrected(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
+def correct_guess(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
     """Pressure within the bounds near a guess, the guess's worst errors undone [Pa].
 
     The guess carries the load, but may exceed the bounds; its displacement is known [m].

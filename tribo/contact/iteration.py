@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.contact.active_set import ActiveSet, active_set_step
-from tribo.contact.correction import corrected
+from tribo.contact.correction import correct_guess
 from tribo.contact.gradient import Gradient, first_length, gradient_step
 from tribo.contact.problem import Iterate, Judgement, Problem, judge
 from tribo.contact.rounding import LowestResidual, restore_digits, transform_error
@@ -131,7 +131,7 @@ def _first_iterate(
     datum = float(problem.heights.min())
     separation = problem.heights - datum
     if displacement is not None:
-        guess = corrected(problem, separation, guess, displacement)
+        guess = correct_guess(problem, separation, guess, displacement)
     pressure = scaled_to_load(guess, problem.total, problem.hardness)
     return Iterate(pressure, problem.solid(pressure), datum, separation, spent + 1)
 

@@ -40,7 +40,7 @@ class Problem:
     @classmethod
     def of(cls, solid: ElasticHalfSpace, heights: Array, total: float, hardness: float) -> Problem:
         """Set up the problem of pressing `heights` into a solid."""
-        return cls(solid, heights, total, hardness, *_prepared(solid))
+        return cls(solid, heights, total, hardness, *_prepare_solid(solid))
 
     @property
     def coupling(self) -> float:
@@ -73,11 +73,11 @@ class Problem:
 
 def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
     """The rows of a solid that yield most."""
-    return _prepared(solid)[0]
+    return _prepare_solid(solid)[0]
 
 
 @functools.lru_cache(maxsize=4)  # of many contacts of one solid, as at positions of the disk
-def _prepared(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
+def _prepare_solid(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
     """What a problem takes from its solid alone."""
     soft, unit = SoftRows.of(solid), solid.self_influence
     coupling = soft.coupling if soft.is_needed else 0.0

@@ -119,7 +119,7 @@ class RowMetric:
         q, sums = field, self._sums(field)
         for _ in range(3):
             shifted = self._shifted_at_once(q, sums, total, highest)
-            nearest, shift, sums = shifted or self._shifted(q, sums, total, highest)
+            nearest, shift, sums = shifted or self._shift_and_clip(q, sums, total, highest)
             if abs(float(nearest.sum()) - total) <= 100 * _ROUNDING * total:
                 break
             # Where q is far larger than what is left of it, the rest has more digits.
@@ -129,7 +129,7 @@ class RowMetric:
     def _shifted_at_once(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array] | None:
-        """The same as `_shifted`, by Newton's method without a bracket; None if that fails."""
+        """As `_shift_and_clip`, by Newton's method without a bracket; None if that fails."""
         d, k = self._d, self._k
         mu, shift = 0.0, np.zeros(len(sums))
         for _ in range(_MOST_AT_ONCE):
@@ -157,7 +157,7 @@ class RowMetric:
         """Number of nodes of each row between the bounds."""
         return self._sums(((field > 0) & (field < highest)).astype(np.float64))
 
-    def _shifted(
+    def _shift_and_clip(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array]:
         """Solve Eq. (2) as exactly as the digits of q allow: clip(q + s), s, and its rows' sums."""

@@ -76,14 +76,14 @@ def nearest(pressure: Array, total: float, hardness: float) -> Array:
     array([0., 3., 5.])
     """
     for _ in range(3):
-        field, shift = _shifted(pressure, total, hardness)
+        field, shift = _shift_and_clip(pressure, total, hardness)
         if abs(float(field.sum()) - total) <= 0.1 * LOAD_ERROR * total:
             break
         pressure = pressure + shift  # what is left after this has more digits
     return field
 
 
-def _shifted(pressure: Array, total: float, hardness: float) -> tuple[Array, float]:
+def _shift_and_clip(pressure: Array, total: float, hardness: float) -> tuple[Array, float]:
     """clip(p + s) that sums to `total` as nearly as the digits of p allow, and s."""
     bound = total if hardness == math.inf else hardness
     low = -float(pressure.max())

@@ -143,7 +143,7 @@ class Ramp:
         require_integer(1, increments=increments)
         for station in self._rise(normal_load, increments):
             yield station  # `yield from` would not keep the last one
-        ends = self._held(station.time / 2, hold_increments or increments)
+        ends = self._hold_ends(station.time / 2, hold_increments or increments)
         for number, held in enumerate(ends, 1):
             yield Station(
                 normal_load,
@@ -154,7 +154,7 @@ class Ramp:
                 holding=True,
             )
 
-    def _held(self, before: float, increments: int) -> Iterator[float]:
+    def _hold_ends(self, before: float, increments: int) -> Iterator[float]:
         """Durations at the full load at which steps of the hold end [s].
 
         Before, the load has had the impulse of so long a time at the full one.
@@ -176,12 +176,12 @@ class Ramp:
         for index in range(1, last + 1):
             load = index * increment
             if math.isclose(load, normal_load, rel_tol=1e-12):
-                yield self._reached(normal_load, load == normal_load, index)
+                yield self._station_at_load(normal_load, load == normal_load, index)
                 return
-            yield self._reached(load, True, index)
-        yield self._reached(normal_load, False, last + 1)
+            yield self._station_at_load(load, True, index)
+        yield self._station_at_load(normal_load, False, last + 1)
 
-    def _reached(self, normal_load: float, on_trunk: bool, index: int) -> Station:
+    def _station_at_load(self, normal_load: float, on_trunk: bool, index: int) -> Station:
         """Station at which the growing load has reached `normal_load`."""
         time = normal_load / self.rate
         return Station(normal_load, time, on_trunk, index, impulse=normal_load * time / 2)

@@ -11,7 +11,7 @@ from tribo.simulation.corrections import Track as Track
 from tribo.simulation.corrections import moment_of as moment_of
 from tribo.simulation.coupled_friction import UNSOLVED as UNSOLVED
 from tribo.simulation.coupled_friction import CoupledRise as CoupledRise
-from tribo.simulation.element_size import suited as suited
+from tribo.simulation.element_size import fit_elements as fit_elements
 from tribo.simulation.fidelity import PRESETS as PRESETS
 from tribo.simulation.fidelity import Fidelity as Fidelity
 from tribo.simulation.friction import FRICTIONS as FRICTIONS

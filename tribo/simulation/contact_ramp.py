@@ -28,7 +28,7 @@ import numpy as np
 from tribo.errors import InputError, require_positive
 from tribo.loading import Station
 from tribo.simulation.cache import unworn_contact
-from tribo.simulation.element_size import suited
+from tribo.simulation.element_size import fit_elements
 from tribo.simulation.finer_grids import refine_step
 from tribo.simulation.implicit_end import end_implicitly
 from tribo.simulation.loading_step import advance, start
@@ -141,7 +141,7 @@ def contacts(
     """
     _check(scene, normal_load, velocity)
     trunks = Trunks() if trunks is None else trunks
-    scene = suited(scene, normal_load)
+    scene = fit_elements(scene, normal_load)
     levels = tuple(scene.levels())
     stations = list(scene.stations(normal_load, requested))
     if not scene.remembers_steps:
@@ -157,7 +157,7 @@ def contacts(
         )
     )
     key = scene, velocity, scene.trunk(normal_load)
-    advanced = partial(_advanced, levels, velocity)
+    advanced = partial(_advance, levels, velocity)
     new = trunks.reach(key, start(scene), shared, advanced, note)
     state, course = yield from new
     is_worn, reached = velocity != 0, None
@@ -169,7 +169,7 @@ def contacts(
         before, state = _last_part(levels, velocity, state, station)
         is_reached = station.normal_load == normal_load and not station.holding
         if station is stations[-1] or is_reached or station.index in requested:
-            finished = _finished(levels, before, state, station, velocity, course)
+            finished = _solve_requested(levels, before, state, station, velocity, course)
             reached = finished if is_reached else reached
             yield finished
         else:
@@ -188,7 +188,7 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
         )
 
 
-def _advanced(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
+def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
     """State at a station from which the ramp goes on, on the grid of the history."""
     return _last_part(levels, velocity, before, station)[1]
 
@@ -207,7 +207,7 @@ def _last_part(
     return begin, replace(after, iterations=iterations)
 
 
-def _finished(
+def _solve_requested(
     levels: tuple[Scene, ...],
     before: State,
     after: State,
@@ -236,7 +236,7 @@ def _unworn(
         # From the start at each station: not even a first guess may remember the steps, or results
         # would depend on the stations at which a temperature is requested.
         ends = _last_part(levels, velocity, start(scene), station)
-        return _finished(levels, *ends, station, velocity)
+        return _solve_requested(levels, *ends, station, velocity)
 
     # What bears a load is the same whenever it does.
     contact = unworn_contact((mechanics(scene), station.normal_load, normal_load), compute)

@@ -155,7 +155,7 @@ def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float
         evenly = added * float(flux.sum()) / float(heat.sum())
         return split.rise.take(nodes) + evenly
 
-    rise, outcome, rounds = _solved(heat, frictions, rise_by)
+    rise, outcome, rounds = _solve_rise(heat, frictions, rise_by)
     if outcome != "solved":
         rise = np.full(rise.shape, np.nan)
     field = np.zeros(contact.shape)
@@ -187,7 +187,7 @@ class _Frictions:
         return self.law.steepness(self.bulk, hottest) >= STEEP
 
 
-def _solved(
+def _solve_rise(
     heat: Array, frictions: _Frictions, rise_by: Callable[[Array, Array], Array]
 ) -> tuple[Array, Outcome, int]:
     """Rise, how the iteration ended, and its rounds, by the heat of elements at friction 1."""
@@ -195,7 +195,7 @@ def _solved(
     rise = guess = rise_by(flux, flux)
     may_ignite, cold = frictions.may_ignite(rise), float(rise.mean())
     rounds, grown = 1, math.inf
-    mixed = _Mixed()
+    mixed = _AndersonMixing()
     while rounds < _MOST_ROUNDS:
         changed = frictions(guess) * heat
         try:
@@ -214,7 +214,7 @@ def _solved(
     return rise, "not converged", rounds
 
 
-class _Mixed:
+class _AndersonMixing:
     """The next guess of a fixed point by the last ones and what each was off by."""
 
     def __init__(self) -> None:

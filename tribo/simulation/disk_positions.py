@@ -54,7 +54,7 @@ class Pass(NamedTuple):
     shift: tuple[int, int] | None = None  # the disk's along x and y, in elements
 
 
-def parts(scene: Scene, wear: Wear, distance: float) -> int:
+def part_count(scene: Scene, wear: Wear, distance: float) -> int:
     """Parts into which a step of wear is cut, with the disk elsewhere in each.
 
     As many as leave the imprint of each below a limit. Of a wave of the roughness that is an
@@ -78,7 +78,7 @@ def _finer(scene: Scene) -> int:
     """Parts of a step of wear, for each one where many elements touch."""
     loading = scene.loading
     highest = loading.peak if isinstance(loading, MeasuredLoad) else loading.reference_load
-    return _MORE_PARTS if positions(scene, highest) >= _FEW else 1
+    return _MORE_PARTS if position_count(scene, highest) >= _FEW else 1
 
 
 def passes(
@@ -103,7 +103,7 @@ def passes(
     if not scene.sweeps_over:
         yield from map(Pass, runge_kutta.stages(loads, mean_load, distance))
         return
-    count, most = parts(scene, wear, distance), _finer(scene) * _MOST_PARTS
+    count, most = part_count(scene, wear, distance), _finer(scene) * _MOST_PARTS
     ends = np.linspace(*loads, count + 1)
     # Each part has the share of the impulse that it would have if the load changed linearly.
     length = float(ends.sum() - (ends[0] + ends[-1]) / 2)
@@ -136,10 +136,10 @@ def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]
         return []
     block = scene.fidelity.pixels_per_element
     units = [math.lcm(math.gcd(n, _SHIFT), block) // block for n in scene.pixels.shape]
-    return [_position(scene, n, units) for n in range(1, positions(scene, normal_load))]
+    return [_position(scene, n, units) for n in range(1, position_count(scene, normal_load))]
 
 
-def positions(scene: Scene, normal_load: float) -> int:
+def position_count(scene: Scene, normal_load: float) -> int:
     """Number of positions over which the temperature at a load is a mean."""
     modulus = contact_modulus(scene.pin.material, scene.disk)
     mean_pressure = scene.pin.hertz(normal_load, modulus).peak_pressure / 1.5

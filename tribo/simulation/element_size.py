@@ -27,7 +27,7 @@ import numpy as np
 from tribo.loading import Ramp
 from tribo.material import contact_modulus
 from tribo.simulation.cache import cached_summits
-from tribo.simulation.disk_positions import positions
+from tribo.simulation.disk_positions import position_count
 from tribo.simulation.scene import Scene
 from tribo.surface import rms_slope
 from tribo.types import Array
@@ -50,7 +50,7 @@ class Summits(NamedTuple):
     slope: float  # root mean square
 
 
-class _Expected(NamedTuple):
+class _ExpectedContact(NamedTuple):
     """A contact as it is expected at the lowest load of a ramp, in pixels."""
 
     across: float  # of the smooth contact along x
@@ -61,7 +61,7 @@ class _Expected(NamedTuple):
 SMOOTH = Summits((math.inf, math.inf), 0.0)
 
 
-def suited(scene: Scene, normal_load: float) -> Scene:
+def fit_elements(scene: Scene, normal_load: float) -> Scene:
     """The scene with elements and a history that are fine enough for its surface at a load.
 
     Examples
@@ -72,14 +72,15 @@ def suited(scene: Scene, normal_load: float) -> Scene:
     >>> from dataclasses import replace
     >>> at_most = replace(scene.fidelity, pixels_per_element=2, elements_per_summit=1.5)
     >>> narrow = tribo.SelfAffineRoughness(1e-7, 0.8, 2 * scene.pixels.spacing[0], seed=0)
-    >>> suited(replace(scene, fidelity=at_most, roughness=narrow), 10.0).fidelity.pixels_per_element
+    >>> narrow_scene = replace(scene, fidelity=at_most, roughness=narrow)
+    >>> fit_elements(narrow_scene, 10.0).fidelity.pixels_per_element
     1
     """
     fidelity = scene.fidelity
     if not fidelity.elements_per_summit:
         return scene
     lowest, summits = _lowest(scene, normal_load), _kept_summits(scene)
-    expected = _expected(scene, summits, lowest)
+    expected = _expected_contact(scene, summits, lowest)
     across = expected.across / (FEWEST_ROWS if scene.pin.length else FEWEST_ACROSS)
     # Elements along a long summit are as warm as each other, and count once for each width of it.
     alike, widths = expected.touching, summits.widths
@@ -89,7 +90,7 @@ def suited(scene: Scene, normal_load: float) -> Scene:
         count = expected.touching / math.prod(widths)
         wide = summit_width(scene) / fidelity.elements_per_summit
         if scene.sweeps_over:  # the temperature is a mean over positions, or almost so
-            count, wide = count * positions(scene, lowest), _ON_POSITIONS * wide
+            count, wide = count * position_count(scene, lowest), _ON_POSITIONS * wide
         widest = min(across, wide) if count >= fidelity.fewest_summits else 1.0
     fewest, block = max(fidelity.fewest_elements, 1), fidelity.pixels_per_element
     sizes = (n for n in range(block, 1, -1) if block % n == 0 and n * n * fewest <= alike)
@@ -125,7 +126,7 @@ def _lowest(scene: Scene, normal_load: float) -> float:
     return loading.lowest(normal_load) if isinstance(loading, Ramp) else normal_load
 
 
-def _expected(scene: Scene, summits: Summits, normal_load: float) -> _Expected:
+def _expected_contact(scene: Scene, summits: Summits, normal_load: float) -> _ExpectedContact:
     """The contact at a load, by Eq. (1)."""
     modulus, pin = contact_modulus(scene.pin.material, scene.disk), scene.pin
     on_window = normal_load / pin.patches(scene.grid)
@@ -137,7 +138,7 @@ def _expected(scene: Scene, summits: Summits, normal_load: float) -> _Expected:
     rough = min(rough, nominal)
     pixels = (nominal if is_smooth else rough) / scene.pixels.element_area
     across = 2 * hertz.half_width / scene.pixels.spacing[0]
-    return _Expected(across, pixels**2 if scene.is_plane else pixels, is_smooth)
+    return _ExpectedContact(across, pixels**2 if scene.is_plane else pixels, is_smooth)
 
 
 def _kept_summits(scene: Scene) -> Summits:

@@ -21,18 +21,18 @@ def refine_step(
 ) -> State:
     """Repeat the step from `before` to `after` on ever finer grids, each begun with the last.
 
-    One contact on each of them suffices, see `_rewound`.
+    One contact on each of them suffices, see `_rewind`.
     """
     finest = levels[-1]
     if finest.remembers_heat:  # on one grid, and its steps have ended as they have to
         return after
     if finest.sweeps_over and len(levels) > 1:
-        return _observed(finest, after)
+        return _solve_on_finest(finest, after)
     state = end_implicitly(levels[0], before, after, station, velocity)
-    wear_depth = _rewound(levels[0], before, state, station, velocity)
+    wear_depth = _rewind(levels[0], before, state, station, velocity)
     for scene in levels[1:]:
         shape = scene.grid.shape
-        pressure = _prolonged(state.pressure, shape)
+        pressure = _prolong(state.pressure, shape)
         on_grid = replace(
             before, pressure=pressure, wear_depth=_spread(wear_depth, shape), displacement=None
         )
@@ -41,7 +41,7 @@ def refine_step(
     return state
 
 
-def _rewound(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
+def _rewind(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
     """Wear from which an implicit step of one contact ends as the scheme's own stages have [m]."""
     way = before.sliding_distance, after.sliding_distance
     wear, distance = scene.wear_at(velocity, way), abs(velocity) * (after.time - before.time)
@@ -51,13 +51,13 @@ def _rewound(scene: Scene, before: State, after: State, station: Station, veloci
     return after.wear_depth - wear.depth(after.pressure, stage.distance)
 
 
-def _observed(scene: Scene, after: State) -> State:
+def _solve_on_finest(scene: Scene, after: State) -> State:
     """The contact at the disk's own position on the finest grid, worn as on the coarsest."""
     # The step itself is not repeated: its wear is a mean over many positions of the disk, which
     # the coarse grid knows, and each would be a contact to solve on the fine one.
     wear_depth = _spread(after.wear_depth, scene.grid.shape)
     unworn = Pass(Stage(after.normal_load, 0.0, 0.0))
-    guess = _prolonged(after.pressure, scene.grid.shape)
+    guess = _prolong(after.pressure, scene.grid.shape)
     contact, displacement = solve_pass(scene, after, unworn, None, wear_depth, guess)
     return replace(
         after,
@@ -71,7 +71,7 @@ def _observed(scene: Scene, after: State) -> State:
     )
 
 
-def _prolonged(field: Array, shape: tuple[int, int]) -> Array:
+def _prolong(field: Array, shape: tuple[int, int]) -> Array:
     """A field on finer elements, each with the value of the larger element around it."""
     for axis, n in enumerate(shape):
         field = np.repeat(field, n // field.shape[axis], axis)

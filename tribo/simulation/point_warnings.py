@@ -11,7 +11,7 @@ import numpy as np
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.coupled_friction import CoupledRise
-from tribo.simulation.disk_positions import parts
+from tribo.simulation.disk_positions import part_count
 from tribo.simulation.element_size import FEWEST_ACROSS, FEWEST_ROWS, summit_width
 from tribo.simulation.pins import Ball
 from tribo.simulation.present_heat import excess_of_present_heat, stations_so_far
@@ -368,7 +368,7 @@ def _unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
     if not wear:
         return
     distance = velocity * _longest_step(scene, state)
-    stiffness = wear.stiffness(solid, distance / parts(scene, wear, distance))
+    stiffness = wear.stiffness(solid, distance / part_count(scene, wear, distance))
     if stiffness >= EXPLICIT_LIMIT:
         yield (
             WarningKind.UNSTABLE_WEAR,

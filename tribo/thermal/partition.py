@@ -142,12 +142,12 @@ def partition_heat(
     if method == "uniform":
         return _uniform(pin(heat_flux), target, delta, heat_flux, contact)
 
-    both, near = _joined(pin, disk)
+    both, near = _join_maps(pin, disk)
     if not near.influence[1, 0] > 0:
         raise InputError(
             "bulk_difference is not 0; it must be, since the bodies have had no time to conduct"
         )
-    solution, iterations = _iterated(both, near, nodes, target, tolerance, max_iterations)
+    solution, iterations = _iterate_flux(both, near, nodes, target, tolerance, max_iterations)
     pin_flux = np.zeros(grid.shape)
     pin_flux.reshape(-1)[nodes] = solution
     total = float(np.sum(q))
@@ -172,7 +172,7 @@ def partition_heat(
 
 
 @functools.lru_cache(maxsize=2)  # of many contacts, one after the other
-def _joined(pin: Convolution, disk: Convolution) -> tuple[Convolution, Neighbourhood]:
+def _join_maps(pin: Convolution, disk: Convolution) -> tuple[Convolution, Neighbourhood]:
     """The map of both bodies, and its stencils."""
     both = pin + disk
     return both, Neighbourhood(both)
@@ -211,7 +211,7 @@ def _check_fields(
         raise InputError("heat_flux is not 0 everywhere outside the contact; it must be")
 
 
-def _iterated(
+def _iterate_flux(
     both: Convolution,
     near: Neighbourhood,
     nodes: Nodes,

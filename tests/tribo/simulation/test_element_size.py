@@ -8,7 +8,7 @@ import pytest
 import tribo
 from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import Grid, SelfAffineRoughness, Wear, simulate
-from tribo.simulation.element_size import suited
+from tribo.simulation.element_size import fit_elements
 
 RULES = {"elements_per_summit": 1.0, "fewest_summits": 5, "fewest_elements": 20}
 
@@ -23,7 +23,7 @@ def rough(lengths, pixels=(128, 128), side=2e-6, ra=1e-6, **changes):
 
 
 def chosen(scene, load=600.0):
-    fidelity = suited(scene, load).fidelity
+    fidelity = fit_elements(scene, load).fidelity
     return fidelity.pixels_per_element, fidelity.history_coarsening
 
 
@@ -57,7 +57,7 @@ def test_as_many_pixels_touch_as_expected_within_a_half(hardness):
 
 def test_a_point_has_the_elements_of_its_surface():
     scene = rough((1.5, 1.5), increments=4)
-    pixels = replace(scene, fidelity=suited(scene, 600.0).fidelity)
+    pixels = replace(scene, fidelity=fit_elements(scene, 600.0).fidelity)
     alone, exact = (list(simulate(one, 600.0, 1.25)) for one in (scene, pixels))
     assert alone[-1].pressure.shape == (128, 128)
     for one, other in zip(alone, exact, strict=True):
