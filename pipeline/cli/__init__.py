@@ -53,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _begun(options: argparse.Namespace) -> Any:
-    """Result of a command, whose module is imported only now."""
+    """Run a command, whose module is imported only now, and return its result."""
     if options.command == "sweeps:run" and not (options.scheduler or options.scheduler_file):
         forkserver.start()  # imports for the workers what is imported here meanwhile
     function = function_of(options)

@@ -42,18 +42,18 @@ def flags_of(names: Iterable[str]) -> str:
 
 
 def path_beside(store: Path | str, ending: str) -> Path:
-    """File beside a store, or here for a store at an address."""
+    """Path next to a store; in the working directory if the store is in a bucket."""
     path = Path(store) if "://" not in str(store) else Path(Path(store).name)
     return path.with_name(f"{path.stem}{ending}")
 
 
 def settings_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Entries of --set; keys without the prefix that those of a fidelity may have."""
+    """Entries of --set, without the prefix `fidelity.` of numerical choices."""
     return {path.removeprefix("fidelity."): value for path, value in options.set}
 
 
 def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Conditions that the user gave in place of the scene's own; several of one as a tuple."""
+    """Conditions that the user gave; several values of one condition as a tuple."""
     given = values_in(options, *CONDITIONS).items()
     conditions = {name: values[0] if len(values) == 1 else tuple(values) for name, values in given}
     criterion = conditions.get("criterion", "share")

@@ -130,7 +130,7 @@ _SOON = 2.0  # [s], before which a command that just works says nothing
 
 @contextmanager
 def run_line(silent: float = 0.0) -> Iterator[Report]:
-    """Yield what shows progress: its words as notes, else its state beside a bar or in lines.
+    """Yield a function that shows progress: a bar on a terminal, lines elsewhere.
 
     It shows no state in the first seconds if it is to be silent then.
     """

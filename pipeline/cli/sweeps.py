@@ -162,7 +162,7 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
 
 
 def _text(span: Span, unit: str = "") -> str:
-    """A span, or the one value that it has."""
+    """A span in words: one value if both ends agree."""
     low, high = (f"{shown_in(value, unit):.3g}" for value in span)
     return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
 

@@ -16,7 +16,7 @@ from pipeline.paths import user_path
 
 
 def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
-    """Reader of quantities with units, above 0 unless signed; those in K are differences."""
+    """Reader of quantities with units, above 0 unless signed; kelvins are differences."""
 
     def read(text: str) -> float:
         from pipeline.scene.units import difference_in_si, to_si

@@ -32,7 +32,7 @@ _MOST_ROWS = 8  # of a boundary that are printed; --all, --json and files have a
 
 
 def margin(options: argparse.Namespace) -> Result:
-    """Print the verdict on one operating point, or on those of a table or of the sweep's rows."""
+    """Print the verdict on one operating point, or on each row of a table or of the sweep."""
     is_one = bool(values_in(options, "load", "velocity"))
     points = operating_points_in(options)
     data = pipeline.results(dataset_in(options))
@@ -56,7 +56,7 @@ def margin(options: argparse.Namespace) -> Result:
 
 
 def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFrame]:
-    """The verdict on one place, in each scene; an `InputError` if it has none in the only one."""
+    """The verdict on one place, in each scene; an `InputError` if a single scene has none."""
     lines = list[str | pd.DataFrame]()
     if len(found) == 1:
         found[0].known()

@@ -123,7 +123,7 @@ _INSIDE = 1e-4  # of an interval between points, at whose ends the error is smal
 
 
 def _refine_axis(points: Array, least: int) -> Array:
-    """Places from the first point to the last, among them both sides of each point."""
+    """Finer axis from the first point to the last, with values close to each side of a point."""
     begins, ends = points[:-1], points[1:]
     inside, parts = _INSIDE * (ends - begins), max(2, math.ceil(least / len(begins)))
     return np.linspace(begins + inside, ends - inside, parts, axis=1).ravel()
@@ -190,7 +190,7 @@ def _friction_lines(axes: Axes, field: PointField, x: Array, y: Array) -> list[A
 
 
 def _mark_points(axes: Axes, data: Results) -> list[Artist]:
-    """Mark the points; over several surfaces, by those on which the point is done."""
+    """Mark the points; with several surfaces, by the surfaces on which the point is done."""
     r, limit = data.rises(data.conditions), rise_limit(data.conditions)
     severe, mild = (_any_surface(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
     failed = ~(severe | mild) & _any_surface(data.columns["status"] != PENDING)

@@ -27,7 +27,7 @@ _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 def chosen_points(
     data: Results, load: Wanted, velocity: Wanted, conditions: Conditions
 ) -> list[Spot]:
-    """Find the points nearest to loads and velocities; of one not given, to the transition."""
+    """Find the points nearest to loads and velocities, or to the transition if one is not given."""
     rises = data.rises(conditions)
     is_done = np.isfinite(rises)
     reached = np.flatnonzero(is_done.any(axis=1))
@@ -57,7 +57,7 @@ def require_done_at(load: float, is_done: Mask) -> None:
 
 
 def nearest_indices(places: Array, axis: str, values: Wanted) -> list[int]:
-    """Find the indices nearest to one load or velocity or several; none if none is given."""
+    """Indices nearest to one or several loads or velocities; empty if none is given."""
     found = list[int]()
     several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
     for value in several:

@@ -89,7 +89,7 @@ def mark_test(
 def mark_tests(
     axes: Axes, tests: Mapping[str, Measurement], bulk: float, own_bulk: float
 ) -> list[Artist]:
-    """Mark tests in the plane of a bulk temperature [K]; a test without one has the scene's own."""
+    """Mark tests made at a bulk temperature [K]; a test that states none has the scene's."""
     marks = list[Line2D]()
     for number, test in tests.items():
         is_other = abs((test.bulk_temperature or own_bulk) - bulk) > _SAME_BULK
@@ -99,7 +99,7 @@ def mark_tests(
 
 
 def number_tests(tests: Iterable[Measurement]) -> dict[str, Measurement]:
-    """Tests by their own numbers, or by their places in the scene."""
+    """Tests by number; a test without one is counted by its place in the scene."""
     return {test.number or str(place): test for place, test in enumerate(tests, 1)}
 
 

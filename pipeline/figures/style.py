@@ -99,7 +99,7 @@ class Picture(Figure):
 
 
 def svg_of(figure: Figure) -> str:
-    """A figure as an element of HTML, drawn with vectors, whose letters need no font."""
+    """The figure as an SVG element of HTML; its letters are drawn as paths and need no font."""
     written = io.StringIO()
     with rc_context({"svg.fonttype": "path", "svg.hashsalt": "irg"}):
         figure.savefig(written, format="svg", metadata={"Date": None})
@@ -168,7 +168,7 @@ def heating(conditions: Conditions) -> str:
 
 
 def plain_numbers(axes: Axes) -> None:
-    """Write plain numbers beside logarithmic axes, and enough of them."""
+    """Write plain numbers at enough ticks of logarithmic axes."""
     for axis in (axes.xaxis, axes.yaxis):
         low, high = axis.get_view_interval()
         subs = range(1, 10) if high < 10 * low else (1, 2, 5)

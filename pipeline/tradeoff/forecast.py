@@ -104,7 +104,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
 
 @dataclass(slots=True)
 class _Work:
-    """What the tasks of a sweep take, and what they have taken so far."""
+    """Work of a sweep's tasks, and how much of it is done."""
 
     sweep: Sweep
     contact_time: float  # [s]

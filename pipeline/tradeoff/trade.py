@@ -74,7 +74,7 @@ class Trade:
 
     @property
     def front(self) -> tuple[Choice, ...]:
-        """Choices that no other one beats in both time and error, the fastest first."""
+        """Pareto front: choices that none beats in both time and error, the fastest first."""
         best, choices = math.inf, []
         by_time = sorted(self.choices, key=lambda one: (one.seconds, one.velocity_error))
         for choice in by_time:

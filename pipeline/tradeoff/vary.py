@@ -166,7 +166,7 @@ def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequen
 
 
 def _absolute(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
-    """Values of an entry, those such as ``"+20%"`` as the scene's own value changed by so much."""
+    """Values of an entry; ``"+20%"`` becomes the scene's value changed by 20 %."""
     for value in values:
         relative = _RELATIVE.fullmatch(value) if isinstance(value, str) else None
         if relative is None:

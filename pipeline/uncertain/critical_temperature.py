@@ -162,7 +162,7 @@ def critical_temperatures(
 
 
 def take_own_tests(sweep: Sweep, key: str) -> Sweep:
-    """The sweep with the tests at a key as its measured transitions, of its own oil alone."""
+    """The sweep with the tests at a key as its measured transitions; other oils are left out."""
     tests = getattr(sweep, key)
     own, pairs = own_tests(tests), zip(sweep.entries.get(key, ()), tests, strict=True)
     entries = [

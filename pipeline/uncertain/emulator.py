@@ -105,7 +105,7 @@ class LeftOut(NamedTuple):
 
     @property
     def is_right(self) -> bool:
-        """True if bands of 90 % hold 85 to 95 % of what is left out, as rounded in print."""
+        """True if bands of 90 % hold 85 to 95 % of the samples left out, as rounded in print."""
         return self.is_known and 0.85 <= round(self.held, 2) <= 0.95
 
 
@@ -133,7 +133,7 @@ def fitted(
 def _solve_kernel(
     features: Array, dimensions: Groups, contacts: Groups, outputs: Array, constants: Array
 ) -> tuple[Array, Array]:
-    """Inverse of the factor of the kernel between rows, and what solves its equations."""
+    """Inverse Cholesky factor of the kernel K between rows, and K⁻¹ × outputs."""
     smooth, _ = _kernel(features, features, dimensions, constants)
     factor = cho_factor(_row_kernel(smooth, contacts, constants), lower=True)
     whitener = solve_triangular(factor[0], np.eye(len(outputs)), lower=True)
@@ -318,7 +318,7 @@ def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]
 
 
 def _spread_between_nodes(x: Array, values: Array) -> float:
-    """Standard deviation of what the values at a load have of their own, by loads left out."""
+    """Standard deviation of what a load's neighbours do not predict, by leaving loads out."""
     found = []
     for number in range(1, len(x) - 1):
         beside = [number - 1, number + 1]
@@ -329,7 +329,7 @@ def _spread_between_nodes(x: Array, values: Array) -> float:
 
 
 def _spline(x: Array, place: float, degree: int) -> Array:
-    """Weights of values at nodes by which a spline through them is found at a place."""
+    """Weights of the nodes' values that give the value of a spline at a place."""
     return np.asarray(make_interp_spline(x, np.eye(len(x)), k=degree)(place))
 
 

@@ -318,7 +318,7 @@ class Ensemble:
 
     @property
     def left_out(self) -> LeftOut:
-        """What samples tell of the emulator of rises that are left out of it."""
+        """Cross-validation of the emulator: samples left out, predicted by the rest."""
         return self._rise.check
 
     def require_within(self, loads: Axis, velocities: Axis) -> None:

@@ -64,7 +64,7 @@ def require_possible(ensemble: Ensemble) -> None:
 
 
 class Truths(NamedTuple):
-    """Draws of a sweep's inputs (n, n_unknown), and of what its tests add."""
+    """Draws of a sweep's inputs (n, n_unknown), and of the quantities that its tests add."""
 
     inputs: Array
     rig: Array | None = None  # friction of the rig, and its scatter, (n, 2)
@@ -151,9 +151,9 @@ class Runs(NamedTuple):
 
 
 def decisive_tests(tests: Sequence[Test], by_load: bool = False) -> list[Test]:
-    """Tests, without a run's tests that a harder mild test or an easier severe test implies.
+    """Tests that are not implied by a harder mild test or an easier severe test of their run.
 
-    By load alone where wear may turn mild at a higher velocity.
+    Only loads are compared where wear may turn mild at a higher velocity.
     """
     places = ["normal_load"] if by_load else ["normal_load", "velocity"]
     seen = dict[Any, tuple[int, tuple[float, float]]]()
@@ -232,14 +232,14 @@ class Joint:
 
     @functools.cached_property
     def runs(self) -> list[list[int]]:
-        """Numbers of the tests of each run; a test without one is a run of its own."""
+        """Numbers of the tests of each run; a test that names no run is a run."""
         runs = dict[Any, list[int]]()
         for number, test in enumerate(self.tests):
             runs.setdefault(test.get("run", number), []).append(number)
         return list(runs.values())
 
     def judge_draws(self, inputs: Array) -> JudgedTests:
-        """Tests beside draws of all inputs, shape (n, n_unknown)."""
+        """Distances and likelihoods of the tests for draws of all inputs, shape (n, n_unknown)."""
         shift, variance = self._part_scatter
         distances = self._distances(fix_varying(self.unknown, inputs))
         distances = distances._replace(
@@ -275,7 +275,7 @@ class Joint:
 
     @functools.cached_property
     def _part_scatter(self) -> tuple[Array, Array]:
-        """Mean and variance (n_test, 1) that what varies from part to part adds to distances."""
+        """Mean and variance (n_test, 1) that inputs which vary by part add to distances."""
         if not any(one.varies for one in self.unknown):
             return np.zeros((1, 1)), np.zeros((1, 1))
         inputs = prior(self.unknown, self.ensemble.design.seed, _VARIED).inputs

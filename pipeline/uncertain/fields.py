@@ -229,7 +229,7 @@ class SampleField:
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def _mixture(self, scatter: Scatter) -> Iterator[tuple[Callable[[Array], Array], Array]]:
-        """Distributions of the next run, each with the weights of the draws that have it."""
+        """Distributions of the next run's scatter, each with its weights of the draws."""
         if not isinstance(scatter, InferredScatter):
             yield scatter.below, self.weights
             return
@@ -264,7 +264,7 @@ class SampleField:
         return np.asarray(np.log(np.maximum(factor, LEAST_FRICTION)))
 
     def _keep(self, loads: Sequence[float]) -> None:
-        """Find the lines at some loads, which takes hardly longer than at one of them.
+        """Compute the lines at several loads at once, which is hardly slower than at one.
 
         Friction by velocity is left out of what is kept, since it bends within a step.
         """

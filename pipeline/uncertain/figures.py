@@ -126,7 +126,7 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
 
 @style.house_style
 def draw_posterior(posterior: Posterior) -> Figure:
-    """Draw the inputs before and after they were measured by, and measured beside computed."""
+    """Draw the inputs before and after the tests, and measured beside computed velocities."""
     unknown = posterior.unknown
     transitions = [judged for judged in posterior.judged if "outcome" not in judged.test]
     panels = len(unknown) + bool(transitions)

@@ -25,7 +25,7 @@ _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
 
 
 def shown_test(tests: Sequence[Test]) -> int:
-    """Number of the test of a run that stands for it: the first severe one, else the last mild."""
+    """Number of the test that represents a run: the first severe test, else the last mild one."""
 
     def severity(number: int) -> tuple[bool, float]:
         is_mild = tests[number].get("outcome") == "mild"

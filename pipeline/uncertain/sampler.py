@@ -33,7 +33,7 @@ _LEAST = 0.005  # share of the whole covariance that is added to a part's
 def sample(
     unknown: Sequence[Unknown], log_likelihood: Callable[[Array], Array], seed: int, count: int
 ) -> tuple[Array, Array]:
-    """Draw so many inputs from prior times likelihood, given the likelihood's logarithm (n,).
+    """Draw `count` inputs from prior × likelihood, given the likelihood's logarithm (n,).
 
     Returned are draws (n, n_unknown) [SI], and logarithms of weights whose mean is the evidence.
     """

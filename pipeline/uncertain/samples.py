@@ -176,7 +176,7 @@ def _sum(shares: Array, one: float, other: float) -> Array:
 
 
 def _widen_shares(unknown: Unknown, shares: Array) -> Array:
-    """Shares by which to draw samples of an input, from even ones."""
+    """Spread uniform shares so that samples of an input reach further into its tails."""
     if unknown.kind not in ("normal", "log-normal"):
         return shares
     scores: Array = scipy.special.ndtr(

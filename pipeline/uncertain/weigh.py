@@ -90,7 +90,7 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
 
 
 def _weigh_draws(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
-    """Draws that the tests leave, and the tests beside them."""
+    """Draws weighed by the tests, and the tests judged by these draws."""
     judgement = model.judge_draws(before.inputs)
     model.require_near(judgement.distances)
     inputs, over = before.inputs, np.zeros(len(before.inputs))
@@ -164,7 +164,7 @@ def _student_share(z: Array) -> Array:
 
 
 def posterior_at(held: Results, ensemble: Ensemble) -> Posterior | None:
-    """Inputs weighed by the tests, if `pipeline.at` said that they are to count."""
+    """Inputs weighed by the tests, if `pipeline.at` asked for that."""
     scatter = held.judged.get(GIVEN_MEASURED)
     if scatter is None:
         return None

@@ -27,7 +27,7 @@ _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 
 
 class ActiveSet(NamedTuple):
-    """Limits that the steps so far have left for the next one."""
+    """Limits of the next step, narrowed by the steps so far."""
 
     iterations: int = _INNER_ITERATIONS  # at most, by conjugate gradients
     nodes: Nodes | None = None  # after the last step

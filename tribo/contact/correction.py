@@ -16,9 +16,9 @@ _LOCAL_STEPS = 2
 
 
 def correct_guess(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
-    """Pressure within the bounds near a guess, the guess's worst errors undone [Pa].
+    """Move a guess into the bounds, and correct its elements of largest error [Pa].
 
-    The guess carries the load, but may exceed the bounds; its displacement is known [m].
+    The guess carries the load, but may exceed the bounds; `displacement` is the guess's [m].
     """
     near, hardness = problem.near, problem.hardness
     gap = displacement + separation

@@ -78,7 +78,7 @@ def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
 
 @functools.lru_cache(maxsize=4)  # of many contacts of one solid, as at positions of the disk
 def _prepare_solid(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
-    """What a problem takes from its solid alone."""
+    """Soft rows, stencils and fast map of a solid, the same for all pressures."""
     soft, unit = SoftRows.of(solid), solid.self_influence
     coupling = soft.coupling if soft.is_needed else 0.0
     fast = solid.faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid

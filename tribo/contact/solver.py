@@ -215,7 +215,7 @@ def _check(
 
 
 def _scales(solid: ElasticHalfSpace, normal_load: float) -> tuple[float, float]:
-    """Mean pressure of a contact [Pa], and what that alone moves its own element [m]."""
+    """Mean pressure of a contact [Pa], and the displacement of one element under it alone [m]."""
     stress = normal_load / solid.grid.area
     return stress, stress * solid.self_influence
 

@@ -141,7 +141,7 @@ class MeasuredLoad:
         return _course(self)
 
     def _step_ends(self, number: int) -> Array:
-        """Ends of so many steps, from the record's first row on [s]."""
+        """Ends of `number` steps, from the record's first row on [s]."""
         begin, end = float(self.times[0]), self.time_at(1.0)
         shares = np.arange(1, number + 1) / number
         if (unequal := _step_times(self)) is None:

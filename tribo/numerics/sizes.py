@@ -6,7 +6,7 @@ from tribo.types import Array
 
 
 def largest(field: Array) -> float:
-    """Largest absolute value of a field, in its unit; 0 of one without elements.
+    """Largest absolute value of a field, in its unit; 0 if it has no elements.
 
     Examples
     --------

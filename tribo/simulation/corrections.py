@@ -262,7 +262,7 @@ class Corrections:
         ).T
 
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
-        """Columns whose rises at friction 1 have the corrections, at all bulk ratios [K].
+        """Columns with corrected rises at friction 1, at all bulk ratios [K].
 
         The columns of `NEEDED` are needed, and each column of rises that is to be corrected.
         """
@@ -311,7 +311,7 @@ class _Moment(NamedTuple):
     def of(
         cls, columns: Mapping[str, Any], place: Sequence[int], course: Array, rate: float | None
     ) -> Self:
-        """The moment at a place of some columns, whose steps are last.
+        """The moment at one step of columns, whose last axis is the step.
 
         The load before has a rate, or a course, whose shares belong to the load at the last step;
         else it is linear between the steps that are known.

@@ -215,7 +215,7 @@ def _solve_rise(
 
 
 class _AndersonMixing:
-    """The next guess of a fixed point by the last ones and what each was off by."""
+    """Anderson mixing: next guess of a fixed point by the last guesses and their residuals."""
 
     def __init__(self) -> None:
         self._guesses: list[Array] = []

@@ -42,7 +42,7 @@ def refine_step(
 
 
 def _rewind(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
-    """Wear from which an implicit step of one contact ends as the scheme's own stages have [m]."""
+    """Wear depth from which one implicit step ends at the wear of the scheme's stages [m]."""
     way = before.sliding_distance, after.sliding_distance
     wear, distance = scene.wear_at(velocity, way), abs(velocity) * (after.time - before.time)
     stage = next(passes(scene, before, station, wear, distance, True, "implicit")).stage

@@ -303,7 +303,7 @@ def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _is_heavily_worn(scene: Scene, state: State) -> bool:
-    """True where the roughness that passes a pin wears it by far more than its own height."""
+    """True where passing roughness wears the pin by far more than the roughness's height."""
     if not scene.sweeps_over or (heights := elastic_bodies(scene).heights) is None:
         return False
     return bool(state.wear_depth.max() > _HEAVY * average_roughness(heights))

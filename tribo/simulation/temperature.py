@@ -51,7 +51,7 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
 
 
 def mean_heat(heats: Sequence[Heat]) -> Heat:
-    """Temperature that is a mean over positions of the disk, with the fields of the first."""
+    """Mean temperature over positions of the disk; its fields are those of the first position."""
     first, *others = heats
     if not others:
         return first

@@ -68,7 +68,7 @@ class Judging(ABC):
 
     @property
     def bulk_ratio(self) -> float:
-        """Difference of the bulk temperatures over what the rise is multiplied by [K]."""
+        """Difference of the bulk temperatures over the factor of the rise at friction 1 [K]."""
         difference = self.bulk_difference
         return difference / self.rise_factor if difference else 0.0
 
@@ -113,7 +113,7 @@ class Judging(ABC):
         return float(self.friction_law.limit(temperature, self.coldest_bulk_temperature))
 
     def temperature_error(self, temperature: float) -> float:
-        """Change of a temperature over the relative one of its rise at friction 1 [K]."""
+        """Change of a temperature per relative change of its rise at friction 1 [K]."""
         return self.friction_law.sensitivity(temperature, self.coldest_bulk_temperature)
 
     def require_proportional(self) -> None:

@@ -120,7 +120,7 @@ class UnknownHeights:
 
 
 def heights_of(surface: Any, pixels: Grid) -> Array:
-    """Heights of a surface [m], shape ``pixels.shape``; `InvariantError` if they are not."""
+    """Heights of a surface [m]; `InvariantError` unless finite and of shape ``pixels.shape``."""
     with law_errors(f"surface {surface!r}"):
         heights = np.asarray(surface.heights(pixels), dtype=float)
     if heights.shape != pixels.shape:

@@ -20,7 +20,7 @@ _EARLY = 4e-4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Disc:
-    """A disc, or a ring, and what it loses to its surroundings above where it starts.
+    """A disc or a ring, which loses heat to its surroundings by its rise above the start.
 
     Parameters
     ----------
