@@ -169,6 +169,6 @@ def _trace_toml(
         is_transition = scuff and not {*test} & {"outcome", "mild_up_to", "severe_at"}
         yield "[[measured]]" if is_transition else "[[tested]]"
         for name, value in test.items():
-            why = missing.get(name, f'not in the file; give --given "{name}={value}"')
+            why = missing.get(name, f'in no column; give --given "{name}={value}"')
             more = f"  # {why}" if str(value).startswith("...") else ""
             yield f"{name} = {as_toml(value)}{more}"

@@ -295,7 +295,7 @@ def test_the_figure_shows_friction_stages_and_rises(tmp_path, irg):
 def test_the_lines_of_a_trace_are_a_scene_once_what_is_open_is_given(tmp_path, irg):
     path = write(tmp_path, **{"Load [N]": SIX, "COF": risen(430)})
     said = irg("tests", path)
-    assert 'velocity = "... m/s"  # not in the file; give --given "velocity=... m/s"' in said
+    assert 'velocity = "... m/s"  # in no column; give --given "velocity=... m/s"' in said
     toml = irg("tests", path, "--given", "velocity=1.5 m/s", "--json")["toml"]
     (test,) = tomllib.loads(toml)["tested"]
     assert test == {
