@@ -30,10 +30,7 @@ _LONE = 30.0  # root mean square heights from all others, from which on a value 
 def axis_note(transpose: bool) -> str:
     """Direction of sliding in the file, in words."""
     lines, name = ("row", "y") if transpose else ("column", "x")
-    return (
-        f"x, the sliding direction, is along the {lines}s of the file: from {lines} to {lines}, or "
-        f"the {name} that it names"
-    )
+    return f"x, the sliding direction, goes from {lines} to {lines} of the file, or is its {name}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -72,7 +72,7 @@ def test_a_filtered_scan_gets_no_random_roughness_in_its_place(tmp_path, irg):
     assert "use the scan itself" in printed
     assert "[disk.roughness]" not in printed
     assert "its spectrum is off the best fit by a factor" in printed
-    assert "x, the sliding direction, is along the columns of the file" in printed
+    assert "x, the sliding direction, goes from column to column" in printed
     document = irg("surface", tmp_path / "scan.npy", *options, "--json")
     assert document["toml"] is None
     # White noise after a Gauss filter of 3 pixels: the autocorrelation is exp(−r²/4σ²).
