@@ -154,7 +154,7 @@ def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
     for wrong, problem in (
         ({"pin.track_length": "314 mm"}, "would count one heat twice; give one of them"),
         ({"motion.track_length": "200 mm"}, "motion.track_length: 200 mm is not the 314.159 mm"),
-        ({"pin.diameter": "0.5 mm"}, "pin.diameter: the track is 1.571 mm long"),
+        ({"pin.diameter": "0.2 mm"}, "pin.diameter: the track is 0.6283 mm long"),
     ):
         with pytest.raises(pipeline.SceneFileError) as error:
             pipeline.load_scene(tmp_path / "plain.toml", overrides=entries | wrong)
