@@ -184,6 +184,9 @@ def test_each_test_is_drawn_over_the_velocity_of_the_closed_form_at_its_own_fric
     limit = synthetic.limit(friction=beyond.friction)
     assert far[0] == pytest.approx(synthetic.critical_velocity(200.0, limit), rel=1e-3)
     assert far[0] > VELOCITIES[-1]
+    (band,) = (one for one in axes.collections if one.get_label() == "next run not decided")
+    x, y = band.get_paths()[0].vertices.T
+    assert (y / x).min() < 0.95 < 1.05 < (y / x).max()
     said = [text.get_text() for text in axes.figure.legends[0].get_texts()]
     assert "measured transition, beyond what was computed" in said
     assert "1 of 5 tests: not known" in said
