@@ -137,9 +137,18 @@ def test_fields_of_the_point_nearest_to_the_transition(sweep):
         assert (axes.get_xlabel(), axes.get_aspect()) == ("x, along sliding [µm]", 1.0)
         mesh = axes.collections[0]
         np.testing.assert_allclose(mesh.get_array().filled(0.0), expected.T, atol=1e-12)
+        hidden = 0 if "temperature" in label else int((expected == 0).sum())
+        assert np.ma.count_masked(mesh.get_array()) == hidden
         edges = mesh.get_coordinates()
         np.testing.assert_allclose(edges[0, 0], [-192.0, -6.0])
         np.testing.assert_allclose(edges[-1, -1], [192.0, 426.0])
+
+
+def test_temperatures_over_velocity_are_those_of_the_highest_load_if_none_is_given(sweep):
+    axes = pipeline.plot(sweep, "temperature").axes[0]
+    assert axes.get_title().endswith("750 N")
+    hottest = axes.lines[1].get_ydata()[:3]
+    assert hottest == pytest.approx(25.0 + 0.1 * sweep["max_rise"][-1, :3, -1], rel=1e-4)
 
 
 def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
