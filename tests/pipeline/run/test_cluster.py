@@ -41,22 +41,13 @@ SLOW = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
 class Cluster:
     """A scheduler and workers, each a command of Dask's in a process of its own."""
 
-    def __init__(
-        self,
-        folder,
-        protocol="tcp",
-        settings=(),
-        security=None,
-        code=ROOT,
-        threads=(1,),
-        port=0,
-    ):
+    def __init__(self, folder, protocol="tcp", settings=(), security=None, code=ROOT, threads=(1,)):
         folder.mkdir(exist_ok=True)
         self._stack, file = ExitStack(), folder / "scheduler.json"
         self._code = os.fspath(code)
         self._words = folder / "words.txt"
         self._protocol, self._settings = protocol, dict(settings)
-        self.scheduler = self._start("scheduler", f"--port={port}", f"--scheduler-file={file}")
+        self.scheduler = self._start("scheduler", "--port=0", f"--scheduler-file={file}")
         self.workers = [
             self._start("worker", f"--scheduler-file={file}", "--no-nanny", f"--nthreads={count}")
             for count in threads
