@@ -1,5 +1,6 @@
 """The command's words about itself, and its silence."""
 
+import re
 import shlex
 import subprocess
 import sys
@@ -49,9 +50,15 @@ def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
 
 @pytest.mark.parametrize("command", commands(), ids=[command.name for command in commands()])
 def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, irg):
-    program, *words = shlex.split(irg(command.name, "--help").splitlines()[-1])
+    said = irg(command.name, "--help")
+    assert f"{command.purpose[0].upper()}{command.purpose[1:]}." in " ".join(said.split())
+    program, *words = shlex.split(said.splitlines()[-1])
     assert program == "irg"
     options = parse(words)
     assert callable(function_of(options))
     assert parse([*words, "--json"]).json
     assert not options.json
+
+
+def test_the_version_is_printed_before_any_command(irg):
+    assert re.fullmatch(r"irg \d+\.\d+\.\S+\n", irg("--version"))
