@@ -32,6 +32,7 @@ def test_the_rise_under_heavy_wear_is_known_in_ten_steps():
     few, many = (last(worn_scene(increments=n), 600.0).heat for n in (10, 200))
     assert few.mean_rise == pytest.approx(many.mean_rise, rel=0.005)
     assert few.rise_quantile[-3] == pytest.approx(many.rise_quantile[-3], rel=0.01)
+    assert last(worn_scene(1e-16), 600.0).history is None  # hardly an element comes into contact
 
 
 def test_of_a_pin_that_rolls_ten_steps_know_the_rise_without_it():
