@@ -19,6 +19,7 @@ import dask
 from distributed import Client as Client
 from distributed import LocalCluster, Security
 from distributed.client import ClosedClientError
+from distributed.scheduler import DEFAULT_EXTENSIONS
 from distributed.utils import silence_logging_cmgr
 
 from pipeline.machine import oom_kills
@@ -58,6 +59,8 @@ LOST = f"the Dask scheduler is lost; {SAFE}"
 _START, _TRIES = 120.0, 3  # [s] that the workers may take to start, and how often they are started
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
 _WORD = 10.0  # [s] without a worker, after which the user is told
+# Spans keep 300 B for each task that has ever been.
+_EXTENSIONS = {name: one for name, one in DEFAULT_EXTENSIONS.items() if name != "spans"}
 _ADVICE = "take fewer workers, or fewer window.pixels"
 _OF_DASHBOARD = ["distributed.http.statics"]  # beside its pages, and nothing that gives commands
 
@@ -87,7 +90,8 @@ def _start_cluster(workers: int, dashboard: bool, tries: int = _TRIES) -> LocalC
             security=Security.temporary(),
             death_timeout=_START,
             dashboard_address="127.0.0.1:0",  # a free port, for the little that is served
-            scheduler_kwargs={"dashboard": dashboard},
+            scheduler_kwargs={"dashboard": dashboard, "extensions": _EXTENSIONS},
+            extensions={},
             silence_logs=logging.CRITICAL,
         )
     except (OSError, RuntimeError, AssertionError) as error:
@@ -147,6 +151,7 @@ class Connection:
             self.workers = self.client.nthreads(callback_timeout=self.patience)
         if self.cluster:  # whose workers Dask gives up 15 s after a death, and replaces if asked
             self.cluster.scale(len(self.cluster.worker_spec))
+        dask.utils.key_split.cache_clear()  # 240 B for each of the last 100 000 tasks
         patience, absent = duration(self.patience), now - self._seen
         if self.workers:
             self._seen = now

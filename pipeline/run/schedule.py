@@ -26,15 +26,13 @@ _TO_COME = 16  # tasks that wait for workers to come
 _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 
 
-def compute(
-    link: Connection, sweep: Sweep, writer: Writer, waiting: Iterable[Task], tally: Tally
-) -> None:
+def compute(link: Connection, sweep: Sweep, writer: Writer, hand: HandOut, tally: Tally) -> None:
     """Compute tasks, until the writer has written each of their points as done or failed.
 
     `StoreError` if points cannot be written, `ExecutionError` if the scheduler is lost or no worker
     can compute.
     """
-    hand, losses = HandOut(waiting), Losses()
+    losses = Losses()
     wanted = replace(sweep, chosen=None, stations=writer.store.sweep.stations)
     with Jobs(link, wanted, "pressure" in writer.store.arrays) as jobs:
         while hand or losses or jobs:

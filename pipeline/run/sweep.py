@@ -28,8 +28,9 @@ from pipeline.store.take import take_points
 from pipeline.store.verify import mend_store
 from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store, Writer, opened
+from pipeline.sweep.hand_out import HandOut
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import Task, tasks
+from pipeline.sweep.plan import tasks
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 from tribo import InputError
@@ -144,18 +145,13 @@ def run_sweep(
             most = len(first[2]) if choose_next is None else cores()
             count = min(workers or cores(), most)
             with connected(client, count, patience, report, dashboard) as link:
-                for wanted, store, waiting in itertools.chain([first], rounds):
+                for wanted, store, hand in itertools.chain([first], rounds):
                     tally.store = store
                     with Writer(store) as writer:
-                        compute(link, wanted, writer, waiting, tally)
+                        compute(link, wanted, writer, hand, tally)
         summary = summarized(store)
-    return Outcome(
-        total=summary.total,
-        done=summary.done,
-        computed=tally.computed,
-        failed=summary.failed,
-        wall_time=time.monotonic() - began,
-    )
+    counts = summary.total, summary.done, tally.computed
+    return Outcome(*counts, failed=summary.failed, wall_time=time.monotonic() - began)
 
 
 def _require_cluster(client: Client | None) -> None:
@@ -171,11 +167,11 @@ def _require_cluster(client: Client | None) -> None:
 
 def _rounds(
     store: Store, sweep: Sweep, choose_next: Callable[[Store], Sweep] | None
-) -> Iterator[tuple[Sweep, Store, tuple[Task, ...]]]:
+) -> Iterator[tuple[Sweep, Store, HandOut]]:
     """The sweep, its store and the tasks of its pending points; then those of each that follows."""
     while True:
-        if waiting := tasks(store.pending(), sweep):
-            yield sweep, store, waiting
+        if hand := HandOut(tasks(store.pending(), sweep)):
+            yield sweep, store, hand
         following = choose_next(store) if choose_next else sweep
         if following.chosen == sweep.chosen:
             return

@@ -7,6 +7,7 @@ from collections import defaultdict, deque
 from collections.abc import Callable, Hashable, Iterable
 from typing import Any
 
+from pipeline.sweep.model import Point
 from pipeline.sweep.plan import Task
 
 
@@ -18,13 +19,17 @@ class HandOut:
     """
 
     def __init__(self, tasks: Iterable[Task]) -> None:
-        self._left: dict[Hashable, list[Task]] = {}  # the next one last
+        # Points of each task, the next one last.
+        self._left: dict[tuple[Any, ...], list[tuple[Point, ...]]] = {}
         for task in tasks:
-            self._left.setdefault(task.ramp, []).append(task)
+            self.put_back(task)
         for ones in self._left.values():
             ones.reverse()
         self._fresh = deque(self._left)
-        self._has: defaultdict[Hashable, dict[Hashable, None]] = defaultdict(dict)
+        self._has: defaultdict[Hashable, dict[tuple[Any, ...], None]] = defaultdict(dict)
+
+    def __len__(self) -> int:
+        return sum(map(len, self._left.values()))
 
     def __bool__(self) -> bool:
         return bool(self._left)
@@ -32,7 +37,7 @@ class HandOut:
     def take(self, worker: Hashable) -> Task:
         """The task that a worker gets; there must be one."""
         ramp = self._ramp(has := self._has[worker])
-        task = self._left[ramp].pop()
+        task = Task(self._left[ramp].pop(), ramp)
         if not self._left[ramp]:
             del self._left[ramp]
         has.pop(ramp, None)
@@ -41,9 +46,9 @@ class HandOut:
 
     def put_back(self, task: Task) -> None:
         """Take a task again that was not computed."""
-        self._left.setdefault(task.ramp, []).append(task)
+        self._left.setdefault(task.ramp, []).append(task.points)
 
-    def _ramp(self, has: dict[Hashable, None]) -> Hashable:
+    def _ramp(self, has: dict[tuple[Any, ...], None]) -> tuple[Any, ...]:
         while has:
             if (ramp := next(reversed(has))) in self._left:
                 return ramp

@@ -11,7 +11,8 @@ import functools
 import itertools
 import math
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -147,19 +148,18 @@ class Task(NamedTuple):
     ramp: tuple[Any, ...]  # variant and velocity of its contacts, and its increment
 
 
-def tasks(todo: Iterable[Point], sweep: Sweep) -> tuple[Task, ...]:
-    """Points by the contacts that they share; ramp by ramp, loads ascending."""
+def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
+    """Yield points by the contacts that they share; ramp by ramp, loads ascending."""
     base = functools.cache(sweep.variants.base)  # samples of a scene have its steps
     increment = functools.cache(lambda name, load: sweep.variant(name).scene.trunk(load))
-
-    def placed(point: Point) -> tuple[Any, ...]:
+    ramps = defaultdict[tuple[Any, ...], list[Point]](list)
+    for point in todo:
         velocity, source = sweep.contact_of(point)
-        step = increment(base(source), point.load)
-        return source, velocity, step, point.load, point.variant, point
-
-    groups = itertools.groupby(sorted(map(placed, todo)), key=lambda one: one[:4])
-    ramps = functools.cache(lambda *ramp: ramp)  # one for all tasks of a ramp, which are many
-    return tuple(Task(tuple(one[-1] for one in ones), ramps(*at[:3])) for at, ones in groups)
+        ramps[source, velocity, increment(base(source), point.load)].append(point)
+    for ramp, some in sorted(ramps.items()):
+        some.sort(key=lambda point: (point.load, point[::-1]))
+        for _, ones in itertools.groupby(some, key=lambda point: point.load):
+            yield Task(tuple(ones), ramp)
 
 
 def step_count(scene: Scene, load: float) -> int:

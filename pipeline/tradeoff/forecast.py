@@ -80,7 +80,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
         require_count("workers", workers)
     sweep, available = sweep_of(sweep), cores()
     workers = workers or available
-    every = tasks(points_of(sweep), sweep)
+    every = [*tasks(points_of(sweep), sweep)]
     given = list(sweep.variants.given)
     scene = sweep.below(given[len(given) // 2])
     contact_time, heat_time, state = time_steps(scene)

@@ -69,7 +69,7 @@ def main():
     print("|---|---|---|---|---|---|---|")
     for count in _VELOCITIES:
         wanted = changed(sweep, velocities=tuple(np.linspace(axis[0], axis[-1], count).tolist()))
-        every = tasks(points(wanted), wanted)
+        every = [*tasks(points(wanted), wanted)]
         alone, cpu = makespan(every, 1, cost)
         chain = alone / count
         for workers in _WORKERS:

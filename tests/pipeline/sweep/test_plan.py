@@ -32,7 +32,7 @@ def same(first, second):
 
 def test_tasks_of_a_ramp_ascend_in_load():
     assert len(set(points(SWEEP))) == 9
-    every = tasks(reversed(points(SWEEP)), SWEEP)
+    every = [*tasks(reversed(points(SWEEP)), SWEEP)]
     assert [task.points for task in every] == [
         (Point(load, velocity),) for velocity in tiny.VELOCITIES for load in tiny.LOADS
     ]
