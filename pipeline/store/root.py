@@ -207,6 +207,9 @@ def _parse(place: StorePlace, content: bytes) -> Root:
         pass
     if version != FORMAT:
         fault = f"of another version of this program: of format {version}, and not {FORMAT}"
+    if b'"sweep"' in content and place.read(f"{ABOUT}/{ROOT}") is None:
+        reads = "every answer reads it, and nothing can verify or resume it"
+        raise StoreError(f"{place}: a copy by xarray, which has no checksums; {reads}")
     raise StoreError(f"{place}: its {ROOT} is {fault}; {_ELSEWHERE}")
 
 
