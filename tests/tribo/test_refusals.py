@@ -190,6 +190,7 @@ REFUSALS = {
     "bulk": (lambda: Bulk(-1.0, 1.0), "capacity is -1.0"),
     "no bulk": (lambda: Bulk(), "capacity and loss are both 0"),
     "stem": (lambda: Stem(1.0, -1.0), "settling_time is -1.0"),
+    "endless stem": (lambda: Stem(1.0, math.inf), "settling_time is inf"),
     "no stem": (lambda: Stem(0.0), "resistance is 0.0"),
     "stem length": (lambda: Stem.rod(0.0, 1.0, 45.0, 1e-5), "length is 0.0"),
     "stem area": (lambda: Stem.rod(1.0, 0.0, 45.0, 1e-5), "area is 0.0"),

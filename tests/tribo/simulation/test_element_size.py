@@ -30,6 +30,7 @@ def chosen(scene, load=600.0):
 def test_narrow_summits_need_small_elements():
     """Summits of the highest tenth are 1.9, 3.5 and 5.3 pixels wide; steel yields on them."""
     assert [chosen(rough((n, n)))[0] for n in (1.5, 5, 12)] == [1, 2, 4]
+    assert chosen(rough((12, 12), ra=0.3e-6))[0] == 2  # touched elastically, half as wide
 
 
 def test_loads_that_share_a_ramp_have_the_same_elements_and_small_loads_smaller_ones():
