@@ -35,7 +35,7 @@ def _check(*paths: str) -> Callable[[Callable[[Any], Misfits]], Callable[[Any], 
 
 
 def check_tables(scene: Any, changed: Collection[str], faults: Faults) -> None:
-    """Note every conflict between the tables of a scene, of which some have changed."""
+    """Note every conflict between the tables of a scene, given which of them have changed."""
     for paths, names, find in _CHECKS:
         if not names.isdisjoint(changed) and not (faults and any(map(faults.touch, paths))):
             faults.extend(Fault(path, words) for path, words in find(scene))

@@ -72,7 +72,7 @@ def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
-    """Values of an entry in SI, with their unit; words, without one, if not of one dimension."""
+    """Values of an entry in SI and their unit; as words and None if their dimensions differ."""
     first = values[0]
     try:
         if isinstance(first, str):

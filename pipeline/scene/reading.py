@@ -120,9 +120,9 @@ class SceneReader:
         return parts, taken
 
     def complete(self, entries: Entries, parts: Parts, like: Parts | None = None) -> dict[str, Any]:
-        """The entries in full; only tables that are not as in other parts, if these are given.
+        """The entries in full; if `like` is given, only the tables in which the parts differ.
 
-        Those are entries with defaults, values of the library and the choices of the preset.
+        In full: with defaults, values of the library and the choices of the preset.
         """
         fidelity = complete_fidelity(parts.preset, parts.scene.fidelity)
         declared, kind = vars(replace(parts.declared, fidelity=fidelity)), table_of(SceneFile)

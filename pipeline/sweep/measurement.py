@@ -47,7 +47,7 @@ class Measurement:
 
 
 def oils_of(names: Iterable[str | None]) -> list[str]:
-    """Oils of tests in the order of their names, first the scene's: empty, of tests without one."""
+    """Oils of tests, sorted by name; "" stands for the scene's oil, of tests that name none."""
     return sorted({name or "" for name in names})
 
 

@@ -59,7 +59,7 @@ def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
 
 
 def _acting(fidelity: Fidelity) -> dict[str, Any]:
-    """Fields as they act: steps of a hold are those of the ramp if 0, and no step is cut if 0."""
+    """Fields with their defaults put in: 0 steps of a hold means as many as the ramp has."""
     whole = 0.0 if fidelity.increments >= ENOUGH_STEPS else math.inf
     return asdict(fidelity) | {
         "hold_increments": fidelity.hold_increments or fidelity.increments,
