@@ -175,6 +175,7 @@ REFUSALS = {
     "doubled": (lambda: pipeline.boundary(plane().isel(load=[0, 1, 1])), "has a load twice"),
     # oils
     "an oil": (lambda: pipeline.boundary(oils()), "answer is for one: A, B; give its name"),
+    "a page of oils": (lambda: pipeline.explore(oils(), "a.html"), "answer is for one: A, B"),
     "no such oil": (lambda: pipeline.at(oils(), oil="C"),
                     "oil is 'C', which no test of the scene names; give one of A, B"),
     "no oil": (at(oil="C"), "which no test of the scene names; they name none, so leave it out"),

@@ -40,6 +40,7 @@ def test_a_page_says_what_it_holds(tmp_path):
     page = pipeline.explore(synthetic.sweep(fields=True), tmp_path / "page.html", 6)
     assert str(page).endswith("page.html: 180 points, 6 with fields")
     assert page.as_dict()["path"] == str(tmp_path / "page.html")
+    assert "384 × 432 µm; sliding to the right" in page.path.read_text()
     page = pipeline.explore(sweeps.over_surfaces(), tmp_path / "page.html")
     assert str(page).endswith(" points")
     assert "10 to 90 % of 5 surfaces" in page.path.read_text()
