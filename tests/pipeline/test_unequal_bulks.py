@@ -1,5 +1,8 @@
 """Bodies of unequal bulk temperature, from the scene file to the figures."""
 
+import json
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -48,7 +51,7 @@ def test_only_unequal_bulk_temperatures_are_stored_with_both_parts(unequal, equa
         assert np.array_equal(unequal[name], equal[name], equal_nan=True)
 
 
-def test_temperatures_are_those_of_the_fields(unequal):
+def test_temperatures_are_those_of_the_fields(unequal, tmp_path):
     last = unequal.sel(load=600.0, velocity=1.0)
     contact = last["pressure"].values > 0
     rise = 0.07 * last["rise"].values - 35.0 * last["bulk_response"].values
@@ -58,6 +61,11 @@ def test_temperatures_are_those_of_the_fields(unequal):
     assert float(at_end["mean_temperature"]) == pytest.approx(temperature.mean(), rel=1e-9)
     hot = at_end["temperature_quantile"].sel(cooler_share=0.9)
     assert float(hot) == pytest.approx(np.quantile(temperature, 0.9), rel=1e-9)
+    page = pipeline.explore(unequal, tmp_path / "page.html").path.read_text()
+    (held,) = re.findall(r'id="content">(.*?)</script>', page, re.DOTALL)
+    shown = json.loads(held)["fields"]["points"]["7"]  # of 3 × 3, above the colder body
+    ends = np.array([rise[contact].min(), rise[contact].max()])
+    assert shown[1:3] == pytest.approx((ends + 35.0) / 0.07, rel=1e-3)
     share = float(at_end["failed_fraction"])
     assert share == pytest.approx((temperature > 373.15).mean(), abs=0.05)
 
