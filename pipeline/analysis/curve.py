@@ -12,7 +12,6 @@ different points, and since the line through a place has that place.
 from __future__ import annotations
 
 import functools
-import math
 from typing import Any
 
 import numpy as np
@@ -22,6 +21,9 @@ from tribo.types import Array, Indices
 
 _FEWEST = 3  # columns of points, of which the last may not be known
 _HALVINGS = 60  # of an interval, which leave nothing of it in double precision
+
+LEAST_SLOPE = 0.05
+"""Least slope of ln(rise) over ln(velocity or load), by which a line goes on beyond its ends."""
 
 
 class Curve:
@@ -90,13 +92,11 @@ class Curve:
         _, v, low, bend, twist = (np.take_along_axis(part, pieces, -1) for part in self._cubics)
         return v + way * (low + way * (bend + way * twist))
 
-    def __call__(
-        self, places: Array, continued: bool = False, least_slope: float = -math.inf
-    ) -> Array:
+    def __call__(self, places: Array, continued: bool = False, is_line: bool = False) -> Array:
         """Ordinates at places (p,), or (..., p) by row; NaN beyond the outermost points.
 
         If continued, the power law through the last two points goes on beyond them, where all are
-        positive, with an exponent that is not less than the least.
+        positive; a line goes on with the exponents of `line_exponent`.
         """
         places = np.broadcast_to(places, (*self.count.shape, np.shape(places)[-1]))
         (first, _), (last, _) = self.end(0), self.end(-1)
@@ -119,7 +119,7 @@ class Curve:
         if continued:
             for end, beyond in ((0, places < first[..., None]), (-1, places > last[..., None])):
                 x, y = (part[..., None] for part in self.end(end))
-                slope = np.maximum(self.end_exponent(end), least_slope)[..., None]
+                slope = (self.line_exponent if is_line else self.end_exponent)(end)[..., None]
                 beyond = beyond & np.isfinite(slope)
                 ratio = np.divide(places, x, out=np.ones(places.shape), where=beyond)
                 result = np.where(beyond, y * ratio**slope, result)
@@ -132,6 +132,11 @@ class Curve:
         other = np.clip(number + (1 if end == 0 else -1), first, last)
         rise, run = (self._at(part, number) - self._at(part, other) for part in self._cubics[1::-1])
         return np.where(self.is_log, rise / run, np.nan)
+
+    def line_exponent(self, end: int) -> Array:
+        """The same, but at least `LEAST_SLOPE`, and 1 of a point by itself: so steep at most."""
+        exponent = np.maximum(self.end_exponent(end), LEAST_SLOPE)
+        return np.where((self.count == 1) & self.is_log, 1.0, exponent)
 
     @property
     def _numbers(self) -> Indices:

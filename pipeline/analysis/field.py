@@ -22,7 +22,7 @@ from pipeline.analysis.dataset import Kind
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import RisePlane, counted_error, planes_of, rise_errors, totals
-from pipeline.analysis.transition import LEAST_SLOPE, Line, Transitions, range_of
+from pipeline.analysis.transition import Line, Transitions, range_of
 from pipeline.quantities import UNITS
 from pipeline.store.schema import PLANE
 from pipeline.sweep.accuracy import velocity_error
@@ -269,7 +269,8 @@ class PointField:
     ) -> Array:
         """See `Field`."""
         loads, velocities = places_of(loads, velocities)
-        is_sparse = self._has_few_points(loads, velocities)
+        # A row with a single point, on any surface, has those of other rows beside it.
+        is_sparse = np.isin(loads, self.loads[(self._curves.count < 2).any(axis=0)])
         # Places on a row of the sweep share its line.
         is_row = np.isin(loads, self.loads) & ~is_sparse
         keys = np.stack([loads, np.where(is_row, -1.0, velocities)])
@@ -283,14 +284,6 @@ class PointField:
             for limit in rise_limits(self.conditions)
         ]
         return np.asarray(np.mean(shares, axis=(0, -2)))
-
-    def _has_few_points(self, loads: Array, velocities: Array) -> Mask:
-        """A row of the sweep has too few points to go on to a velocity, on any surface."""
-        is_sparse = np.zeros(loads.shape, bool)
-        for member, row in np.argwhere(self._curves.count < 2).tolist():
-            is_row = loads == self.loads[row]
-            is_sparse |= is_row & ~np.isin(velocities, self._curves.x[member, row])
-        return is_sparse
 
     def lines(
         self, axis: str, loads: Array, velocities: Array, is_filled: Mask | bool = False
@@ -371,17 +364,14 @@ def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
     Nothing is known in rows in which that is no power law.
     """
     heat = Curve(velocities, rises / factor(velocities))
-    x, y = heat.x, np.where(heat.is_log[..., None], heat.y, np.nan)
-    for part in (x, y):  # a single one goes on as the velocity, at most
-        part[..., 1] = np.where(heat.count == 1, 2 * part[..., 0], part[..., 1])
-    heat = Curve(x, y)
+    heat = Curve(heat.x, np.where(heat.is_log[..., None], heat.y, np.nan))
     (first, _), (last, _) = heat.end(0), heat.end(-1)
     far = np.geomspace(first / _FAR, last * _FAR, _PLACES, axis=-1)
     within = np.linspace(first, last, _PLACES, axis=-1)
     places = np.sort(np.concatenate([far, within, heat.x], axis=-1), axis=-1)
     places[..., 1:] = np.where(places[..., 1:] == places[..., :-1], np.nan, places[..., 1:])
     places = np.sort(places, axis=-1)
-    return Curve(places, heat(places, continued=True, least_slope=LEAST_SLOPE) * factor(places))
+    return Curve(places, heat(places, continued=True, is_line=True) * factor(places))
 
 
 def fields(data: Results) -> list[Field]:

@@ -35,10 +35,6 @@ def outcomes(axis: str) -> Mapping[int, str]:
     }
 
 
-LEAST_SLOPE = 0.05
-"""Least slope of ln(rise) over ln(velocity or load), by which a line goes on beyond its ends."""
-
-
 @dataclass(frozen=True, eq=False)
 class Line:
     """Rises of a member of a field along velocities or loads, and where wear turns.
@@ -175,9 +171,8 @@ class Line:
 
     def _continued_end(self, end: int) -> Array:
         """Place beyond an end at which wear turns by the power law there."""
-        slope = np.maximum(self.curve.end_exponent(end), LEAST_SLOPE)
-        slope = np.where(self.curve.count > 1, slope, 1.0)  # at most, of a point by itself
-        x, y, slope = (part[self.rows] for part in (*self.curve.end(end), slope))
+        parts = *self.curve.end(end), self.curve.line_exponent(end)
+        x, y, slope = (part[self.rows] for part in parts)
         with np.errstate(all="ignore"):
             turn: Array = x * (self.limit / y) ** (1 / slope)
         return np.asarray(np.minimum(turn, x) if end == 0 else np.maximum(turn, x))

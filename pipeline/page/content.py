@@ -28,7 +28,7 @@ from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import AGREED, WORTH, ModelError
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.rise_error import totals
-from pipeline.analysis.transition import LEAST_SLOPE, outcomes, range_of
+from pipeline.analysis.transition import outcomes, range_of
 from pipeline.figures.overlays import number_tests, reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, coloured, packed_fields
@@ -81,17 +81,13 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
     steps = worst[..., ratios.index(0.0), shares.index(conditions.failing_share)]
     has_fields = {*FIELDS} <= data.rest.keys()
     chosen = _nearest(data, done, conditions, most_fields) if has_fields else []
+    varies = len(ratios) > 1, len(shares) > 1
     return {
         **_page_facts(data),
         **_point_states(data),
         "conditions": _conditions(data, conditions),
         "critical_errors": critical_errors(conditions),
-        "controls": [
-            asdict(control)
-            for control in controls(
-                conditions, sweep.scene.friction_heat, len(ratios) > 1, len(shares) > 1
-            )
-        ],
+        "controls": [*map(asdict, controls(conditions, sweep.scene.friction_heat, *varies))],
         "deciding": conditions.decisive.temperature,
         "times": packed_array(_step_values(data.columns["time"], steps), "<f4"),
         "bulk_ratios": ratios,
@@ -241,44 +237,58 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     points, far beyond at its outermost nodes.
     """
     loads, velocities, done = data.loads, data.velocities, data.done
-    missing = ~done & data.asked
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
-    fine_loads = divided(loads, by_load)
+    fine_loads, by_surface = divided(loads, by_load), (-1, loads.size, velocities.size)
     rows, nodes = rows_along(rises, velocities, by_velocity, conditions)
     first = int(np.searchsorted(nodes, velocities[0]))
     state = states(done, (by_load, by_velocity), np.arange(len(nodes)) - first)
     is_within = np.isin(state[..., ::by_load, :], (COMPUTED, INTERPOLATED))[..., None, None]
-    within = along(np.where(is_within, rows, np.nan), loads, fine_loads, -4)
-    plane = np.where(np.isfinite(within), within, along(rows, loads, fine_loads, -4))
-    columns = along(rises, loads, fine_loads, -4)
-    columns = columns.swapaxes(-4, -3).reshape(-1, fine_loads.size, *rises.shape[-2:])
-    # Where points are missing, a line at a velocity of the sweep has its own points alone.
-    own_columns = np.argwhere(~done.reshape(-1, loads.size, velocities.size).all(axis=1))
-    columns = columns[own_columns @ [velocities.size, 1]]
+    goes_on = is_within | (done.sum(axis=-1) > 1)[..., None, None, None]
+    within, several, every = (
+        along(np.where(kept, rows, np.nan), loads, fine_loads, -4)
+        for kept in (is_within, goes_on, True)
+    )
+    plane = np.where(np.isfinite(within), within, several)
+    # A row of points by themselves goes on far beyond them alone.
+    is_alone = np.isfinite(plane).sum(axis=-3, keepdims=True) == 1
+    is_beyond = ((nodes < velocities[0]) | (nodes > velocities[-1]))[:, None, None]
+    plane = np.where(is_alone & is_beyond, every, plane)
+    # Where points are missing, a line at a load or velocity of the sweep has its own points alone.
+    count = done.reshape(by_surface).sum(axis=-1)
+    own_lines = np.argwhere((count < velocities.size) & (count.min(axis=0) > 1))
+    lines = rows.reshape(*count.shape, *rows.shape[-3:])[tuple(own_lines.T)]
+    own_columns = np.argwhere(~done.reshape(by_surface).all(axis=1))
+    columns = along(rises, loads, fine_loads, -4).swapaxes(-4, -3)
+    columns = columns.reshape(-1, velocities.size, *columns.shape[-3:])[tuple(own_columns.T)]
     within = np.where(np.isfinite(columns).all(axis=(-1, -2)), INTERPOLATED, EXTRAPOLATED)
+    on_lines = np.full(lines.shape[:-2], EXTRAPOLATED)
     own_nodes = first + by_velocity * np.arange(velocities.size)
-    own_rows, rows_up = by_load * np.arange(loads.size), np.arange(fine_loads.size) / by_load
-    below, above = np.floor(rows_up).astype(int), np.ceil(rows_up).astype(int)
+    own_rows, up = by_load * np.arange(loads.size), np.arange(fine_loads.size) / by_load
+    beside = by_load * np.array([np.floor(up), np.ceil(up)], int)
     return {
         "fine": {"velocity": nodes.tolist(), "load": fine_loads.tolist()},
         "first": first,
         "inner": nodes[first : own_nodes[-1] + 1].tolist(),
         "nodes": {"velocity": own_nodes.tolist(), "load": own_rows.tolist()},
-        "beside": np.stack([own_rows[below], own_rows[above]], axis=-1).tolist(),
+        "beside": beside.T.tolist(),
         "measured": _tests(data, fine_loads, nodes[: own_nodes[-1] + 1], first),
         "friction_factors": conditions.friction_factor(nodes).tolist(),
         "friction_by_temperature": [
             *zip(*(conditions.friction_law.by_temperature or ((0.0, 1.0),)), strict=True)
         ],
-        "plane": packed_array(np.concatenate([plane.ravel(), columns.ravel()]), "<f4"),
-        "columns": {
-            f"{surface} {own_nodes[j]}": state.size + k * fine_loads.size
-            for k, (surface, j) in enumerate(own_columns.tolist())
-        },
+        "plane": packed_array(np.concatenate([*map(np.ravel, (plane, lines, columns))]), "<f4"),
+        "lines": _begins(own_lines, own_rows, state.size, nodes.size),
+        "columns": _begins(own_columns, own_nodes, state.size + on_lines.size, fine_loads.size),
         "errors": packed_array(node_errors(point_field(data), fine_loads, nodes), "<f4"),
-        "state": digit_string(state) + digit_string(within),
-        "missing": missing.reshape(-1, loads.size * velocities.size).sum(axis=-1).tolist(),
+        "state": "".join(map(digit_string, (state, on_lines, within))),
+        "missing": (data.asked & ~done).reshape(by_surface).sum(axis=(1, 2)).tolist(),
     }
+
+
+def _begins(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str, int]:
+    """Where lines of a width begin in a table, by their surface and node."""
+    places = (f"{surface} {nodes[k]}" for surface, k in lines.tolist())
+    return {place: begin + number * width for number, place in enumerate(places)}
 
 
 def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
@@ -376,9 +386,7 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
     Values at places of the axis stay as they are. If continued, they go on beyond the known ones,
     by the power laws of `Field`.
     """
-    if len(x) == 1:
-        return values
-    fine = Curve(x, np.moveaxis(values, axis, -1))(places, continued, LEAST_SLOPE)
+    fine = Curve(x, np.moveaxis(values, axis, -1))(places, continued, is_line=True)
     return np.moveaxis(fine, -1, axis)
 
 
@@ -391,17 +399,12 @@ def rows_along(
     it is known there; the outermost lie far beyond.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
-    if len(velocities) == 1:
-        return rises, fine
     stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)
     known = np.union1d(fine[[0, -1]], stated)
     beyond = divided(known, _PARTS_BEYOND)
-    nodes = np.concatenate(
-        [
-            [known[0] / _FAR], beyond[beyond < fine[0]], fine,
-            beyond[beyond > fine[-1]], [known[-1] * _FAR],
-        ]
-    )  # fmt: skip
+    beyond = beyond[(beyond < fine[0]) | (beyond > fine[-1])]
+    far = known[0] / _FAR, known[-1] * _FAR
+    nodes = np.concatenate([far[:1], np.union1d(fine, beyond), far[1:]])
     heat = rises / factor(velocities)[:, None, None]
     return along(heat, velocities, nodes, -3, continued=True) * factor(nodes)[:, None, None], nodes
 

@@ -22,6 +22,13 @@ function picksOf(conditions, width, last) {
     last.map(([k, weight]) => [b * width + k, share * weight]));
 }
 
+/** Deciding rise along velocity at a node of load [K]. At a load of the sweep that lacks points, the line has
+ * its own points alone. @param {number} surface @param {number} k @param {Conditions} conditions */
+function lineOf(surface, k, conditions) {
+  const begin = content.lines[`${surface} ${k}`] ?? indexOf(surface, k, 0);
+  return planeOf(conditions).subarray(begin, begin + content.fine.velocity.length);
+}
+
 /** Deciding rise at the nodes of all surfaces [K]. @param {Conditions} conditions */
 function planeOf(conditions) {
   const { plane, shares, bulk_ratios, friction_factors: factors, state } = content;

@@ -28,9 +28,7 @@ function judgedTests() {
  * @param {number} k of the load @param {Conditions} conditions @returns {Transition} */
 function goneOn(one, surface, k, conditions) {
   const { velocity } = content.fine;
-  const begin = indexOf(surface, k, 0);
-  const row = planeOf(conditions).subarray(begin, begin + velocity.length);
-  const severe = rangesAbove(velocity, row, heatOf(conditions).limit);
+  const severe = rangesAbove(velocity, lineOf(surface, k, conditions), heatOf(conditions).limit);
   const places = severe.flat().filter((place) => place > 0 && place < Infinity);
   return places.length ? { ...one, severe, places } : one;
 }
@@ -73,7 +71,7 @@ function modelError() {
  * own the model's own error @param {number} beside */
 function marginAt([k, j], conditions, { below } = modelError(), beside = 0) {
   const [plane, { velocity, load }] = [planeOf(conditions), content.fine];
-  const places = surfaces().map((surface) => indexOf(surface, k, j));
+  const lines = surfaces().map((surface) => lineOf(surface, k, conditions));
   const near = (/** @type {number} */ node, /** @type {number} */ first, /** @type {number} */ count) =>
     Array.from({ length: 2 * beside + 1 }, (_, n) => node + n - beside)
       .filter((other) => other >= first && other < first + count);
@@ -83,16 +81,15 @@ function marginAt([k, j], conditions, { below } = modelError(), beside = 0) {
   const share = (/** @type {number} */ place) => below(Math.log(place / velocity[j]));
   const [{ limitOf }, critical] = [heatOf(conditions), conditions.critical_temperature ?? NaN];
   const limits = content.critical_errors.map((kelvin) => limitOf(critical + kelvin));
-  const probabilities = [1 / (1 + error), 1, 1 + error].map((factor) => sum(places.map((place) => {
-    const row = plane.subarray(place - j, place - j + velocity.length);
-    const severe = limits.flatMap((limit) => rangesAbove(velocity, row, limit / factor));
+  const probabilities = [1 / (1 + error), 1, 1 + error].map((factor) => sum(lines.map((line) => {
+    const severe = limits.flatMap((limit) => rangesAbove(velocity, line, limit / factor));
     const shares = severe.map(([begin, end]) => share(end) - share(begin));
-    return sum(shares) / limits.length / places.length;
+    return sum(shares) / limits.length / lines.length;
   })));
   const [lowest, likely, highest] = Number.isNaN(error) ? [0, probabilities[1], 1] : probabilities;
   const isMild = highest <= content.decided[0];
   const isDecided = !content.misfit && (isMild || lowest >= content.decided[1]);
   const verdict = isDecided ? (isMild ? "mild" : "severe") : "not decided";
-  const rises = places.map((place) => plane[place]);
+  const rises = surfaces().map((surface) => plane[indexOf(surface, k, j)]);
   return { rises, error, probabilities: [lowest, likely, highest], verdict };
 }

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.analysis.transition import LEAST_SLOPE
+from pipeline.analysis.curve import LEAST_SLOPE
 from pipeline.uncertain.emulator import Groups
 from pipeline.uncertain.ensemble import Axis, Ensemble
 from pipeline.uncertain.inputs import Draws, prior

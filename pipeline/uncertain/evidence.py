@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.special import log_ndtr
 
-from pipeline.analysis.transition import LEAST_SLOPE
+from pipeline.analysis.curve import LEAST_SLOPE
 from pipeline.uncertain.answers import line_turns, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import CRITICAL, prior

@@ -11,18 +11,12 @@ import numpy as np
 import xarray as xr
 from scipy.special import ndtr
 
+from pipeline.analysis.curve import LEAST_SLOPE
 from pipeline.analysis.field import Here, Places, places_of
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.rise_error import counted_error, preset_error
-from pipeline.analysis.transition import (
-    CROSSES,
-    LEAST_SLOPE,
-    MILD,
-    SEVERAL,
-    SEVERE,
-    Transitions,
-)
+from pipeline.analysis.transition import CROSSES, MILD, SEVERAL, SEVERE, Transitions
 from pipeline.cli.output import counted
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import remarks

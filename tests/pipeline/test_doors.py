@@ -11,16 +11,21 @@ from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import DECIDED, clipped, verdict_plane
 from pipeline.cli import main
-from tests.helpers import synthetic
+from pipeline.page.content import BETWEEN, EXTRAPOLATED
+from tests.helpers import page_sweeps, synthetic
+from tests.helpers.javascript import run
 from tests.helpers.samples import dataset, ensemble
 from tests.helpers.scenes import MEASURED, SCENE
 from tests.pipeline.conftest import commit_all
 from tests.pipeline.figures.test_planes import surfaces
+from tests.pipeline.page.test_model import MARGINS
 
 SAME = {"rel": 1e-9, "abs": 1e-12}
 """Doors ask one field, so that they differ by rounding alone."""
 OF_SAMPLES = {"abs": 1e-6}
 """Chances of samples move by 2e-7 with the other places that are asked with one."""
+ON_THE_PAGE = {"abs": 0.02}
+"""A page has straight lines between its nodes."""
 PLANES = "plane", "from rest", "judged otherwise", "a band", "half done", "a slice", "surfaces"
 """Stores whose diagram has regions."""
 
@@ -67,6 +72,7 @@ STORES = {
     "one velocity": lambda: synthetic.sweep().isel(velocity=[7]),
     "a slice": lambda: synthetic.sweep().isel(load=slice(2, 9, 2), velocity=slice(1, 12, 3)),
     "surfaces": lambda: surfaces(0.9, 1.0, 1.1),
+    "the boundary alone": page_sweeps.along_boundary,
     "samples": samples,
 }
 
@@ -125,6 +131,27 @@ def test_every_door_gives_a_place_the_same_verdict(name, tmp_path, capsys):
         low, high = (float(one[0, 0]) for one in ends)
         drawn = "mild" if high <= DECIDED[0] else "severe" if low >= DECIDED[-1] else "not decided"
         assert drawn == verdict, (load, velocity)
+
+
+@pytest.mark.parametrize("name", [name for name in STORES if name != "samples"])
+def test_the_page_judges_its_nodes_as_their_margins_are(name):
+    ds, verdicts = STORES[name](), set()
+    near = [[float(load), float(velocity)] for load, velocity in places(ds, 60)]
+    (told,) = run(ds, MARGINS, [{"conditions": {}, "places": near}])
+    loads, velocities = np.transpose([page["place"] for page in told])
+    frame = pipeline.margin(ds, {"load": loads, "velocity": velocities})
+    for page, row in zip(told, frame.to_dict("records"), strict=True):
+        verdicts.add(page["verdict"])
+        assert {page["verdict"], row["verdict"]} != {"mild", "severe"}
+        assert page["verdict"] == "not decided" or row["verdict"] != "not known"
+        if row["verdict"] == "not known":
+            continue
+        state, hot = max(page["states"]), row["decisive temperature [°C]"] + 273.15
+        if state not in (BETWEEN, EXTRAPOLATED):
+            likely = clipped(page["probabilities"][1])
+            assert likely == pytest.approx(row["probability"], **ON_THE_PAGE)
+        assert page["temperature"] == pytest.approx(hot, rel=1e-6 if state == 1 else 1e-3)
+    assert verdicts & {"mild", "severe"} or name == "one column"
 
 
 @pytest.mark.parametrize("name", PLANES)

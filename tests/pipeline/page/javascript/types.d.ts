@@ -81,6 +81,7 @@ type Content = {
   friction_by_temperature: [number[], number[]];
   plane: Float32Array;
   /** Nodes at which lines along load begin that have their points alone, by surface and velocity. */
+  lines: { [place: string]: number };
   columns: { [place: string]: number };
   state: string;
   errors: Float32Array;
