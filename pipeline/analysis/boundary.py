@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,14 @@ import xarray as xr
 
 from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.decisive import attributes_by
-from pipeline.analysis.field import Field, PointField, fields, places_of, point_field
+from pipeline.analysis.field import (
+    Field,
+    PointField,
+    fields,
+    places_of,
+    point_field,
+    scene_caveats,
+)
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import DECIDED, error_band
 from pipeline.analysis.results import Results, ResultsLike, results
@@ -24,12 +30,10 @@ from pipeline.analysis.scenes import side_by_side
 from pipeline.analysis.transition import ABOVE, BELOW, MILD, SEVERAL, SEVERE, Line, outcomes
 from pipeline.quantities import UNITS
 from pipeline.store.schema import COORDINATES, PLANE, attributes_of
-from pipeline.sweep.caveats import caveats, joined
+from pipeline.sweep.caveats import joined
 from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
-from pipeline.sweep.physics import cold_tracks
 from pipeline.sweep.surface import find_lubrication
-from tribo import Corrections
 from tribo.types import Array
 
 
@@ -135,21 +139,6 @@ def _plane_boundary(data: Results) -> xr.Dataset:
     return _add_errors(result, found)
 
 
-def warm_transitions(data: Results) -> str:
-    """Where wear is severe if `cold_tracks` are warm, in words; empty if not computed."""
-    found = []
-    for scene in data.scenes:
-        parts, tracks = scene.conditions.corrections or Corrections(), cold_tracks(scene.sweep)
-        parts = replace(parts, motion=scene.sweep.scene.motion, **tracks)
-        field = point_field(scene, replace(scene.conditions, corrections=parts))
-        found.append(field.transitions("velocity", scene.loads, scene.velocities[-1:]).first)
-    first = np.fmin.reduce(np.concatenate(found))
-    begins = [f"from {v:.3g} m/s" if v > 0 else "at every velocity computed" for v in first]
-    ends = {float(data.loads[k]): begins[k] for k in (0, -1) if first[k] < math.inf}
-    places = " and ".join(f"{begin} at {load:g} N" for load, begin in ends.items())
-    return f"wear would be severe {places}" if places else ""
-
-
 def _described(dims: Any, values: Any, units: str, words: str) -> xr.Variable:
     return xr.Variable(dims, values, {"units": units, "long_name": words})
 
@@ -233,7 +222,7 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
     ):
         boundaries[name] = _described("load", ends, "m/s", words)
     misfit = {"misfit": field.misfit} if field.misfit else {}
-    notes = joined(caveats(data.sweep, field.conditions, field.counts_inputs))
+    notes = joined(scene_caveats(data, field.conditions))
     return boundaries.assign_attrs(model_error=scatter.text, caveats=notes, **misfit)
 
 

@@ -16,11 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.analysis.field import Field, Here, quantile
+from pipeline.analysis.field import Field, Here, quantile, scene_caveats
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.rise_error import RiseError, totals
 from pipeline.sweep.accuracy import MEASURES
-from pipeline.sweep.caveats import caveats
 from pipeline.sweep.shown import shown
 from tribo.types import Array, Mask
 
@@ -28,6 +27,8 @@ NOT_DECIDED = "not decided"
 """Verdict on a place whose next run is neither mild nor severe with 95 % probability."""
 DECIDED = (0.05, 0.5, 0.95)
 """Probabilities of severe wear: mild up to the first, severe from the last on."""
+PASSED = "wear is severe at lower loads at this velocity, through which a ramp passes"
+"""Caveat of a place that is mild by itself."""
 _LEAST = 1e-4  # probability that is told as a number; nearer to 0 or 1 nothing is known of tails
 
 
@@ -163,13 +164,14 @@ def answers(
         return [*here.reasons]
     columns = _columns(field, loads[is_known], velocities[is_known], scatter, here, is_known)
     columns["tested"] = [tuple(tests) for tests in itertools.compress(tested, is_known)]
+    notes = scene_caveats(field.source, field.conditions)
+    columns["caveats"] = [(*own, *notes) for own in columns["caveats"]]
     shared: dict[str, Any] = {
         "model_error": scatter.text,
         "members": len(field.weights),
         "counts_inputs": field.counts_inputs,
         "critical_sd": field.conditions.critical_sd,
         "misfit": field.misfit,
-        "caveats": caveats(field.source.sweep, field.conditions, field.counts_inputs),
         "entries": {path: field.source.rows[path].item() for path, _ in field.source.name},
     }
     rows = zip(*columns.values(), strict=True)
@@ -206,6 +208,8 @@ def _columns(
     columns["error"] = [RiseError.of(parts).times(scale) for parts, scale in pairs]
     for axis, one in along.items():
         columns[f"{axis}_outcome"] = [*one.outcome_texts(axis)]
+    is_passed = (quantile(along["load"].first, weights, 0.5) < loads) & (middles["distance"] >= 0)
+    columns["caveats"] = [(PASSED,) * passed for passed in is_passed.tolist()]
     if len(weights) > 1:
         ends = (zip(low[name].tolist(), high[name].tolist(), strict=True) for name in low)
         columns["intervals"] = [dict(zip(low, row, strict=True)) for row in zip(*ends, strict=True)]

@@ -10,13 +10,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.dataset import Kind
 from pipeline.analysis.results import Results
 from pipeline.analysis.tables import frame_of
 from pipeline.quantities import display, shown_in
 from pipeline.scene.reference import number_at
 from pipeline.scene.units import typeset
-from pipeline.sweep.caveats import caveats
 
 _OWN = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
 """Units in which columns of one's own are shown, by those of SI."""
@@ -41,13 +39,6 @@ def side_by_side(answers: list[xr.Dataset], axes: Sequence[xr.DataArray]) -> xr.
     whole = answers[0].assign_coords(others)
     whole.attrs = alike
     return whole
-
-
-def caveats_of(data: Results) -> list[str]:
-    """Caveats of answers on a sweep, each once."""
-    is_drawn = data.kind is Kind.SAMPLES
-    lines = (caveats(one.sweep, one.conditions, is_drawn) for one in data.scenes)
-    return [*dict.fromkeys(itertools.chain(*lines))]
 
 
 def attribute_values(boundaries: xr.Dataset, name: str) -> list[Any]:

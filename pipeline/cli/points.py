@@ -9,22 +9,20 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
+from pipeline.analysis.field import caveats_of
 from pipeline.analysis.laboratory import laboratory_tests, require_one_oil
 from pipeline.analysis.margin_frame import judged, margin_frame
-from pipeline.analysis.scenes import caveats_of
 from pipeline.analysis.tables import frame_of, upright
 from pipeline.analysis.words import missing_lines
 from pipeline.cli.given import one_scene_in
-from pipeline.cli.output import Result, working, wrapped
+from pipeline.cli.output import Result, working
 from pipeline.cli.verdicts import place_lines
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.facts import require_bearable_load
 from pipeline.store.create import writing
 from pipeline.store.write import stored
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.plan import PointRecord, run_points
-from pipeline.sweep.remarks import remarks
 from pipeline.sweep.stages import Report
 from tribo import InputError, TriboError
 
@@ -73,8 +71,7 @@ def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
         frame, text = margin_frame(data, found).join(contact), place_lines(data, found)
     if alone and laboratory_tests(data):
         text.append("tests of the scene at other places are left out, by --alone")
-    text += [*missing_lines(data.missing), *wrapped(remarks("warning", note_on_turns(data.sweep)))]
-    text += ["", upright(contact), "", *caveats_of(data)]
+    text += [*missing_lines(data.missing), "", upright(contact), "", *caveats_of(data)]
     return Result(text=text, warned=pipeline.warned(data), frames=[frame])
 
 

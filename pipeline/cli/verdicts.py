@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import argparse
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import pandas as pd
 
 import pipeline
 from pipeline.analysis import words
-from pipeline.analysis.boundary import warm_transitions
 from pipeline.analysis.dataset import Kind
-from pipeline.analysis.field import fields
+from pipeline.analysis.field import caveats_of, fields
 from pipeline.analysis.frames import JUDGED, frames_of
 from pipeline.analysis.laboratory import agreement, compared, test_parts
 from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
 from pipeline.analysis.results import Results
-from pipeline.analysis.scenes import caveats_of
 from pipeline.analysis.scenes import words as entries_in_words
 from pipeline.analysis.tables import notes_of, short, some_rows
 from pipeline.cli.given import dataset_in, operating_points_in, values_in
 from pipeline.cli.output import Result, counted, working, wrapped
 from pipeline.sweep.condition_words import judged_by
-from pipeline.sweep.physics import cold_tracks, note_on_turns
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
 from tribo import InputError
@@ -51,7 +48,6 @@ def margin(options: argparse.Namespace) -> Result:
         lines += wrapped(rests)
     rests_on = dict.fromkeys(line for one in found for line in one.field.basis)
     lines += [*rests_on, *words.missing_lines(data.missing)]
-    lines += wrapped(_turns_line(data))
     return Result(text=[*lines, *caveats], warned=pipeline.warned(data), frames=[table])
 
 
@@ -67,12 +63,6 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
         lines += wrapped(words.margin_lines(one.margin) if one.margin else [one.reason])
     is_molten = any(one.margin and one.margin.decisive_temperature > MELTS for one in found)
     return [*lines, *remarks("warning", MOLTEN * is_molten)]
-
-
-def _turns_line(data: Results) -> Iterator[str]:
-    """The warning of earlier turns that are not counted, if there are any."""
-    effect = warm_transitions(data) if data.kind is Kind.PLANE and cold_tracks(data.sweep) else ""
-    return remarks("warning", note_on_turns(data.sweep, effect))
 
 
 def boundary(options: argparse.Namespace) -> Result:
@@ -97,7 +87,6 @@ def boundary(options: argparse.Namespace) -> Result:
     rests += [f"{agreement(tests)} They are printed by --by test."] if tests is not None else []
     if data.kind is Kind.SAMPLES:
         rests += dict.fromkeys(line for field in fields(data) for line in field.basis)
-    rests += _turns_line(data)
     rule = judged_by((one.conditions for one in data.scenes), data.sweep.variants.rule.unknown)
     text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(data)])]
     return Result(text=text, warned=pipeline.warned(data), frames=[table])

@@ -11,11 +11,10 @@ import pandas as pd
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import Kind
-from pipeline.analysis.field import fields
+from pipeline.analysis.field import caveats_of, fields
 from pipeline.analysis.laboratory import compared, test_parts
 from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
 from pipeline.analysis.results import Results
-from pipeline.analysis.scenes import caveats_of
 from pipeline.analysis.tables import frame_of, html_of, notes_of, short
 from pipeline.analysis.warned_points import warned
 from pipeline.analysis.words import boundary_lines, next_run_line

@@ -8,18 +8,24 @@ from pipeline.quantities import display
 from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.physics import note_on_ends
+from pipeline.sweep.physics import caveat_on_turns, note_on_ends
 
 SEPARATOR = " | "
 """What separates notes in a cell of a table, since sentences have semicolons."""
 
 
-def caveats(sweep: Sweep, conditions: Conditions, counts_inputs: bool = False) -> tuple[str, ...]:
-    """Caveats of answers on a sweep under some conditions; samples count errors of the inputs."""
+def caveats(
+    sweep: Sweep, conditions: Conditions, counts_inputs: bool, warm: str
+) -> tuple[str, ...]:
+    """Caveats of answers on a sweep under some conditions; samples count errors of the inputs.
+
+    Where wear is severe on warm tracks is given in words, if known.
+    """
     critical, sd = conditions.critical_temperature, conditions.critical_sd
     lines = [
         sweep.declared.caveat,
         note_on_ends(sweep),
+        caveat_on_turns(sweep, warm) if critical else None,
         None if counts_inputs else "inputs such as the steel's conductivity are taken as exact",
         critical_in_words(critical, sd) if critical and sd else None,
         error_in_words(sweep) if critical else None,

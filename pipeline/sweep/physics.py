@@ -23,18 +23,26 @@ def cold_tracks(sweep: Sweep) -> dict[str, Any]:
     return {name: Track.under(pin, materials[name], around) for name in cold}
 
 
-def note_on_turns(sweep: Sweep, effect: str = "") -> str | None:
-    """Say that earlier turns of bodies that roll are not counted, and their effect, if so."""
+def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
+    """Say that earlier turns are left out, and where wear is severe with them if that is known."""
+    if not cold_tracks(sweep):
+        return None
+    effect = f"is severe {severe}" if severe else "turns severe at lower velocities"
+    return f"earlier turns are left out: with them wear {effect}"
+
+
+def note_on_turns(sweep: Sweep) -> str | None:
+    """Say that earlier turns of bodies that roll are not counted, if so, and what counts them."""
     tracks = cold_tracks(sweep)
     if not tracks:
         return None
     bodies = ["pin" if name == "pin_track" else "disk" for name in tracks]
     around = display(next(iter(tracks.values())).length, "mm", 3)
     entries = " and ".join(f"{body}.diameter" for body in bodies)
-    effect = effect or "they would warm the contact further"
     return (
         f"earlier turns of the {' and the '.join(bodies)} are not counted, as if each met a cold "
-        f"track: on tracks of {around} {effect}; give {entries} and width, or track_length"
+        f"track: on tracks of {around} they would warm the contact further; give {entries} and "
+        "width, or track_length"
     )
 
 

@@ -215,3 +215,14 @@ def test_what_is_continued_tells_its_error():
                 missed.append((beyond.decisive_temperature - true) / beyond.error.interpolation)
     assert len(missed) >= 5
     assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0  # of the error stated, and not six of it
+
+
+def test_a_mild_place_whose_ramp_passes_through_severe_wear_says_so():
+    def rise(load, velocity, quantile=1.0):
+        return synthetic.falling(velocity, load / 250, quantile)  # severe from 275 to 600 N
+
+    ds = synthetic.sweep(rise=rise, measured=())
+    for load, is_said in ((210.0, False), (740.0, True)):
+        here = pipeline.margin(ds, load, 2.0)
+        assert here.verdict == "mild"
+        assert here.caveats[0].startswith("wear is severe at lower loads") == is_said

@@ -54,11 +54,14 @@ def test_a_boundary_says_where_wear_turns_severe_on_tracks_that_earlier_turns_wa
     conditions = replace(pipeline.results(cold).conditions, corrections=warm)
     found = pipeline.boundary(synthetic.sweep(motion=motion, measured=(), conditions=conditions))
     place = "--load=400 N", "--velocity=1.4 m/s"
-    commands = ("boundary",), ("margin", *place)
     first, last = found["critical_velocity"].values[[0, -1]]
-    for command, *options in commands:
-        said = " ".join(irg(command, tmp_path / "cold.nc", *options).split())
-        assert f"from {first:.3g} m/s at 200 N and from {last:.3g} m/s at 750 N; give" in said
+    severe = f"with them wear is severe from {first:.3g} m/s at 200 N, from {last:.3g} m/s at 750 N"
+    for command, *options in (("boundary",), ("margin", *place)):
+        assert severe in " ".join(irg(command, tmp_path / "cold.nc", *options).split())
+        (*_, record) = irg(command, tmp_path / "cold.nc", *options, "--json")
+        assert f"earlier turns are left out: {severe}" in record["notes"].split(" | ")
+    irg("explore", tmp_path / "cold.nc", "-o", tmp_path / "cold.html")
+    assert severe in (tmp_path / "cold.html").read_text("utf-8")
     cold.sel(velocity=cold["velocity"] > last).drop_vars("message").to_netcdf(tmp_path / "cut.nc")
     said = " ".join(irg("boundary", tmp_path / "cut.nc").split())
-    assert "and at every velocity computed at 750 N; give" in said  # how far below is not known
+    assert ", from below" in said  # how far below is not known
