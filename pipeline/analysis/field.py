@@ -237,15 +237,13 @@ class PointField:
         return Curve(self.velocities, self._rises)
 
     @functools.cached_property
-    def _load_curves(self) -> tuple[Curve, Curve]:
-        """Curves over loads by member and velocity: as computed, and where certain."""
+    def _load_curves(self) -> tuple[Curve, ...]:
+        """Curves over loads by member and velocity: as computed, where certain, and continued."""
         x = self.velocities
         rises = self._rises * self.conditions.friction_factor(x)
         going_on = np.where(np.isfinite(rises), rises, certain(x, rises, x, self.limit))
-        computed, continued = (
-            Curve(self.loads, rows.swapaxes(-1, -2)) for rows in (rises, going_on)
-        )
-        return computed, continued
+        parts = rises, going_on, self._curves(x, True) * self.conditions.friction_factor(x)
+        return tuple(Curve(self.loads, rows.swapaxes(-1, -2)) for rows in parts)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
         """See `Field`."""
@@ -307,24 +305,26 @@ class PointField:
         if axis == "load":
             computed, here = self._load_rises(velocities), factor(velocities)
             going_on = certain(other, self._rises, velocities, limit / here) * here
-            going_on = going_on.swapaxes(-1, -2)
+            far = going_on = going_on.swapaxes(-1, -2)
         else:
-            computed, going_on = (curve(place).swapaxes(-1, -2) for curve in self._load_curves)
+            computed, going_on, far = (curve(place).swapaxes(-1, -2) for curve in self._load_curves)
             if has_curve:  # how friction goes on beyond the points is no power law
                 going_on = computed
         nearest = np.minimum(np.searchsorted(other, place), len(other) - 1)
-        computed, going_on = (
-            np.where(is_row[:, None], rises[:, nearest], part) for part in (computed, going_on)
+        computed, going_on, far = (
+            np.where(is_row[:, None], rises[:, nearest], part)
+            for part in (computed, going_on, np.where(np.isfinite(computed), computed, far))
         )
         done = np.where(np.isfinite(computed), x, np.nan)
         rise, is_within = self._rise(loads, velocities)
         rise = np.where(is_row, np.nan, rise)
         line = _inserted(x, going_on, along, np.where(is_within, rise, np.nan))
-        if not (has_curve and axis == "velocity"):
-            return Line(Curve(*line), np.array(limit), self.ends[axis], done)
-        continued = continued_friction(*_inserted(x, going_on, along, rise), factor)
-        near = Curve(*along_friction(*line, factor))
-        return Line(near, np.array(limit), self.ends[axis], done, continued)
+        beyond = _inserted(x, far, along, rise)  # as hot at the place as it is told to be
+        turns_back = has_curve and axis == "velocity"
+        if turns_back:
+            line = along_friction(*line, factor)
+        continued = continued_friction(*beyond, factor) if turns_back else Curve(*beyond)
+        return Line(Curve(*line), np.array(limit), self.ends[axis], done, continued, turns_back)
 
 
 def places_of(loads: Places, velocities: Places) -> tuple[Array, Array]:

@@ -49,8 +49,8 @@ class Line:
     limit: Array  # rise above which wear is severe [K]
     ends: tuple[float, float]  # of the sweep's own range
     done: Array  # places that are done (..., n), ascending; NaN where not
-    #: The curve far beyond its ends, where it is no power law: friction by velocity is known there.
-    continued: Curve | None = None
+    continued: Curve  #: The curve beyond its ends, as far as it is known there.
+    turns_back: bool  #: Friction by velocity, known far beyond, may turn wear at either end.
     rows: Any = ...  # row of each limit; all in their order
 
     @functools.cached_property
@@ -73,8 +73,7 @@ class Line:
         """Key of `outcomes`."""
         count, (low, high) = np.isfinite(self.places).sum(axis=-1), self.computed
         is_first, is_last = low <= self.ends[0], high >= self.ends[1]
-        # Friction by velocity may turn wear at either end.
-        turns_back = False if self.continued is None else self.continued.count > 0
+        turns_back = self.turns_back & (self.continued.count > 0)
         is_whole = np.where(self.begins_severe, is_first, is_last)
         is_whole = np.where(turns_back, is_first & is_last, is_whole)
         beyond = np.where(self.begins_severe, BELOW, ABOVE)
@@ -136,8 +135,8 @@ class Line:
         Then, True where it turns severe, and True if it is severe at last. Without such a law wear
         stays as it is at an end.
         """
-        if self.continued is not None:
-            return replace(self, curve=self.continued, continued=None)._all_turns
+        if self.curve is not self.continued:
+            return replace(self, curve=self.continued)._all_turns
         has_law = (self.curve.is_log & (self.curve.count > 0))[self.rows]
         has_law = has_law & np.isfinite(self.limit) & (self.limit > 0)
         is_severe = self.begins_severe ^ (np.isfinite(self.places).sum(axis=-1) % 2 == 1)

@@ -154,6 +154,15 @@ def test_the_page_judges_its_nodes_as_their_margins_are(name):
     assert verdicts & {"mild", "severe"} or name == "one column"
 
 
+@pytest.mark.parametrize("name", [name for name in STORES if name not in ("samples", "surfaces")])
+def test_wear_is_likelier_severe_where_it_is_hotter_than_critical(name):
+    asked = np.transpose([*places(STORES[name](), 100)])
+    frame = pipeline.margin(STORES[name](), {"load": asked[0], "velocity": asked[1]})
+    known = frame[(frame["verdict"] != "not known") & (frame["distance [K]"].abs() > 1e-6)]
+    assert ((known["distance [K]"] < 0) == (known["probability"] > 0.5)).all()
+    assert len(known) > (3 if name == "one column" else 90)
+
+
 @pytest.mark.parametrize("name", PLANES)
 def test_the_figure_shades_a_place_as_its_margin_judges_it(name):
     held = pipeline.results(STORES[name]())
