@@ -27,11 +27,7 @@ def sweep(increments=6, fidelity=None, **changes):
             "roughness": tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 9e-6), seed=1),
             "wear": tribo.Wear(1.2e-15),
             "fidelity": tribo.Fidelity(
-                **{
-                    "pixels_per_element": 1,
-                    "increments": increments,
-                }
-                | (fidelity or {}),
+                **{"pixels_per_element": 1, "increments": increments} | (fidelity or {})
             ),
             "name": "tiny",
             "title": "A tiny sweep",

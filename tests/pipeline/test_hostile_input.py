@@ -138,11 +138,7 @@ def test_small_files_that_ask_for_much_are_refused_in_a_line_and_take_no_memory(
     scenes = [f"{number}.toml" for number in range(len(SCENES))]
     done = python("-c", _ASKED, "a.xlsx", "far.xlsx", *scenes, cwd=tmp_path)
     said = done.stderr.splitlines()
-    wanted = [
-        *SCENES,
-        "unpacks to 11 MB",
-        "more than 1000000 cells",
-    ]
+    wanted = [*SCENES, "unpacks to 11 MB", "more than 1000000 cells"]
     assert len(said) == len(wanted), done.stderr[-2000:]
     assert [words for words, line in zip(wanted, said, strict=True) if words not in line] == []
     code, megabytes = done.stdout.split()[-2:]

@@ -107,10 +107,7 @@ def test_the_probability_over_the_plane_has_its_tests_and_its_lines():
     ds = samples.dataset(samples.ensemble(tests=tests), model_scatter=0.0)
     figure = pipeline.plot(ds, "diagram")
     axes, bar = figure.axes
-    assert (axes.get_xlabel(), axes.get_ylabel()) == (
-        "sliding velocity [m/s]",
-        "normal load [N]",
-    )
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("sliding velocity [m/s]", "normal load [N]")
     assert lines(axes)["measured"].tolist() == [[1.6, 400.0]]
     assert "1 test lies beyond the figure" in labels(figure.legends[0])
     drawn = axes.collections[1]

@@ -8,11 +8,7 @@ import pytest
 from tests.helpers.scenes import small_scene
 from tribo import Ball, Motion, Ramp, Wear, simulate
 from tribo.numerics import Grid
-from tribo.simulation import (
-    contacts,
-    heated,
-    inseparable,
-)
+from tribo.simulation import contacts, heated, inseparable
 
 
 def ball():

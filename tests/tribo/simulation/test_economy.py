@@ -6,16 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import STEEL, small_scene
-from tribo import (
-    QUANTILES,
-    Cylinder,
-    Grid,
-    MeasuredRoughness,
-    Ramp,
-    Wear,
-    measures,
-    simulate,
-)
+from tribo import QUANTILES, Cylinder, Grid, MeasuredRoughness, Ramp, Wear, measures, simulate
 from tribo.simulation import forget_contacts, loading_step
 
 DECISIVE = QUANTILES.index(0.9)

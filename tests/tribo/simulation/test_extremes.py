@@ -225,15 +225,7 @@ def materials():
         )  # fmt: skip
 
 
-EXTREMES = [
-    *velocities(),
-    *loads(),
-    *wear(),
-    *times(),
-    *grids(),
-    *surfaces(),
-    *materials(),
-]
+EXTREMES = [*velocities(), *loads(), *wear(), *times(), *grids(), *surfaces(), *materials()]
 
 
 @pytest.mark.parametrize("case", EXTREMES, ids=lambda case: f"{case.group}: {case.what}")

@@ -21,10 +21,7 @@ from tribo import (
     measures,
     simulate,
 )
-from tribo.analytic import (
-    hertz_line_half_width,
-    rolling_sliding_rise,
-)
+from tribo.analytic import hertz_line_half_width, rolling_sliding_rise
 
 LOAD, RADIUS, LENGTH = 750.0, 2e-3, 3.4e-3
 HALF_WIDTH = hertz_line_half_width(LOAD / LENGTH, RADIUS, contact_modulus(STEEL, STEEL))

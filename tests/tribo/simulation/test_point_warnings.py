@@ -52,12 +52,7 @@ def touching(scene, places):
 
 @pytest.mark.parametrize(
     ("place", "named"),
-    [
-        ((-1, 5), "x edge"),
-        ((5, 0), "y edge"),
-        ((0, 0), "x edge and y edge"),
-        ((-2, -2), None),
-    ],
+    [((-1, 5), "x edge"), ((5, 0), "y edge"), ((0, 0), "x edge and y edge"), ((-2, -2), None)],
 )
 def test_each_free_edge_is_looked_at(place, named):
     scene = replace(small_scene(periodic=(False, False)), pin=BALL)

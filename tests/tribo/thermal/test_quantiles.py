@@ -2,13 +2,7 @@ import numpy as np
 import pytest
 
 from tribo import QUANTILES
-from tribo.thermal import (
-    BULK_RATIOS,
-    combine_bulks,
-    contact_quantiles,
-    failed_share,
-    rise_exceeded,
-)
+from tribo.thermal import BULK_RATIOS, combine_bulks, contact_quantiles, failed_share, rise_exceeded
 
 
 def test_quantile_and_failed_share_are_one_criterion():

@@ -83,11 +83,7 @@ def small(folder, scenes, narrow):
     """Reports of small versions, each made once."""
     made = {}
     fewer = {
-        "inference": {
-            "_DURATIONS": (6.0, 8.0),
-            "_CHOSEN": 1,
-            "_FRICTIONS": (0.1, 0.2),
-        },
+        "inference": {"_DURATIONS": (6.0, 8.0), "_CHOSEN": 1, "_FRICTIONS": (0.1, 0.2)},
         "resolution": {"_INCREMENTS": (20, 30)},
         "sensitivity": {"_LENGTHS": (2.0, 8.0), "_HURST": (0.5,), "TABLE_4": TABLE_4[::3]},
         "steel": {"_CONDUCTIVITIES": (21.0, 45.0)},
