@@ -402,7 +402,7 @@ def point_field(whole: Results, conditions: Conditions | None = None) -> PointFi
     )
 
 
-@functools.lru_cache(maxsize=16)  # rows of a table ask it of one scene
+@functools.lru_cache(maxsize=1)  # rows of a table ask it of one scene
 def warm_transitions(data: Results) -> str:
     """Where wear is severe if `cold_tracks` are warm, in words; empty if not computed."""
     tracks, conditions = cold_tracks(data.sweep), data.sweep.conditions

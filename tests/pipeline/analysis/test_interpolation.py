@@ -13,7 +13,7 @@ from pipeline.analysis.curve import Curve, certain
 from tests.helpers.answers import crossings
 
 
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), size=st.integers(2, 12))
 def test_a_crossing_is_where_the_logarithms_of_scipy_reach_the_limit(seed, size):
     rng = np.random.default_rng(seed)
@@ -26,7 +26,7 @@ def test_a_crossing_is_where_the_logarithms_of_scipy_reach_the_limit(seed, size)
     assert abs(scipys(np.log(root)) - np.log(limit)) <= 1e-14 * (10 + np.log(limit) + slope)
 
 
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), size=st.integers(3, 12))
 def test_between_crossings_a_curve_stays_on_one_side_of_the_limit(seed, size):
     rng = np.random.default_rng(seed)
@@ -47,7 +47,7 @@ def test_a_point_on_the_limit_is_the_boundary():
     assert [crossings(Curve(x, y), limit) for limit in y] == [(place,) for place in x]
 
 
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(
     steps=st.lists(
         st.tuples(st.floats(0.05, 2.0), st.just(0.0) | st.floats(1e-3, 300.0)),

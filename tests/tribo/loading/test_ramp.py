@@ -33,7 +33,7 @@ def test_a_load_takes_a_quarter_of_the_increments_at_least_whatever_the_referenc
     assert RAMP.increment(100.0, 100) == RAMP.increment(187.0, 100) == 3.75
 
 
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(load=st.floats(1.0, 2000.0), increments=st.integers(1, 300))
 def test_the_way_ascends_in_few_steps_but_not_too_few(load, increments):
     whole = list(RAMP.stations(load, increments))
