@@ -105,6 +105,11 @@ def grown():
     commit("a.zarr", tiny.full(loads=(50.0, 150.0)), ())
 
 
+def by_xarray():
+    open_sweep("tiny.zarr").to_zarr("a.zarr", consolidated=False)
+    summary("a.zarr")
+
+
 def below_file():
     Path("file").touch()
     commit("file/a.zarr", SWEEP, ())
@@ -152,6 +157,7 @@ REFUSALS = {
     "sweep": (changed(forged(lambda texts, _: texts["sweep"]["entries"]["sweep"].update(loads=3))),
               "the text of a sweep: sweep.loads: 3 is"),
     "lost": (changed(lambda path: (path / ROOT).unlink()), "or has lost its zarr.json"),
+    "copy": (by_xarray, "a copy by xarray, which has no checksums"),
     # files
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
     "missing": (changed(lambda path: (path / "steps" / "c.0.0").unlink(), load), "damaged"),
