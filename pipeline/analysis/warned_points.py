@@ -39,7 +39,7 @@ class Warned:
         """Lines for the user; none where no point carries a warning."""
         if not self.points:
             return
-        kinds = ", ".join(f"{kind} at {count}" for kind, count in self.kinds.items())
+        kinds = ", ".join(f"{kind}: {count}" for kind, count in self.kinds.items())
         carry = "1 point carries" if self.points == 1 else f"{self.points} points carry"
         yield from remarks("warning", f"{carry} a warning ({kinds})", f"at {self.example}")
 

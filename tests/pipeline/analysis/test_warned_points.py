@@ -40,7 +40,7 @@ def test_points_are_counted_by_the_kinds_of_their_warnings():
     assert warnings.kinds == {"unstable wear": 1, "contact at edge": 3}
     assert warnings.example == "200 N, 0.5 m/s: flags 2"
     said = "\n".join(warnings.lines())
-    assert "3 points carry a warning (unstable wear at 1, contact at edge at 3)" in said
+    assert "3 points carry a warning (unstable wear: 1, contact at edge: 3)" in said
 
 
 def test_a_point_is_counted_once_for_several_frictions():
@@ -80,7 +80,7 @@ def printed(capsys, *arguments):
 
 def test_every_command_on_a_store_tells(narrow, tmp_path, capsys):
     warnings = warned(pipeline.open_sweep(narrow))
-    kinds = ", ".join(f"{kind} at {count}" for kind, count in warnings.kinds.items())
+    kinds = ", ".join(f"{kind}: {count}" for kind, count in warnings.kinds.items())
     assert "contact at edge" in kinds
     for command in (["status"], ["boundary"], ["plot", "--kind", "ramp", "-o", tmp_path / "a.png"]):
         text = " ".join(printed(capsys, *command, narrow).split())

@@ -53,5 +53,5 @@ def test_a_difference_says_which_store_carries_a_warning(monkeypatch, irg):
     stores = {"a": sound, "b": sound.assign(warning_flags=flags)}
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: stores[str(path)])
     said = irg("diff", "a", "b")
-    assert "B: warning: 1 point carries a warning (few steps at 1)" in said
+    assert "B: warning: 1 point carries a warning (few steps: 1)" in said
     assert "A: warning" not in said
