@@ -51,6 +51,7 @@ from tribo import InputError
 from tribo.types import Array
 
 _CONSOLIDATED = "consolidated_metadata"
+_COPY = "a copy by xarray, which every answer reads; it has no checksums to verify or resume it by"
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
 _FACTS = ("format", "axes", "points_per_chunk", "history", "inputs")
 """Attributes of the group about, beside the hash."""
@@ -187,7 +188,10 @@ def _parse(place: StorePlace, content: bytes) -> Root:
     fault = "damaged, or not that of a sweep"
     try:
         document = json.loads(content)
-        attributes, metadata = document["attributes"], document[_CONSOLIDATED]["metadata"]
+        attributes = document["attributes"]
+        metadata = (document.get(_CONSOLIDATED) or {"metadata": {}})["metadata"]
+        if "sweep" in attributes and ABOUT not in metadata:
+            fault = _COPY
         facts = metadata[ABOUT]["attributes"]
         version = facts["format"]
         if version == FORMAT and facts["digest"] == _digest(attributes, facts, metadata):
@@ -207,9 +211,6 @@ def _parse(place: StorePlace, content: bytes) -> Root:
         pass
     if version != FORMAT:
         fault = f"of another version of this program: of format {version}, and not {FORMAT}"
-    if b'"sweep"' in content and place.read(f"{ABOUT}/{ROOT}") is None:
-        reads = "every answer reads it, and nothing can verify or resume it"
-        raise StoreError(f"{place}: a copy by xarray, which has no checksums; {reads}")
     raise StoreError(f"{place}: its {ROOT} is {fault}; {_ELSEWHERE}")
 
 
