@@ -22,6 +22,7 @@ from pipeline.gears.contact import Mesh
 from pipeline.gears.doubts import doubts
 from pipeline.gears.scene import scene_toml
 from pipeline.sweep.caveats import joined
+from pipeline.sweep.physics import caveat_on_turns
 from pipeline.sweep.stages import Report, silent
 
 _WORSE = ("mild", NOT_DECIDED, "severe")
@@ -88,13 +89,14 @@ def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, A
         if outcome.failed:
             raise pipeline.ExecutionError(f"a place of mesh failed: {outcome.failed[0]}")
         data = pipeline.results(store)
-        found = [*judged(data, None)]
-        table = margin_frame(data, found)
+        table = margin_frame(data, found := [*judged(data, None)])
     margins = [one.known() for one in found]
     table["sentence"] = [one.sentence for one in margins]
+    turns = caveat_on_turns(sweep, "")  # whose heat the temperature of the teeth has
+    notes = ([*one.caveats, f"the model's own error: {one.model_error}"] for one in margins)
     table["notes"] = [
-        _notes(meshes[k], *one.caveats, f"the model's own error: {one.model_error}")
-        for k, one in zip(numbers, margins, strict=True)
+        _notes(meshes[k], *(said for said in own if said != turns))
+        for k, own in zip(numbers, notes, strict=True)
     ]
     return [worst(part).to_dict() for _, part in table.groupby(numbers)]
 
@@ -127,9 +129,8 @@ def _is_too_hot(one: Mesh) -> bool:
 
 def _severe(one: Mesh) -> dict[str, Any]:
     """A mesh whose teeth alone are too hot."""
-    notes = _notes(one, _TOO_HOT)
     severe = {"verdict": "severe", "probability": clipped(1.0), "sentence": f"Severe: {_TOO_HOT}"}
-    return severe | {"notes": notes}
+    return severe | {"notes": _notes(one, _TOO_HOT)}
 
 
 def _notes(one: Mesh, *others: str) -> str | None:
