@@ -32,6 +32,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.physics import cold_tracks
 from pipeline.sweep.severity import rise_limit, rise_limits
 from tribo import Corrections, InputError
+from tribo.simulation.corrections import NEEDED
 from tribo.types import Array, Mask
 
 _FAR, _PLACES = 30.0, 1024  # ratio to which a line goes on with its friction, and places of it
@@ -402,25 +403,28 @@ def point_field(whole: Results, conditions: Conditions | None = None) -> PointFi
     )
 
 
-@functools.lru_cache(maxsize=1)  # rows of a table ask it of one scene
-def warm_transitions(data: Results) -> str:
-    """Where wear is severe if `cold_tracks` are warm, in words; empty if not computed."""
-    tracks, conditions = cold_tracks(data.sweep), data.sweep.conditions
-    if not (tracks and conditions.critical_temperature) or data.kind is not Kind.PLANE or data.name:
+def warm_transitions(data: Results, conditions: Conditions) -> str:
+    """Where wear is severe if `cold_tracks` are warm, in words; empty if not computed.
+
+    It is computed for a plane of one scene, under its own conditions.
+    """
+    tracks, is_known = cold_tracks(data.sweep), {*NEEDED} <= {*data.columns}
+    is_own = data.kind is Kind.PLANE and not data.labels and conditions == data.sweep.conditions
+    if not (tracks and is_known and is_own and conditions.critical_temperature):
         return ""
     parts = conditions.corrections or Corrections()
     parts = replace(parts, motion=data.sweep.scene.motion, **tracks)
     field = point_field(data, replace(conditions, corrections=parts))
     first = np.fmin.reduce(field.transitions("velocity", data.loads, data.velocities[-1:]).first)
-    lowest = f"from below {field.velocities[0]:.3g} m/s"
-    begins = [f"from {v:.3g} m/s" if v > 0 else lowest for v in first]
+    begins = [f"from {v:.3g} m/s" if v > 0 else "at every velocity computed" for v in first]
     ends = {float(data.loads[k]): begins[k] for k in (0, -1) if first[k] < math.inf}
     return ", ".join(f"{begin} at {load:g} N" for load, begin in ends.items())
 
 
 def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
     """Caveats of answers on a scene under some conditions."""
-    return caveats(scene.sweep, conditions, scene.kind is Kind.SAMPLES, warm_transitions(scene))
+    warm = warm_transitions(scene, conditions)
+    return caveats(scene.sweep, conditions, scene.kind is Kind.SAMPLES, warm)
 
 
 def caveats_of(data: Results) -> list[str]:

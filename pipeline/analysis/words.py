@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.margin import Margin
+from pipeline.analysis.margin import PASSED, Margin
 from pipeline.analysis.scenes import attribute_values
 from pipeline.analysis.transition import outcomes
 from pipeline.quantities import UNITS, display, shown_in
@@ -79,4 +79,4 @@ def margin_lines(here: Margin) -> Iterator[str]:
         yield f"  critical {axis:9}  {said}"
     if here.decided_by:
         yield f"  would decide it     {here.decided_by}"
-    yield from remarks("warning", here.misfit)
+    yield from remarks("warning", here.misfit, PASSED if PASSED in here.caveats else "")
