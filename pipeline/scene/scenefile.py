@@ -106,8 +106,7 @@ def load_scene(
 def _with_path(words: str, entries: Entries) -> str:
     """Words that begin with the name of a table or entry, after the paths where it stands."""
     name = words.partition(" ")[0]
-    listed = [path for path, _ in flat(entries) if path.endswith(f".{name}")]
-    paths = [name] if name in entries else listed
+    paths = [name] if name in entries else [p for p, _ in flat(entries) if p.endswith(f".{name}")]
     return f"{' and '.join(paths)}: {words}" if paths else words
 
 

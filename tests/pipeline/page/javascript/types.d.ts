@@ -80,8 +80,9 @@ type Content = {
   /** Temperatures of the contact [K], and the factor of friction at each. */
   friction_by_temperature: [number[], number[]];
   plane: Float32Array;
-  /** Nodes at which lines along load begin that have their points alone, by surface and velocity. */
+  /** Where lines along velocity begin that have their own points alone, by surface and node of load. */
   lines: { [place: string]: number };
+  /** The same of lines along load, by surface and node of velocity. */
   columns: { [place: string]: number };
   state: string;
   errors: Float32Array;
