@@ -195,7 +195,7 @@ def test_status_and_verify_count_the_points_of_the_dataset(ask, stores, kind):
     if count := np.count_nonzero(flags):
         by_bit = [np.count_nonzero(flags & bit) for bit in 1 << np.arange(31)]
         (kinds,) = re.findall(r"a warning \((.*?)\)", " ".join(said.split()))
-        found = sorted(int(number) for number in re.findall(r" at (\d+)", kinds))
+        found = sorted(int(number) for number in re.findall(r": (\d+)", kinds))
         assert found == sorted(filter(None, by_bit))
         assert f"{count} point{' carries' if count == 1 else 's carry'}" in said
     checked, said, _ = ask("verify", kind)
