@@ -51,7 +51,7 @@ from tribo import InputError
 from tribo.types import Array
 
 _CONSOLIDATED = "consolidated_metadata"
-_COPY = "a copy by xarray, which every answer reads; it has no checksums to verify or resume it by"
+_COPY = "that of a copy by xarray: answers read it, nothing can verify or resume it"
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
 _FACTS = ("format", "axes", "points_per_chunk", "history", "inputs")
 """Attributes of the group about, beside the hash."""

@@ -157,7 +157,7 @@ REFUSALS = {
     "sweep": (changed(forged(lambda texts, _: texts["sweep"]["entries"]["sweep"].update(loads=3))),
               "the text of a sweep: sweep.loads: 3 is"),
     "lost": (changed(lambda path: (path / ROOT).unlink()), "or has lost its zarr.json"),
-    "copy": (by_xarray, "zarr.json is a copy by xarray, which every answer reads"),
+    "copy": (by_xarray, "zarr.json is that of a copy by xarray: answers read it"),
     # files
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
     "missing": (changed(lambda path: (path / "steps" / "c.0.0").unlink(), load), "damaged"),
