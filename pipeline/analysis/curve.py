@@ -134,7 +134,7 @@ class Curve:
         return np.where(self.is_log, rise / run, np.nan)
 
     def line_exponent(self, end: int) -> Array:
-        """The same, but at least `LEAST_SLOPE`, and 1 of a point by itself: so steep at most."""
+        """Exponent of a line at an end: at least `LEAST_SLOPE`; 1, the steepest, of one point."""
         exponent = np.maximum(self.end_exponent(end), LEAST_SLOPE)
         return np.where((self.count == 1) & self.is_log, 1.0, exponent)
 

@@ -277,15 +277,15 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
             *zip(*(conditions.friction_law.by_temperature or ((0.0, 1.0),)), strict=True)
         ],
         "plane": packed_array(np.concatenate([*map(np.ravel, (plane, lines, columns))]), "<f4"),
-        "lines": _begins(own_lines, own_rows, state.size, nodes.size),
-        "columns": _begins(own_columns, own_nodes, state.size + on_lines.size, fine_loads.size),
+        "lines": _offsets(own_lines, own_rows, state.size, nodes.size),
+        "columns": _offsets(own_columns, own_nodes, state.size + on_lines.size, fine_loads.size),
         "errors": packed_array(node_errors(point_field(data), fine_loads, nodes), "<f4"),
         "state": "".join(map(digit_string, (state, on_lines, within))),
         "missing": (data.asked & ~done).reshape(by_surface).sum(axis=(1, 2)).tolist(),
     }
 
 
-def _begins(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str, int]:
+def _offsets(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str, int]:
     """Where lines of a width begin in a table, by their surface and node."""
     places = (f"{surface} {nodes[k]}" for surface, k in lines.tolist())
     return {place: begin + number * width for number, place in enumerate(places)}

@@ -59,7 +59,7 @@ def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
 
 
 def _acting(fidelity: Fidelity) -> dict[str, Any]:
-    """Fields with their defaults put in: 0 steps of a hold means as many as the ramp has."""
+    """Fields as they act: 0 steps of a hold mean those of the ramp, an imprint of 0 no cut step."""
     whole = 0.0 if fidelity.increments >= ENOUGH_STEPS else math.inf
     return asdict(fidelity) | {
         "hold_increments": fidelity.hold_increments or fidelity.increments,

@@ -199,7 +199,7 @@ class Convolution:
         if grid.shape[1] < self.grid.shape[1]:
             values = np.fft.irfft(kernel, n=self._lengths[1], axis=1)
             kernel = np.fft.rfft(values[:, _wrapped_indices(grid, 1)], axis=1)
-        return self._with_grid(grid, np.fft.fft(kernel, axis=0, out=kernel))
+        return self._replace_grid(grid, np.fft.fft(kernel, axis=0, out=kernel))
 
     def coarsened(self) -> Self:
         """Return the map between means over blocks of 2 × 2 elements.
@@ -216,9 +216,9 @@ class Convolution:
         if fy == 2:
             values = np.fft.irfft(kernel, n=self._lengths[1], axis=1)
             kernel = np.fft.rfft(_coarse_kernel(values, _wrapped_indices(grid, 1), axis=1), axis=1)
-        return self._with_grid(grid, np.fft.fft(kernel, axis=0))
+        return self._replace_grid(grid, np.fft.fft(kernel, axis=0))
 
-    def _with_grid(self, grid: Grid, modes: Spectrum) -> Self:
+    def _replace_grid(self, grid: Grid, modes: Spectrum) -> Self:
         """Return a copy with another grid and the modes of its kernel, in any precision."""
         spectrum = modes.real if np.isrealobj(self.spectrum) else modes
         changed = self.replace_spectrum(spectrum.astype(self.spectrum.dtype))
