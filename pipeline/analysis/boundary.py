@@ -13,24 +13,18 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.caveats import scene_caveats
 from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.decisive import attributes_by
-from pipeline.analysis.field import (
-    Field,
-    PointField,
-    fields,
-    places_of,
-    point_field,
-    scene_caveats,
-)
+from pipeline.analysis.field import Field, PointField, fields, places_of, point_field
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import DECIDED, error_band
 from pipeline.analysis.results import Results, ResultsLike, results
 from pipeline.analysis.scenes import side_by_side
+from pipeline.analysis.tables import joined
 from pipeline.analysis.transition import ABOVE, BELOW, MILD, SEVERAL, SEVERE, Line, outcomes
 from pipeline.quantities import UNITS
 from pipeline.store.schema import COORDINATES, PLANE, attributes_of
-from pipeline.sweep.caveats import joined
 from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
 from pipeline.sweep.surface import find_lubrication

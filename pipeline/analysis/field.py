@@ -9,7 +9,6 @@ samples.
 from __future__ import annotations
 
 import functools
-import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -27,12 +26,9 @@ from pipeline.analysis.transition import Line, Transitions, range_of
 from pipeline.quantities import UNITS
 from pipeline.store.schema import PLANE
 from pipeline.sweep.accuracy import velocity_error
-from pipeline.sweep.caveats import caveats
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.physics import cold_tracks
 from pipeline.sweep.severity import rise_limit, rise_limits
-from tribo import Corrections, InputError
-from tribo.simulation.corrections import NEEDED
+from tribo import InputError
 from tribo.types import Array, Mask
 
 _FAR, _PLACES = 30.0, 1024  # ratio to which a line goes on with its friction, and places of it
@@ -401,36 +397,6 @@ def point_field(whole: Results, conditions: Conditions | None = None) -> PointFi
         source=scene,
         from_rest=0.0 in whole.velocities and scene is not whole,
     )
-
-
-def warm_transitions(data: Results, conditions: Conditions) -> str:
-    """Where wear is severe if `cold_tracks` are warm, in words; empty if not computed.
-
-    It is computed for a plane of one scene, under its own conditions.
-    """
-    tracks, is_known = cold_tracks(data.sweep), {*NEEDED} <= {*data.columns}
-    is_own = data.kind is Kind.PLANE and not data.labels and conditions == data.sweep.conditions
-    if not (tracks and is_known and is_own and conditions.critical_temperature):
-        return ""
-    parts = conditions.corrections or Corrections()
-    parts = replace(parts, motion=data.sweep.scene.motion, **tracks)
-    field = point_field(data, replace(conditions, corrections=parts))
-    first = np.fmin.reduce(field.transitions("velocity", data.loads, data.velocities[-1:]).first)
-    begins = [f"from {v:.3g} m/s" if v > 0 else "at every velocity computed" for v in first]
-    ends = {float(data.loads[k]): begins[k] for k in (0, -1) if first[k] < math.inf}
-    return ", ".join(f"{begin} at {load:g} N" for load, begin in ends.items())
-
-
-def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
-    """Caveats of answers on a scene under some conditions."""
-    warm = warm_transitions(scene, conditions)
-    return caveats(scene.sweep, conditions, scene.kind is Kind.SAMPLES, warm)
-
-
-def caveats_of(data: Results) -> list[str]:
-    """Caveats of answers on a sweep, each once."""
-    lines = (scene_caveats(one, one.conditions) for one in data.scenes)
-    return [*dict.fromkeys(itertools.chain(*lines))]
 
 
 def quantile(values: Array, weights: Array, share: float) -> Array:

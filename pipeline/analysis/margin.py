@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.analysis.field import Field, Here, quantile, scene_caveats
+from pipeline.analysis.caveats import scene_caveats
+from pipeline.analysis.field import Field, Here, quantile
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.rise_error import RiseError, totals
 from pipeline.sweep.accuracy import MEASURES

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.field import caveats_of
+from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.laboratory import laboratory_tests, require_one_oil
 from pipeline.analysis.margin_frame import judged, margin_frame
 from pipeline.analysis.tables import frame_of, upright

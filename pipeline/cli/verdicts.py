@@ -10,8 +10,9 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis import words
+from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.dataset import Kind
-from pipeline.analysis.field import caveats_of, fields
+from pipeline.analysis.field import fields
 from pipeline.analysis.frames import JUDGED, frames_of
 from pipeline.analysis.laboratory import agreement, compared, test_parts
 from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame

@@ -10,8 +10,9 @@ from datetime import UTC, datetime
 import pandas as pd
 
 from pipeline.analysis.boundary import boundary
+from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.dataset import Kind
-from pipeline.analysis.field import caveats_of, fields
+from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import compared, test_parts
 from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
 from pipeline.analysis.results import Results

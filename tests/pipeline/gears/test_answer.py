@@ -12,8 +12,7 @@ import pytest
 
 import pipeline
 import pipeline.gears as gears
-from pipeline.analysis.tables import frame_of
-from pipeline.sweep.caveats import joined
+from pipeline.analysis.tables import frame_of, joined
 
 ROOT = Path(__file__).parents[3]
 DUTY = "torque [Nm],speed [rpm],hours,bulk temperature [degC],name\n"

@@ -1,0 +1,64 @@
+"""Caveats of answers: what a reader of them must know, in a line of at most 100 columns each."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.analysis.dataset import Kind
+from pipeline.analysis.field import point_field
+from pipeline.analysis.results import Results
+from pipeline.quantities import display
+from pipeline.sweep.accuracy import error_in_words
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.physics import caveat_on_turns, cold_tracks, note_on_ends
+from tribo import Corrections
+from tribo.simulation.corrections import NEEDED
+
+
+def caveats_of(data: Results) -> list[str]:
+    """Caveats of answers on a sweep, each once."""
+    lines = (scene_caveats(one, one.conditions) for one in data.scenes)
+    return [*dict.fromkeys(itertools.chain(*lines))]
+
+
+def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
+    """Caveats of answers on a scene under some conditions; samples count errors of the inputs."""
+    sweep, critical, sd = scene.sweep, conditions.critical_temperature, conditions.critical_sd
+    exact = "inputs such as the steel's conductivity are taken as exact"
+    lines = [
+        sweep.declared.caveat,
+        note_on_ends(sweep),
+        caveat_on_turns(sweep, _warm_transitions(scene, conditions)) if critical else None,
+        None if scene.kind is Kind.SAMPLES else exact,
+        critical_in_words(critical, sd) if critical and sd else None,
+        error_in_words(sweep) if critical else None,
+    ]
+    return tuple(line for line in lines if line)
+
+
+def critical_in_words(value: float, sd: float | None) -> str:
+    """How exactly a critical temperature is known, and that verdicts count it [K]."""
+    doubt = f" ± {display(sd, 'K', 2)}, which is counted" if sd else ", taken as exact"
+    return f"the critical temperature is {display(value, '°C', 4)}{doubt}"
+
+
+def _warm_transitions(data: Results, conditions: Conditions) -> str:
+    """Where wear is severe if `cold_tracks` are warm, in words; empty if not computed.
+
+    It is computed for a plane of one scene, under its own conditions.
+    """
+    tracks, is_known = cold_tracks(data.sweep), {*NEEDED} <= {*data.columns}
+    is_own = data.kind is Kind.PLANE and not data.labels and conditions == data.sweep.conditions
+    if not (tracks and is_known and is_own):
+        return ""
+    parts = conditions.corrections or Corrections()
+    parts = replace(parts, motion=data.sweep.scene.motion, **tracks)
+    field = point_field(data, replace(conditions, corrections=parts))
+    first = np.fmin.reduce(field.transitions("velocity", data.loads, data.velocities[-1:]).first)
+    begins = [f"from {v:.3g} m/s" if v > 0 else "at every velocity computed" for v in first]
+    ends = {float(data.loads[k]): begins[k] for k in (0, -1) if first[k] < math.inf}
+    return ", ".join(f"{begin} at {load:g} N" for load, begin in ends.items())
