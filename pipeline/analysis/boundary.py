@@ -21,12 +21,12 @@ from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import DECIDED, error_band
 from pipeline.analysis.results import Results, ResultsLike, results
 from pipeline.analysis.scenes import side_by_side
-from pipeline.analysis.tables import joined
 from pipeline.analysis.transition import ABOVE, BELOW, MILD, SEVERAL, SEVERE, Line, outcomes
 from pipeline.quantities import UNITS
 from pipeline.store.schema import COORDINATES, PLANE, attributes_of
 from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
+from pipeline.sweep.remarks import joined
 from pipeline.sweep.surface import find_lubrication
 from tribo.types import Array
 

@@ -11,8 +11,8 @@ import numpy as np
 from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import point_field
 from pipeline.analysis.results import Results
-from pipeline.quantities import display
 from pipeline.sweep.accuracy import error_in_words
+from pipeline.sweep.condition_words import critical_in_words
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.physics import caveat_on_turns, cold_tracks, note_on_ends
 from tribo import Corrections
@@ -38,12 +38,6 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
         error_in_words(sweep) if critical else None,
     ]
     return tuple(line for line in lines if line)
-
-
-def critical_in_words(value: float, sd: float | None) -> str:
-    """How exactly a critical temperature is known, and that verdicts count it [K]."""
-    doubt = f" ± {display(sd, 'K', 2)}, which is counted" if sd else ", taken as exact"
-    return f"the critical temperature is {display(value, '°C', 4)}{doubt}"
 
 
 def _warm_transitions(data: Results, conditions: Conditions) -> str:

@@ -17,13 +17,14 @@ from pipeline.analysis.margin import Margin, answers, clipped
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results, ResultsLike, results
 from pipeline.analysis.scenes import heads_of, shown_label
-from pipeline.analysis.tables import frame_of, joined
+from pipeline.analysis.tables import frame_of
 from pipeline.quantities import column_heads, snap
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
+from pipeline.sweep.remarks import joined
 from pipeline.sweep.variants import VARIANT
 from tribo import InputError
 

@@ -88,9 +88,8 @@ def _places_in_words(ds: xr.Dataset, wrong: xr.Variable) -> str:
         among = wrong.any([other for other in wrong.dims if other != dim]).values
         if dim == "load" or not among.all():
             unit = ds[dim].attrs.get("units", "")
-            words.append(
-                f"{dim} {_listed(ds[dim].values[among])} {unit}".removesuffix(" 1").strip()
-            )
+            labels = f"{dim} {_listed(ds[dim].values[among])} {unit}"
+            words.append(labels.removesuffix(" 1").strip())
     return ", ".join(words) or "its place"
 
 

@@ -18,12 +18,12 @@ import pandas as pd
 from pipeline.paths import user_path
 from pipeline.quantities import is_unit_of_head, shown_in
 from pipeline.store.files import replace_files
+from pipeline.sweep.remarks import parted
 from tribo import InputError
 
 TABLES = (".csv", ".md", ".json")
 FIGURES = (".pdf", ".png", ".svg")
 """Endings of the files that a table, or a figure, may be written to."""
-_SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 _HEAD = re.compile(r"(.+) \[(.+)\]")
 _BEYOND = {math.inf: "above the sweep", -math.inf: "below the sweep"}
 _LONG = 1e4  # from which a number in text has no decimals
@@ -185,16 +185,6 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
     if path.is_dir() or not all(os.access(place, os.W_OK) for place in places):
         raise InputError(f"cannot write {out}: it is a folder, or it or its folder is not writable")
     return path
-
-
-def joined(notes: Iterable[str]) -> str | None:
-    """Notes as a cell of a table, each once; None without any."""
-    return _SEPARATOR.join(dict.fromkeys(notes)) or None
-
-
-def parted(cells: Iterable[str | None]) -> list[str]:
-    """The notes of cells of a table, each once."""
-    return [*dict.fromkeys(one for cell in cells if cell for one in cell.split(_SEPARATOR))]
 
 
 def notes_of(frame: pd.DataFrame, said: Collection[str] = ()) -> list[str]:

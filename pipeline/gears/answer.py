@@ -11,16 +11,7 @@ from typing import Any
 import pandas as pd
 
 import pipeline.gears
-from pipeline.analysis.tables import (
-    frame_of,
-    joined,
-    parted,
-    records,
-    short,
-    upright,
-    writable_path,
-    write_text,
-)
+from pipeline.analysis.tables import frame_of, records, short, upright, writable_path, write_text
 from pipeline.cli import output
 from pipeline.cli.given import settings_in
 from pipeline.cli.output import Result
@@ -32,6 +23,7 @@ from pipeline.gears.reading import read_pair
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import conclusion, judge_spectrum
 from pipeline.quantities import si_of
+from pipeline.sweep.remarks import joined, parted
 from pipeline.sweep.sources import library_tables
 from tribo import InputError
 

@@ -17,11 +17,12 @@ import pandas as pd
 import pipeline
 from pipeline.analysis.margin import NOT_DECIDED, clipped
 from pipeline.analysis.margin_frame import judged, margin_frame
-from pipeline.analysis.tables import frame_of, joined
+from pipeline.analysis.tables import frame_of
 from pipeline.gears.contact import Mesh
 from pipeline.gears.doubts import doubts
 from pipeline.gears.scene import scene_toml
 from pipeline.sweep.physics import caveat_on_turns
+from pipeline.sweep.remarks import joined
 from pipeline.sweep.stages import Report, silent
 
 _WORSE = ("mild", NOT_DECIDED, "severe")

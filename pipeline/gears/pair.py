@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pipeline.analysis.caveats import critical_in_words
 from pipeline.gears.involute import Involutes
 from pipeline.gears.pairfile import PairFile
+from pipeline.sweep.condition_words import critical_in_words
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.sources import FromLibrary
 from tribo import Material, Oil

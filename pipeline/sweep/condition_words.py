@@ -49,3 +49,9 @@ def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
     if PATHS["critical_temperature"] in drawn:
         critical = "the critical temperature of each sample"
     return f"{severe} {critical}"
+
+
+def critical_in_words(value: float, sd: float | None) -> str:
+    """How exactly a critical temperature is known, and that verdicts count it [K]."""
+    doubt = f" ± {display(sd, 'K', 2)}, which is counted" if sd else ", taken as exact"
+    return f"the critical temperature is {display(value, '°C', 4)}{doubt}"

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Literal, NamedTuple
 
 Grade = Literal["note", "warning"]
+_SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
 
 class Remark(NamedTuple):
@@ -27,3 +28,13 @@ class Remark(NamedTuple):
 def remarks(grade: Grade, *words: str | None) -> Iterator[str]:
     """Lines of remarks about no entry alone, one for each of the words that are not empty."""
     return (str(Remark("", grade, one)) for one in words if one)
+
+
+def joined(notes: Iterable[str]) -> str | None:
+    """Notes as a cell of a table, each once; None without any."""
+    return _SEPARATOR.join(dict.fromkeys(notes)) or None
+
+
+def parted(cells: Iterable[str | None]) -> list[str]:
+    """The notes of cells of a table, each once."""
+    return [*dict.fromkeys(one for cell in cells if cell for one in cell.split(_SEPARATOR))]

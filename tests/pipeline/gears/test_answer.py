@@ -12,7 +12,8 @@ import pytest
 
 import pipeline
 import pipeline.gears as gears
-from pipeline.analysis.tables import frame_of, joined
+from pipeline.analysis.tables import frame_of
+from pipeline.sweep.remarks import joined
 
 ROOT = Path(__file__).parents[3]
 DUTY = "torque [Nm],speed [rpm],hours,bulk temperature [degC],name\n"
