@@ -22,7 +22,6 @@ from distributed import WorkerPlugin, get_worker
 
 import tribo
 from pipeline.store.checksum import packed
-from pipeline.sweep.identity import Simulated
 from pipeline.sweep.laws import code_of, given_laws
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, run_points
@@ -83,11 +82,6 @@ class Run(WorkerPlugin):  # type: ignore[misc]
         sweep: Sweep = pickle.loads(self._sweep)
         return sweep
 
-    @cached_property
-    def simulated(self) -> Simulated:
-        """Hashes of what is simulated at its points."""
-        return Simulated(self.sweep)
-
     def require_same_code(self, worker: str) -> None:
         """Raise an `ExecutionError` on a worker with other code than the driver."""
         if self.code != CODE:
@@ -126,9 +120,9 @@ def _records(run: Run, points: Sequence[Point]) -> list[PointRecord]:
     """Records of points of one contact."""
     try:
         results = run_points(run.sweep, points, _trunks)
-        return [packed(result.record(run.with_fields), run.simulated) for result in results]
+        return [packed(result.record(run.with_fields), run.sweep) for result in results]
     except Exception as error:
         if len(points) > 1:  # the others may have a solution
             return [_records(run, (point,))[0] for point in points]
         message = f"{type(error).__name__}: {error}"
-        return [packed(PointRecord(points[0], None, message), run.simulated)]
+        return [packed(PointRecord(points[0], None, message), run.sweep)]

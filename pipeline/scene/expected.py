@@ -7,7 +7,6 @@ the width within 12 %.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,29 +17,20 @@ from tribo.wear import wear_over
 _ROUGH_RISE = 3.0  # root mean squares by which peaks reach beyond the smooth contact
 
 
-class Expected(NamedTuple):
-    """What is expected at the end of points, by load or by load and velocity."""
-
-    peak_pressures: Array  # those of Hertz, by load [Pa]
-    half_widths: Array  # likewise [m]
-    durations: Array  # by load [s]
-    distances: Array  # slid until the end [m]
-    widths: Array  # the worn and rough contact's along sliding [m]
-    depths: Array  # depth of the pin's wear [m]
-
-
 def expect_contacts(
     scene: Scene, loads: Sequence[float], velocities: Sequence[float], rms_height: float = 0.0
-) -> Expected:
+) -> dict[str, Array]:
     """Contacts at the end of points, with a root mean square height of the disk [m].
+
+    Arrays are by load, or by load and velocity, and have the names and units of `Facts`.
 
     Examples
     --------
     >>> import pipeline
     >>> first_try = pipeline.load_scene("workflows/first_try.toml").scene
     >>> expected = expect_contacts(first_try, [600.0], [1.5])
-    >>> f"{1e6 * expected.widths[0, 0]:.0f} µm after {expected.distances[0, 0]:.2g} m"
-    '258 µm after 6 m'
+    >>> f"{1e6 * expected['contact_width'][0, 0]:.0f} µm wide"
+    '258 µm wide'
     """
     modulus = contact_modulus(scene.pin.material, scene.disk)
     hertz = [scene.pin.hertz(load, modulus) for load in loads]
@@ -52,8 +42,14 @@ def expect_contacts(
     widths, depths = _worn(scene, max(velocities), half_widths[:, None], worn)
     if rms_height:
         widths = np.sqrt(widths**2 + 8 * scene.pin.radius * _ROUGH_RISE * rms_height)
-    pressures = np.array([contact.peak_pressure for contact in hertz])
-    return Expected(pressures, half_widths, durations, slid, widths, depths)
+    made = {
+        "hertz_pressure": np.array([contact.peak_pressure for contact in hertz]),
+        "hertz_half_width": half_widths,
+        "contact_width": widths,
+        "duration": durations,
+        "sliding_distance": slid,
+    }
+    return made | ({"wear_depth": depths} if wear else {})
 
 
 def _course(scene: Scene, load: float) -> tuple[float, float]:

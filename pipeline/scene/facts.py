@@ -32,7 +32,7 @@ class Span(NamedTuple):
         return cls(float(array.min()), float(array.max()))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Facts:
     """Meaning of a scene in numbers. Spans are over its loads and velocities."""
 
@@ -42,7 +42,7 @@ class Facts:
     window: tuple[float, float]  # sides along x and y [m]
     duration: Span  # time from the first contact to the end of the points [s]
     sliding_distance: Span  # distance slid until then [m]
-    wear_depth: Span | None  # expected on the pin by then [m]; None without wear
+    wear_depth: Span | None = None  # expected on the pin by then [m]; None without wear
     peclet_number: Span  # u a/(2κ) of the disk, a the half-width of Hertz
     disk_velocity: Span | None  # of its surface through the contact [m/s]; None if the pin rests
     surface: SurfaceFacts | None  # surface of the disk; None if it is smooth
@@ -51,18 +51,13 @@ class Facts:
 def facts_of(sweep: Sweep) -> Facts:
     """Calculate the facts of a scene in closed form."""
     scene, surface = sweep.scene, surface_facts(sweep)
-    velocities = sweep.plane.velocities
+    velocities, diffusivity = sweep.plane.velocities, scene.disk.thermal_diffusivity
     _, disk = np.transpose([scene.velocities_at(velocity) for velocity in velocities])
     expected = expect_contacts(scene, sweep.plane.loads, velocities, surface.rq if surface else 0.0)
-    peclet = np.outer(expected.half_widths, np.abs(disk)) / (2 * scene.disk.thermal_diffusivity)
+    peclet = np.outer(expected["hertz_half_width"], np.abs(disk)) / (2 * diffusivity)
     return Facts(
-        hertz_pressure=Span.of(expected.peak_pressures),
-        hertz_half_width=Span.of(expected.half_widths),
-        contact_width=Span.of(expected.widths),
+        **{name: Span.of(values) for name, values in expected.items()},
         window=scene.grid.size,
-        duration=Span.of(expected.durations),
-        sliding_distance=Span.of(expected.distances),
-        wear_depth=Span.of(expected.depths) if scene.wear else None,
         peclet_number=Span.of(peclet),
         surface=surface,
         disk_velocity=Span.of(disk) if scene.motion else None,
@@ -88,7 +83,7 @@ def track_faults(parts: Parts) -> Iterator[tuple[str, str]]:
     width, plane = 0.0, parts.plane
     if any(tracks.values()):
         expected = expect_contacts(parts.scene, plane.loads, plane.velocities)
-        width = float(expected.widths.max())  # of smooth bodies: to describe a surface is slow
+        width = float(expected["contact_width"].max())  # of smooth bodies: to describe a surface is slow
     for name, track in tracks.items():
         if track and track.length < _FEWEST_WIDTHS * width:
             key = "diameter" if getattr(parts.declared, name).diameter else "track_length"

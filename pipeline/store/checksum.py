@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.store.schema import AT_END, OF_POINT, STEPPED, VARIABLES
-from pipeline.sweep.identity import Simulated
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
 
@@ -32,7 +32,7 @@ def checksum(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
     return digest.hexdigest()
 
 
-def packed(record: PointRecord, simulated: Simulated) -> PointRecord:
+def packed(record: PointRecord, sweep: Sweep) -> PointRecord:
     """A record as it is written, with its checksum."""
     if record.checksum is not None:
         return record
@@ -47,5 +47,5 @@ def packed(record: PointRecord, simulated: Simulated) -> PointRecord:
         record,
         data=None if record.data is None else data,
         message=message,
-        checksum=checksum(simulated.at(record.point), record.point, data | about),
+        checksum=checksum(sweep.scene_hash(record.point), record.point, data | about),
     )

@@ -25,7 +25,7 @@ def take_points(store: Store, other: Store) -> int:
         return 0
     wanted: dict[tuple[Any, ...], list[Point]] = {}
     for point in store.pending():
-        wanted.setdefault((store.simulated.at(point), *point[:2]), []).append(point)
+        wanted.setdefault((store.sweep.scene_hash(point), *point[:2]), []).append(point)
     count = 0
     for _, block in blocks(other.flags == DONE, other.block):
         records = []
@@ -39,9 +39,9 @@ def take_points(store: Store, other: Store) -> int:
                     entries["message"],
                     entries["warning_flags"],
                     entries["wall_time"],
-                    checksum=checksum(store.simulated.at(point), point, entries),
+                    checksum=checksum(store.sweep.scene_hash(point), point, entries),
                 )
-                for point in wanted.get((other.simulated.at(here), *here[:2]), ())
+                for point in wanted.get((other.sweep.scene_hash(here), *here[:2]), ())
             ]
         store.commit(records)
         count += len(records)

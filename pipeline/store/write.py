@@ -41,7 +41,6 @@ from pipeline.store.schema import (
     STEPPED,
     path_of,
 )
-from pipeline.sweep.identity import Simulated
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.plan import points as points_of
@@ -64,7 +63,6 @@ class Store:
     ) -> None:
         self.place, self.root, self.lock = place, root, lock
         self.sweep, self.axes = root.sweep, root.axes
-        self.simulated = Simulated(root.sweep)
         self.arrays = open_arrays(place.zarr(), root.arrays)
         self.encoder = Encoder(root.arrays)  # for one thread at a time
         self.dims = root.variables["status"].dims
@@ -135,7 +133,7 @@ class Store:
         """Put points on the disk: data first, then statuses."""
         values, statuses = {}, {}
         for record in records:
-            record = packed(record, self.simulated)
+            record = packed(record, self.sweep)
             index = self.index(record.point)
             values[index] = {name: getattr(record, name) for name in _ABOUT}
             statuses[index] = FAILED

@@ -9,7 +9,7 @@ from dataclasses import fields
 from typing import Any
 
 from pipeline.sweep.digest import digest
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import Variant
 
 
@@ -34,18 +34,3 @@ def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
             found = hashlib.sha256(f"{found}{numbers}".encode()).hexdigest()
         ids.append(int.from_bytes(bytes.fromhex(found[:8]), signed=True))
     return ids
-
-
-class Simulated:
-    """Hash of what is simulated at each point of a sweep."""
-
-    def __init__(self, sweep: Sweep) -> None:
-        self._sweep = sweep
-        self._hashes: dict[Variant, str] = {}  # which goes to other processes; no cache does
-
-    def at(self, point: Point) -> str:
-        """Hash of what is simulated at a point."""
-        name = point.variant
-        if name not in self._hashes:
-            self._hashes[name] = digest(self._sweep.variant(name).scene)
-        return self._hashes[name]

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo import Motion, Oil, Pin, Scene, contact_modulus
+from tribo import Oil, Scene, contact_modulus
 from tribo.simulation.pins import OilEntry
 from tribo.types import Array
 
 
 @dataclass(frozen=True, slots=True)
 class Lubrication:
-    """Quantities that the film parameter Λ depends on, of smooth bodies before any wear.
+    """The film of an oil between the smooth bodies of a scene before any wear, and its Λ.
 
     Examples
     --------
@@ -25,33 +24,26 @@ class Lubrication:
     >>> ball, pixels = tribo.Ball(10e-3, steel), tribo.Grid((64, 64), (4e-6, 4e-6), (False, False))
     >>> scene = tribo.Scene(pin=ball, disk=steel, pixels=pixels, loading=tribo.Ramp(10.0, 10.0))
     >>> oil = tribo.Oil((313.15, 373.15), (32e-6, 5.4e-6), 866.0, (20e-9, 15e-9))
-    >>> film = Lubrication.make(scene, oil, rms_height=0.3e-6)
+    >>> film = Lubrication(scene, oil, rms_height=0.3e-6)
     >>> f"{film.film_parameter(10.0, 0.065, 298.15):.3f}"
     '0.067'
     """
 
+    scene: Scene
     oil: Oil  # with a pressure-viscosity coefficient
-    pin: Pin
-    contact_modulus: float  # [Pa]
     rms_height: float  # the disk's [m]
-    motion: Motion | None = None  # None if the pin is at rest
-
-    @classmethod
-    def make(cls, scene: Scene, oil: Oil, rms_height: float) -> Self:
-        """The lubrication of a scene by an oil, with a root mean square height of its disk [m]."""
-        modulus = contact_modulus(scene.pin.material, scene.disk)
-        return cls(oil, scene.pin, modulus, rms_height, scene.motion)
 
     def film_thickness(self, load: float, velocity: float, temperature: float) -> float:
         """Minimum film thickness at a load [N], a sliding velocity [m/s] and a temperature [K] [m].
 
         Where the pin is at rest, the oil enters at half the sliding velocity.
         """
-        both = self.motion.velocities(velocity) if self.motion else (0.0, velocity)
+        entrainment = abs(sum(self.scene.velocities_at(velocity))) / 2
         viscosity = self.oil.viscosity(temperature)
         coefficient = self.oil.pressure_coefficient(temperature)
-        oil = OilEntry(abs(sum(both)) / 2, viscosity, coefficient)
-        return self.pin.film_thickness(oil, load, self.contact_modulus)
+        modulus = contact_modulus(self.scene.pin.material, self.scene.disk)
+        oil = OilEntry(entrainment, viscosity, coefficient)
+        return self.scene.pin.film_thickness(oil, load, modulus)
 
     def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
         """Film parameter Λ of loads [N] and velocities [m/s], broadcast; NaN without a load."""

@@ -263,6 +263,14 @@ class Sweep:
         for name, one in zip(self.variants.names, parts, strict=True):
             vars(self.variant(name))["_parts"] = one
 
+    @cached_property
+    def _scene_hash(self) -> str:
+        return digest(self.scene)
+
+    def scene_hash(self, point: Point) -> str:
+        """Hash of what is simulated at a point."""
+        return self.variant(point.variant)._scene_hash
+
     def below(self, name: Variant) -> Self:
         """The sweep at labels that are not drawn, on the rows that are drawn for them."""
         return replace(self.variant(name), variants=self.variants.below(name))

@@ -113,4 +113,4 @@ def find_lubrication(sweep: Sweep) -> Lubrication | None:
     if oil is None or oil.pressure_coefficients is None or not is_known:
         return None
     facts = surface_facts(sweep)
-    return Lubrication.make(scene, oil, facts.rq) if facts and facts.rq else None
+    return Lubrication(scene, oil, facts.rq) if facts and facts.rq else None
