@@ -15,7 +15,7 @@ import numpy as np
 from pipeline.paths import user_path
 from pipeline.scene.declare import Table, declared, table_of
 from pipeline.scene.document import Document
-from pipeline.scene.extensions import Extend, Reading
+from pipeline.scene.extensions import Extend
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import BULK, CRITICAL, FRICTION, LOAD, SPEED, SceneFile
 from pipeline.scene.names import UNITS, Heading
@@ -189,9 +189,9 @@ def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:
     return [{CONDITIONS.get(head, head): cell for head, cell in row.items()} for row in rows]
 
 
-def _extend(rows: list[dict[str, Any]], sweep: Sweep, reading: Reading) -> Sweep:
+def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
     """The sweep with a row of its table of variants for each place; raises at a faulty one."""
-    if entry_at(reading.scene, "sweep.samples"):
+    if entry_at(sweep.plane, "samples"):
         raise InputError(
             "sweep.along: its rows have their own loads and velocities, as samples have; leave out "
             "sweep.along or sweep.samples"

@@ -8,7 +8,7 @@ from typing import Any
 import tribo
 from pipeline.quantities import display
 from pipeline.scene.faults import Fault, Faults, did_you_mean, quoted
-from pipeline.scene.format import Bulks
+from pipeline.scene.format import Bulks, RandomSurface
 from pipeline.scene.library import library
 from pipeline.scene.parts import DISC, around
 from pipeline.scene.runs import run_faults
@@ -64,6 +64,15 @@ def _unfit_pixels(scene: Any) -> Misfits:
     if any(count % block for count in pixels):
         problem = f"cannot be averaged {block} × {block}; give multiples of {block}, or another"
         yield "window.pixels", f"{quoted(list(pixels))} {problem} fidelity.pixels_per_element"
+
+
+@_check("sweep.realizations", "disk.roughness")
+def _surfaces_without_seeds(scene: Any) -> Misfits:
+    wanted = scene.sweep.realizations
+    if wanted is not None and not isinstance(scene.disk.roughness, RandomSurface):
+        count = quoted(wanted if isinstance(wanted, int) else list(wanted))
+        problem = "needs a [disk.roughness] that is made from a seed; give one, or leave this out"
+        yield "sweep.realizations", f"{count} {problem}"
 
 
 @_check("pin.length", "window.pixels", "window.pixel_size")

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from importlib import import_module
-from typing import Any, NamedTuple
 
 from pipeline import extras
 from pipeline.scene.document import Document
@@ -17,16 +16,7 @@ from pipeline.scene.faults import Faults
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.tables import Entries, entry_at
 
-
-class Reading(NamedTuple):
-    """What has been read of a scene when its table of variants is made."""
-
-    document: Document
-    scene: Any  # the file as it is declared
-    faults: Faults
-
-
-Extend = Callable[[Sweep, Reading], Sweep]
+Extend = Callable[[Sweep], Sweep]
 """Gives a sweep the variants that its scene names."""
 
 

@@ -83,7 +83,9 @@ def track_faults(parts: Parts) -> Iterator[tuple[str, str]]:
     width, plane = 0.0, parts.plane
     if any(tracks.values()):
         expected = expect_contacts(parts.scene, plane.loads, plane.velocities)
-        width = float(expected["contact_width"].max())  # of smooth bodies: to describe a surface is slow
+        width = float(
+            expected["contact_width"].max()
+        )  # of smooth bodies: to describe a surface is slow
     for name, track in tracks.items():
         if track and track.length < _FEWEST_WIDTHS * width:
             key = "diameter" if getattr(parts.declared, name).diameter else "track_length"

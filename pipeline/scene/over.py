@@ -12,7 +12,7 @@ from typing import Any
 
 from pipeline.scene.declare import table_of
 from pipeline.scene.document import Document
-from pipeline.scene.extensions import Extend, Reading
+from pipeline.scene.extensions import Extend
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import Oil
 from pipeline.scene.reading import contents_of
@@ -36,9 +36,9 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
     return document.above({path: v[0] for path, v in listed if isinstance(v, list) and v}), _extend
 
 
-def _extend(sweep: Sweep, reading: Reading) -> Sweep:
+def _extend(sweep: Sweep) -> Sweep:
     """The sweep with a row for every combination; `InputError` at the first that is unfit."""
-    over = reading.scene.sweep.over
+    over = sweep.plane.over
     if not over:
         return sweep
     if (count := math.prod(map(len, over.values()))) > MOST_SCENES:

@@ -23,14 +23,12 @@ from pipeline.scene.format import (
     Oil,
     Plate,
     Ramp,
-    RandomSurface,
     Rod,
     Window,
 )
 from pipeline.scene.names import UNITS
 from pipeline.scene.sheet import read_sheet
 from pipeline.sweep.laws import MissingError, MissingSurface
-from pipeline.sweep.tables import entry_at
 from tribo.loading.record import fault as record_fault
 from tribo.surface import array_digest
 from tribo.types import Array
@@ -215,25 +213,6 @@ def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
         volume = math.pi / 4 * capacity.diameter**2 * capacity.thickness
         capacity = volume * material.density * material.specific_heat
     return tribo.Bulk(capacity or 0.0, loss or 0.0)
-
-
-def realizations_of(scene: Any, faults: Faults) -> tuple[int, ...]:
-    """Seeds of the random surfaces; the scene takes the first."""
-    wanted, rough = entry_at(scene, "sweep.realizations"), entry_at(scene, "disk.roughness")
-    if wanted is None or scene.disk is None:
-        return ()
-    if not isinstance(rough, RandomSurface):
-        if not faults.touch("disk.roughness"):
-            faults.refuse(
-                "sweep.realizations",
-                f"{quoted(wanted if isinstance(wanted, int) else list(wanted))} needs a "
-                "[disk.roughness] that is made from a seed; give one, or leave this out",
-            )
-        return ()
-    if isinstance(wanted, int):
-        first = rough.seed or 0
-        return tuple(range(first, first + wanted))
-    return tuple(sorted(wanted))
 
 
 def roughness_of(

@@ -24,7 +24,6 @@ from pipeline.scene.parts import (
     material_of,
     motion_of,
     oil_of,
-    realizations_of,
     roughness_of,
     wear_of,
 )
@@ -81,7 +80,6 @@ class SceneReader:
             tables, taken = resolve_library(tables, faults)
         scene, changed = self._declared(tables, faults)
         fidelity, preset = self._fidelity(scene.fidelity, faults)
-        realizations_of(scene, faults)
         part, stops = partial(self._part, scene, faults), tested_holds(scene)
         contents = self.contents
         loading, record = part(

@@ -11,11 +11,11 @@ import numpy as np
 import tribo
 from pipeline.scene.declare import table_of
 from pipeline.scene.document import override_entries, read_document
-from pipeline.scene.extensions import Reading, begin
+from pipeline.scene.extensions import begin
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean
 from pipeline.scene.format import Fidelity, SceneFile
 from pipeline.scene.laws import replace_by_laws
-from pipeline.scene.parts import Contents, realizations_of
+from pipeline.scene.parts import Contents
 from pipeline.scene.reading import SceneReader, contents_of
 from pipeline.scene.reference import FILES, all_keys
 from pipeline.scene.shipped import scene_path
@@ -81,8 +81,9 @@ def load_scene(
     try:
         parts, sources = reader.read_all(entries, faults)
         if parts is not None:
-            seeds = realizations_of(parts.declared, Faults())
-            if seeds and seeds[0] != entry_at(parts.declared, SEED):
+            first, wanted = entry_at(parts.declared, SEED), parts.plane.realizations or ()
+            seeds = range(first, first + wanted) if isinstance(wanted, int) else sorted(wanted)
+            if seeds and seeds[0] != first:
                 entries = replace_value(entries, SEED, seeds[0])
                 parts = reader.read(entries)
             sweep = Sweep(
@@ -94,7 +95,7 @@ def load_scene(
                 notes=faults.notes,
             )
             for extend in extensions:
-                sweep = extend(sweep, Reading(document, parts.declared, faults))
+                sweep = extend(sweep)
             _require_few_points(sweep)
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [_with_path(str(error), entries)]) from error

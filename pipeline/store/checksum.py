@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.store.schema import AT_END, OF_POINT, STEPPED, VARIABLES
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.model import Point
+from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 
 _LONGEST = 2000  # characters of a message, which somebody is to read

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ import scipy  # its special functions take 0.2 s to load
 
 from pipeline.quantities import DIMENSIONS, as_written
 from pipeline.scene.document import Document
-from pipeline.scene.extensions import Extend, Reading
+from pipeline.scene.extensions import Extend
 from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.units import UnitError, difference_in_si, si_unit, to_si
 from pipeline.sweep.model import Sweep
@@ -67,12 +68,12 @@ def _fixed_paths(document: Document) -> frozenset[str]:
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
     """The document, unchanged, and the function that makes the table of samples."""
-    return document, _extend
+    return document, partial(_extend, _fixed_paths(document), faults)
 
 
-def _extend(sweep: Sweep, reading: Reading) -> Sweep:
+def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
     """The sweep with samples of each row; unchanged without samples, or if they are faulty."""
-    scene, faults, fixed = reading.scene, reading.faults, _fixed_paths(reading.document)
+    scene = sweep.declared
     count, unknown = scene.sweep.samples, scene.unknown or {}
     if count is not None and not set(unknown) - set(fixed):
         raise InputError(
