@@ -14,7 +14,6 @@ from pipeline.sweep.tables import Entries
 # fmt: off
 @declared
 class Log:
-    form_name = "log"
     file: A[str,
         "Log with a row for each test, CSV or Excel, with columns such as `load [N]`; relative to "
         "the folder of the scene. `irg tests LOG` prints these lines."]

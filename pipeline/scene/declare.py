@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass, replace
 from decimal import Decimal
@@ -49,7 +50,11 @@ _Class = TypeVar("_Class")
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 def declared(table: type[_Class]) -> type[_Class]:
-    """Declare a table: its entries are the fields of the class; `form_name` is that of a form."""
+    """Declare a table: its entries are the fields of the class.
+
+    Of several forms of a table each is called as its class, such as "random surface", unless that
+    has a `form_name`.
+    """
     return dataclass(frozen=True, kw_only=True)(table)
 
 
@@ -80,7 +85,8 @@ def table_of(table: type[Any]) -> Table:
     """The kind of a declared table."""
     hints = get_type_hints(table, include_extras=True)
     keys = {one.name: _entry(hints[one.name], one) for one in fields(table)}
-    return Table(keys, table, getattr(table, "form_name", ""))
+    words = re.sub("(?<=.)(?=[A-Z])", " ", table.__name__).lower()
+    return Table(keys, table, getattr(table, "form_name", words))
 
 
 def _entry(hint: Any, field: Field[Any]) -> Entry:

@@ -5,6 +5,7 @@ Tables are merged key by key, lists and values replaced; ``without`` leaves entr
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 import tomllib
@@ -75,7 +76,9 @@ class Document(NamedTuple):
     def file_of(self, key: str) -> Path:
         """The file in which an entry stands or, if it stands in none, the table it belongs to."""
         parts = re.sub(r"\[\d+\]", "", key).split(".")
-        return max(self.layers, key=lambda layer: _depth(layer.entries, parts)).file
+        paths = [*itertools.accumulate(parts, "{}.{}".format)]
+        held = [sum(entry_at(one.entries, p) is not None for p in paths) for one in self.layers]
+        return self.layers[held.index(max(held))].file
 
     def line(self, fault: Fault) -> str:
         """Write a fault on one line, with the file that it stands in if that is another one."""
@@ -156,15 +159,6 @@ def _table(entries: dict[str, Any], *keys: str) -> dict[str, Any] | None:
         if not isinstance(entries, dict):
             return None
     return entries
-
-
-def _depth(entries: Any, parts: list[str]) -> int:
-    """Number of parts of a key path that the entries hold."""
-    for depth, part in enumerate(parts):
-        if not isinstance(entries, dict) or part not in entries:
-            return depth
-        entries = entries[part]
-    return len(parts)
 
 
 def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS) -> dict[str, Any]:

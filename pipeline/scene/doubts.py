@@ -41,7 +41,7 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
 
 def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     """What follows from several entries, and is outside its usual range."""
-    for name, material in (sweep.parts().declared.materials or {}).items():
+    for name, material in (sweep.parts.declared.materials or {}).items():
         yield joined(joined("materials", name), "hardness"), soft_or_hard(material)
     yield "loading", unusual(facts.duration.high, (0.05, 1e6), "s")
     loading, highest = sweep.scene.loading, max(sweep.plane.loads)

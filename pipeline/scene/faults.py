@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from pipeline.scene.shipped import name_of
 from pipeline.scene.units import UnitError
-from pipeline.sweep.remarks import Remark
+from pipeline.sweep.remarks import Grade, Remark
 from tribo import InputError, TriboError
 
 _SHOWN_ROWS = 6  # that a message names
@@ -45,14 +45,10 @@ class Faults(list[Fault]):
         """Add a fault of the entry at a key path."""
         self.append(Fault(key, problem))
 
-    def note(self, place: str, words: str) -> None:
-        """Note what is no fault of the entry at a place."""
-        self.notes.append(Remark(place, "note", words))
-
-    def warn(self, place: str, words: str) -> None:
-        """Note a probable slip in the entry at a place; nothing without words."""
+    def note(self, place: str, words: str, grade: Grade = "note") -> None:
+        """Note what is no fault of the entry at a place; nothing without words."""
         if words:
-            self.notes.append(Remark(place, "warning", words))
+            self.notes.append(Remark(place, grade, words))
 
     @contextmanager
     def at(self, key: str) -> Iterator[None]:

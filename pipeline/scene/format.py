@@ -107,13 +107,11 @@ class Material:
 
 @declared
 class Rod:
-    form_name = "rod"
     length: A[float, Quantity("4 mm"), "Length of the rod, of the pin's material."]
     area: A[float, Quantity("13.6 mm^2"), "Cross section of the rod."]
 
 @declared
 class Resistance:
-    form_name = "resistance"
     resistance: A[float, Quantity("8 K/W"), "Thermal resistance to the holder."]
 
 @declared
@@ -165,7 +163,6 @@ Pin = _extended(_Pin, (Body,), [
 
 @declared
 class RandomSurface:
-    form_name = "random surface"
     ra: A[float, Quantity("0.27 um", usual=(0.001, 10)),
         "Ra, the mean deviation of the heights from their mean plane."]
     hurst_exponent: A[float, Number(above=0, at_most=1),
@@ -177,7 +174,6 @@ class RandomSurface:
 
 @declared
 class MeasuredSurface:
-    form_name = "measured surface"
     file: A[str,
         "File with the heights, x along its columns, relative to the folder of the scene: .npy, "
         "text, or the format of an instrument (extra `surfaces`).",
@@ -225,15 +221,13 @@ _REFERENCE_LOAD = (
 
 @declared
 class Ramp:
-    form_name = "ramp"
     rate: A[float, Quantity("150 N/s"), "Rate at which the load grows from 0."]
     reference_load: A[float, Quantity("750 N"), _REFERENCE_LOAD]
     hold: A[float, DURATION,
         "Time for which each load is held after the ramp, in growing steps."] = 0.0
 
 @declared
-class LoadRecord:
-    form_name = "record"
+class Record:
     file: A[str,
         "Recorded load, a CSV file with the columns `time [s]` and `load [N]`; relative to the "
         "folder of the scene.", Example("load.csv")]
@@ -483,7 +477,7 @@ class _SceneFile:
         "crowned roller."]
     disk: A[Disk, "The body that slides under the pin."]
     window: A[Window, "The simulated patch of the contact, x along sliding and y across."]
-    loading: A[Ramp | LoadRecord, "Growth of the load: a ramp, or a recorded load."]
+    loading: A[Ramp | Record, "Growth of the load: a ramp, or a recorded load."]
     motion: A[Motion | None,
         "Motion of both bodies: give `slide_roll_ratio` or `entrainment_velocity`. Without the "
         "table the pin is at rest."] = None

@@ -66,7 +66,7 @@ def text_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
             stations=_stations(read.get("stations")),
             chosen=() if "chosen" in read else None,
         )
-        sweep.parts()
+        _ = sweep.parts  # refuses what is not sound
     except Exception as error:  # a forged text may fail in any way, and is one error
         raise SweepTextError(f"it is not the text of a sweep: {error}") from error
     return sweep

@@ -128,7 +128,7 @@ class Number(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         require(value, (int, float), "is not a plain number")
         self._require_fit(value, _SMALLEST, _LARGEST)
-        faults.warn(place, unusual(value, self.usual, self.unit))
+        faults.note(place, unusual(value, self.usual, self.unit), "warning")
         return float(value)
 
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
@@ -209,7 +209,7 @@ class Quantity(Kind):
         low, high = self.ends or DIMENSIONS[si_unit(self.example)].limits
         if not exact_si(low, self.example) <= exact <= exact_si(high, self.example):
             raise UnfitError(f"{quoted(value)} is out of range, which is from {low} to {high}")
-        faults.warn(place, unusual(float(exact), self.usual, self.unit))
+        faults.note(place, unusual(float(exact), self.usual, self.unit), "warning")
         return float(exact)
 
 

@@ -102,7 +102,7 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
                 f"{key}.{quoted(path)}: this cannot take several values; give an entry of the "
                 'scene, such as "pin.radius"'
             )
-    rows, reader, base, read = [], sweep.reader, sweep.parts(), []
+    rows, reader, base, read = [], sweep.reader, sweep.parts, []
     for row in table.rows:
         written = replace_values(sweep.written, row.values)
         given = {path: one for path, one in row.values.items() if one is not None}

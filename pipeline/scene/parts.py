@@ -16,13 +16,13 @@ from pipeline.paths import user_path
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import (
     Body,
-    LoadRecord,
     Material,
     MeasuredSurface,
     Motion,
     Oil,
     Plate,
     Ramp,
+    Record,
     Rod,
     Window,
 )
@@ -83,7 +83,7 @@ class Contents:
 
 
 def loading_of(
-    table: Ramp | LoadRecord, contents: Contents, faults: Faults, stops: tuple[float, ...]
+    table: Ramp | Record, contents: Contents, faults: Faults, stops: tuple[float, ...]
 ) -> tuple[Loading, str | None]:
     """The ramp or the recorded load, and the digest of a record; a note tells of a fitted line.
 

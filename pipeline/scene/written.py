@@ -86,7 +86,7 @@ def differing(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]]:
     """Paths of entries that mean something else in another sweep, and both in words."""
     sweeps = one, other
     words = [scene_entries(sweep) for sweep in sweeps]
-    plain = [scene_entries(sweep, sweep.reader.complete({}, sweep.parts())) for sweep in sweeps]
+    plain = [scene_entries(sweep, sweep.reader.complete({}, sweep.parts)) for sweep in sweeps]
     for path in {**words[0], **words[1]}:
         if plain[0].get(path) != plain[1].get(path):
             yield path, words[0].get(path, ""), words[1].get(path, "")

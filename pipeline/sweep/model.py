@@ -139,35 +139,32 @@ class Sweep:
         return digest((own, chosen, words, self.verdict_inputs, labels, self.variants.rule, rows))
 
     @cached_property
-    def _parts(self) -> Parts:
-        parts: Parts = self.reader.read(self.written)
-        return parts
-
     def parts(self) -> Parts:
         """What the entries read as."""
-        return self._parts
+        parts: Parts = self.reader.read(self.written)
+        return parts
 
     @cached_property
     def conditions(self) -> Conditions:
         """Friction, temperatures and criterion, which act after the simulation."""
-        parts = self.parts()
+        parts = self.parts
         return replace(parts.conditions, **self.judged).under(parts.scene.loading)
 
     @cached_property
     def scene(self) -> Scene:
         """What is simulated, with its numerical choices."""
-        scene, solved = self.parts().scene, self.conditions.solved_friction
+        scene, solved = self.parts.scene, self.conditions.solved_friction
         return scene if solved == scene.solved_friction else replace(scene, solved_friction=solved)
 
     @property
     def plane(self) -> Any:
         """Table `[sweep]`: loads [N] and velocities [m/s], and what is kept of each point."""
-        return self.parts().plane
+        return self.parts.plane
 
     @property
     def declared(self) -> Any:
         """The scene file as its format declares it."""
-        return self.parts().declared
+        return self.parts.declared
 
     @property
     def title(self) -> str:
@@ -178,7 +175,7 @@ class Sweep:
     @property
     def tests(self) -> tuple[Measurement, ...]:
         """Tests of the scene, transitions first."""
-        return tuple(test.under_oil(self.oil) for test in self.parts().tests)
+        return tuple(test.under_oil(self.oil) for test in self.parts.tests)
 
     @property
     def measured(self) -> tuple[Measurement, ...]:
@@ -193,12 +190,12 @@ class Sweep:
     @property
     def lubricant(self) -> Oil | None:
         """The oil between the bodies, which enters no simulation."""
-        return self.parts().oil
+        return self.parts.oil
 
     @property
     def preset(self) -> str | None:
         """Preset that the fidelity equals."""
-        return self.parts().preset
+        return self.parts.preset
 
     @property
     def verdict_inputs(self) -> tuple[Any, ...]:
@@ -209,7 +206,7 @@ class Sweep:
     @cached_property
     def entries(self) -> dict[str, Any]:
         """The entries in full: with defaults, values of the library and choices of the preset."""
-        entries: dict[str, Any] = self.reader.complete(self.written, self.parts())
+        entries: dict[str, Any] = self.reader.complete(self.written, self.parts)
         return entries
 
     @property
@@ -231,7 +228,7 @@ class Sweep:
         elif path.startswith("fidelity.") and self.reader.is_stored:
             written = replace_value(written, "fidelity.preset", None)  # whose choices these were
         changed = replace(self, written=replace_values(written, {path: value}))
-        changed.parts()
+        _ = changed.parts  # refuses what is not sound
         return changed
 
     def description(self) -> tuple[str, dict[str, Any]]:
@@ -261,7 +258,7 @@ class Sweep:
     def keep_parts(self, parts: Iterable[Parts]) -> None:
         """Keep what the rows of the table read as, which takes 0.2 ms a row."""
         for name, one in zip(self.variants.names, parts, strict=True):
-            vars(self.variant(name))["_parts"] = one
+            vars(self.variant(name))["parts"] = one
 
     @cached_property
     def _scene_hash(self) -> str:

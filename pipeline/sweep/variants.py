@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -146,8 +146,9 @@ class Variants:
     def values(self, name: Variant) -> Mapping[str, Any]:
         """Entries that a row replaces, or that all rows do which are drawn for given labels."""
         if name in self.by_name:
-            row = self.by_name[name]
-            return {**dict(self._numbers(row)), **row.values}
+            labels, values = self.by_name[name]
+            paths = [one for one in self.columns if "." in one.key and one.key not in values]
+            return {one.key: as_written(labels[one.name], one.unit) for one in paths} | {**values}
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
         if not own or len(name) != len(self.chosen):
             wanted = " and ".join(f"{key} {value}" for key, value in name)
@@ -155,12 +156,6 @@ class Variants:
             raise InputError(f"the sweep has no {wanted}; it has {ends or 'one scene alone'}")
         drawn = {one.key for one in self._drawn}
         return {key: one for key, one in own[0].values.items() if key not in drawn}
-
-    def _numbers(self, row: Row) -> Iterator[tuple[str, Any]]:
-        """Entries that a row gives by its labels alone, as samples do."""
-        for one in self.columns:
-            if "." in one.key and one.key not in row.values:
-                yield one.key, as_written(row.labels[one.name], one.unit)
 
     @property
     def _drawn(self) -> tuple[Column, ...]:

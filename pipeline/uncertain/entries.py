@@ -197,7 +197,7 @@ def _add_samples(draw: Draw, count: int, sweep: Sweep) -> Sweep:
     made = replace(sweep, variants=sweep.variants * drawn_rows(draw, count))
     try:
         for name in made.variants.names[:_CHECKED_AT_ONCE]:
-            made.variant(name).parts()
+            _ = made.variant(name).parts
     except InputError as error:
         raise InputError(
             f"unknown: a sample is not a sound scene: {error}; give narrower distributions"
@@ -263,7 +263,7 @@ def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
     kept = {curve: entry_at(sweep.written, curve) for curve in CURVES}
     written = replace_values(sweep.written, kept | {path: value})
     other = replace(sweep, written=written, variants=Variants())
-    other.parts()
+    _ = other.parts
     return other
 
 

@@ -81,7 +81,7 @@ def changed(sweep, **values):
         reader = Given(reader.reader, kept) if kept else reader.reader
     made = replace(sweep, written=written, reader=reader, **own)
     try:
-        made.parts()
+        _ = made.parts
     except tribo.TriboError:
         assert not {*_DECLARED} & rest.keys(), "these are entries alone, and some entry is unfit"
         made = replace(sweep, **own)
@@ -91,11 +91,11 @@ def changed(sweep, **values):
 
 def _has(sweep, name, value):
     if name == "conditions":
-        return sweep.parts().conditions == value
+        return sweep.parts.conditions == value
     if name in _DECLARED:  # which no object has: they are as they are written
         return True
     part = PART_OF[name]
-    held = sweep if name in _TESTS else sweep.parts()
+    held = sweep if name in _TESTS else sweep.parts
     present = getattr(held if part == "parts" else getattr(held, part), name)
     if name in _TESTS:  # of which each has a number, its own or the next one
         return len(present) == len(value) and all(
