@@ -115,7 +115,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
     except SceneFileError as error:
         raise SceneFileError(path, [f"extends: {error}"]) from error
     base = _leave_out(base, without, path, faults)
-    if "preset" in (_table(table, "fidelity") or {}):
+    if entry_at(table, "fidelity.preset") is not None:
         base = base.replaced("fidelity", None)
     return Document((*document.layers, *base.layers))
 
@@ -130,9 +130,10 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
         document = document.replaced("fidelity", None)
     entries, top = document.entries(), dict[str, Any]()
     for key, value in overrides.items():
-        *tables, _ = key.split(".")
-        if _table(top, *tables) is None or _table(entries, *tables) is None:
-            faults.refuse(key, f"{'.'.join(tables)} is not a table; give its own key")
+        above = [*itertools.accumulate(key.split(".")[:-1], "{}.{}".format)]
+        held = (entry_at(layer, path) for layer in (top, entries) for path in above)
+        if not all(one is None or isinstance(one, dict) for one in held):
+            faults.refuse(key, f"{above[-1]} is not a table; give its own key")
         else:
             top = _merged(top, replace_value({}, key, value))
     return Document((FileEntries(document.file, top), *document.layers))
@@ -150,15 +151,6 @@ def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Do
         document = document.replaced(key, None)
     faults += [fault._replace(file=file) for fault in wrong]
     return document
-
-
-def _table(entries: dict[str, Any], *keys: str) -> dict[str, Any] | None:
-    """The table at a key path, an empty one if there is none; None if a value stands there."""
-    for key in keys:
-        entries = entries.get(key, {})
-        if not isinstance(entries, dict):
-            return None
-    return entries
 
 
 def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS) -> dict[str, Any]:

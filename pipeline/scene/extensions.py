@@ -7,14 +7,14 @@ document before it is read, and returns what makes the table of variants afterwa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib import import_module
 
 from pipeline import extras
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.tables import Entries, entry_at
+from pipeline.sweep.tables import entry_at
 
 Extend = Callable[[Sweep], Sweep]
 """Gives a sweep the variants that its scene names."""
@@ -22,8 +22,12 @@ Extend = Callable[[Sweep], Sweep]
 
 def begin(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
     """The document with what extensions add to it, and what they do to the sweep."""
-    extensions = list[Extend]()
-    for paths, module in _named(document.entries()):
+    extensions, entries = list[Extend](), document.entries()
+    named = [([f"sweep.{name}"], f"pipeline.scene.{name}") for name in ("over", "along")]
+    named += [(one.find(entries), f"{one.__package__}.entries") for one in extras.modules("format")]
+    for paths, module in named:
+        if not any(entry_at(entries, path) is not None for path in paths):
+            continue
         with faults.at(paths[0]):
             document, extend = import_module(module).begin(document, faults)
             extensions += [extend] if extend else []
@@ -31,13 +35,3 @@ def begin(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
         for path in paths:  # which nothing reads, so that no more is said of it
             document = document.replaced(path, None)
     return document, extensions
-
-
-def _named(entries: Entries) -> Iterator[tuple[list[str], str]]:
-    """Paths of the entries that extensions read, and the module that reads them."""
-    for name in ("over", "along"):
-        if entry_at(entries, path := f"sweep.{name}") is not None:
-            yield [path], f"pipeline.scene.{name}"
-    for extra in extras.modules("format"):
-        if paths := extra.find(entries):
-            yield paths, f"{extra.__package__}.entries"

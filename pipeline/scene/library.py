@@ -36,11 +36,9 @@ def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[Fr
     """The entries of a scene with those that it takes from the library, and the latter alone."""
     taken: list[FromLibrary] = []
     entries = dict(entries)
-    oil = entries.get("oil")
-    if isinstance(oil, str):
-        oil = {"like": oil}
-    if isinstance(oil, dict):
-        entries["oil"] = _filled(oil, oil.get("like"), "oils", "oil", taken, faults)
+    if (oil := entries.get("oil")) is not None:
+        table = {"like": oil} if isinstance(oil, str) else oil
+        entries["oil"] = _filled(table, None, "oils", "oil", taken, faults)
     tables = entries.get("materials", {})
     if not isinstance(tables, dict):
         return entries, tuple(taken)
@@ -50,28 +48,26 @@ def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[Fr
             tables = {name: dict[str, Any](), **tables}
     if tables:
         entries["materials"] = {
-            name: _material(name, table, taken, faults) for name, table in tables.items()
+            name: _filled(table, name, "materials", joined("materials", name), taken, faults)
+            for name, table in tables.items()
         }
     return entries, tuple(taken)
 
 
-def _material(name: str, table: Any, taken: list[FromLibrary], faults: Faults) -> Any:
-    """A table of ``[materials]``, filled from the library if it is to be."""
+def _filled(
+    table: Any, name: str | None, kind: str, place: str, taken: list[FromLibrary], faults: Faults
+) -> Any:
+    """The entries of a table, and those that it lacks from an entry of the library.
+
+    That is the one it is like, or for a table that is not whole the one of its name.
+    """
+    known = library()[kind]
     if not isinstance(table, dict):
         return table
-    is_whole = set(table) >= {*table_of(Material).needed}
-    usual = name if name in library()["materials"] and not is_whole else None
-    like = table.get("like", usual)
-    return _filled(table, like, "materials", joined("materials", name), taken, faults)
-
-
-def _filled(
-    table: Entries, like: Any, kind: str, place: str, taken: list[FromLibrary], faults: Faults
-) -> Entries:
-    """The entries of a table, and those that it lacks from an entry of the library."""
+    is_whole = table.keys() >= {*table_of(Material).needed}
+    like = table.get("like", name if name in known and not is_whole else None)
     if not isinstance(like, str) or not like:
         return table
-    known = library()[kind]
     if like not in known:
         problem = f"{quoted(like)} is not in the library; its {kind}: "
         faults.refuse(f"{place}.like", problem + ", ".join(map(quoted, known)))

@@ -10,11 +10,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.scene.declare import table_of
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend
 from pipeline.scene.faults import Faults, quoted
-from pipeline.scene.format import Oil
 from pipeline.scene.reading import contents_of
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.limits import MOST_SCENES
@@ -24,9 +22,8 @@ from pipeline.sweep.tables import changes, entry_at, flat, replace_values
 from pipeline.sweep.variants import VARIANT, Column, Label, Row, Variants
 from tribo import InputError
 
-_LIKE = {"oil": "oil.like"}
-"""Entry of a table that is given by the name of one of the library."""
-_FIXED = ("sweep", "title", "caveat", "extends", "without", "measured", "tested", "unknown")
+_FIXED = ("sweep", "unknown")
+"""Tables whose entries cannot take several values."""
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
@@ -59,16 +56,9 @@ def _axis(path: str, values: Sequence[Any]) -> Variants:
     pairs = [*zip(labels, values, strict=True)]
     if unit is not None:
         pairs.sort(key=lambda pair: pair[0])
-    column = Column(path, unit, meaning=f"{path} of the scene", entry=_LIKE.get(path, ""))
-    rows = (Row({path: label}, dict(_entries(path, text))) for label, text in pairs)
+    column = Column(path, unit, meaning=f"{path} of the scene")
+    rows = (Row({path: label}, {path: text}) for label, text in pairs)
     return Variants((column,), tuple(rows))
-
-
-def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """What a value of an entry replaces: the name of an oil its whole table."""
-    if path in _LIKE:
-        yield from ((f"{path}.{key}", None) for key in table_of(Oil).keys)
-    yield _LIKE.get(path, path), value
 
 
 def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
@@ -97,7 +87,7 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
     A row has values of the library, and the digests of what was read of its files.
     """
     for path in table.rows[0].values:
-        if path.partition(".")[0] in _FIXED:
+        if "." not in path or path.partition(".")[0] in _FIXED:
             raise InputError(
                 f"{key}.{quoted(path)}: this cannot take several values; give an entry of the "
                 'scene, such as "pin.radius"'

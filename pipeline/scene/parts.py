@@ -47,8 +47,7 @@ _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 def material_of(table: Material) -> tribo.Material:
     """A material of sound entries."""
-    given = {key: value for key, value in vars(table).items() if value is not None}
-    return tribo.Material(**{key: value for key, value in given.items() if key != "like"})
+    return tribo.Material(**{k: v for k, v in vars(table).items() if v is not None and k != "like"})
 
 
 @dataclass
@@ -116,8 +115,7 @@ def _read_record(path: Path, reference_load: float | None, faults: Faults) -> tr
     if not sheet.faults and (reason := record_fault(times, loads)):
         sheet.faults.append(f"row {sheet.rows[reason[0]].number}: {reason[1]}")
     sheet.refuse_faults("time [s],load [N]")
-    if sheet.counted:
-        faults.note("loading.file", sheet.counted)
+    faults.note("loading.file", sheet.counted)
     return tribo.MeasuredLoad(times, loads, reference_load)
 
 

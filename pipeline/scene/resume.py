@@ -56,10 +56,9 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
     labels = {column.name: values for column, values in old.coordinates.items()}
     for column, values in new.coordinates.items():
         present = labels.get(column.name, {})
-        for label in (
-            label for label in values if label in present and present[label] != values[label]
-        ):
-            yield _differs(f"{column.name}.{label}", present[label], values[label])
+        for label, value in values.items():
+            if present.get(label, value) != value:
+                yield _differs(f"{column.name}.{label}", present[label], value)
     if (steps := sweep.plane.steps) not in (None, choose_stations(stored).steps):
         yield _differs("sweep.steps", choose_stations(stored).steps, steps)
     if sweep.plane.fields and not stored.plane.fields:

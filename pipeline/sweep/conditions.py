@@ -27,8 +27,9 @@ PATHS = {
 """Entries of the scene file that act after the simulation, by the names of `changes_of`."""
 FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
 """The same by the fields of `Conditions`."""
-_BULKS = ("bulk_temperature", "disk_temperature")
-_NUMBERS = ("friction", *_BULKS, "critical_temperature", "failing_share")
+_NUMBERS = (
+    "friction", "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share",
+)  # fmt: skip
 UNITS = {name: unit or "1" for name, unit in units_in_si(*_NUMBERS).items()}
 """Units of the fields that are numbers."""
 

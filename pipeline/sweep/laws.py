@@ -96,17 +96,13 @@ class Law(UnknownHeights):
         return f"{self.name}({', '.join(f'{name}={value}' for name, value in self.parameters)})"
 
 
-def is_own(kind: Any) -> bool:
-    """True for a class of laws that does not ship, and for that of rules."""
-    root = getattr(kind, "__module__", "").partition(".")[0]
-    if root in _ROOTS or kind in (*LAWS.values(), *PINS.values()):
-        return kind is Rule
-    return any(hasattr(kind, name) for name in _METHODS)
-
-
 def is_given(part: Any) -> bool:
     """True for a law of the user's own, or what a store keeps of it."""
-    return isinstance(part, Law) or is_own(type(part))
+    kind = type(part)
+    root = getattr(kind, "__module__", "").partition(".")[0]
+    if root in _ROOTS or kind in (*LAWS.values(), *PINS.values()):
+        return kind in (Rule, Law)
+    return any(hasattr(kind, name) for name in _METHODS)
 
 
 def law_record(law: Any) -> Law:

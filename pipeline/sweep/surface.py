@@ -80,7 +80,8 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
         along_x, along_y = rough.correlation_length
         lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
         return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
-    heights = _heights(rough, pixels)
+    is_scan = isinstance(rough, MeasuredRoughness)
+    heights: Array = rough.array if is_scan else rough.heights(pixels)
     slopes = np.diff(heights, axis=0) / pixels.spacing[0]  # along sliding; none of a single row
     try:
         found = areal_roughness(heights, pixels.spacing)
@@ -96,11 +97,6 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
         lay=None if found.lay is None else abs(found.lay),
         slope=float(slopes.std()) if len(slopes) else None,
     )
-
-
-def _heights(rough: Any, pixels: Grid) -> Array:
-    heights: Array = rough.array if isinstance(rough, MeasuredRoughness) else rough.heights(pixels)
-    return heights
 
 
 def find_lubrication(sweep: Sweep) -> Lubrication | None:
