@@ -210,14 +210,3 @@ def _end_slope(h: Array, next_h: Array, m: Array, next_m: Array) -> Array:
     slope = np.where(np.sign(slope) == np.sign(m), slope, 0.0)
     is_steep = (np.sign(m) != np.sign(next_m)) & (np.abs(slope) > 3 * np.abs(m))
     return np.where(is_steep, 3 * m, slope)
-
-
-def certain(x: Array, y: Array, places: Array, limit: Array | float) -> Array:
-    """Interpolate y, and extrapolate it by a power law where that cannot cross a limit."""
-    curve = Curve(x, y)
-    found, beyond = curve(places), curve(places, continued=True)
-    (x_low, y_low), (x_high, y_high) = ([part[..., None] for part in curve.end(k)] for k in (0, -1))
-    goes_down = (places < x_low) & Criterion.is_mild(y_low, limit)
-    found = np.where(goes_down, np.minimum(beyond, y_low), found)
-    goes_up = (places > x_high) & Criterion.is_severe(y_high, limit)
-    return np.where(goes_up, np.maximum(beyond, y_high), found)

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from pipeline import extras
-from pipeline.analysis.curve import Curve, certain
+from pipeline.analysis.curve import Curve
 from pipeline.analysis.dataset import Kind
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results
@@ -28,7 +28,7 @@ from pipeline.store.schema import PLANE
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rise_limit, rise_limits
-from tribo import InputError
+from tribo import Criterion, InputError
 from tribo.types import Array, Mask
 
 _FAR, _PLACES = 30.0, 1024  # ratio to which a line goes on with its friction, and places of it
@@ -236,11 +236,23 @@ class PointField:
     @functools.cached_property
     def _load_curves(self) -> tuple[Curve, ...]:
         """Curves over loads by member and velocity: as computed, where certain, and continued."""
-        x = self.velocities
-        rises = self._rises * self.conditions.friction_factor(x)
-        going_on = np.where(np.isfinite(rises), rises, certain(x, rises, x, self.limit))
-        parts = rises, going_on, self._curves(x, True) * self.conditions.friction_factor(x)
+        x, factor = self.velocities, self.conditions.friction_factor(self.velocities)
+        parts = self._curves(x) * factor, self._certain(x), self._curves(x, True) * factor
         return tuple(Curve(self.loads, rows.swapaxes(-1, -2)) for rows in parts)
+
+    def _certain(self, velocities: Array) -> Array:
+        """Rises by member, load and velocity [K], beyond the points only where wear cannot turn.
+
+        A row goes on below its lowest point if that is mild, above its highest if that is severe.
+        """
+        factor = self.conditions.friction_factor(velocities)
+        ends = (self._curves.end(end) for end in (0, -1))
+        (low, first), (high, last) = ((x[..., None], y[..., None]) for x, y in ends)
+        beyond = self._curves(velocities, continued=True)
+        is_mild = (velocities < low) & Criterion.is_mild(first, self.limit / factor)
+        is_severe = (velocities > high) & Criterion.is_severe(last, self.limit / factor)
+        found = np.where(is_mild, np.minimum(beyond, first), self._curves(velocities))
+        return np.asarray(np.where(is_severe, np.maximum(beyond, last), found) * factor)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
         """See `Field`."""
@@ -300,9 +312,8 @@ class PointField:
         is_row = np.isin(place, other) & np.logical_not(is_filled)
         has_curve = self.conditions.has_friction_curve
         if axis == "load":
-            computed, here = self._load_rises(velocities), factor(velocities)
-            going_on = certain(other, self._rises, velocities, limit / here) * here
-            far = going_on = going_on.swapaxes(-1, -2)
+            computed = self._load_rises(velocities)
+            far = going_on = self._certain(velocities).swapaxes(-1, -2)
         else:
             computed, going_on, far = (curve(place).swapaxes(-1, -2) for curve in self._load_curves)
             if has_curve:  # how friction goes on beyond the points is no power law

@@ -28,9 +28,7 @@ MEASURED = (
 OIL = tribo.Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
 LOADS = np.arange(200.0, 751.0, 50.0)
 VELOCITIES = np.arange(0.5, 4.01, 0.25)
-NOTHING = {
-    (load, velocity): PENDING for load in LOADS for velocity in VELOCITIES
-}  # of the plane is done
+NOTHING = {(load, velocity): PENDING for load in LOADS for velocity in VELOCITIES}
 RATE, INCREMENT = 150.0, 37.5
 _STEP = ("load", "velocity", "step")
 

@@ -1,15 +1,17 @@
 """Interpolation close to power laws, and crossings (pipeline/analysis/curve.py)."""
 
 import itertools
-import math
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.analysis.curve import Curve, certain
+import pipeline
+from pipeline.analysis.curve import Curve
+from tests.helpers import synthetic
 from tests.helpers.answers import crossings
 
 
@@ -68,10 +70,12 @@ def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, 
         assert (np.diff(Curve(x, y)(fine)) >= -1e-9).all()  # as the points do
 
 
-def test_rises_go_on_beyond_the_points_only_where_that_cannot_cross_the_limit():
-    x, y, places = np.array([1.0, 4.0]), np.array([10.0, 20.0]), np.array([0.25, 1.0, 4.0, 16.0])
-    for limit, beyond in ((30.0, np.nan), (15.0, 40.0)):
-        found = certain(x, y, places, limit)
-        assert found == pytest.approx([5.0, 10.0, 20.0, beyond], nan_ok=True)
-        assert certain(x, y, np.array([2.0]), limit) == pytest.approx(10 * math.sqrt(2))
-    assert certain(x[:1], y[:1], places[:2], 30.0) == pytest.approx([np.nan, 10.0], nan_ok=True)
+def test_a_line_between_loads_goes_on_beyond_a_row_s_points_only_where_it_cannot_cross():
+    ds, (before, last) = synthetic.sweep().isel(load=[-2, -1]), synthetic.LOADS[-2:]
+    velocity, loads = ds["velocity"], (0.9 * before + 0.1 * last, 0.1 * before + 0.9 * last)
+    whole = [pipeline.margin(ds, load, 1.25).critical_velocity for load in loads]
+    for end, expected in ((1.25, whole), (1.0, [np.nan] * 2), (1.5, [np.nan] * 2)):
+        done = xr.where(ds["load"] == last, velocity <= end, velocity >= end)
+        part = ds.assign(status=ds["status"].where(done, 0).astype(np.int8))
+        found = [pipeline.margin(part, load, end).critical_velocity for load in loads]
+        assert found == pytest.approx(expected, rel=1e-3, nan_ok=True)
