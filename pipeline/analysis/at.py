@@ -168,7 +168,7 @@ def _weighed(
         )
     if others := [name for name in others if name != "criterion"]:
         raise InputError(
-            f"{', '.join(others)}: the tests weigh conditions as they were drawn; leave this out"
+            f"{', '.join(others)}: the tests have weighed these conditions; leave this out"
         )
     values = judged_values(ds) | {GIVEN_MEASURED: scatter or 0.0}
     return identified(ds.assign_attrs(at=json.dumps(values)))

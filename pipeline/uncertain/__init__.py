@@ -1,1 +1,1 @@
-"""Inputs that are not known exactly: probabilities, causes and measurements."""
+"""Inputs that are not known exactly: their samples, probabilities, sensitivities and posterior."""

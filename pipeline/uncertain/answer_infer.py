@@ -1,4 +1,4 @@
-"""What the command ``irg infer`` answers: unknown inputs from measurements."""
+"""The command ``irg infer``: unknown inputs from measurements."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tribo.inverse import specific_wear_rate
 
 
 def infer(options: argparse.Namespace) -> Result:
-    """Infer a critical temperature, a wear rate, or all unknown inputs."""
+    """Answer ``irg infer``: a critical temperature, a wear rate, or all unknown inputs."""
     store = options.scene
     if not store.is_dir():
         sweep = one_scene_in(options)
@@ -43,7 +43,7 @@ def infer(options: argparse.Namespace) -> Result:
 
 
 def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
-    """Wear rate from a contact width, or critical temperature from transitions or tests."""
+    """Answer for a scene: wear rate from a contact width, else critical temperature from tests."""
     if given := values_in(options, "scatter", "at"):
         raise InputError(
             f"{flags_of(given)} needs samples of unknown inputs: give [unknown] and "
@@ -84,7 +84,7 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
 def _bounds_result(
     at_tests: CriticalTemperatures, outcomes: list[str], frame: pd.DataFrame
 ) -> Result:
-    """Bounds of the critical temperature: hotter than mild tests, colder than severe ones."""
+    """Bounds of the critical temperature: above each mild test, below each severe test."""
     judged = list(zip(outcomes, at_tests.means, strict=True))
     low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
     high = min((mean for outcome, mean in judged if outcome == "severe"), default=None)
@@ -103,7 +103,7 @@ def _bounds_result(
         "temperature where wear stayed mild, above it where wear turned severe:",
         short(frame),
         bounds,
-        "for the probability of each value give temperature.critical a range under [unknown], and "
+        "for a probability of each value, give temperature.critical a range under [unknown] and "
         "samples under [sweep]: irg help your-tests",
     ]
     document = at_tests.as_dict() | {"outcomes": outcomes, "bounds": [low, high]}
@@ -111,7 +111,7 @@ def _bounds_result(
 
 
 def _transitions(inferred: CriticalTemperatures) -> pd.DataFrame:
-    """Frame with a row for each measured transition."""
+    """Frame of load, velocity, friction and critical temperature, a row for each transition."""
     seeds = inferred.surfaces if inferred.spreads[0] else ()
     heads = (
         *("load [N]", "velocity [m/s]", "friction", "critical temperature [°C]", "spread [K]"),
@@ -130,9 +130,9 @@ def _transitions(inferred: CriticalTemperatures) -> pd.DataFrame:
 
 
 def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
-    """Specific wear rate from the width of a contact."""
+    """Answer for ``--contact-width``: the specific wear rate that wears the contact this wide."""
     if options.load is None or options.velocity is None:
-        raise InputError("--contact-width is that of a test; give its --load and --velocity, too")
+        raise InputError("--contact-width needs a load and a velocity; give --load and --velocity")
     sweep = _slid_for(sweep, options.load, options.duration)
     *_, end = sweep.scene.all_stations(options.load)
     with working("seeking the wear rate, one simulation after the other"):
@@ -140,10 +140,10 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
             sweep.scene, options.contact_width, options.load, options.velocity
         )
     value, lowest, highest = (shown_in(end, "mm³/(N m)") for end in astuple(rate))
-    longer = end.normal_load / (end.impulse + end.normal_load)  # as wear goes with load times time
+    longer = end.normal_load / (end.impulse + end.normal_load)  # wear goes with load × time
     basis = (
-        f"for {end.time:.3g} s of sliding until the width was measured; each second more at full "
-        f"load lowers it by about {100 * longer:.2g} %"
+        f"for {end.time:.3g} s of sliding until the width was measured; each further second at "
+        f"full load lowers it by about {100 * longer:.2g} %"
     )
     if options.duration is None:
         basis += ": give --duration, if the test went on"
@@ -158,7 +158,7 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
 
 
 def _slid_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
-    """The sweep with the load held from when it is reached until the end of a test [s]."""
+    """The sweep with a hold at `load` [N] that makes the whole test last `duration` [s]."""
     if duration is None:
         return sweep
     if not isinstance(sweep.scene.loading, Ramp):

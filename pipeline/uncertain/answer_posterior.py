@@ -21,7 +21,7 @@ from pipeline.uncertain.weigh import FALSE_ALARMS
 
 
 def posterior(options: argparse.Namespace, store: Path) -> Result:
-    """Print and draw the inputs as the tests leave them."""
+    """Answer ``irg infer`` for samples: the inputs before and after the tests, with a figure."""
     with working("reading samples"):
         ds = pipeline.open_sweep(store)
         ensemble = pipeline.Ensemble.of(
@@ -39,7 +39,7 @@ def posterior(options: argparse.Namespace, store: Path) -> Result:
 
 
 def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
-    """Lines on each input, before and after, and on each test."""
+    """Lines and tables on each input, before and after the tests, and on each test."""
     samples = len(weighed.ensemble.inputs)
     yield f"{weighed.evidence}, {weighed.scatter_words}; {samples} samples"
     yield from (f"  {one}" for one in weighed.ensemble.fixed)
@@ -53,14 +53,14 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
         yield short(_test_quantiles(weighed))
     if weighed.fits and weighed.judged and any(CRITICAL in one.path for one in weighed.unknown):
         yield (
-            "the model fits; velocities that are all read too high would look like a better oil, "
-            "and fit as well: check the speed, or test a reference oil"
+            "the model fits; it fits as well if all velocities are read too high, and the oil then "
+            "looks better than it is: check the speed, or test a reference oil"
         )
     if not weighed.fits:
         yield from remarks("warning", f"{weighed.draws.misfit}; no test is named")
     contradicting = (
         f"{_place(weighed, judged)}: by the other tests its probability is "
-        f"{judged.probability:.1g}; one sound log of {1 / FALSE_ALARMS:.0f} has a test below "
+        f"{judged.probability:.1g}; only one sound log in {1 / FALSE_ALARMS:.0f} has a test below "
         f"{judged.limit:.1g}; look at the test, or leave it out"
         for judged in weighed.judged
         if judged.contradicts
@@ -69,7 +69,7 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
 
 
 def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
-    """Each test beside the critical velocity that 5, 50 and 95 % stay below, given all tests."""
+    """Frame of the tests, with the 5, 50 and 95 % quantiles of the critical velocity at each."""
     ends = (f"critical velocity of {100 * share:g} % [m/s]" for share in QUANTILES)
     heads = "test", "oil", "load [N]", "bulk temperature [°C]", "velocity [m/s]", "outcome", *ends
     rows = (
@@ -88,7 +88,7 @@ def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
 
 
 def _describe_contrast(one: Contrast) -> str:
-    """Difference of two oils, in a line."""
+    """Difference between two oils as a line of text."""
     size, unit = (1.0, "K") if one.unit == "K" else (0.01, "%")
     mean, sd, low, high = (
         value / size for value in (one.mean, one.sd, one.interval[0], one.interval[-1])
@@ -102,7 +102,7 @@ def _describe_contrast(one: Contrast) -> str:
 
 
 def _summary_frame(weighed: Posterior) -> pd.DataFrame:
-    """Mean and spread of each input before and after, in SI."""
+    """Frame of mean and standard deviation of each input, before and after the tests [SI]."""
     moments = [(at, moment) for at in ("prior", "posterior") for moment in ("mean", "sd")]
     rows = [
         (row["path"], row["unit"], *(row[at].get(moment) for at, moment in moments))
@@ -112,7 +112,7 @@ def _summary_frame(weighed: Posterior) -> pd.DataFrame:
 
 
 def _place(weighed: Posterior, judged: Judged) -> str:
-    """Test, in words."""
+    """Describe a test: its number, oil, load, temperature, outcome and velocity."""
     test = judged.test
     oil = f"{test['oil']} " if weighed.oils and "oil" in test else ""
     bulk = ""

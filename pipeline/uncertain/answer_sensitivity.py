@@ -1,4 +1,4 @@
-"""What the command ``irg sensitivity`` answers."""
+"""The command ``irg sensitivity``: the share of each input in the variance of the boundary."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from pipeline.sweep.remarks import remarks
 from pipeline.uncertain.fields import single_field
 from pipeline.uncertain.sensitivity import Sensitivity
 
-_GOOD = 0.3  # share of the spread of a velocity that its error may be
+_GOOD = 0.3  # warn if the emulator's error exceeds this share of the spread
 
 
 def sensitivity(options: argparse.Namespace) -> Result:
-    """Print and draw the shares of the inputs in the variance of the boundary."""
+    """Answer ``irg sensitivity``: Sobol' indices of the inputs by load, with a figure."""
     ds = given.dataset_in(options)
     with working("weighing the inputs"):
         samples = single_field(ds)
@@ -54,7 +54,7 @@ def _indices(indices: Sensitivity) -> pd.DataFrame:
 
 
 def _describe_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
-    """The frame, and what its numbers rest on."""
+    """The frame, then notes on missing total indices and on a large emulator error."""
     yield short(frame)
     if not np.isfinite(indices.total).all():
         given_measured = "given the measurements"
@@ -65,7 +65,7 @@ def _describe_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str
     ):
         if error > _GOOD * spread:
             words = (
-                f"at {load:g} N the emulated velocity errs by {100 * error:.2g} %, beside a spread "
-                f"of {100 * spread:.2g} %; run more samples"
+                f"at {load:g} N the emulated velocity is off by {100 * error:.2g} %, against a "
+                f"spread of {100 * spread:.2g} %; run more samples"
             )
             yield from remarks("warning", words)

@@ -1,4 +1,4 @@
-"""The boundary of draws: places along an axis at which their wear turns."""
+"""Critical velocities and loads of draws: where each draw's wear turns severe or mild."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pipeline.uncertain.inputs import Draws, prior
 from tribo.types import Array
 
 STEPS = 41
-"""Velocities or loads among which a boundary is sought."""
+"""Number of velocities or loads at which wear is judged to find a boundary."""
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
@@ -26,9 +26,9 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
 def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
     """First place along an axis where an excess (..., m) rises through 0, each of shape (...).
 
-    The axis (m,) are velocities [m/s] or loads [N], beyond which the excess goes on as a power.
-    Returned are the logarithm of the place, the slope of the excess over the logarithm of the axis
-    there, and the number of the value of the axis that follows.
+    The axis (m,) holds velocities [m/s] or loads [N]. Beyond its ends the excess is extrapolated as
+    a power law. Returns the logarithm of the place, the slope of the excess over the logarithm of
+    the axis, and the index of the axis value above the place.
     """
     x, rising = np.log(axis), np.maximum.accumulate(excess, axis=-1)
     right = np.clip(np.sum(rising < 0, axis=-1), 1, len(x) - 1)
@@ -41,7 +41,7 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
 
 
 def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
-    """Signs of turns between values of an axis (+1 to severe wear), and places, each (n, m - 1)."""
+    """Turns between neighbours of `x`: sign (+1 to severe, 0 none) and place, each (n, m - 1)."""
     is_severe = lines > 0
     turns = is_severe[:, 1:].astype(int) - is_severe[:, :-1]
     rises = lines[:, 1:] - lines[:, :-1]
@@ -50,7 +50,7 @@ def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
 
 
 def log_boundary(ensemble: Ensemble, inputs: Array, loads: Axis) -> tuple[Array, Array]:
-    """Logarithm of the critical velocity by draw and load, and its standard error."""
+    """Logarithm of the critical velocity [m/s] and its standard error, each (n, n_load)."""
     velocities = np.geomspace(*ensemble.velocities, STEPS)
     excess = ensemble.excess(inputs, loads, velocities)
     log_velocities, slope, right = log_crossings(velocities, excess.values)

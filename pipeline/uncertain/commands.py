@@ -1,4 +1,4 @@
-"""The commands of the extra, and their options."""
+"""The commands ``irg infer`` and ``irg sensitivity``, and their options."""
 
 from __future__ import annotations
 

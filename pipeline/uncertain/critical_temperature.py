@@ -1,4 +1,4 @@
-"""The critical temperature of a scene's lubricant, from the transitions that were measured."""
+"""The critical temperature of a scene's lubricant, computed from measured transitions."""
 
 from __future__ import annotations
 
@@ -41,33 +41,33 @@ class Transition(NamedTuple):
 @shown
 @dataclass(frozen=True, slots=True)
 class CriticalTemperatures:
-    """Critical temperatures from measured transitions, each on each random surface."""
+    """Critical temperatures [K], one for each measured transition and random surface."""
 
     transitions: tuple[Transition, ...]  #: Measured transitions, each with its friction.
     #: Seeds of the surfaces; None for a surface that is not random.
     surfaces: tuple[int | None, ...]
-    #: Critical temperature by transition and surface [K].
+    #: Critical temperatures [K], a row for each transition, a value for each surface.
     temperatures: tuple[tuple[float, ...], ...]
-    criterion: Criterion  #: Criterion of severe wear by which they are found.
+    criterion: Criterion  #: Criterion of severe wear that defines the temperature.
 
     @property
     def means(self) -> tuple[float, ...]:
-        """Mean over the surfaces, by transition [K]."""
+        """Mean over the surfaces [K], one value for each transition."""
         return tuple(float(np.mean(row)) for row in self.temperatures)
 
     @property
     def spreads(self) -> tuple[float | None, ...]:
-        """Standard deviation over the surfaces, by transition [K]; None for a single one."""
+        """Standard deviation over surfaces [K], by transition; None if one surface."""
         return tuple(_spread(row) for row in self.temperatures)
 
     @property
     def mean(self) -> float:
-        """Mean over the transitions [K]."""
+        """Mean over all transitions [K]."""
         return float(np.mean(self.means))
 
     @property
     def spread(self) -> float | None:
-        """Standard deviation of the transitions' means [K]; None for a single one."""
+        """Standard deviation between transitions [K]; None if there is only one."""
         return _spread(self.means)
 
     def as_dict(self) -> dict[str, Any]:
@@ -96,17 +96,17 @@ def critical_temperatures(
 ) -> CriticalTemperatures:
     """Find the temperature that the failing share exceeds at each measured transition.
 
-    A good model gives the same at all of them: the critical temperature of the lubricant, where
-    no rig can measure it (Bosman & de Rooij, Table 6).
+    A good model gives the same temperature at all transitions: the critical temperature of the
+    lubricant, which no rig can measure (Bosman & de Rooij, Table 6).
 
     Parameters
     ----------
     sweep : Sweep, str or path
-        Scene, or its path or name, with measured transitions, simulated on each of its
-        realizations if it has any. Of several oils the first counts. A transition without a
-        friction, a bulk temperature or a hold has the sweep's.
+        Scene with measured transitions, or its path or name. It is simulated on each of its
+        realizations if it has any. If tests are of several oils, only the first oil counts. A
+        transition without friction, bulk temperature or hold takes the scene's value.
     out : path, optional
-        Store of the points, which is kept, and resumed if it exists; temporary if not given.
+        Store of the simulated points, resumed if it exists. By default a temporary one is used.
     workers, client, progress : optional
         See `pipeline.run_sweep`. In a script, call this under ``if __name__ == "__main__":``.
 
@@ -162,7 +162,7 @@ def critical_temperatures(
 
 
 def take_own_tests(sweep: Sweep, key: str) -> Sweep:
-    """The sweep with the tests at a key as its measured transitions; other oils are left out."""
+    """The sweep with its tests at `key` as measured transitions; only the first oil's are kept."""
     tests = getattr(sweep, key)
     own, pairs = own_tests(tests), zip(sweep.entries.get(key, ()), tests, strict=True)
     entries = [
@@ -174,16 +174,16 @@ def take_own_tests(sweep: Sweep, key: str) -> Sweep:
 
 
 def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
-    """The sweep with a row for each transition, which has a place and conditions of its own."""
+    """The sweep with one variant for each transition, at its load, velocity and conditions."""
     changes: dict[Label, dict[str, Any]] = {}
     for number, test in enumerate(sweep.measured):
         row: dict[str, Any] = {"temperature.critical": None, "temperature.critical_sd": None}
-        if test.friction is not None:  # measured there, and not by velocity
+        if test.friction is not None:  # a measured value replaces friction curves
             row |= {**dict.fromkeys(CURVES), "friction.coefficient": test.friction}
         if test.bulk_temperature is not None:
             row["temperature.bulk"] = f"{test.bulk_temperature!r} K"
         if test.hold is not None:
-            _ = sweep.with_hold(test.hold)  # refuses the hold of a record
+            _ = sweep.with_hold(test.hold)  # raises if the load is recorded
             row["loading.hold"] = f"{test.hold!r} s"
         changes[number] = row
     loads = [test.normal_load for test in sweep.measured]

@@ -1,4 +1,4 @@
-"""What the rest of the package asks of samples: their inputs at one value, and in words."""
+"""Samples, as the rest of the package uses them: fixing inputs, and describing them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tribo import InputError
 
 
 def read_rule(draw: Any) -> Sampling:
-    """What the rest asks of a rule: samples depend on no correlation, and on no unit."""
+    """Description of the samples that compares equal if only correlations or units differ."""
     plain = json.loads(json.dumps(draw), object_hook=_drop_unit)
     unknown, fixed, design = (plain[key] for key in ("unknown", "fixed", "design"))
     inputs = [{**one, "correlated": None} for one in design["inputs"]]
@@ -33,12 +33,12 @@ def _drop_unit(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def fixed_at(draw: Any, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The rule of samples with each open input that `values` names fixed at its value [SI]."""
+    """Plain data of a `Draw`, with each input named in `values` fixed at its value [SI]."""
     return Draw.of(draw).fixed_at(values).as_dict()
 
 
 def drawn_value(draw: Any, path: str, value: float | str) -> float:
-    """A value of an unknown input in SI; raises if the samples do not reach it."""
+    """Convert a value of an unknown input to SI; raises if the samples do not reach it."""
     unknown = Draw.of(draw).open_inputs[path]
     number = in_si(unknown.path, value, f"1 {unknown.shown}".rstrip())
     if unknown.kind == "list":
@@ -54,13 +54,13 @@ def drawn_value(draw: Any, path: str, value: float | str) -> float:
             return number
         allowed = f"one from {unknown.text(low, 4)} to {unknown.text(high, 4)}"
     raise InputError(
-        f"{unknown.path} is {unknown.text(number)}, beyond the samples; give {allowed}, or run the "
-        f"scene with --set {unknown.path}=… into another store"
+        f"{unknown.path} is {unknown.text(number)}, outside the samples; give {allowed}, or run "
+        f"the scene with --set {unknown.path}=… into another store"
     )
 
 
 def describe_samples(data: Any, count: int) -> list[Line]:
-    """Inputs that are not known exactly, and their samples, in words."""
+    """Lines of a table on the unknown inputs and the samples drawn from them."""
     draw = Draw.of(data)
     design = draw.design
     simulated = {one.path for one in design.inputs}

@@ -1,14 +1,14 @@
-"""Kriging: a simulation's smooth outputs at inputs that were not simulated, with a local error.
+"""Kriging: predict a simulation's smooth outputs at inputs not simulated, with an error.
 
 An output y of features u, here the logarithm of a temperature rise, is a Gaussian process about its
 mean (Rasmussen & Williams, Gaussian Processes for Machine Learning, 2006, Eqs. 2.25 and 2.26),
 
     k(u, u') = a² (1 + u·u') + b² (u·u')² + c² exp(−Σ (uᵢ − uᵢ')²/2ℓᵢ²) + s² [same contact] + n²,
 
-a plane and a quadric with a smooth departure, and an effect of each contact and of each row. All
-loads share one kernel. Its constants have the greatest likelihood (their Eq. 5.9). Rows that are
-left out are judged by constants found without them: constants that saw a row claim to know it
-better than they do, the more so the fewer the contacts.
+This is a plane, a quadric, a smooth departure, an effect of each contact, and an effect of each
+row. All loads share one kernel. Its constants maximise the likelihood (their Eq. 5.9). In
+cross-validation the constants are fitted without the rows left out. Otherwise the error is
+underestimated, most of all with few contacts.
 """
 
 from __future__ import annotations
@@ -36,41 +36,42 @@ from pipeline.uncertain.samples import JUDGED, SPECIFIC_WEAR_RATE, Design
 from pipeline.uncertain.unknown import OF_90
 from tribo.types import Array, Mask
 
-_MOST_TO_FIT = 256  # rows by which the constants are found, in n³ operations a step
+_MOST_TO_FIT = 256  # rows used to fit the constants: n³ operations a step
 # Up to this many rows each fold is fitted anew. With more, leaving a fold out hardly changes the
 # constants.
 _MOST_TO_LEAVE = 128
 _FOLDS = 16
-_BEGIN = np.log([0.1, 0.03, 0.05, 0.003, 0.002])  # a, b, c, s, n, of ln(rise)
-_LENGTH = np.log(4.0)  # length of features whose spread is 1
+_BEGIN = np.log([0.1, 0.03, 0.05, 0.003, 0.002])  # initial a, b, c, s, n, for ln(rise)
+_LENGTH = np.log(4.0)  # initial length ℓ of features whose spread is 1
 _LEAST = np.log(1e-5)
-_LEAST_OF_END = 1e-3  # a relative input over its upper end, where draws cross what is possible
+_LEAST_OF_END = 1e-3  # lower limit of a relative input, over its upper end: draws may be ≤ 0
 
 Groups = NDArray[np.intp]
 
 
 END = 0.15
-"""Share of the logarithm of the velocities at either end, in which the band widens."""
-_SHARE = 0.9  # share of places that a band is to hold
-_LEAST_SCORE = 1e-3  # where outputs are known exactly, or no row is left
+"""Part of the range of ln(velocity) at either end in which the error band is widened."""
+_SHARE = 0.9  # nominal share of samples inside a band
+_LEAST_SCORE = 1e-3  # if outputs are predicted exactly, or no row is left
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Emulator:
-    """A Gaussian process through rows of outputs."""
+    """A Gaussian process fitted to rows of outputs."""
 
     features: Array  # (n, n_feature), with a spread of about 1
-    dimensions: Groups  # numbers of the inputs that they belong to, of which each has one length
+    dimensions: Groups  # number of the input that each feature belongs to; an input has one length
     mean: Array  # (n_output,)
-    weights: Array  # (n, n_output), which solve the equations for what departs from the mean
+    weights: Array  # (n, n_output), K⁻¹ (y − mean) with the kernel K between the rows
     constants: Array  # logarithms of a, b, c, s, n and the lengths ℓ
     whitener: Array  # (n, n), inverse of the Cholesky factor of the kernel between the rows
     check: LeftOut
 
     def __call__(self, features: Array, between: Array) -> tuple[Array, Array]:
-        """Sums of outputs, and their standard error against a simulation, each (n, m).
+        """Weighted sums of outputs, and their standard error against a simulation, each (n, m).
 
-        Outputs are summed with weights ``between`` (m, n_output), as to interpolate.
+        `features` is (n, n_feature). The weights `between` (m, n_output) interpolate between
+        outputs.
         """
         smooth, _ = _kernel(features, self.features, self.dimensions, self.constants)
         outputs = (self.mean + smooth @ self.weights) @ between.T
@@ -84,35 +85,35 @@ class Emulator:
 
 
 class LeftOut(NamedTuple):
-    """What contacts tell that are left out, and the rows at either end of the velocities."""
+    """Cross-validation of an emulator: contacts left out in turn, and ends of the velocities."""
 
-    #: Squares of the factors by which 90 % bands hold 90 % of what is left out, and how outputs
-    #: miss together, (n_output, n_output).
+    #: Covariance of the errors of outputs, over the predicted variance, (n_output, n_output). It is
+    #: scaled so that 90 % bands hold 90 % of the samples left out.
     covariance: Array
-    ends: float  # another factor at the ends, where rows are left out all at once
-    held: float  # share of left-out places in bands whose factors other contacts gave
+    ends: float  # further factor on the error at the ends of the velocities, left out as a whole
+    held: float  # share of samples inside the 90 % bands, each contact judged by the others
     contacts: int
 
     @property
     def error(self) -> float:
-        """Standard error of the share that is held, if bands hold 90 % of contacts."""
+        """Standard error of `held` if the true share is 90 %."""
         return math.sqrt(_SHARE * (1 - _SHARE) / self.contacts)
 
     @property
     def is_known(self) -> bool:
-        """True if contacts are enough to tell the share that is held."""
+        """True if there are enough contacts to estimate `held`."""
         return self.contacts >= JUDGED
 
     @property
     def is_right(self) -> bool:
-        """True if bands of 90 % hold 85 to 95 % of the samples left out, as rounded in print."""
+        """True if `held` is known and, as printed, 85 to 95 %."""
         return self.is_known and 0.85 <= round(self.held, 2) <= 0.95
 
 
 def fitted(
     features: Array, dimensions: Groups, contacts: Groups, outputs: Array, keeper: Keeper | None
 ) -> Emulator:
-    """Fit a Gaussian process to outputs (n, n_output) of rows, with constants kept in a store."""
+    """Fit a Gaussian process to outputs (n, n_output); `keeper` holds fits made before."""
     mean = outputs.mean(axis=0)
     groups, parts = _parts(features[:, 0], contacts)
     part = slice(0, _MOST_TO_FIT)
@@ -143,7 +144,10 @@ def _solve_kernel(
 def features_of(
     design: Design, columns: Sequence[Array] | Array, velocities: Array
 ) -> tuple[Array, Groups]:
-    """Features with a spread of about 1, and the input of each; kV stands for the wear rate k."""
+    """Features (n, n_feature) with a spread of about 1, and the number of each feature's input.
+
+    The wear rate k enters as k × velocity.
+    """
     low, high = np.log(design.velocities)
     spread = (high - low) / math.sqrt(12)
     along = (np.log(velocities) - (low + high) / 2) / spread
@@ -168,7 +172,7 @@ def features_of(
 def _kernel(
     one: Array, other: Array, dimensions: Groups, constants: Array
 ) -> tuple[Array, tuple[Array, ...]]:
-    """Smooth part of the kernel between two sets of features, and its terms."""
+    """Smooth part (n, m) of the kernel between two sets of features, and its three terms."""
     a, b, c = np.exp(2 * constants[:3])
     lengths = np.exp(constants[5:])[dimensions]
     product = one @ other.T
@@ -179,7 +183,7 @@ def _kernel(
 
 
 def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
-    """The kernel between rows, with the variance of each contact and each row."""
+    """The kernel (n, n) between rows, with the variances of contacts and rows added."""
     s, n = np.exp(2 * constants[3:5])
     kernel: Array = smooth + s * (contacts[:, None] == contacts)
     kernel[np.diag_indices_from(kernel)] += n
@@ -187,7 +191,7 @@ def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
 
 
 def _fit_constants(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Array:
-    """Constants of the kernel with the greatest posterior density under a weak prior."""
+    """Fit the kernel's constants: maximum of the posterior density under a weak prior."""
     count = int(dimensions.max(initial=-1)) + 1
     middle = np.concatenate([_BEGIN, np.full(count, _LENGTH)])
     spread = np.concatenate([np.full(5, 3.0), np.full(count, 1.0)])  # spread of a weak prior
@@ -221,11 +225,12 @@ def _fit_constants(features: Array, dimensions: Groups, contacts: Groups, output
 
 
 def band_factor(scores: Array, count: int) -> float:
-    """Factor on standard errors by which 90 % bands hold the next of scores like these.
+    """Factor on standard errors that makes 90 % bands hold 90 % of new samples.
 
-    Of scores in so many independent groups it is the quantile that the next group stays below with
-    90 % probability (Dunn, Wasserman & Ramdas, J. Am. Stat. Assoc. 118, 2491, 2023). Groups too few
-    for one have the largest, and do not make the band narrower.
+    `scores` are errors of samples over their predicted errors, in `count` independent groups. The
+    factor is the quantile that the next group stays below with 90 % probability (Dunn, Wasserman &
+    Ramdas, J. Am. Stat. Assoc. 118, 2491, 2023). With too few groups for a quantile it is the
+    largest score, and at least 1.
     """
     if count < 1:
         return 1.0
@@ -235,12 +240,12 @@ def band_factor(scores: Array, count: int) -> float:
 
 
 def outer(along: Array) -> Array:
-    """Weight of the ends: 0 in the middle of the velocities, 1 at both ends."""
+    """Weight 0 to 1 along the range (0 to 1) of ln(velocity): 1 at both ends, 0 in the middle."""
     return np.asarray(np.clip((np.abs(2 * along - 1) - (1 - 2 * END)) / (2 * END), 0.0, 1.0))
 
 
 def _parts(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
-    """Groups of rows to leave out in turn: folds, and either end of the velocities."""
+    """Group of each row, and masks of rows to leave out: folds of groups, then both ends."""
     is_single = (contacts == contacts[0]).all()
     _, groups = np.unique(np.arange(len(contacts)) if is_single else contacts, return_inverse=True)
     folds = groups % _FOLDS
@@ -252,7 +257,7 @@ def _parts(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
 def _check(
     groups: Groups, parts: Sequence[Mask], solutions: Iterable[tuple[Array, Array]]
 ) -> LeftOut:
-    """What is left out tells, by the equations solved with the constants without each part."""
+    """Cross-validation result, from the kernel equations solved without each part."""
     *folds, low, high = zip(parts, solutions, strict=True)
     count = int(groups.max()) + 1
     scores = np.empty_like(low[1][1])
@@ -263,7 +268,7 @@ def _check(
     factors = _factors(scores, count)
     spread = np.maximum(np.sqrt(np.mean(scores**2, axis=0)), _LEAST_SCORE)
     together = np.mean((scores / spread)[:, :, None] * (scores / spread)[:, None], axis=0)
-    # Each contact is judged by the factors of all other contacts.
+    # Each contact is judged with factors found from all other contacts.
     limits = OF_90 * np.array([_factors(scores[groups != one], count - 1) for one in range(count)])
     held = np.abs(scores) <= limits[groups]
     at_ends = [
@@ -279,14 +284,14 @@ def _check(
 
 
 def _factors(scores: Array, count: int) -> Array:
-    """Factor of each output (n, n_output), of which so many are independent."""
+    """`band_factor` of each output, from scores (n, n_output) in `count` independent groups."""
     return np.maximum([band_factor(one, count) for one in scores.T], _LEAST_SCORE)
 
 
 def _left_out_errors(inverse: Array, weights: Array, rows: Mask) -> Array:
-    """What rows that are left out together miss, over the error predicted, (n_row, n_output).
+    """Errors of rows that are left out together, over the predicted errors, (n_row, n_output).
 
-    With the inverse C of the kernel they miss by C_II⁻¹ (C y)_I, with the covariance C_II⁻¹
+    With the inverse C of the kernel, the error is C_II⁻¹ (C y)_I and its covariance C_II⁻¹
     (Rasmussen & Williams, Sec. 5.4.2, for several rows).
     """
     covariance = np.linalg.inv(inverse[np.ix_(rows, rows)])
@@ -294,11 +299,11 @@ def _left_out_errors(inverse: Array, weights: Array, rows: Mask) -> Array:
     return missed
 
 
-_BEND = 0.02  # bend of ln(rise) between two loads: ten times a shipped scene's
+_BEND = 0.02  # curvature error of ln(rise) between two loads: ten times that of a shipped scene
 
 
 def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]:
-    """Weights of the outputs at each load by which to interpolate, and its error."""
+    """Weights (n_load,) that interpolate ln(rise) to `load` [N], and the error of doing so."""
     x, place = np.log(loads), math.log(load)
     if len(x) == 1:
         return np.ones(1), 0.0
@@ -312,13 +317,13 @@ def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]
         rough = np.zeros(len(x))
         rough[near] = _spline(x[near], place, 2)
     off = np.log(rises) @ (weights - rough)
-    # A run between two loads also has something of its own, of which they tell nothing.
+    # Each load also has a random part of its own, which its neighbours do not predict.
     own = _spread_between_nodes(x, np.log(rises)) * math.sqrt(2 * max(1 - np.sum(linear**2), 0.0))
     return weights, float(np.hypot(np.sqrt(np.mean(off**2)), own))
 
 
 def _spread_between_nodes(x: Array, values: Array) -> float:
-    """Standard deviation of what a load's neighbours do not predict, by leaving loads out."""
+    """Standard deviation of each load's random part, found by leaving loads out in turn."""
     found = []
     for number in range(1, len(x) - 1):
         beside = [number - 1, number + 1]
@@ -329,17 +334,17 @@ def _spread_between_nodes(x: Array, values: Array) -> float:
 
 
 def _spline(x: Array, place: float, degree: int) -> Array:
-    """Weights of the nodes' values that give the value of a spline at a place."""
+    """Weights (n,) of the values at nodes `x` that give the spline's value at `place`."""
     return np.asarray(make_interp_spline(x, np.eye(len(x)), k=degree)(place))
 
 
-_RULE = b"2"  # changes whenever the computation of the numbers does
+_RULE = b"2"  # change this whenever the computation of the numbers changes
 
 
 def load_or_compute(
     keeper: Keeper | None, data: Sequence[Array | Any], find: Callable[[], Array]
 ) -> Array:
-    """Numbers computed from data, or read if the store has them for the same data."""
+    """Numbers that `find` computes from `data`, read from the store if it has them."""
     if keeper is None:
         return find()
     name = f"fit-{_hash(_RULE, *(np.ascontiguousarray(one).tobytes() for one in data))[:16]}"
@@ -352,7 +357,7 @@ def load_or_compute(
 
 
 def load_numbers(keeper: Keeper, name: str) -> Any:
-    """Numbers in the store; None if there are none, or if they were cut short or damaged."""
+    """Numbers kept in the store; None if there are none, or the file is damaged."""
     with suppress(ValueError, KeyError, TypeError, RecursionError):
         document = json.loads(keeper.kept(name) or b"")
         if document["hash"] == _hash(json.dumps(document["numbers"]).encode()):
@@ -367,7 +372,7 @@ def _hash(*parts: bytes) -> str:
 def columns_until(
     columns: Mapping[str, Array], loads: Array, hold: float, done: Mask
 ) -> dict[str, Array] | None:
-    """Columns without steps after a hold; None if it ends at no step with a temperature."""
+    """Columns cut after `hold` [s] at full load; None if no step with a temperature ends there."""
     time, normal_load = columns["time"], columns["normal_load"]
     reached = np.where(normal_load >= loads[:, None], time, np.inf).min(axis=-1, keepdims=True)
     since = time - reached
@@ -381,7 +386,7 @@ def columns_until(
 def decisive_rises(
     columns: Mapping[str, Array], loads: Array, conditions: Sequence[Conditions]
 ) -> Array:
-    """Decisive rise by sample and load [K], by the conditions of each sample."""
+    """Decisive temperature rises [K], shape (n_sample, n_load), by each sample's conditions."""
     rows = [
         worst_rises({name: values[i] for name, values in columns.items()}, loads[:, None], one)
         for i, one in enumerate(conditions)

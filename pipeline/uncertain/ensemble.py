@@ -1,12 +1,13 @@
-"""Samples of a sweep, and what follows from them for any inputs: `Ensemble.excess`.
+"""Samples of a sweep, and the severity of wear for any values of the inputs: `Ensemble.excess`.
 
-The logarithm of the rise that decides is emulated over the inputs, the velocity and the wear number
-(`pipeline.uncertain.emulator`), all loads at once, and interpolated between loads. Friction and
-temperatures enter exactly: with the rise r at friction 1, wear is severe where
+An emulator gives the logarithm of the decisive temperature rise as a function of inputs, velocity
+and wear number (`pipeline.uncertain.emulator`), for all loads at once. Between loads it is
+interpolated. Friction and temperatures enter exactly: with the rise r at friction 1, wear is severe
+where
 
     ln r − ln((critical − bulk)/µ) > 0,
 
-which is the excess, of which all answers are made.
+This excess is the basis of all answers.
 """
 
 from __future__ import annotations
@@ -50,26 +51,26 @@ from tribo import InputError
 from tribo.types import Array
 
 Axis = Sequence[float] | Array
-Samples = Union["Ensemble", Results, xr.Dataset, PathLike]
-"""Samples of a sweep that were read, its dataset, or the path of its store."""
 """Loads [N] or velocities [m/s]."""
+Samples = Union["Ensemble", Results, xr.Dataset, PathLike]
+"""An `Ensemble`, the dataset of a sweep, or the path of its store."""
 _FIELD_OF = {path: name for name, path in FIELDS.items()}
-_LEAST_RISE = 1.0  # [K], of the few draws of a wide distribution that cross what is possible
-_NODES = 9  # velocities between which the logarithm of the rise is a cubic
-_FEWEST = 12  # samples of which an emulator is made
+_LEAST_RISE = 1.0  # [K], for the few draws whose bulk is above the critical temperature
+_NODES = 9  # velocities emulated; a cubic spline of ln(rise) joins them
+_FEWEST = 12  # samples that an emulator needs
 
 
 class Excess(NamedTuple):
-    """Logarithm of the rise over its limit, shape (n, n_load, n_velocity); above 0 wear is severe.
+    """Logarithm of rise over limit, shape (n, n_load, n_velocity); wear is severe above 0.
 
-    A load or a velocity that is one number has no axis.
+    A load or velocity given as a single number has no axis.
     """
 
     values: Array
     error: Array  # standard error against a simulation with the same inputs
 
     def draw_chance(self, seed: int) -> Array:
-        """Values with a random error of the emulator, which each draw has alike at all places."""
+        """`values` plus a random emulator error, with one standard score for each draw."""
         chance = np.random.default_rng(seed).standard_normal(len(self.values))
         return (self.values.T + chance * self.error.T).T
 
@@ -77,7 +78,7 @@ class Excess(NamedTuple):
 @shown
 @dataclass(frozen=True, eq=False)
 class Ensemble:
-    """Samples of a sweep.
+    """Samples of a sweep, with the emulator fitted to them.
 
     Examples
     --------
@@ -89,23 +90,23 @@ class Ensemble:
 
     title: str  #: Title of the scene.
     unknown: tuple[Unknown, ...]  #: Inputs that are not known exactly.
-    design: Design  #: Rule by which the samples follow, and the inputs that rises depend on.
-    conditions: Conditions  #: Friction, temperatures and failing share, as far as they are known.
+    design: Design  #: Rule that generates the samples, and the inputs that rises depend on.
+    conditions: Conditions  #: Friction, temperatures and failing share, where known.
     inputs: Array  #: Inputs of the samples, in the design's order [SI], shape (n_sample, n_input).
     sample_velocities: Array  #: Velocity of each sample [m/s].
-    contacts: Groups  #: Number of the contact that each sample shares with others.
+    contacts: Groups  #: Number of each sample's contact; several samples share one.
     loads: Array  #: Normal loads on the whole pin [N].
-    rises: Array  #: Rises that decide at friction 1 [K], shape (n_sample, n_load).
+    rises: Array  #: Decisive rises at friction 1 [K], shape (n_sample, n_load).
     tests: tuple[dict[str, Any], ...] = ()  #: Measured transitions, and tests with their outcome.
     hold: float = 0.0  #: Duration at the full load [s].
-    #: Rises at the shorter holds of tests, where the samples have them.
+    #: The same rises at shorter holds [s], where tests have them and the samples allow it.
     rises_by_hold: Mapping[float, Array] = field(default_factory=dict)
     fixed: tuple[Fixed, ...] = ()  #: Inputs with a value that replaces their distribution.
-    missing: int = 0  #: Samples left out, since some of their loads are not done.
-    same_rig: bool = True  #: The friction of tests is that of the scene, not another machine's.
-    #: Relative error of boundary velocities by the fidelity of the samples; None if not known.
+    missing: int = 0  #: Samples left out because some of their loads are not computed.
+    same_rig: bool = True  #: True if tests and scene share their friction: one machine.
+    #: Relative error of boundary velocities due to the samples' fidelity; None if unknown.
     velocity_error: float | None = None
-    keeper: Keeper | None = None  #: Store in which fits are kept.
+    keeper: Keeper | None = None  #: Store where fits are kept.
 
     @classmethod
     def of(cls, ds: Samples) -> Ensemble:
@@ -114,8 +115,8 @@ class Ensemble:
         Parameters
         ----------
         ds : Dataset, str, path or Ensemble
-            Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store; samples that
-            were read are returned.
+            Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store. An
+            `Ensemble` is returned as it is.
 
         Raises
         ------
@@ -133,8 +134,8 @@ class Ensemble:
         require_one_scene(held.entry_dims)
         if VARIANT not in held.front:
             raise InputError(
-                "the dataset has a single sample, and answers follow from all of them; select none "
-                f"by {VARIANT}"
+                "the dataset has a single sample, but answers need all samples; do not select by "
+                f"{VARIANT}"
             )
         held.require_lists("load")
         sweep = held.sweep
@@ -180,9 +181,9 @@ class Ensemble:
         )
 
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
-        """The ensemble under conditions of a row of a table; see `Conditions.row_conditions`.
+        """The ensemble under the conditions of a table's row; see `Conditions.row_conditions`.
 
-        They replace the scene's conditions, and drawn conditions. Raise an `InputError` where rises
+        They replace the scene's conditions and the drawn ones. Raises an `InputError` if the rises
         at friction 1 depend on them.
         """
         if not own:
@@ -191,8 +192,8 @@ class Ensemble:
         curves = [one.has_friction_curve for one in (self.conditions, conditions)]
         if conditions.bulk_ratio != self.conditions.bulk_ratio or curves[0] != curves[1]:
             raise InputError(
-                f"samples whose bodies have unlike bulk temperatures, or whose friction depends on "
-                f"velocity, are not judged row by row at another {' and '.join(own)}; give that to "
+                f"samples cannot be judged row by row at another {' and '.join(own)}: bodies "
+                "have different bulk temperatures, or friction depends on velocity; give it for "
                 "all rows, by options such as --friction"
             )
         values = {PATHS[name]: value for name, value in own.items() if name in PATHS}
@@ -206,33 +207,33 @@ class Ensemble:
             unknown=without(self.unknown, fixed.keys()),
             fixed=tuple((before | fixed).values()),
         )
-        vars(judged)["_rise"] = self._rise  # the same at friction 1
+        vars(judged)["_rise"] = self._rise  # the emulator is at friction 1, thus the same
         return judged
 
     @property
     def velocities(self) -> tuple[float, float]:
-        """Lowest and highest velocity between which samples lie [m/s]."""
+        """Lowest and highest velocity of the samples [m/s]."""
         return self.design.velocities
 
     def excess(self, draws: Array, load: Axis | float, velocity: Axis | float) -> Excess:
-        """Logarithm of the rise over the limit above which wear is severe.
+        """Logarithm of the rise over the limit above which wear is severe; see `Excess`.
 
-        Draws (n, n_unknown) are values of the unknown inputs [SI]. Raise an `InputError` at a load
-        [N] or a velocity [m/s] outside the sweep, or if no critical temperature is known.
+        `draws` (n, n_unknown) are values of the unknown inputs [SI]. Raises an `InputError` at a
+        load [N] or velocity [m/s] outside the sweep, or if no critical temperature is known.
         """
         rise, error = self._emulate(draws, load, velocity)
-        # The factor of friction by velocity is known, and may bend at will.
+        # Friction by velocity is known exactly, so it is applied here and not emulated.
         rise = rise + np.log(self.conditions.friction_factor(np.asarray(velocity, float)))
         return Excess((rise.T - self.log_limit(draws)).T, error)
 
     def require_unknown(self) -> None:
-        """Raise an `InputError` if each input has one value."""
+        """Raise an `InputError` if every input has a fixed value."""
         if not self.unknown:
             values = ", ".join(map(str, self.fixed))
             raise InputError(f"no input of the samples is unknown: {values}; leave one open")
 
     def values(self, path: str, draws: Array) -> Array:
-        """Values of an input by draw, shape (n,): fixed, drawn, or the scene's [SI]."""
+        """Values [SI] of the input at `path`, shape (n,): drawn, else fixed, else the scene's."""
         values: dict[str, Any] = dict(zip([one.path for one in self.unknown], draws.T, strict=True))
         values |= {one.unknown.path: one.value for one in self.fixed}
         if path in values:
@@ -254,10 +255,10 @@ class Ensemble:
         critical: float | Array | None = None,
         was_measured: bool = False,
     ) -> Array:
-        """Logarithm of the rise at friction 1 above which wear is severe, shape (n,).
+        """Logarithm of the rise at friction 1 [K] above which wear is severe, shape (n,).
 
-        A friction, a bulk and a critical temperature [K] replace the draws' if given. A measured
-        friction had the temperature of its contact already.
+        `friction`, `bulk` [K] and `critical` [K] replace the values of the draws. A measured
+        friction already includes the effect of temperature.
         """
         frictions = self.values(FRICTION, draws) if friction is None else friction
         bulks = self.values(BULK, draws) if bulk is None else bulk
@@ -268,13 +269,13 @@ class Ensemble:
         return np.asarray(np.log(rise / np.maximum(frictions, LEAST_FRICTION)))
 
     def log_friction_factor(self, temperatures: float | Array) -> Array:
-        """Logarithm of the factor of friction at temperatures of the contact [K]."""
+        """Logarithm of the factor on friction at contact temperatures [K]."""
         law = replace(self.conditions.friction_law, coefficient=1.0)
         return np.asarray(np.log(law.at(temperature=temperatures)))
 
     @functools.cached_property
     def ensembles_by_hold(self) -> dict[float, Ensemble]:
-        """The ensemble at its own hold, and at shorter holds of tests that the samples have."""
+        """Ensembles by hold [s]: this one, and one for each shorter hold of the tests."""
         return {self.hold: self} | {
             hold: replace(self, rises=rises, hold=hold, rises_by_hold={})
             for hold, rises in self.rises_by_hold.items()
@@ -290,7 +291,7 @@ class Ensemble:
     def _emulate(
         self, draws: Array, load: Axis | float, velocity: Axis | float
     ) -> tuple[Array, Array]:
-        """Logarithm of the rise at friction 1 [K] and its error, by draw, load and velocity."""
+        """Logarithm of the rise at friction 1 [K] and its error, each (n, n_load, n_velocity)."""
         emulator = self._rise
         loads, velocities = np.atleast_1d(load), np.atleast_1d(np.asarray(velocity, float))
         self.require_within(loads, velocities)
@@ -301,7 +302,7 @@ class Ensemble:
         between = (load_weights(self.loads, self.rises, one) for one in loads.tolist())
         weights, bends = map(np.array, zip(*between, strict=True))
         low, high = np.log(self.velocities)
-        # Errors are wider at the ends of the velocities, as left-out ends tell.
+        # Errors are larger at the ends of the velocities, as cross-validation shows.
         widening = 1 + outer((np.log(nodes) - low) / (high - low)) * (emulator.check.ends - 1)
         at_nodes = []
         for node, wider in zip(nodes, widening.tolist(), strict=True):
@@ -318,7 +319,7 @@ class Ensemble:
 
     @property
     def left_out(self) -> LeftOut:
-        """Cross-validation of the emulator: samples left out, predicted by the rest."""
+        """Cross-validation of the emulator: samples left out, predicted from the others."""
         return self._rise.check
 
     def require_within(self, loads: Axis, velocities: Axis) -> None:
@@ -334,17 +335,17 @@ class Ensemble:
                 if axis[0] == axis[-1]:
                     ends = f"{axis[0]:g} {unit} alone"
                 raise InputError(
-                    f"{name} is {value:g} {unit}; the samples have {ends}: give one within, or "
-                    "add to the sweep"
+                    f"{name} is {value:g} {unit}; the samples have {ends}: give a value within, or "
+                    "extend the sweep"
                 )
 
 
 def keep_fits(ds: xr.Dataset) -> None:
-    """Fit the samples of a store and keep the fits in it, so that commands need not."""
+    """Fit the emulators of a store's samples and keep the fits in it, for later commands."""
     held = results(ds)
     held.keeper.may_keep = True
     for scene in held.scenes:
-        with suppress(InputError):  # too few are done
+        with suppress(InputError):  # too few samples are done
             for one in Ensemble.of(scene).ensembles_by_hold.values():
                 _ = one._rise
 
@@ -352,7 +353,7 @@ def keep_fits(ds: xr.Dataset) -> None:
 def _row_conditions(
     conditions: Conditions, sweep: Sweep, rows: Sequence[int], shares: Sequence[float] | None
 ) -> list[Conditions]:
-    """Conditions of samples by their rows, with corrections and shares that each has drawn."""
+    """Conditions of each sample, with the corrections and failing share drawn for it."""
     own = (sweep.variant(((VARIANT, row),)).conditions for row in rows)
     of_rows = [replace(conditions, corrections=one.corrections) for one in own]
     if shares is not None:
@@ -362,7 +363,7 @@ def _row_conditions(
 
 
 def _require_enough(done: int, drawn: int) -> None:
-    """Raise an `InputError` for samples of which too few are done at every load."""
+    """Raise an `InputError` if too few samples are done at every load."""
     if done < max(1, min(_FEWEST, drawn)):
         raise InputError(
             f"{done} of {drawn} samples are done at every load, too few to judge by; run the sweep "

@@ -1,6 +1,6 @@
-"""Inputs that are not known exactly: the table ``[unknown]``, and samples of the whole scene.
+"""Read the table ``[unknown]`` of a scene, and extend its sweep with samples of these inputs.
 
-A sample is read as if its values stood in the file; a distribution is checked at its ends.
+A sample is read as if its values stood in the scene file. Each distribution is checked at its ends.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ from pipeline.uncertain.unknown import (
 from tribo import InputError, Wear
 from tribo.simulation import inseparable, mechanics
 
-_CHECKED_AT_ONCE = 1000  # samples that are read at once; others when they are computed
-_FACTOR = 1.25  # factor of a known wear rate by which samples of a contact differ all the same
+_CHECKED_AT_ONCE = 1000  # samples checked when a scene is read; later ones when computed
+_FACTOR = 1.25  # spread of wear rates within a contact if the scene's wear rate is known
 _FIXED = (
     "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
 )  # fmt: skip
@@ -55,7 +55,7 @@ _APPLIED = {"friction.coefficient", "temperature.bulk", "temperature.critical"}
 
 
 def _fixed_paths(document: Document) -> frozenset[str]:
-    """Paths of unknown inputs whose value is given above their distribution, as by ``--set``."""
+    """Paths of unknown inputs that a layer above their distribution, as ``--set``, fixes."""
     fixed, above, seen = set[str](), set[str](), set[str]()
     for layer in document.layers:
         table = layer.entries.get("unknown")
@@ -67,17 +67,17 @@ def _fixed_paths(document: Document) -> frozenset[str]:
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
-    """The document, unchanged, and the function that makes the table of samples."""
+    """The document unchanged, and the function that adds samples to its sweep."""
     return document, partial(_extend, _fixed_paths(document), faults)
 
 
 def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
-    """The sweep with samples of each row; unchanged without samples, or if they are faulty."""
+    """The sweep with samples for each variant; unchanged if the scene has none, or faulty ones."""
     scene = sweep.declared
     count, unknown = scene.sweep.samples, scene.unknown or {}
     if count is not None and not set(unknown) - set(fixed):
         raise InputError(
-            f"sweep.samples: {count} does not fit a scene in which all is known; give [unknown], "
+            f"sweep.samples: {count} needs unknown inputs, and the scene has none; give [unknown], "
             "too, or leave it out"
         )
     if not unknown:
@@ -85,13 +85,13 @@ def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
     before = len(faults)
     if sweep.scene.unequal_bulks:
         raise InputError(
-            "temperature.bulk: two temperatures do not go with [unknown], whose probabilities take "
-            "friction to scale the whole rise: give one for both bodies, or leave out [unknown] "
+            "temperature.bulk: [unknown] needs one bulk temperature for both bodies, because its "
+            "probabilities scale the whole rise by friction: give one, or leave out [unknown] "
             "and use irg vary"
         )
     inputs, known = _inputs(scene, fixed, faults)
     for one in known:
-        faults.note("unknown", f"{one}, because a value is given, too")
+        faults.note("unknown", f"{one}, because the scene also gives a value")
     if len(inputs) > MOST_INPUTS:
         faults.refuse("unknown", f"{len(inputs)} inputs are unknown; give {MOST_INPUTS} at most")
     layers = [_layer(one, sweep, faults) for one in inputs]
@@ -113,14 +113,14 @@ def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
         )
     if design.sufficient and count > design.sufficient:
         count = design.sufficient
-        faults.note("sweep.samples", f"{count} are computed, as more would share their contacts")
+        faults.note("sweep.samples", f"{count} are computed: more would share their contacts")
     return _add_samples(Draw(inputs, design, known), count, sweep)
 
 
 def _inputs(
     scene: Any, fixed: Collection[str], faults: Faults
 ) -> tuple[tuple[Unknown, ...], tuple[Fixed, ...]]:
-    """Unknown inputs, and inputs that keep the value of the scene."""
+    """Unknown inputs, and inputs fixed at a value of the scene."""
     table, inputs = scene.unknown, []
     for path, shape in table.items():
         with faults.at(f"unknown.{quoted(path)}"):
@@ -135,7 +135,7 @@ def _inputs(
 def _correlated(
     unknown: Sequence[Unknown], table: Mapping[str, Shape], faults: Faults
 ) -> tuple[Unknown, ...]:
-    """Unknown inputs, each with its correlations with earlier inputs of the file."""
+    """Unknown inputs, each with its correlations with inputs that precede it in the file."""
     order = {one.path: number for number, one in enumerate(unknown)}
     varying = {one.path: None if one.kind == "list" else one.varies for one in unknown}
     # Correlation and key of each pair, by the numbers of its inputs, the later one first.
@@ -147,9 +147,9 @@ def _correlated(
             hint = did_you_mean(other, [name for name in table if name != path])
             faults.refuse(key, f"this is not another input of [unknown]{hint}")
         elif not {path, other} <= set(order):
-            continue  # one of them is faulty
+            continue  # one of the two inputs is faulty, and already reported
         elif varying[other] is None or varying[path] != varying[other]:
-            problem = "neither a list nor an input that alone varies has a correlation"
+            problem = "a list, or an input that alone varies, cannot be correlated"
             faults.refuse(key, f"{problem}; leave it out")
         else:
             earlier, later = sorted((order[path], order[other]))
@@ -163,18 +163,18 @@ def _correlated(
             joint[later] = replace(joint[later], correlated=own)
     if (i := first_unfit(correlations(joint))) is not None:
         *_, key = (key for (later, _), (_, key) in pairs.items() if later == i)
-        problem = "the correlations of this input cannot all be; give smaller ones"
+        problem = "the correlations of this input contradict each other; give smaller ones"
         faults.refuse(key, f"{problem}, or leave one out")
     return tuple(joint)
 
 
 def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sweep) -> Design:
-    """Rule by which samples are drawn."""
+    """Design of the samples: their inputs, velocities, seed and number for each contact."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
     if len(moving) < 2 or not sweep.scene.friction_heat:
         raise InputError(
-            "sweep.velocities: samples need friction, and two velocities above 0, between which "
-            "each has one; give them"
+            "sweep.velocities: samples lie between the lowest and the highest velocity; give at "
+            "least two above 0, and friction"
         )
     ends = moving[0], moving[-1]
     separable = inseparable(sweep.scene, ends) is None
@@ -193,7 +193,7 @@ def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sw
 
 
 def _add_samples(draw: Draw, count: int, sweep: Sweep) -> Sweep:
-    """The sweep with samples of each of its rows; raises if one is not a sound scene."""
+    """The sweep with samples for each variant; raises if one is not a valid scene."""
     made = replace(sweep, variants=sweep.variants * drawn_rows(draw, count))
     try:
         for name in made.variants.names[:_CHECKED_AT_ONCE]:
@@ -206,10 +206,10 @@ def _add_samples(draw: Draw, count: int, sweep: Sweep) -> Sweep:
 
 
 def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
-    """The distribution of one input; raises `UnitError` or `InputError` if it is faulty."""
+    """Read the distribution of one input; raises `UnitError` or `InputError` if it is faulty."""
     if path.partition(".")[0] in _FIXED or "." not in path:
         raise InputError(
-            "this cannot be unknown; give an entry of what is simulated or judged, such as "
+            "this cannot be unknown; give an entry that affects temperature or wear, such as "
             '"wear.specific_wear_rate" or "temperature.critical"'
         )
     first, *others = parameters
@@ -229,7 +229,7 @@ def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
 
 
 def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
-    """Layer of a point that an input enters; it is tried out at its ends."""
+    """Part of a simulation that an input affects, found by trying its extreme values."""
     key, highest = f"unknown.{quoted(one.path)}", max(sweep.plane.loads)
     is_simulated, is_judged, is_heat_alone = False, False, True
     for value in _values_to_try(one):
@@ -244,14 +244,14 @@ def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
         is_judged |= other.conditions != sweep.conditions
         is_heat_alone &= mechanics(scene) == mechanics(sweep.scene)
         if step_count(scene, highest) != step_count(sweep.scene, highest):
-            faults.refuse(key, "it changes the number of steps, which must stay; give it")
+            faults.refuse(key, "it changes the number of steps; give one value")
             return "conditions"
     if one.path == _SHARE and sweep.conditions.criterion != "share":
-        is_judged = False  # no other criterion looks at it
+        is_judged = False  # no other criterion uses it
     if not (is_simulated or is_judged):
         faults.refuse(key, "no temperature or wear of this scene depends on it; leave it out")
     if not is_simulated:
-        # Each sample has a rise of its own share, and of its own corrections.
+        # The stored rises depend on the failing share and on corrections, drawn for each sample.
         return "conditions" if one.path in _APPLIED else "heat"
     if one.path == SPECIFIC_WEAR_RATE:
         return "wear rate"
@@ -259,7 +259,7 @@ def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
 
 
 def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
-    """The sweep with another value of an entry, whatever friction scales; raises if it is unfit."""
+    """The sweep with another value at `path` and the same friction curves; raises if unfit."""
     kept = {curve: entry_at(sweep.written, curve) for curve in CURVES}
     written = replace_values(sweep.written, kept | {path: value})
     other = replace(sweep, written=written, variants=Variants())
@@ -268,6 +268,6 @@ def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
 
 
 def _values_to_try(one: Unknown) -> list[float]:
-    """Values to try an input at: all of a list, else the median and the outermost of samples."""
+    """Values at which an input is tried: a whole list, else median and extreme samples [SI]."""
     shares = scipy.special.ndtr(np.array([0.0, -REACH, REACH]))
     return [*one.parameters] if one.kind == "list" else one.quantile(shares).tolist()

@@ -1,11 +1,11 @@
-"""Likelihood of runs by the inputs of a sweep: of measured transitions, points, and stages.
+"""Likelihood of measured transitions, tests and runs in stages, for draws of the inputs.
 
-Each draw of the inputs has a velocity V_c of its own at which wear turns severe, at the load,
-friction and bulk temperature of the test. With d = ln(V/V_c) and its standard deviation σ, a
-transition measured at V has the likelihood φ(d/σ)/σ, a test that turned severe Φ(d/σ), a mild one
-Φ(−d/σ). A run is of one specimen, whose scatter all its tests share: mild at d₁ and severe at d₂ it
-has the likelihood Φ(d₂/σ) − Φ(d₁/σ). σ has the scatter of the velocity, the scatter of load and
-friction by the slope of the rise, and the emulator's error.
+Each draw has its own critical velocity V_c at the load, friction and bulk temperature of the test.
+Let d = ln(V/V_c), with standard deviation σ. A transition measured at V has the likelihood
+φ(d/σ)/σ, a test that turned severe Φ(d/σ), a mild test Φ(−d/σ). All tests of a run are of one
+specimen and share its scatter: a run mild at d₁ and severe at d₂ has the likelihood Φ(d₂/σ) −
+Φ(d₁/σ). Three parts add up to σ: the scatter of the velocity, that of load and friction divided by
+the slope of the rise, and the emulator's error.
 """
 
 from __future__ import annotations
@@ -32,23 +32,23 @@ Test = Mapping[str, Any]
 """Entries of a test, as `Measurement.as_dict` gives them."""
 
 SIGNS = {"severe": 1.0, "mild": -1.0}
-"""Sign of the distances that agree with an outcome."""
-_NODES, _FINE = 9, 65  # velocities at which rises are looked at, and where friction bends them
+"""Sign that `Distances.values` has if a draw agrees with the outcome of a test."""
+_NODES, _FINE = 9, 65  # velocities at which rises are computed; more with a friction curve
 
 
 class Distances(NamedTuple):
-    """Distances of draws from tests, shape (n_test, n)."""
+    """Distances in ln(velocity) of tests from the boundary of each draw, shape (n_test, n)."""
 
-    #: Logarithm of a test's velocity over the nearest critical one, or less that where wear turns
-    #: mild there: positive where wear is severe.
+    #: ln(V/V_c) of the test's velocity V and the nearest turn V_c of wear, positive on its severe
+    #: side.
     values: Array
-    signs: Array  # 1 where wear turns severe at that critical velocity, −1 where mild
-    variance: Array  # of `values`, without the scatter of the velocity
-    by_rig: Array  # log likelihood of a measured friction, where the rig's is inferred
+    signs: Array  # 1 if wear turns severe with velocity at V_c, −1 if it turns mild
+    variance: Array  # variance of `values`, without the scatter of the velocity
+    by_rig: Array  # log likelihood of the measured friction if the rig's friction is inferred
 
 
 def require_possible(ensemble: Ensemble) -> None:
-    """Raise an `InputError` for a test outside the samples."""
+    """Raise an `InputError` if a test is outside the loads, velocities or holds of the samples."""
     for test in ensemble.tests:
         place = f"the test at {test['normal_load']:g} N and {test['velocity']:g} m/s"
         try:
@@ -58,8 +58,8 @@ def require_possible(ensemble: Ensemble) -> None:
         hold = test.get("hold", ensemble.hold)
         if hold not in ensemble.ensembles_by_hold:
             raise InputError(
-                f"{place} held the load for {hold:g} s, the samples for {ensemble.hold:g} s: give "
-                "loading.hold of the longest test, and run the samples with it"
+                f"{place} held the load for {hold:g} s, the samples for {ensemble.hold:g} s: set "
+                "loading.hold to that of the longest test, and run the samples again"
             )
 
 
@@ -72,7 +72,7 @@ class Truths(NamedTuple):
 
 
 def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
-    """Distances of draws from tests that held the load as long as the ensemble does."""
+    """Distances of tests that held the load as long as the samples of `ensemble` do."""
     inputs, rig, oils = truths
     count = _FINE if ensemble.conditions.has_friction_curve else _NODES
     nodes = np.geomspace(*ensemble.velocities, count)
@@ -113,9 +113,9 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths
 
 
 def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array, Array]:
-    """Value and sign of `Distances`, by the excess (n, m) over velocities [m/s].
+    """`values` and `signs` of `Distances` for one test, by the excess (n, m) over velocities [m/s].
 
-    A transition was one to severe wear.
+    A measured transition counts only turns to severe wear.
     """
     log_velocity = math.log(test["velocity"])
     critical, *_ = log_crossings(velocities, excess)
@@ -124,7 +124,7 @@ def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array,
     counts = turns != 0 if "outcome" in test else turns > 0
     apart = np.where(counts, np.abs(distances), math.inf)
     nearest = apart.argmin(axis=1)[:, None]
-    # Where none lies between the velocities, the line goes on beyond them.
+    # If no turn is within the velocities, the excess is extrapolated beyond them.
     values, signs = (
         np.where(counts.any(axis=1), np.take_along_axis(own, nearest, axis=1)[:, 0], other)
         for own, other in ((distances, log_velocity - critical), (turns, 1))
@@ -133,16 +133,16 @@ def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array,
 
 
 def fix_varying(unknown: Sequence[Unknown], inputs: Array) -> Array:
-    """Draws (n, n_unknown), with the median of each input that varies from part to part."""
+    """Draws (n, n_unknown) with inputs that vary from part to part set to their median."""
     medians = [one.quantile(np.array([0.5]))[0] for one in unknown]
     return np.where([one.varies for one in unknown], medians, inputs)
 
 
 class Runs(NamedTuple):
-    """Runs beside draws and scatters, each (n_run, n, n_scatter).
+    """Bounds and likelihoods of runs for each draw and scatter, each (n_run, n, n_scatter).
 
-    A specimen is off by more than `low` and by less than `high` standard deviations of its scatter;
-    by both at a transition.
+    The tests of a run bound its specimen's deviation, in standard deviations of the scatter: it is
+    above `low` and below `high`. At a transition both are equal.
     """
 
     low: Array
@@ -151,9 +151,10 @@ class Runs(NamedTuple):
 
 
 def decisive_tests(tests: Sequence[Test], by_load: bool = False) -> list[Test]:
-    """Tests that are not implied by a harder mild test or an easier severe test of their run.
+    """Tests that their run's other tests do not imply: its hardest mild and easiest severe ones.
 
-    Only loads are compared where wear may turn mild at a higher velocity.
+    With `by_load` only tests at the same velocity are compared, because wear may turn mild at a
+    higher velocity.
     """
     places = ["normal_load"] if by_load else ["normal_load", "velocity"]
     seen = dict[Any, tuple[int, tuple[float, float]]]()
@@ -177,7 +178,7 @@ def decisive_tests(tests: Sequence[Test], by_load: bool = False) -> list[Test]:
 
 def log_between(low: Array, high: Array) -> Array:
     """Logarithm of Φ(high) − Φ(low), also in the tails; very low for an empty interval."""
-    is_above = low > 0  # Φ(−low) − Φ(−high) has no rounding there
+    is_above = low > 0  # Φ(−low) − Φ(−high) is the same without cancellation
     low, high = np.where(is_above, -high, low), np.where(is_above, -low, high)
     upper = log_ndtr(high)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -191,16 +192,16 @@ _IMPOSSIBLE = -1e6
 
 
 FACTOR = 3.0
-"""Two thirds of scatters are within this factor of the stated scatter: rigs differ as much."""
+"""Two thirds of true scatters are within this factor of the stated one: rigs differ that much."""
 FACTORS = FACTOR ** np.linspace(-2.0, 2.2, 11)
-"""Factors on the stated scatter."""
-_LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(FACTOR)) ** 2  # one for each factor
-_VARIED = 2**10  # draws that tell what varies from part to part
-_FAR = 2.0  # largest standard deviations of a test from the best draw, root mean square
+"""Factors on the stated scatter between which the tests choose."""
+_LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(FACTOR)) ** 2  # of each factor
+_VARIED = 2**10  # draws to estimate the scatter between parts
+_FAR = 2.0  # largest rms deviation of the tests from the best draw, in standard deviations
 
 
 class JudgedTests(NamedTuple):
-    """Tests and runs beside draws, and the sum of likelihoods with the prior, (n, n_scatter)."""
+    """Distances, runs, and ln(likelihood × prior) by draw and scatter, (n, n_scatter)."""
 
     distances: Distances
     runs: Runs
@@ -209,17 +210,17 @@ class JudgedTests(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """Inputs of a sweep, of its rig and of the oils that ran on it, and its tests."""
+    """All unknown inputs of a sweep, its rig and its oils, with the tests that constrain them."""
 
     ensemble: Ensemble
-    unknown: tuple[Unknown, ...]  # the sweep's; then of oils and rig
-    rig: tuple[int, ...]  # inputs that are the friction of the rig, and its scatter
-    oils: Mapping[str, int]  # inputs that are the critical temperatures of other oils
-    scatters: Array
+    unknown: tuple[Unknown, ...]  # inputs of the sweep, then those of oils and rig
+    rig: tuple[int, ...]  # columns of the rig's friction and its scatter; or empty
+    oils: Mapping[str, int]  # column of the critical temperature of each other oil
+    scatters: Array  # standard deviations of ln(velocity) to choose from, (n_scatter,)
 
     @classmethod
     def of(cls, ensemble: Ensemble, scatter: float) -> Joint:
-        """Inputs and tests of a sweep; raises at a test that it says nothing about."""
+        """Inputs and tests of a sweep; raises an `InputError` if a test is outside the samples."""
         require_possible(ensemble)
         unknown, oils = join_oils(ensemble)
         unknown, rig = join_rig(ensemble, unknown)
@@ -227,19 +228,19 @@ class Joint:
 
     @functools.cached_property
     def tests(self) -> list[Test]:
-        """Tests that count."""
+        """Tests that add information; see `decisive_tests`."""
         return decisive_tests(self.ensemble.tests, self.ensemble.conditions.has_friction_curve)
 
     @functools.cached_property
     def runs(self) -> list[list[int]]:
-        """Numbers of the tests of each run; a test that names no run is a run."""
+        """Row numbers in `tests` of each run; a test without a run is a run of its own."""
         runs = dict[Any, list[int]]()
         for number, test in enumerate(self.tests):
             runs.setdefault(test.get("run", number), []).append(number)
         return list(runs.values())
 
     def judge_draws(self, inputs: Array) -> JudgedTests:
-        """Distances and likelihoods of the tests for draws of all inputs, shape (n, n_unknown)."""
+        """Distances and likelihoods of the tests, for draws (n, n_unknown) of all inputs [SI]."""
         shift, variance = self._part_scatter
         distances = self._distances(fix_varying(self.unknown, inputs))
         distances = distances._replace(
@@ -249,7 +250,7 @@ class Joint:
         return JudgedTests(distances, runs, runs.log_likelihoods.sum(axis=0) + _LOG_PRIOR)
 
     def _weigh_runs(self, distances: Distances) -> Runs:
-        """Scores and log likelihoods of runs, given the distances of their tests."""
+        """Bounds and log likelihoods of the runs, from the distances of their tests."""
         shape = len(self.runs), distances.values.shape[1], len(self.scatters)
         low, high, likelihoods = np.full(shape, -np.inf), np.full(shape, np.inf), np.zeros(shape)
         for run, rows in enumerate(self.runs):
@@ -267,7 +268,7 @@ class Joint:
                     likelihoods[run] -= 0.5 * z**2 + np.log(deviation)
             if any("outcome" in self.tests[row] for row in rows):
                 likelihoods[run] += log_between(low[run], high[run])
-            # The friction of a specimen is one, however often it was measured.
+            # A specimen has one friction, however often measured: average the log likelihoods.
             measured = [row for row in rows if self.tests[row].get("friction") is not None]
             if measured:
                 likelihoods[run] += distances.by_rig[measured].mean(axis=0)[:, None]
@@ -275,7 +276,7 @@ class Joint:
 
     @functools.cached_property
     def _part_scatter(self) -> tuple[Array, Array]:
-        """Mean and variance (n_test, 1) that inputs which vary by part add to distances."""
+        """Mean and variance (n_test, 1) that scatter between parts adds to distances."""
         if not any(one.varies for one in self.unknown):
             return np.zeros((1, 1)), np.zeros((1, 1))
         inputs = prior(self.unknown, self.ensemble.design.seed, _VARIED).inputs
@@ -284,7 +285,7 @@ class Joint:
         return apart.mean(axis=1)[:, None], apart.var(axis=1)[:, None]
 
     def _distances(self, inputs: Array) -> Distances:
-        """Distances of draws of all inputs (n, n_unknown) from the tests."""
+        """Distances of the tests, for draws (n, n_unknown) of all inputs [SI]."""
         truths = Truths(
             inputs[:, : len(self.ensemble.unknown)],
             inputs[:, self.rig] if self.rig else None,
@@ -300,7 +301,7 @@ class Joint:
         return Distances(*found)
 
     def require_near(self, distances: Distances) -> None:
-        """Raise an `InputError` where even the best draws are far from the tests."""
+        """Raise an `InputError` if even the best draw is far from the tests."""
         scatter = float(self.scatters[-1])
         z = distances.values / np.sqrt(distances.variance + scatter**2)
         for number, test in enumerate(self.tests):
@@ -309,6 +310,6 @@ class Joint:
         apart = float(np.sqrt(np.mean(z**2, axis=0).min()))
         if apart > _FAR:
             raise InputError(
-                f"hardly any draw agrees with the tests, the best within {apart * scatter:.0%} of "
-                "their velocities; widen [unknown], or look at the tests"
+                f"hardly any draw agrees with the tests; the best is within {apart * scatter:.0%} "
+                "of their velocities; widen the ranges in [unknown], or check the tests"
             )

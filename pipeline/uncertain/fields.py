@@ -1,4 +1,4 @@
-"""The field of samples: its members are draws of the unknown inputs, by an emulator."""
+"""`SampleField`: temperatures and probabilities over the plane, from draws of the inputs."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ from pipeline.uncertain.weigh import posterior_at
 from tribo import InputError
 from tribo.types import Array
 
-_FAR = 3.0  # logarithm of the ratio to which a line goes on beyond the velocities of the samples
+_FAR = 3.0  # ln(velocity) by which the excess is extrapolated beyond the samples' velocities
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InferredScatter:
-    """Scatter of runs as tests leave it, jointly with the inputs."""
+    """Scatter between runs, inferred from the tests together with the inputs."""
 
     scatters: Array  # standard deviations of ln(velocity), (n_scatter,)
-    by_draw: Array  # probability of each by draw, (n, n_scatter)
-    weights: Array  # one for each draw
+    by_draw: Array  # probability of each scatter by draw, (n, n_scatter)
+    weights: Array  # weights of the draws, (n,)
     text: str
 
     def below(self, distances: Array) -> Array:
-        """See `pipeline.analysis.model_error.Scatter`; of all draws together."""
+        """Probability that a run's deviation in ln(velocity) is below `distances`."""
         odds = self.weights @ self.by_draw
         return np.asarray(
             sum(p * ndtr(distances / s) for p, s in zip(odds, self.scatters, strict=True))
@@ -52,7 +52,7 @@ class InferredScatter:
 
 @dataclass(frozen=True, eq=False)
 class SampleField:
-    """See `pipeline.analysis.field.Field`."""
+    """The field of samples: its members are emulated draws of the unknown inputs."""
 
     ensemble: Ensemble
     draws: Draws
@@ -64,22 +64,22 @@ class SampleField:
 
     @property
     def weights(self) -> Array:
-        """See `Field`."""
+        """Weight of each draw (n,); their sum is 1."""
         return self.draws.weights
 
     @property
     def conditions(self) -> Conditions:
-        """See `Field`."""
+        """Conditions on friction, temperature and criterion that wear is judged by."""
         return self.ensemble.conditions
 
     @property
     def misfit(self) -> str:
-        """See `Field`."""
+        """Why the tests contradict the model; empty if they do not."""
         return self.draws.misfit
 
     @property
     def ends(self) -> Mapping[str, tuple[float, float]]:
-        """See `Field`."""
+        """Lowest and highest load [N] and velocity [m/s] of the samples."""
         loads = self.ensemble.loads
         return {"load": (float(loads[0]), float(loads[-1])), "velocity": self.ensemble.velocities}
 
@@ -99,12 +99,12 @@ class SampleField:
 
     @property
     def rig_scatter(self) -> Array | float:
-        """Scatter of friction between tests by draw (n,); 0 where no test tells it."""
+        """Scatter of ln(friction) between tests by draw (n,); 0 if no test measured friction."""
         return self.posterior.rig_scatter if self.posterior else 0.0
 
     @property
     def basis(self) -> list[str]:
-        """See `Field`."""
+        """Lines of text on what the answers rest on: inputs, tests, cross-validation."""
         return [*self._notes()]
 
     def _notes(self) -> Iterator[str]:
@@ -122,18 +122,18 @@ class SampleField:
         yield f"  {_describe_left_out(ensemble)}"
 
     def judged_by(self, own: Mapping[str, float]) -> SampleField:
-        """See `Field`; an `InputError` where tests have weighed the conditions."""
+        """The field under other conditions; raises an `InputError` if tests weighed them."""
         if not own:
             return self
         if self.posterior:
             raise InputError(
-                f"{', '.join(own)}: the tests weigh conditions as they were drawn; leave this out"
+                f"{', '.join(own)}: the tests have weighed these conditions; leave this out"
             )
         ensemble = self.ensemble.judged_by(own)
         return replace(self, ensemble=ensemble, draws=draws_of(ensemble, None))
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """See `Field`."""
+        """Contact temperatures by draw and place [K], with a random emulator error."""
         places = [*zip(*places_of(loads, velocities), strict=True)]
         inputs, reasons = self.draws.inputs, [""] * len(places)
         friction, bulk, critical = (
@@ -156,20 +156,20 @@ class SampleField:
         return Here(temperatures, excess > 0, critical, nowhere, nowhere, reasons)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """See `Field`: the error of the preset."""
+        """Numerical errors by part and place, relative to the rise; see `Field.errors`."""
         preset, counted = preset_error(self.ensemble.velocity_error), counted_error(self.conditions)
         parts = np.array([0.0, preset, 0.0, counted.item()])
         return np.tile(parts[:, None], len(places_of(loads, velocities)[0]))
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """See `Field`."""
+        """Outcomes along an axis, by draw, and where wear first turns severe."""
         places = zip(*places_of(loads, velocities), strict=True)
         outcome, first = zip(*(self._outcomes_along(axis, *place) for place in places), strict=True)
         low, high = (np.full(len(first), end) for end in self.ends[axis])
         return Transitions(np.column_stack(outcome), np.column_stack(first), (low, high))
 
     def _outcomes_along(self, axis: str, load: float, velocity: float) -> tuple[Array, Array]:
-        """Outcome by draw along an axis through a place, and where wear first turns severe."""
+        """Outcome by draw (n,) along an axis, and the place (n,) where wear first turns severe."""
         ends = self.ends[axis]
         if axis == "velocity":
             x, lines = self._lines(load)
@@ -187,7 +187,7 @@ class SampleField:
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
-        """See `Field`: of each draw by the places at which its wear turns."""
+        """Probability (k,) that the next run is severe, from the turns of each draw."""
         loads, velocities, shifts = np.broadcast_arrays(loads, velocities, shift)
         self._keep([load for load in np.unique(loads).tolist() if load not in self._kept])
         result = np.empty(loads.shape)
@@ -197,7 +197,7 @@ class SampleField:
         return result
 
     def _probability(self, load: float, velocities: Array, scatter: Scatter, shift: float) -> Array:
-        """Probability that the next run is severe at a load, by velocity."""
+        """Probability (n_velocity,) that the next run is severe, at one load."""
         x, lines = self._lines(load, _FAR)
         turns, places = line_turns(x, lines + shift)
         rows, columns = np.nonzero(turns)
@@ -206,7 +206,7 @@ class SampleField:
         result = np.full(len(velocities), begins)
         for below, weights in self._mixture(scatter):
             weight = weights[rows] * signs
-            # On a grid, since draws are many.
+            # Turns of the many draws are collected on a grid of ln(velocity), for speed.
             grid = np.linspace(x[0], x[-1], _GRID)
             step = grid[1] - grid[0]
             k = np.clip(((at - grid[0]) / step).astype(int), 0, _GRID - 2)
@@ -214,7 +214,7 @@ class SampleField:
             held = np.bincount(k, weight * (1 - share), _GRID)
             held += np.bincount(k + 1, weight * share, _GRID)
             (some,) = np.nonzero(held)
-            if not some.size:  # no draw turns, or no turning draw has this scatter
+            if not some.size:  # no draw turns, or none that turns has this scatter
                 continue
             apart = grid[some] - np.log(velocities)[:, None]
             far = max(-apart.min(), apart.max(), step)
@@ -223,7 +223,7 @@ class SampleField:
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def _mixture(self, scatter: Scatter) -> Iterator[tuple[Callable[[Array], Array], Array]]:
-        """Distributions of the next run's scatter, each with its weights of the draws."""
+        """Distribution functions of the next run's scatter, each with the weights of the draws."""
         if not isinstance(scatter, InferredScatter):
             yield scatter.below, self.weights
             return
@@ -231,9 +231,10 @@ class SampleField:
             yield functools.partial(_normal_below, sd), self.weights * odds
 
     def _lines(self, load: float, beyond: float = 0.0) -> tuple[Array, Array]:
-        """Logarithms of velocities, and the excess of the next run by draw (n, m).
+        """Logarithms of velocities (m,), and the excess of the next run by draw (n, m).
 
-        They may go beyond the samples' velocities, where at friction 1 the excess is a power.
+        With `beyond` they reach this far beyond the samples' ln(velocity); the excess at friction 1
+        is extrapolated as a power law.
         """
         if load not in self._kept:
             self._keep([load])
@@ -253,14 +254,14 @@ class SampleField:
         return nodes, heat + self._log_factor(nodes)
 
     def _log_factor(self, x: Array) -> Array:
-        """Logarithm of the factor of friction by logarithms of velocities."""
+        """Logarithm of the factor of friction at logarithms of velocities."""
         factor = self.conditions.friction_factor(np.exp(x))
         return np.asarray(np.log(np.maximum(factor, LEAST_FRICTION)))
 
     def _keep(self, loads: Sequence[float]) -> None:
-        """Compute the lines at several loads at once, which is hardly slower than at one.
+        """Compute and keep the lines at several loads at once, hardly slower than at one load.
 
-        Friction by velocity is left out of what is kept, since it bends within a step.
+        Kept lines exclude friction by velocity, which may bend between two nodes.
         """
         if not loads:
             return
@@ -274,7 +275,7 @@ class SampleField:
             self._kept[load] = np.log(velocities), lines[:, number]
 
     def _chance_excess(self, loads: Axis, velocities: Axis | float) -> Array:
-        """Excess by draw, with the errors and the friction that the next run has by chance."""
+        """Excess by draw, with a random emulator error and a random friction of the next run."""
         seed = self.ensemble.design.seed
         lines = self.ensemble.excess(self.draws.inputs, loads, velocities).draw_chance(seed)
         chance = np.random.default_rng(seed + 1).standard_normal(len(lines))
@@ -282,7 +283,7 @@ class SampleField:
 
 
 def _friction_nodes(conditions: Conditions, x: Array) -> Array:
-    """Logarithms of velocities within others, between which ln(friction) is about linear."""
+    """Logarithms of velocities in the range of `x`, dense enough for ln(friction) to be linear."""
     nodes = np.log([velocity for velocity, _ in conditions.friction_law.by_velocity])
     nodes = np.array([nodes[0] - math.log(2), *nodes, nodes[-1] + math.log(2)])
     parts = max(1, round(_FINE / len(nodes)))
@@ -291,23 +292,23 @@ def _friction_nodes(conditions: Conditions, x: Array) -> Array:
     return np.asarray(places[(places > x[0]) & (places < x[-1])])
 
 
-_FINE = 120  # places at which friction by velocity is taken
-_GRID = 4001
-_MOST_KEPT = 64  # loads, of 1.3 MB each
+_FINE = 120  # nodes at which friction by velocity is evaluated
+_GRID = 4001  # nodes of ln(velocity)
+_MOST_KEPT = 64  # loads whose lines are kept, 1.3 MB each
 
 
 def _normal_below(sd: float, distances: Array) -> Array:
-    """Probability that a normal number of a standard deviation is below distances."""
+    """Normal distribution function of standard deviation `sd` at `distances`."""
     return np.asarray(ndtr(distances / sd))
 
 
 def fields(held: Results) -> list[SampleField]:
-    """The field of each scene of a sweep of samples."""
+    """Field of each scene in a sweep of samples."""
     return [single_field(scene) for scene in held.scenes]
 
 
 def single_field(ds: xr.Dataset | Results) -> SampleField:
-    """The field of a sweep of samples of one scene; an `InputError` if it has several."""
+    """Field of a sweep of samples of one scene; raises an `InputError` for several scenes."""
     scene = results(ds)
     ensemble = Ensemble.of(scene)
     weighed = posterior_at(scene, ensemble)
@@ -316,16 +317,16 @@ def single_field(ds: xr.Dataset | Results) -> SampleField:
 
 
 def _describe_left_out(ensemble: Ensemble) -> str:
-    """Describe how samples that are left out lie in the bands of all other samples."""
+    """Describe in words how many samples left out are inside their 90 % bands."""
     left_out, count = ensemble.left_out, len(ensemble.inputs)
     held = (
-        f"of places left out the 90 % bands hold {100 * left_out.held:.0f} ± "
-        f"{100 * left_out.error:.0f} %"
+        f"{100 * left_out.held:.0f} ± {100 * left_out.error:.0f} % of samples left out are inside "
+        "their 90 % bands"
     )
     if not left_out.is_known:
         contacts = counted(left_out.contacts, "contact", "contacts")
-        return f"{count} samples may not suffice: {held}, by {contacts} where {JUDGED} tell enough"
+        return f"{count} samples may not suffice: {held}; {contacts} of {JUDGED} needed to tell"
     if not left_out.is_right:
-        return f"{count} samples may not suffice: {held}, not 85 to 95 %"
+        return f"{count} samples may not suffice: {held}; 85 to 95 % are right"
     suffice = " suffice" if count == ensemble.design.sufficient else ""
     return f"{count} samples{suffice}: {held}"

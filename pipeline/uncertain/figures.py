@@ -1,4 +1,4 @@
-"""Figures of what is not known exactly: probabilities, their causes, inputs."""
+"""Figures of samples: probability of severe wear, sensitivity to the inputs, and the posterior."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ _COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)
 _BINS = 40
 
 
-_LOADS, _VELOCITIES = 45, 121  # nodes of the plane that is drawn
+_LOADS, _VELOCITIES = 45, 121  # nodes at which the probability is drawn
 
 
 @style.house_style
 def draw_probability(held: Results, log: bool = False) -> Figure:
-    """Draw the probability over the plane that the next run is severe."""
+    """Draw the probability that the next run is severe, over velocity and load."""
     field = single_field(held)
     ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(held, field)
     figure, axes = style.canvas((7.2, 5.4))
@@ -51,7 +51,7 @@ def draw_probability(held: Results, log: bool = False) -> Figure:
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
     tests = laboratory_tests(held)
     (columns,) = np.nonzero(((p > 0.002) & (p < 0.998)).any(axis=0))
-    if columns.size:  # where anything is uncertain at some load, and a little more
+    if columns.size:  # show velocities where the outcome is uncertain at some load, with a margin
         left, right = x[max(columns[0] - 2, 0)], x[min(columns[-1] + 2, len(x) - 1)]
         tested = [test.velocity for test in tests if x[0] <= test.velocity <= x[-1]]
         axes.set_xlim(min(left, *tested, right), max(right, *tested, left))
@@ -64,8 +64,8 @@ def draw_probability(held: Results, log: bool = False) -> Figure:
     for mark in mark_tests(axes, inside, bulk, bulk):
         mark.set_clip_on(False)  # tests are often at the lowest and the highest load
     if left_out := len(tests) - len(inside):
-        beyond = "test lies" if left_out == 1 else "tests lie"
-        axes.plot([], [], ls="none", label=f"{left_out} {beyond} beyond the figure")
+        beyond = "test is" if left_out == 1 else "tests are"
+        axes.plot([], [], ls="none", label=f"{left_out} {beyond} outside the figure")
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
@@ -82,7 +82,7 @@ def draw_probability(held: Results, log: bool = False) -> Figure:
 
 
 def _conditions(ensemble: Ensemble) -> str:
-    """When wear is severe, as far as that is known, and which inputs the samples vary."""
+    """Describe the criterion of severe wear, the friction, and the inputs that samples vary."""
     drawn = [one.path for one in ensemble.unknown]
     known = dict(condition_rows(ensemble.conditions, drawn))
     severe = f"severe wear: {known['severe']}; " if "severe" in known else ""
@@ -91,7 +91,7 @@ def _conditions(ensemble: Ensemble) -> str:
 
 @style.house_style
 def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
-    """Draw the Sobol' indices of the critical velocity by load, below the title of the scene."""
+    """Draw the Sobol' indices of the critical velocity by load, titled by the scene."""
     figure, axes = style.canvas((7.6, 2.8 + 0.55 * len(sensitivity.unknown)))
     order = np.argsort(sensitivity.first.mean(axis=0))
     has_total = np.isfinite(sensitivity.total).all()
@@ -126,7 +126,7 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
 
 @style.house_style
 def draw_posterior(posterior: Posterior) -> Figure:
-    """Draw the inputs before and after the tests, and measured beside computed velocities."""
+    """Draw each input before and after the tests, and computed against measured velocities."""
     unknown = posterior.unknown
     transitions = [judged for judged in posterior.judged if "outcome" not in judged.test]
     panels = len(unknown) + bool(transitions)
@@ -167,7 +167,7 @@ def draw_posterior(posterior: Posterior) -> Figure:
 
 
 def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
-    """Measured velocities beside those computed, with what 90 % of the draws give."""
+    """Plot computed velocities, with 90 % intervals, against measured ones, with their scatter."""
     tests = [judged.test for judged in transitions]
     measured = np.array([test["velocity"] for test in tests])
     scatter = [test.get("velocity_scatter", inferred * test["velocity"]) for test in tests]

@@ -1,4 +1,4 @@
-"""Entries of a scene on inputs that are not known exactly, and how a distribution is given."""
+"""Scene entries for inputs that are not known exactly, and the forms of a distribution."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.kinds import Flag, Kind, Number, Scalar, UnfitError, Whole
 from pipeline.sweep.tables import Entries, entry_at
 
-MOST_SAMPLES = 100_000  # each is read as a scene of its own when it is computed, in 1 ms
+MOST_SAMPLES = 100_000  # reading each as a scene takes 1 ms
 
 
 class Shape(NamedTuple):
-    """Distribution of an input as a file gives it; it may vary from part to part."""
+    """Distribution of an input as a scene file states it."""
 
     form: str
     parameters: tuple[Any, ...]
@@ -26,14 +26,14 @@ class Shape(NamedTuple):
 
 @dataclass(frozen=True)
 class Distribution(Kind):
-    """A table of one of several forms, whose last keys belong to all forms; or a list."""
+    """Kind of entry: a table in one of several forms, which share their last keys; or a list."""
 
     forms: tuple[Table, ...]
     listed: Kind
 
     @property
     def leaf_keys(self) -> set[str]:
-        """Keys of all forms."""
+        """Keys that may stand in a table of any form."""
         return {key for table in self.forms for key in table.keys}
 
     def __str__(self) -> str:
@@ -69,7 +69,7 @@ UNKNOWN = ByPath(Distribution(
             form="log-normal"),
         Table({"from": _GIVEN, "to": _GIVEN, **_ALWAYS}, form="uniform"),
     ),
-    listed=List(Scalar(), distinct=True),  # each as likely
+    listed=List(Scalar(), distinct=True),  # equally likely values
 ), "paths of entries")
 
 @declared
@@ -92,11 +92,11 @@ class Samples:
 # fmt: on
 
 ENTRIES = {"": Inputs, "sweep": Samples}
-"""Further entries, by the path of their table."""
+"""Classes of the entries that samples add to a scene, by the path of their table."""
 FORMS: tuple[type, ...] = ()
 
 
 def find(entries: Entries) -> list[str]:
-    """Paths of the entries of a scene on unknown inputs."""
+    """Paths of the scene's entries on unknown inputs; empty if it has none."""
     paths = "unknown", "sweep.samples", "sweep.sample_seed"
     return [path for path in paths if entry_at(entries, path) is not None]

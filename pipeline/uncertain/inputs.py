@@ -1,4 +1,4 @@
-"""Draws of the unknown inputs, before or after tests weigh them, and inputs that are fixed."""
+"""Draws of the unknown inputs, with weights, from the prior or given the tests."""
 
 from __future__ import annotations
 
@@ -14,33 +14,34 @@ from pipeline.uncertain.unknown import Unknown, drawn
 from tribo.types import Array
 
 QUANTILES = (0.05, 0.5, 0.95)
-"""Probabilities of which values are given, and lines drawn."""
+"""Probabilities of the quantiles that are printed and drawn."""
 COUNT = 2**12
 """Number of draws of the scene's own distributions."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Draws:
-    """Values of the unknown inputs (n, n_unknown) [SI], each with a weight; their sum is 1.
+    """Values of the unknown inputs (n, n_unknown) [SI], with weights (n,) that sum to 1.
 
-    Faults are reasons why the model does not fit the tests that weigh them.
+    `faults` are reasons why the model does not fit the tests, empty if it does.
     """
 
     inputs: Array
     weights: Array
     faults: tuple[str, ...] = ()
-    #: Scatters of runs that tests allow, and the odds of each by draw (n, n_scatter), if any do.
+    #: Candidates for the scatter between runs (n_scatter,) and their probability by draw
+    #: (n, n_scatter); None without tests.
     scatters: Array | None = None
     by_scatter: Array | None = None
 
     @property
     def misfit(self) -> str:
-        """Why the model does not fit, and what to do; empty if nothing speaks against it."""
+        """Why the model does not fit the tests, and what to do; empty if it fits."""
         if not self.faults:
             return ""
         return (
-            f"the model does not fit: {'; '.join(self.faults)}; nothing is decided by it: look at "
-            "the scene and at [unknown]"
+            f"the model does not fit: {'; '.join(self.faults)}; it decides nothing: check the "
+            "scene and the ranges in [unknown]"
         )
 
     @property
@@ -49,25 +50,25 @@ class Draws:
         return float(1 / np.sum(self.weights**2))
 
     def mean(self, values: Array) -> Any:
-        """Weighted mean over the draws, the first axis."""
+        """Weighted mean of `values` over their first axis, the draws."""
         return np.tensordot(self.weights, values, axes=1)
 
     def spread(self, values: Array) -> float:
-        """Weighted standard deviation over the draws, the first axis."""
+        """Weighted standard deviation of `values` (n,)."""
         return math.sqrt(float(self.mean((values - self.mean(values)) ** 2)))
 
     def quantile(self, values: Array, share: float) -> float:
-        """Value that a share of the probability stays below; values may be infinite."""
+        """Value that the draws' `values` (n,) stay below with probability `share`."""
         return float(quantile(values, self.weights, share))
 
     def interval(self, values: Array) -> tuple[float, float, float]:
-        """Values that 5, 50 and 95 % of the probability stay below."""
+        """5, 50 and 95 % quantiles of the draws' `values` (n,)."""
         low, middle, high = (self.quantile(values, share) for share in QUANTILES)
         return low, middle, high
 
 
 def prior(unknown: Sequence[Unknown], seed: int, count: int = COUNT) -> Draws:
-    """Draw from the distributions that the scene gives its unknown inputs."""
+    """Draw `count` values of each input from the scene's distributions, with equal weights."""
     inputs = drawn(tuple(unknown), seed, count)
     return Draws(inputs, np.full(count, 1 / count))
 
@@ -76,4 +77,4 @@ FRICTION, BULK, CRITICAL, SHARE = (
     "friction.coefficient", "temperature.bulk", "temperature.critical", "temperature.failing_share",
 )  # fmt: skip
 LEAST_FRICTION = 1e-3
-"""Friction of the few draws of a wide distribution that are lower, or negative."""
+"""Lower limit of friction, for the few draws of a wide distribution that are below it."""

@@ -1,4 +1,4 @@
-"""The posterior of the unknown inputs, each run judged by all others, and oils compared."""
+"""The posterior of the unknown inputs, each run judged by all other runs, and oils compared."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from pipeline.uncertain.inputs import CRITICAL, Draws
 from pipeline.uncertain.unknown import Unknown, correlations
 from tribo.types import Array
 
-_HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
+_HIDDEN = 0.5  # correlation above which tests cannot tell two inputs apart
 
 
 def shown_test(tests: Sequence[Test]) -> int:
-    """Number of the test that represents a run: the first severe test, else the last mild one."""
+    """Index of the test that represents a run: easiest severe test, else hardest mild test."""
 
     def severity(number: int) -> tuple[bool, float]:
         is_mild = tests[number].get("outcome") == "mild"
@@ -36,30 +36,30 @@ def shown_test(tests: Sequence[Test]) -> int:
 
 
 class Judged(NamedTuple):
-    """A run, judged by all other runs, and by all runs together."""
+    """A run, compared with the prediction from all other runs, and from all runs together."""
 
     tests: tuple[Test, ...]
-    #: Velocities there that 5, 50 and 95 % stay below, given all tests [m/s].
+    #: 5, 50 and 95 % quantiles of the critical velocity at the run's test, given all tests [m/s].
     critical_velocity: tuple[float, float, float]
-    #: Probability of its outcome, or of a transition as far off, given all other tests.
+    #: Probability of its outcome, or of a transition at least as far off, given all other runs.
     probability: float
-    limit: float  #: Probability below which it contradicts them.
-    is_blamed: bool = True  #: The model fits the others, which else may be wrong instead.
+    limit: float  #: Probability below which the run contradicts the other runs.
+    is_blamed: bool = True  #: True if the model fits the other runs, so that this one is wrong.
 
     @property
     def test(self) -> Test:
-        """The test that stands for the run."""
+        """The test that represents the run."""
         return self.tests[shown_test(self.tests)]
 
     @property
     def since(self) -> Test | None:
-        """The last mild test of a run that turned severe."""
+        """The hardest mild test of a run that turned severe; None for other runs."""
         mild = [test for test in self.tests if test.get("outcome") == "mild"]
         return mild[shown_test(mild)] if mild and self.test["outcome"] == "severe" else None
 
     @property
     def outcome(self) -> str:
-        """What the run has found, in words."""
+        """Outcome of the run in words, such as "severe, mild up to 400 N"."""
         found = str(self.test.get("outcome", "transition"))
         if self.since is None:
             return found
@@ -69,44 +69,43 @@ class Judged(NamedTuple):
 
     @property
     def contradicts(self) -> bool:
-        """True if the other tests hardly allow this one, and the model fits them."""
+        """True if the other runs make this outcome improbable, and the model fits them."""
         return self.is_blamed and self.probability < self.limit
 
 
 @shown
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """Joint distribution of the unknown inputs, given tests."""
+    """Joint distribution of the unknown inputs, given the tests."""
 
     drawn_by: ClassVar = "pipeline.uncertain.figures:draw_posterior"
-    ensemble: Ensemble  #: Samples of the sweep that it rests on.
+    ensemble: Ensemble  #: Samples of the sweep, with their emulator.
     #: Inputs of the sweep, then the critical temperatures of other oils, then inputs of the rig.
     unknown: tuple[Unknown, ...]
-    #: Values before and after they were weighed.
-    prior: Draws
-    draws: Draws
-    judged: tuple[Judged, ...]  #: Tests, beside what the others say.
+    prior: Draws  #: Draws before the tests.
+    draws: Draws  #: Draws given the tests.
+    judged: tuple[Judged, ...]  #: Runs, each compared with all other runs.
     scatter: float  #: Relative standard deviation of measured velocities, as stated.
-    #: That which 5, 50 and 95 % stay below, given the tests.
+    #: 5, 50 and 95 % quantiles of the scatter, given the tests.
     inferred_scatter: tuple[float, float, float]
-    #: Inputs that are the friction of the rig, and its scatter between tests, if it has its own.
+    #: Columns of the rig's friction and of its scatter between tests; empty if not inferred.
     rig: tuple[int, ...] = ()
-    #: Inputs that are the critical temperatures of other oils than the first, by their labels.
+    #: Columns of the critical temperatures of oils other than the first, by the oil's label.
     oils: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def fits(self) -> bool:
-        """True if nothing speaks against the model; else no test is named as an outlier."""
+        """True if the model fits the tests; if not, no test is named an outlier."""
         return not self.draws.faults
 
     @property
     def rig_scatter(self) -> Array | float:
-        """Scatter of friction between tests by draw (n,); 0 where no test tells it."""
+        """Scatter of ln(friction) between tests by draw (n,); 0 if no test measured friction."""
         return self.draws.inputs[:, self.rig[1]] if self.rig else 0.0
 
     @property
     def evidence(self) -> str:
-        """Numbers of measured transitions, of runs by stages and of tests, in words."""
+        """Counts of measured transitions, runs and tests in words, such as "3 runs and 1 test"."""
         tests = sum("outcome" in judged.test for judged in self.judged)
         runs = sum("run" in judged.test for judged in self.judged)
         numbers = {
@@ -116,9 +115,9 @@ class Posterior:
         return " and ".join(words) or "0 measured transitions"
 
     def summary(self) -> Iterator[dict[str, Any]]:
-        """Mean, spread and 90 % interval of each input, before and after [SI].
+        """Mean, standard deviation and 90 % interval of each input, before and after tests [SI].
 
-        Of an input that is one of a list, the probability of each of its values instead.
+        An input with a list of values has the probability of each value instead.
         """
         for number, quantity in enumerate(self.unknown):
             row: dict[str, Any] = {"path": quantity.path, "unit": quantity.unit}
@@ -135,22 +134,22 @@ class Posterior:
 
     @property
     def draws_words(self) -> str:
-        """Number of draws that the numbers rest on, in words."""
+        """Effective sample size and number of draws, in words."""
         return f"  effective sample size {self.draws.effective:.0f} of {len(self.draws.weights)}"
 
     @property
     def scatter_words(self) -> str:
-        """Scatter of the velocities, as stated and as inferred."""
+        """Scatter of the velocities in words, as stated and as inferred."""
         low, middle, high = (100 * value for value in self.inferred_scatter)
-        said = f"scatter of the velocities as stated, {100 * self.scatter:g} %"
+        said = f"scatter of the velocities as stated: {100 * self.scatter:g} %"
         if not self.judged:
             return said
-        return f"{said}, and by the tests {middle:.2g} % ({low:.2g} to {high:.2g})"
+        return f"{said}, by the tests: {middle:.2g} % ({low:.2g} to {high:.2g})"
 
     def in_words(self) -> Iterator[tuple[str, ...]]:
-        """Path of each input, its mean and spread before and after, and 90 % of it, in its units.
+        """Row of a table for each input: path, mean ± sd before and after the tests, 90 % interval.
 
-        Of an input that is one of a list, the likeliest of its values.
+        An input with a list of values shows its likeliest value instead.
         """
         for row, unknown in zip(self.summary(), self.unknown, strict=True):
             after, spread = row["posterior"], unknown.spread
@@ -170,7 +169,7 @@ class Posterior:
 
     @property
     def correlations(self) -> Array:
-        """Correlation of each two inputs, shape (n_unknown, n_unknown)."""
+        """Correlations of the inputs given the tests, shape (n_unknown, n_unknown)."""
         columns = zip(self.unknown, self.draws.inputs.T, strict=True)
         values = np.stack([np.log(c) if u.is_relative else c for u, c in columns], axis=1)
         covariance = np.cov(values, rowvar=False, aweights=self.draws.weights, ddof=0)
@@ -221,22 +220,22 @@ def _share_values(values: tuple[float, float, float]) -> dict[str, float]:
     return dict(zip(("5 %", "50 %", "95 %"), values, strict=True))
 
 
-_OUTER, _MUCH = 0.03, 0.15  # share of an input's range at either end; of its posterior there
-_RANGE = 3.0  # standard deviations about the mean that are the range of a normal input
-_EXPLAINED = 1.25  # median scatter over the one said, without a test that explains it
+_OUTER, _MUCH = 0.03, 0.15  # share of the range at each end; tolerated probability there
+_RANGE = 3.0  # half range of a normal input, in standard deviations
+_EXPLAINED = 1.25  # if leaving out a run lowers the scatter to this × stated, the run is to blame
 
 
 def faults(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> tuple[str, ...]:
-    """Reasons why the model does not fit, by a stated scatter and quantiles of the inferred."""
+    """Reasons why the model does not fit; `inferred` are 5, 50, 95 % quantiles of scatter."""
     words = []
     if inferred[0] > scatter:
         words.append(
-            f"the tests scatter by {100 * inferred[0]:.3g} % at least, and "
+            f"the tests scatter by at least {100 * inferred[0]:.3g} %, and "
             f"{100 * scatter:g} % is stated"
         )
-    for one, column in zip(unknown, draws.inputs.T, strict=False):  # without the rig's
+    for one, column in zip(unknown, draws.inputs.T, strict=False):  # the rig's columns come last
         if (share := float(draws.mean(_is_outer(one, column)))) > _MUCH:
             words.append(f"{one.path} has {share:.2f} of its probability at the ends of its range")
     return tuple(words)
@@ -245,13 +244,13 @@ def faults(
 def explains(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> bool:
-    """True if the model fits once a test is left out; the arguments leave it out."""
+    """True if the model fits without one run; `draws` and `inferred` were found without it."""
     at_ends = faults(unknown, draws, scatter, (0.0, *inferred[1:]))
     return inferred[1] <= _EXPLAINED * scatter and not at_ends
 
 
 def _is_outer(unknown: Unknown, column: Array) -> Array:
-    """1 for values near or beyond the ends of an input's range; 0 for all others."""
+    """1 for values near or beyond the ends of an input's range, else 0, shape (n,)."""
     if unknown.kind == "list":
         return np.zeros(len(column))
     if unknown.kind == "uniform":
@@ -265,19 +264,19 @@ def _is_outer(unknown: Unknown, column: Array) -> Array:
 
 
 class Contrast(NamedTuple):
-    """Difference of a quantity between two oils, the second less the first."""
+    """Difference of a quantity between two oils: the second minus the first."""
 
     oils: tuple[str, str]
     what: str
-    unit: str  # 1 for velocities, whose logarithms are meant
+    unit: str  # K; or 1 for the difference of ln(velocity)
     mean: float
     sd: float
-    interval: tuple[float, float, float]  # that 5, 50 and 95 % stay below
-    probability: float  # that the second has more
+    interval: tuple[float, float, float]  # 5, 50 and 95 % quantiles
+    probability: float  # that the second oil has the larger value
 
 
 def contrasts(posterior: Posterior) -> Iterator[Contrast]:
-    """Differences of critical temperature, and of velocity at a middle load, between oils."""
+    """Differences between oils: critical temperature, and velocity at a middle load."""
     ensemble, draws = posterior.ensemble, posterior.draws
     inputs = draws_of(ensemble, draws).inputs
     own = oils_of(test.get("oil") for test in ensemble.tests)[:1]

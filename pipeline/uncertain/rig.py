@@ -1,9 +1,9 @@
-"""Inputs that tests add to a sweep: of the rig, and of other oils.
+"""Unknown inputs that tests add to those of a sweep: friction of the rig, and other oils.
 
-The friction µ of a test is that of the rig, µ₀, times a scatter of its own, and is measured with an
-error: ln µ = ln µ₀ ± τ, and the measured one is ln µ ± s. So a measured friction tells of µ₀ with
-the variance τ² + s², and the friction that acted in its test is known by both: a mean of ln µ₀ and
-of the measured one, weighed by 1/τ² and 1/s². The scatter τ is inferred, too.
+The friction µ of a test is the rig's friction µ₀ with a scatter τ: ln µ = ln µ₀ ± τ. The measured
+friction has an error s: ln µ ± s. So a measured friction informs on µ₀ with the variance τ² + s².
+The friction that acted in a test is the mean of ln µ₀ and of the measured logarithm, weighted by
+1/τ² and 1/s². The scatter τ is inferred, too.
 """
 
 from __future__ import annotations
@@ -23,17 +23,18 @@ from tribo import InputError
 from tribo.types import Array
 
 SCATTER = Unknown("friction.scatter", "log-normal", (0.02, 3.0))
-"""Standard deviation of ln(friction) between tests: nothing to more than 10 %."""
+"""Prior of the standard deviation of ln(friction) between tests: about 0 to over 10 %."""
 OTHER = "friction.rig"
-"""Path of a rig's own friction, where it is not that of the scene."""
-_ROUNDED = 0.005  # least relative error of a measured friction, as logs have two or three digits
+"""Path of the rig's friction as an input, if it differs from the scene's friction."""
+_ROUNDED = 0.005  # least relative error of a measured friction: logs have two or three digits
 
 
 def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple[Array, ...]:
-    """Logarithm of the friction that acted in a test, its variance, and a log-likelihood.
+    """Logarithm of the friction that acted in a test, its variance, and a log likelihood.
 
-    This is the likelihood of the measured friction. Draws of a rig, (n, 2), are its friction and
-    the scatter of its friction. The change of ln(friction) at the velocity of the test is (n,).
+    The log likelihood is that of the measured friction. `rig` (n, 2) holds draws of the rig's
+    friction and of its scatter. `change` (n,) is the change of ln(friction) at the velocity of the
+    test.
     """
     of_rig = np.log(np.maximum(rig[:, 0], LEAST_FRICTION)) + change
     by_test = rig[:, 1] ** 2
@@ -50,7 +51,7 @@ def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple
 def join_rig(
     ensemble: Ensemble, unknown: tuple[Unknown, ...]
 ) -> tuple[tuple[Unknown, ...], tuple[int, ...]]:
-    """Inputs, with the rig's if tests have measured its friction, and the places of the rig's."""
+    """Inputs with the rig's friction and scatter added if tests measured it, and their columns."""
     paths = [one.path for one in ensemble.unknown]
     measured = any(test.get("friction") is not None for test in ensemble.tests)
     if FRICTION not in paths or not measured:
@@ -64,7 +65,7 @@ def join_rig(
 
 
 def join_oils(ensemble: Ensemble) -> tuple[tuple[Unknown, ...], dict[str, int]]:
-    """Inputs with the critical temperatures of the oils of tests but the scene's; their places."""
+    """Inputs with the critical temperatures of other oils added, and their columns by oil."""
     unknown = ensemble.unknown
     others = oils_of(test.get("oil") for test in ensemble.tests)[1:]
     if not others:

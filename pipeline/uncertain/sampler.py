@@ -1,11 +1,10 @@
-"""Draws of the unknown inputs given tests, and how many they are worth.
+"""Draws of the unknown inputs given tests, by adaptive importance sampling.
 
-Draws are weighed by prior × likelihood over the density that they were drawn from (importance
-sampling). That density is a mixture of Student's t in normal scores, fitted to the draws before,
-which begin with the prior; where few of them agree with the tests, they are weighed by a power of
-the likelihood first (adaptive importance sampling; Cappé, Douc, Guillin, Marin & Robert, Stat.
-Comput. 18 (2008) 447). Draws are even (Sobol') and independent of each other, so that their weights
-tell how many they are worth.
+The weight of a draw is prior × likelihood over the density that it was drawn from. That density is
+a mixture of Student's t distributions in normal scores, fitted to the previous draws. The first
+draws are of the prior. If few draws agree with the tests, the likelihood is first tempered, that is
+raised to a power below 1 (Cappé, Douc, Guillin, Marin & Robert, Stat. Comput. 18 (2008) 447). Draws
+are Sobol' points, independent of each other, so that their weights give the effective sample size.
 """
 
 from __future__ import annotations
@@ -21,21 +20,22 @@ from scipy.special import gammaincinv, gammaln, logsumexp, ndtri, softmax
 from pipeline.uncertain.unknown import Unknown, score_values, sequence
 from tribo.types import Array
 
-_AT_LEAST = 0.1  # effective share of the draws that a power of the likelihood leaves
-_ENOUGH = 0.5  # effective share after which the mixture is not fitted again
-_ROUNDS = 12  # fits, at most
-_PARTS, _FITS = 6, 12  # parts of the mixture, and steps of a fit
-_FREEDOM = 8.0  # degrees of freedom of Student's t, whose tails cover a posterior's
-_WIDER = 1.1  # standard deviation of a part over that of its draws
-_LEAST = 0.005  # share of the whole covariance that is added to a part's
+_AT_LEAST = 0.1  # effective share of the draws that a tempered likelihood must leave
+_ENOUGH = 0.5  # effective share at which the fits end
+_ROUNDS = 12  # most fits
+_PARTS, _FITS = 6, 12  # components of the mixture, and steps of a fit
+_FREEDOM = 8.0  # degrees of freedom of Student's t; its tails must cover the posterior's
+_WIDER = 1.1  # standard deviation of a component over that of its draws
+_LEAST = 0.005  # share of the whole covariance added to each component's
 
 
 def sample(
     unknown: Sequence[Unknown], log_likelihood: Callable[[Array], Array], seed: int, count: int
 ) -> tuple[Array, Array]:
-    """Draw `count` inputs from prior × likelihood, given the likelihood's logarithm (n,).
+    """Draw `count` inputs from prior × likelihood; `log_likelihood` gives its logarithm (n,).
 
-    Returned are draws (n, n_unknown) [SI], and logarithms of weights whose mean is the evidence.
+    Returns draws (n, n_unknown) [SI] and the logarithms of their weights (n,). The mean of the
+    weights is the evidence.
     """
     n, power = len(unknown), 0.0
     scores, mixture = ndtri(sequence(seed, count, n)), None
@@ -59,13 +59,13 @@ def sample(
 
 
 def effective_share(log_weights: Array) -> float:
-    """Effective sample size over the number of draws."""
+    """Effective sample size over the number of draws, from logarithms of weights (n,)."""
     total = 2 * logsumexp(log_weights) - logsumexp(2 * log_weights)
     return float(np.exp(total)) / len(log_weights)
 
 
 def _next_power(likelihood: Array, over: Array, power: float) -> float:
-    """Largest power of the likelihood, at least `power`, that leaves enough draws."""
+    """Largest power of the likelihood, `power` to 1, that leaves enough effective draws."""
 
     def excess(other: float) -> float:
         return effective_share(other * likelihood + over) - _AT_LEAST
@@ -76,15 +76,15 @@ def _next_power(likelihood: Array, over: Array, power: float) -> float:
 
 
 class Mixture(NamedTuple):
-    """Student's t about some centres in normal scores."""
+    """Mixture of Student's t distributions in normal scores."""
 
     shares: Array  # (n_part,)
     centres: Array  # (n_part, n_unknown)
-    factors: Array  # triangular ones of the covariances, (n_part, n_unknown, n_unknown)
+    factors: Array  # Cholesky factors of the covariances, (n_part, n_unknown, n_unknown)
 
     @classmethod
     def fit(cls, scores: Array, weights: Array, chance: np.random.Generator) -> Mixture:
-        """Fit to weighed scores, by expectation and maximisation with normal parts."""
+        """Fit normal components to weighted scores by expectation maximisation."""
         n = scores.shape[1]
         spread = np.cov(scores.T, aweights=weights, ddof=0).reshape(n, n) + 1e-9 * np.eye(n)
         centres = scores[chance.choice(len(scores), _PARTS, p=weights)]
@@ -104,14 +104,14 @@ class Mixture(NamedTuple):
         return parts._replace(factors=_WIDER * parts.factors)
 
     def draw(self, points: Array) -> Array:
-        """Draws (n, n_unknown) at even points (n, n_unknown + 2)."""
+        """Draws (n, n_unknown) of the mixture, from uniform points (n, n_unknown + 2)."""
         part = np.searchsorted(np.cumsum(self.shares)[:-1], points[:, -1])
         wider = np.sqrt(_FREEDOM / 2 / gammaincinv(_FREEDOM / 2, points[:, -2]))
         steps = np.einsum("nij,nj->ni", self.factors[part], ndtri(points[:, :-2]))
         return np.asarray(self.centres[part] + wider[:, None] * steps)
 
     def log_density(self, scores: Array) -> Array:
-        """Logarithm of the density at scores (n, n_unknown)."""
+        """Logarithm of the density (n,) at scores (n, n_unknown)."""
         n, freedom = self.centres.shape[1], _FREEDOM
         constant = gammaln((freedom + n) / 2) - gammaln(freedom / 2)
         constant -= 0.5 * n * math.log(freedom * math.pi)
@@ -122,7 +122,7 @@ class Mixture(NamedTuple):
         return np.asarray(constant + logsumexp(parts, axis=0))
 
     def _distances(self, scores: Array) -> list[tuple[Array, float]]:
-        """Squares of the distances of scores by part, and logarithms of share over volume."""
+        """For each component, squared distances (n,) of scores, and ln(share/volume)."""
         return [
             (
                 np.sum(np.linalg.solve(factor, (scores - centre).T) ** 2, axis=0),

@@ -1,10 +1,10 @@
 """Samples of a sweep whose inputs are not known exactly: the design of a computer experiment.
 
-A sample is a value of each input that a rise depends on, and one velocity. Contacts depend on the
-wear rate k and the velocity V through w = kV alone, so that samples which follow each other share
-one: they have the same w, and differ in V. Samples fill the range evenly, and are not draws of it.
-Without another unknown input the wear numbers are planned: 8 even ones with 2 velocities each give
-the rise better than 128 samples on 8 drawn ones.
+A sample is one velocity, and a value of each input that a rise depends on. Contacts depend on the
+wear rate k and the velocity V only through w = kV. So consecutive samples share a contact: they
+have the same w and different V. Samples fill the range evenly; they are not draws of the
+distributions. If only the wear rate is unknown, values of w are planned: 8 even values with 2
+velocities each predict the rise better than 128 samples on 8 random values.
 """
 
 from __future__ import annotations
@@ -24,23 +24,23 @@ from pipeline.uncertain.unknown import Fixed, Unknown, sequence, without
 from tribo.types import Array
 
 Layer = Literal["contact", "wear rate", "heat", "conditions"]
-"""Layer of a point that an input enters."""
+"""Part of a simulation that an input affects first."""
 
 WIDENED = 1.4
-"""Factor on the normal scores of the inputs' distributions, for the samples' scores."""
+"""Factor on normal scores, by which samples reach further than the inputs' distributions."""
 REACH = 3.7
-"""Normal score beyond which no sample lies."""
+"""Largest normal score of a sample."""
 SPECIFIC_WEAR_RATE = "wear.specific_wear_rate"
-_RATES = 2.6  # normal scores between which the wear rates of one contact lie
-_DRAWN, _PLANNED, _WITHOUT_WEAR = 4, 2, 64  # samples of a contact
-_FOR_VELOCITY = 16  # samples that suffice for velocity and wear number; each input doubles them
-_OF_A_SURFACE = 2  # contacts that suffice of each value of a list, with one smooth trend for all
+_RATES = 2.6  # largest normal score of the wear rates that share a contact
+_DRAWN, _PLANNED, _WITHOUT_WEAR = 4, 2, 64  # samples that share a contact, by design
+_FOR_VELOCITY = 16  # samples that suffice for velocity and w; each further input doubles them
+_OF_A_SURFACE = 2  # contacts that suffice for each value of a list, as values share a trend
 JUDGED = 32
-"""Contacts that are to be left out, to know the share that a band of 90 % holds to 5 %."""
+"""Contacts that cross-validation needs, to know to 5 % the share inside the 90 % bands."""
 
 
 def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool) -> int:
-    """Number of samples that share a contact, by the layers of the inputs."""
+    """Number of samples that share a contact, by the parts of the simulation that inputs affect."""
     if not separable:
         return 1
     if "contact" in layers:
@@ -50,17 +50,17 @@ def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool)
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """Rule by which samples follow from a seed."""
+    """Rule that generates samples from a seed."""
 
-    inputs: tuple[Unknown, ...]  # inputs of rises, with the wear rate if samples differ in it
+    inputs: tuple[Unknown, ...]  # inputs that rises depend on, with the wear rate if it varies
     layers: tuple[Layer, ...]  # one for each input
-    velocities: tuple[float, float]  # between which samples lie [m/s]
+    velocities: tuple[float, float]  # lowest and highest velocity [m/s]
     seed: int
     per_contact: int  # samples that share a contact
 
     @property
     def sufficient(self) -> int | None:
-        """Number of samples beyond which more tell nothing; None where each has another contact."""
+        """Number of samples beyond which more add nothing; None if there is no such number."""
         if self.per_contact == 1:
             return None
         of_contact = [
@@ -71,13 +71,14 @@ class Design:
         surfaces = math.prod(len(one.parameters) for one in of_contact)
         contacts = max(_OF_A_SURFACE * surfaces if of_contact else 0, JUDGED)
         others = sum(layer != "wear rate" for layer in self.layers)
-        is_single = self.per_contact == _WITHOUT_WEAR  # each row is left out alone then
+        is_single = self.per_contact == _WITHOUT_WEAR  # then each row is left out alone
         return max(_FOR_VELOCITY << others, contacts * (1 if is_single else self.per_contact))
 
     def draw(self, count: int) -> tuple[Array, Array]:
-        """Inputs [SI], shape (count, n_input), and velocities [m/s], shape (count,).
+        """Inputs of the samples [SI], shape (count, n_input), and velocities [m/s], shape (count,).
 
-        A longer draw begins with the shorter one. Velocities take the first, best dimension.
+        A longer draw begins with the shorter one. The first dimension of the sequence, its most
+        even one, gives the velocities.
         """
         group = self.per_contact
         contacts = sequence(self.seed, -(-count // group)).repeat(group, axis=0)[:count]
@@ -91,7 +92,7 @@ class Design:
         low, high = np.log(self.velocities)
         first = low + (high - low) * contacts[:, 0]
         if "wear rate" in self.layers:
-            # Samples of a contact have velocities that leave their wear rate likely.
+            # Samples that share a contact have velocities for which their wear rate is plausible.
             k = self.layers.index("wear rate")
             rate = self.inputs[k]
             least, most = np.log(rate.quantile(scipy.special.ndtr(np.array([-_RATES, _RATES]))))
@@ -111,15 +112,15 @@ class Design:
 
 @dataclass(frozen=True, slots=True)
 class Draw:
-    """Unknown inputs, and the rule by which samples of them were drawn."""
+    """Unknown inputs, and the design that generates their samples."""
 
     unknown: tuple[Unknown, ...]
     design: Design
-    fixed: tuple[Fixed, ...] = ()  # inputs that have a value, not a distribution
+    fixed: tuple[Fixed, ...] = ()  # inputs with a value instead of a distribution
 
     @classmethod
     def of(cls, data: Any) -> Draw:
-        """Read a rule from the plain data of `as_dict`."""
+        """Rebuild from the plain data of `as_dict`."""
         design = data["design"]
         lists = {"layers": tuple(design["layers"]), "velocities": tuple(design["velocities"])}
         inputs = tuple(map(Unknown.of, design["inputs"]))
@@ -128,19 +129,19 @@ class Draw:
         return cls(unknown, Design(**design | lists | {"inputs": inputs}), tuple(fixed))
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all fields as plain data."""
+        """All fields as plain data, ready for JSON."""
         data: dict[str, Any] = json.loads(json.dumps(asdict(self)))
         return data
 
     @property
     def open_inputs(self) -> dict[str, Unknown]:
-        """Unknown inputs by path, and fixed inputs that may have another value."""
+        """Inputs by path that can be given another value: unknown ones, and some fixed ones."""
         movable = {*PATHS.values(), *(one.path for one in self.design.inputs)}
         stored = (one.unknown for one in self.fixed if one.unknown.path in movable)
         return {one.path: one for one in (*stored, *self.unknown)}
 
     def fixed_at(self, values: Mapping[str, float]) -> Draw:
-        """The rule with each open input that `values` names fixed at its value [SI]."""
+        """Copy with each open input named in `values` fixed at its value [SI]."""
         inputs = self.open_inputs
         new = {path: Fixed(inputs[path], value) for path, value in values.items() if path in inputs}
         fixed = {one.unknown.path: one for one in self.fixed} | new
@@ -148,7 +149,7 @@ class Draw:
 
 
 def drawn_rows(draw: Draw, count: int) -> Variants:
-    """Samples of inputs that are not known exactly, each with its own velocity."""
+    """Variants for `count` samples: a row with the inputs and the velocity of each."""
     values, velocities = draw.design.draw(count)
     inputs, meaning = draw.design.inputs, "value of an input that is not known exactly"
     words = "sliding velocity of the sample"
@@ -166,7 +167,7 @@ def drawn_rows(draw: Draw, count: int) -> Variants:
 
 
 def _sum(shares: Array, one: float, other: float) -> Array:
-    """Sums of two numbers, each even from 0 to its own end, that shares of them stay below."""
+    """Quantiles at `shares` of the sum of two uniform numbers, from 0 to `one` and 0 to `other`."""
     short, long = sorted((one, other))
     half = np.minimum(shares, 1 - shares)
     slope, middle = np.sqrt(2 * short * long * half), long * half + short / 2
@@ -176,7 +177,7 @@ def _sum(shares: Array, one: float, other: float) -> Array:
 
 
 def _widen_shares(unknown: Unknown, shares: Array) -> Array:
-    """Spread uniform shares so that samples of an input reach further into its tails."""
+    """Move uniform shares outwards, so that samples reach further into the tails of an input."""
     if unknown.kind not in ("normal", "log-normal"):
         return shares
     scores: Array = scipy.special.ndtr(

@@ -1,7 +1,7 @@
 """Share of the boundary's variance that each unknown input causes: Sobol' indices, by load.
 
-The first index of an input is the share of the variance that would be gone if it alone were known;
-the total index the share that would stay if all others were.
+The first index of an input is the share of the variance that would vanish if this input alone were
+known. The total index is the share that would remain if all other inputs were known.
 """
 
 from __future__ import annotations
@@ -21,31 +21,28 @@ from pipeline.uncertain.inputs import Draws
 from pipeline.uncertain.unknown import OF_90, Unknown, score_values
 from tribo.types import Array
 
-_POINTS = 2**10
-_SCRAMBLES = 4  # scrambles of the points, whose scatter tells their error
-_BINS = 24
+_POINTS = 2**10  # Sobol' points in all
+_SCRAMBLES = 4  # sets of points; the scatter between them gives the error
+_BINS = 24  # parts of an input's distribution, for indices of correlated inputs
 
 
 @shown
 @dataclass(frozen=True, slots=True, eq=False)
 class Sensitivity:
-    """Sobol' indices of the critical velocity."""
+    """Sobol' indices of the critical velocity, by load and input."""
 
     drawn_by: ClassVar = "pipeline.uncertain.figures:draw_sensitivity"
-    unknown: tuple[Unknown, ...]  #: The inputs.
+    unknown: tuple[Unknown, ...]  #: The unknown inputs.
     loads: tuple[float, ...]  #: Normal loads on the whole pin [N].
-    #: Indices; the total ones NaN where the inputs are not independent, shape (n_load, n_unknown).
-    #: Ends of their 90 % intervals, from the numbers of points and of samples, shape (2, n_load,
-    #: n_unknown).
-    first: Array
-    first_interval: Array
-    total: Array
-    total_interval: Array
+    first: Array  #: First indices, shape (n_load, n_unknown).
+    first_interval: Array  #: Ends of their 90 % intervals, shape (2, n_load, n_unknown).
+    total: Array  #: Total indices, shape (n_load, n_unknown); NaN if inputs are correlated.
+    total_interval: Array  #: Ends of their 90 % intervals, shape (2, n_load, n_unknown).
     #: Standard deviation of the logarithm of the critical velocity, by load.
     spread: tuple[float, ...]
-    #: Standard error of the emulated critical velocity against a simulation, relative, by load.
+    #: Relative standard error of the emulated critical velocity against a simulation, by load.
     velocity_error: tuple[float, ...]
-    #: True if the indices are of the boundary given measured transitions.
+    #: True if the indices are those of the posterior, given the tests.
     given_measured: bool = False
 
     def as_dict(self) -> dict[str, Any]:
@@ -60,16 +57,15 @@ class Sensitivity:
 
 @np.errstate(under="ignore")
 def sensitivity(ensemble: Samples, posterior: Draws | None = None) -> Sensitivity:
-    """Share of the variance of the critical velocity that each unknown input causes, by load.
+    """Find the share of the critical velocity's variance that each unknown input causes, by load.
 
     Parameters
     ----------
     ensemble : Ensemble, Dataset, str or path
         Samples of a sweep, its dataset or the path of its store.
     posterior : Draws, optional
-        Draws of a posterior, which replace the scene's distributions. Then the inputs depend on
-        one another, and there are no total indices. Nor are there any if the scene correlates
-        inputs.
+        Draws of a posterior, which replace the scene's distributions. There are no total indices
+        then, nor if the scene correlates inputs.
 
     Raises
     ------
@@ -100,7 +96,7 @@ def sensitivity(ensemble: Samples, posterior: Draws | None = None) -> Sensitivit
             lambda inputs: log_boundary(ensemble, inputs, ensemble.loads)[0],
             ensemble.unknown, _POINTS, ensemble.design.seed,
         )  # fmt: skip
-    # An error of the share e of the spread moves an index S by 2e√S + e² at most.
+    # An error of e × spread changes an index S by at most 2e√S + e².
     share = (OF_90 * missed / np.sqrt(np.maximum(variance, 1e-30)))[:, None]
     by_samples = np.minimum(2 * share * np.sqrt(np.maximum(both, 0.0)) + share**2, 1.0)
     off = np.hypot(by_points, by_samples)
@@ -121,7 +117,7 @@ def sensitivity(ensemble: Samples, posterior: Draws | None = None) -> Sensitivit
 def indices(
     function: Callable[[Array], Array], unknown: Sequence[Unknown], count: int, seed: int
 ) -> tuple[Array, Array]:
-    """First and total Sobol' indices (2, n_output, n_unknown) of independent inputs, and errors."""
+    """First and total Sobol' indices of independent inputs (2, n_output, n_unknown), and errors."""
     from scipy.stats import norm, sobol_indices  # takes 0.5 s
 
     estimates = [
@@ -139,10 +135,14 @@ def indices(
 
 
 def _first_order_indices(draws: Draws, values: Array) -> Array:
-    """Variances of means over parts of each input, less their chance level, over the variance."""
+    """First indices (n_output, n_unknown) of correlated inputs, without total ones.
+
+    The index is the variance of means over parts of an input's range, less what chance alone gives,
+    over the whole variance.
+    """
     weights = draws.weights
     y = values - draws.mean(values)
-    by_chance = np.sum((weights[:, None] * y) ** 2, axis=0)  # variance of the mean of all
+    by_chance = np.sum((weights[:, None] * y) ** 2, axis=0)  # variance of the overall mean
     orders = []
     for column in draws.inputs.T:
         part = _bin_numbers(draws, column)
@@ -150,7 +150,7 @@ def _first_order_indices(draws: Draws, values: Array) -> Array:
         weight = np.maximum(is_in @ weights[:, None], 1e-150)
         means = is_in @ (weights[:, None] * y) / weight
         scatter = is_in @ (weights[:, None] * (y - means[part])) ** 2 / weight
-        alone = 1 - is_in @ weights[:, None] ** 2 / weight**2  # 0 for a part with a single draw
+        alone = 1 - is_in @ weights[:, None] ** 2 / weight**2  # 0 if a part holds a single draw
         scatter = np.where(alone > 1e-9, scatter / np.maximum(alone, 1e-9), weight * means**2)
         orders.append(np.sum(weight * means**2 - scatter, axis=0) + by_chance)
     first: Array = np.maximum(orders, 0.0).T / (draws.mean(y**2) + by_chance)[:, None]
@@ -158,7 +158,7 @@ def _first_order_indices(draws: Draws, values: Array) -> Array:
 
 
 def _bin_numbers(draws: Draws, column: Array) -> NDArray[np.intp]:
-    """Number of the part of its distribution in which each value of an input lies."""
+    """Number (n,) of the equally probable part of an input's distribution that each draw is in."""
     distinct = np.unique(column)
     if len(distinct) <= _BINS:
         return np.searchsorted(distinct, column)

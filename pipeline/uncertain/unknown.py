@@ -1,6 +1,7 @@
 """Inputs that are not known exactly, and samples of them by a scrambled Sobol' sequence.
 
-A longer sequence begins with the shorter one, and no input depends on those after it.
+A longer sequence begins with the shorter one. The values of an input do not depend on inputs after
+it.
 """
 
 from __future__ import annotations
@@ -19,30 +20,31 @@ from tribo.types import Array
 
 Form = Literal["normal", "log-normal", "uniform", "list"]
 
-MOST_INPUTS = 32  # that may be unknown
+MOST_INPUTS = 32  # most inputs that may be unknown
 OF_90 = 1.645
-"""Normal score within which 90 % lie, on either side."""
-_LEAST = 1e-6  # share of an input's variance that the others must leave open
-_OUTERMOST = 7.0  # normal score beyond which nothing is drawn
-_OFF_FACES = 2.0**-40  # distance from the faces of the unit cube, where a normal score is infinite
+"""Half width of a 90 % interval of the normal distribution, in standard deviations."""
+_LEAST = 1e-6  # least share of an input's variance that its correlations leave unexplained
+_OUTERMOST = 7.0  # largest normal score drawn
+_OFF_FACES = 2.0**-40  # distance from 0 and 1, where a normal score would be infinite
 
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """An input that is not known exactly, by the path of its entry.
+    """An input that is not known exactly, named by the path of its entry.
 
-    Its parameters are mean and standard deviation; median and factor, within which two thirds lie;
-    lowest and highest value; or values, each as likely [SI]. Correlations are of normal scores with
-    inputs before it. The unit of the scene is for display alone.
+    Its parameters [SI] depend on its kind: mean and standard deviation (normal); median and factor,
+    within which two thirds lie (log-normal); lowest and highest value (uniform); or equally likely
+    values (list). Correlations are between normal scores, with inputs before it. `written` is for
+    display only.
     """
 
     path: str
     kind: Form
     parameters: tuple[float, ...]
     unit: str = "1"
-    written: str = field(default="", compare=False)  # unit of the scene, if it is one of ours
+    written: str = field(default="", compare=False)  # unit in the scene file, if known
     correlated: tuple[tuple[str, float], ...] = ()
-    varies: bool = False  # from part to part; else it is one value
+    varies: bool = False  # True if it differs from part to part
 
     def __post_init__(self) -> None:
         terms = self.parameters
@@ -58,7 +60,7 @@ class Unknown:
             case "log-normal", (_, factor) if factor <= 1:
                 fault = f"factor is {factor:g}; give above 1, such as 1.5"
             case "uniform", (low, high) if low >= high:
-                fault = f"from {first} to {last} does not rise; give the lower one first"
+                fault = f"from {first} to {last} does not rise; give the lower value first"
             case "list", _ if len(set(terms)) < max(2, len(terms)):
                 fault = "give at least two different values"
         if fault:
@@ -66,12 +68,12 @@ class Unknown:
 
     @classmethod
     def of(cls, data: Any) -> Unknown:
-        """Read an input from the plain data of its fields."""
+        """Rebuild an input from the plain data of `as_dict`."""
         pairs = tuple((path, number) for path, number in data["correlated"])
         return cls(**data | {"parameters": tuple(data["parameters"]), "correlated": pairs})
 
     def quantile(self, share: Array) -> Array:
-        """Quantiles of the distribution [SI], at shares above 0 and below 1."""
+        """Quantiles of the distribution [SI] at `share`, each above 0 and below 1."""
         first, *rest = self.parameters
         if self.kind == "normal":
             return np.asarray(first + rest[0] * scipy.special.ndtri(share))
@@ -84,25 +86,25 @@ class Unknown:
 
     @property
     def is_relative(self) -> bool:
-        """True if ratios of its values count rather than differences."""
+        """True if ratios of values matter rather than differences, as for log-normal inputs."""
         return self.kind == "log-normal"
 
     @property
     def shown(self) -> str:
-        """The unit in which its values are shown; empty of a number."""
+        """Unit in which values are shown; empty for a plain number."""
         return self.written or ("" if self.unit == "1" else self.unit)
 
     @property
     def spread(self) -> str:
-        """The unit in which differences of its values are shown: K for a temperature."""
+        """Unit in which differences of values are shown: K for a temperature."""
         return "K" if self.shown in ZERO else self.shown
 
     def text(self, value: float, digits: int = 6) -> str:
-        """A value in its unit."""
+        """A value [SI] as text in the shown unit."""
         return display(value, self.shown, digits).rstrip()
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the fields as plain data, without unused ones."""
+        """The fields as plain data, without those left empty."""
         rare = ("written", "correlated", "varies")
         return {k: v for k, v in asdict(self).items() if v or k not in rare}
 
@@ -132,7 +134,7 @@ class Fixed:
 
 
 def without(unknown: Sequence[Unknown], paths: Collection[str]) -> tuple[Unknown, ...]:
-    """Unknown inputs without some paths, and without correlations with these."""
+    """`unknown` without the inputs at `paths`, and without correlations with them."""
     return tuple(
         replace(one, correlated=tuple(pair for pair in one.correlated if pair[0] not in paths))
         for one in unknown
@@ -141,7 +143,7 @@ def without(unknown: Sequence[Unknown], paths: Collection[str]) -> tuple[Unknown
 
 
 def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
-    """Draw samples of unknown inputs."""
+    """Draw `count` values of each unknown input [SI], shape (count, n_unknown)."""
     points = sequence(seed, count, max(MOST_INPUTS + 1, len(unknown)))
     return score_values(unknown, scipy.special.ndtri(points[:, : len(unknown)]))
 
@@ -149,9 +151,9 @@ def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
 def score_values(unknown: Sequence[Unknown], scores: Array) -> Array:
     """Values of unknown inputs [SI] at independent normal scores, both of shape (n, n_unknown).
 
-    Correlated inputs have a Gaussian copula: with the triangular factor L of the correlations,
-    L Lᵀ = R, independent scores z become correlated ones, L z, and each input keeps its own
-    distribution (Nelsen, An Introduction to Copulas, 2006).
+    Correlations are a Gaussian copula. With the Cholesky factor L of the correlations, L Lᵀ = R,
+    independent scores z become correlated scores L z. Each input keeps its own distribution
+    (Nelsen, An Introduction to Copulas, 2006).
     """
     inside = np.clip(scores, -_OUTERMOST, _OUTERMOST)
     joint = inside @ np.linalg.cholesky(correlations(unknown)).T
@@ -171,7 +173,7 @@ def correlations(unknown: Sequence[Unknown]) -> Array:
 
 
 def first_unfit(correlations: Array) -> int | None:
-    """Number of the first input whose stated correlations with those before it are impossible."""
+    """Index of the first input whose correlations with earlier ones contradict; or None."""
     for i in range(1, len(correlations)):
         before, last = correlations[:i, :i], correlations[i, :i]
         if 1 - last @ np.linalg.solve(before, last) < _LEAST:
@@ -180,7 +182,7 @@ def first_unfit(correlations: Array) -> int | None:
 
 
 def sequence(seed: int, count: int, dimensions: int = MOST_INPUTS + 1) -> Array:
-    """Points of a scrambled Sobol' sequence off faces, shape (count, n_dimension)."""
+    """Points (count, dimensions) of a scrambled Sobol' sequence, each coordinate within (0, 1)."""
     from scipy.stats import qmc  # takes 0.5 s, and few scenes need it
 
     sobol = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed))

@@ -1,8 +1,8 @@
-"""Unknown inputs, weighed by tests of a sweep.
+"""The posterior: unknown inputs weighed by the tests of a sweep.
 
-The scatter of measured velocities is inferred with the inputs: one factor, log-normal about 1, on
-the stated scatter. Draws of the prior are weighed, or where few of them agree with the tests, draws
-about those that do (`pipeline.uncertain.sampler`).
+The scatter of measured velocities is inferred with the inputs, as a log-normal factor on the stated
+scatter. Draws of the prior are weighed by the tests. If few of them agree with the tests, new draws
+are made near those that do (`pipeline.uncertain.sampler`).
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from tribo import InputError
 from tribo.types import Array
 
 SCATTER = 0.05
-"""Relative standard deviation of measured velocities, where a scene does not give it."""
+"""Default relative standard deviation of measured velocities."""
 FALSE_ALARMS = 0.02
-"""Share of sound logs in which a run is called an outlier."""
-_FARTHEST = 1e6  # standard deviations
-_ENOUGH = 4000  # draws of equal weight, that tell a standard deviation to 1 %
+"""Accepted share of sound logs in which a run is called an outlier."""
+_FARTHEST = 1e6  # largest deviation that is told from infinity, in standard deviations
+_ENOUGH = 4000  # effective draws that give a standard deviation to 1 %
 _FIRST, _COUNT = 2**13, 2**13  # draws of the prior, and of the posterior
 
 
@@ -38,16 +38,16 @@ _FIRST, _COUNT = 2**13, 2**13  # draws of the prior, and of the posterior
 def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
     """Weigh the unknown inputs by the transitions and tests of the scene.
 
-    Without any, the result is the prior.
+    Without transitions or tests, the result is the prior.
 
     Parameters
     ----------
     ensemble : Ensemble, Dataset, str or path
-        Samples of a sweep, its dataset or the path of its store. Tests of other oils than the first
-        have critical temperatures of their own, with the same prior.
+        Samples of a sweep, its dataset or the path of its store. Each oil of the tests has its own
+        critical temperature, with the same prior.
     scatter : float
-        Relative standard deviation of measured velocities that give none of their own. The scatter
-        is inferred with the inputs, about this value within a factor of 3.
+        Relative standard deviation of measured velocities whose scatter is not stated. The true
+        scatter is inferred with the inputs; two thirds of its prior is within a factor of 3.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
 
 
 def _weigh_draws(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
-    """Draws weighed by the tests, and the tests judged by these draws."""
+    """Draws weighed by the tests, resampled if few are near, and the tests judged by them."""
     judgement = model.judge_draws(before.inputs)
     model.require_near(judgement.distances)
     inputs, over = before.inputs, np.zeros(len(before.inputs))
@@ -110,11 +110,11 @@ def _weigh_draws(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
 def _left_out_judgements(
     model: Joint, draws: Draws, judgement: JudgedTests, scatter: float, fits: bool
 ) -> Iterator[Judged]:
-    """Each test, beside what all others say."""
+    """Each run, compared with what all other runs predict; see `Judged`."""
     unknown, (distances, runs, joint) = model.ensemble.unknown, judgement
     limit = -math.expm1(math.log1p(-FALSE_ALARMS) / len(model.runs))
     for rows, low, high, likelihood in zip(model.runs, *runs, strict=True):
-        weights = softmax(joint - likelihood)  # without the run
+        weights = softmax(joint - likelihood)  # given all runs but this one
         others = Draws(draws.inputs, weights.sum(axis=1))
         tests = tuple(model.tests[row] for row in rows)
         shown = rows[shown_test(tests)]
@@ -134,17 +134,17 @@ def _seed(model: Joint) -> int:
 
 
 def _scatter_interval(scatters: Array, weights: Array) -> tuple[float, float, float]:
-    """Scatters that 5, 50 and 95 % stay below, by weights of draws and scatters."""
+    """5, 50 and 95 % quantiles of the scatter, by weights (n, n_scatter)."""
     of_scatter = Draws(scatters[:, None], weights.sum(axis=0))
     low, middle, high = np.exp(of_scatter.interval(np.log(scatters))).tolist()
     return low, middle, high
 
 
 def _probability(low: Array, high: Array, weights: Array) -> float:
-    """Probability of a run's outcome, or of another as far off, by weights of draws and scatters.
+    """Probability of a run's outcome, or of one at least as far off, by weights (n, n_scatter).
 
-    Single runs are off by more than a normal scatter allows. So the tails are those of Student's t
-    of 4 degrees of freedom with the same standard deviation.
+    Some single runs are further off than a normal scatter allows. So the tails are those of
+    Student's t with 4 degrees of freedom and the same standard deviation.
     """
     below, above = (float(np.sum(weights * _student_share(z))) for z in (high, -low))
     is_within = math.isfinite(low.flat[0]) and math.isfinite(high.flat[0])
@@ -152,9 +152,9 @@ def _probability(low: Array, high: Array, weights: Array) -> float:
 
 
 def _student_share(z: Array) -> Array:
-    """Probability below z standard deviations of Student's t of 4 degrees: (1 + s)² (2 − s)/4.
+    """Student's t distribution function, 4 degrees of freedom, `z` in standard deviations.
 
-    s = t/√(4 + t²) with t = √2 z.
+    It is (1 + s)² (2 − s)/4 with s = t/√(4 + t²) and t = √2 z.
     """
     t = math.sqrt(2.0) * np.clip(z, -_FARTHEST, _FARTHEST)
     root = np.sqrt(4.0 + t**2)
@@ -164,7 +164,7 @@ def _student_share(z: Array) -> Array:
 
 
 def posterior_at(held: Results, ensemble: Ensemble) -> Posterior | None:
-    """Inputs weighed by the tests, if `pipeline.at` asked for that."""
+    """The posterior, if `pipeline.at` was called with measurements; else None."""
     scatter = held.judged.get(GIVEN_MEASURED)
     if scatter is None:
         return None

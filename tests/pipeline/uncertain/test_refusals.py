@@ -162,7 +162,7 @@ def joint(other, *more, inner=""):
 
 REFUSALS = {
     "text": (rough, 'disk.roughness.hurst_exponent: "a" is not a number'),
-    "too far": (lambda: pipeline.at(dataset(ensemble()), **{RATE.path: 1.0}), "beyond the samples"),
+    "too far": (lambda: pipeline.at(dataset(ensemble()), **{RATE.path: 1.0}), "outside the"),
     "sd": (an_input("normal", 0.1, 0.0), "sd is 0; give above 0"),
     "falling": (an_input("uniform", 6.0, 3.0), "from 6 to 3 does not rise"),
     "one": (an_input("list", 1.0), "at least two different values"),
@@ -172,15 +172,15 @@ REFUSALS = {
         scene(FRICTIONS, overrides={"temperature.critical_sd": "8 K"}),
         "temperature.critical_sd: sweep.samples do not count it",
     ),
-    "all known": (scene(), "sweep.samples: 8 does not fit a scene in which all is known"),
+    "all known": (scene(), "sweep.samples: 8 needs unknown inputs"),
     "form": (scene('"friction.coefficient" = 0.1'), "0.1 is not a distribution"),
-    "bulks": (scene(RATES, overrides=TWO_BULKS), "two temperatures do not go with [unknown]"),
+    "bulks": (scene(RATES, overrides=TWO_BULKS), "[unknown] needs one bulk temperature"),
     "many": (many, "inputs are unknown; give"),
     "surfaces": (
         scene(RATES, sweep="samples = 8\nrealizations = 3"),
         "sweep.samples excludes them",
     ),
-    "velocity": (scene(RATES, overrides={"sweep.velocities": ["1 m/s"]}), "samples need friction"),
+    "velocity": (scene(RATES, overrides={"sweep.velocities": ["1 m/s"]}), "at least two above 0"),
     "unsound": (
         scene(*RING, text=DISC),
         "unknown: a sample is not a sound scene",
@@ -208,13 +208,13 @@ REFUSALS = {
     ),
     "cut to a sample": (
         lambda: pipeline.margin(dataset(ensemble()).isel(variant=0), 400.0, 2.0),
-        "a single sample, and answers follow from all of them; select none by variant",
+        "a single sample, but answers need all samples; do not select by variant",
     ),
     # correlations
     "no other": (joint('"pin.radius"', FRICTIONS), "this is not another input of [unknown]"),
     "a list": (
         joint('"disk.roughness.seed"', '"disk.roughness.seed" = [0, 1]'),
-        "neither a list nor",
+        "a list, or an input that alone varies",
     ),
     "twice": (
         joint(
@@ -223,7 +223,7 @@ REFUSALS = {
         ),
         "elsewhere; give it once",
     ),
-    "unfit": (scene(*UNFIT), "cannot all be; give smaller ones"),
+    "unfit": (scene(*UNFIT), "contradict each other; give smaller"),
     # tests
     "no test": (inferred(), "has no measured transition; give it a [[measured]]"),
     "failing": (failing, "a point could not be computed"),
@@ -240,8 +240,8 @@ REFUSALS = {
     # answers
     "no samples": (lambda: pipeline.Ensemble.of(synthetic.sweep()), "the sweep has no samples"),
     "too few": (too_few, "0 of 8 samples are done at every load"),
-    "rows": (bent, "are not judged row by row at another"),
-    "weighed rows": (weighed_rows, "the tests weigh conditions as they were drawn"),
+    "rows": (bent, "cannot be judged row by row at another"),
+    "weighed rows": (weighed_rows, "the tests have weighed these conditions"),
     # commands
     "not run": (
         inferred(text=SCENE.replace("fields = true", "samples = 8") + f"[unknown]\n{RATES}"),
@@ -254,7 +254,7 @@ REFUSALS = {
     ),
     "needs samples": (inferred("--scatter", "0.1"), "--scatter needs samples of unknown inputs"),
     "ignored": (inferred("--duration", "9 s"), "--duration belongs to --contact-width"),
-    "no place": (inferred("--contact-width", "0.2 mm"), "is that of a test; give its --load and"),
+    "no place": (inferred("--contact-width", "0.2 mm"), "needs a load and a velocity; give"),
     "short": (
         inferred("--contact-width", "0.2 mm", *PLACE, "--duration", "1 s"),
         "must be at least the",
