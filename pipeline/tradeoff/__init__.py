@@ -1,1 +1,1 @@
-"""Studies of a scene: speed against accuracy, and the boundary against each input."""
+"""Studies of a scene: speed against accuracy, and how far each input moves the boundary."""

@@ -1,4 +1,4 @@
-"""The cheapest fidelity that keeps the error of a scene's boundary within a bound."""
+"""Choose the cheapest fidelity that keeps the error of a scene's boundary within a bound."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def choose_accuracy(
     store: PathLike | None = None,
     progress: Report | None = None,
 ) -> Sweep:
-    """Give a sweep the cheapest fidelity within an accuracy, or the fidelity of its store."""
+    """The sweep with the cheapest fidelity within `accuracy`, or with that of its store."""
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     stored = None if store is None else find_sweep(store)
     selection = stored and stored.selection
@@ -35,7 +35,7 @@ def choose_accuracy(
         selection = choose_fidelity(sweep, accuracy, progress)
     elif selection.error > accuracy:
         raise StoreMismatchError(
-            f"{store} was computed with {selection.name}, whose boundary errs by "
+            f"{store} was computed with {selection.name}, whose boundary may be off by "
             f"{100 * selection.error:.2g} %; write to another store for {100 * accuracy:g} %"
         )
     preset = selection.name if selection.fidelity == PRESETS.get(selection.name) else None
@@ -43,7 +43,7 @@ def choose_accuracy(
 
 
 def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
-    """Give a sweep the error of its own fidelity, which its store has or is measured now."""
+    """The sweep with the measured error of its own fidelity, read from the store if it is there."""
     stored = find_sweep(store)
     selection = (stored and stored.selection) or choose_fidelity(sweep, None, progress)
     return replace(sweep, selection=selection)
@@ -52,27 +52,27 @@ def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
 def choose_fidelity(
     sweep: SceneLike, accuracy: float | str | None, progress: Report | None = None
 ) -> Selection:
-    """Find the cheapest numerical choice whose measured error is within a bound.
+    """Find the cheapest fidelity whose measured error is within a bound.
 
-    The choices are the presets and the scene's own, as `trade` measures them. If none is within
-    the bound, ``reference`` is taken. The scene's own heat model is kept.
+    The candidates are the presets and the scene's own fidelity, measured by `trade`. If none is
+    within the bound, ``reference`` is taken. The scene's own heat model is kept.
 
     Parameters
     ----------
     sweep : Sweep, str or path
         Scene to choose for, or its path or name.
     accuracy : float or str or None
-        Pick the cheapest fidelity whose boundary errs by this at most, such as 0.02 or ``"2%"``.
-        None keeps the scene's own choice, and measures its error.
+        Largest relative error of the boundary velocity, such as 0.02 or ``"2%"``. None keeps the
+        scene's own fidelity, and measures its error.
     progress : callable, optional
-        Called with a `Progress`, whose words say what is measured next.
+        Called with a `Progress` that says what is measured next.
 
     Raises
     ------
     InputError
         If the accuracy is not between 0 and 1, or there is no friction heat.
     ConvergenceError
-        If the reference does not converge, or the scene's own choice without an accuracy.
+        If the reference does not converge, or, without `accuracy`, the scene's own fidelity.
 
     Examples
     --------

@@ -23,37 +23,37 @@ from tribo import Scene, State
 from tribo.simulation import Trunks, contacts, fit_elements, heat
 from tribo.simulation.trunks import MOST_BYTES
 
-_SECONDS_TO_START = 1.0  # a cluster and its workers
-_SECONDS_TO_COMMIT = 0.005  # a point is scheduled and written in it
+_SECONDS_TO_START = 1.0  # to start a cluster and its workers
+_SECONDS_TO_COMMIT = 0.005  # to schedule and write a point
 _WORKER_BYTES = 115e6  # interpreter and libraries
-_PACKED = 0.35  # share of a field in single precision that zstd leaves: 0.355 of first_try at draft
-_STORE_BYTES = 0.36e6  # a store without points: some 30 arrays, a folder and two files each
-_HALF_BLOCK = 2048  # bytes of the disk that the end of each file leaves empty
+_PACKED = 0.35  # compressed size of a field over its size, by zstd: 0.355 in first_try, draft
+_STORE_BYTES = 0.36e6  # an empty store: some 30 arrays, each with a folder and two files
+_HALF_BLOCK = 2048  # bytes wasted in the last disk block of a file, on average
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
-_FIELDS_OF_STATE = 3  # arrays of an increment of a ramp
-_MANY = 20_000  # tasks, from which they are divided evenly
-_OF_FRICTION = 2.0  # heat partitions a point on average to solve friction, but not of samples
-_MOST_PIXELS = 2e7  # of a surface that is made for a forecast
-_PATIENCE = 1.0  # [s] of processor time, after which no further step is timed
+_FIELDS_OF_STATE = 3  # arrays kept for each increment of a ramp
+_MANY = 20_000  # tasks from which the work is divided evenly, not scheduled one by one
+_OF_FRICTION = 2.0  # mean number of heat partitions to solve the friction of a point
+_MOST_PIXELS = 2e7  # largest surface that is generated for a forecast
+_PATIENCE = 1.0  # [s] of processor time after which no further step is timed
 
 
 @shown
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Cost of a sweep."""
+    """Forecast cost of a sweep."""
 
     points: int  #: Points of the diagram.
-    steps: int  #: Contacts to solve for them.
-    temperatures: int  #: Heat partitions to solve for them.
-    tasks: int  #: Points, where points that share a contact count as one: more workers are idle.
+    steps: int  #: Contacts to solve for these points.
+    temperatures: int  #: Heat partitions to solve for these points.
+    tasks: int  #: Parallel tasks; points that share a contact are one. More workers would be idle.
     workers: int  #: Processes that compute.
-    seconds: float  #: Wall time on an idle machine, roughly, by steps timed here and now [s].
-    disk_bytes: float  #: Room that the store takes on a disk [B].
+    seconds: float  #: Rough wall time on an idle machine, from steps timed on this machine [s].
+    disk_bytes: float  #: Size of the store on disk [B].
 
 
 @np.errstate(under="ignore")
 def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
-    """Estimate the cost of a whole sweep, from a few of its steps done here and now.
+    """Estimate the cost of a whole sweep, by timing a few of its steps on this machine.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     Raises
     ------
     InputError
-        If there is to be no worker.
+        If `workers` is below 1.
     TriboError
         If a load has no solution.
 
@@ -104,18 +104,18 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
 
 @dataclass(slots=True)
 class _Work:
-    """Work of a sweep's tasks, and how much of it is done."""
+    """Time that tasks of a sweep need, with a count of the contacts and heat partitions solved."""
 
     sweep: Sweep
     contact_time: float  # [s]
     heat_time: float  # [s]
-    is_course: bool  # temperatures are asked for on the way
+    is_course: bool  # True if temperatures are also computed during the run
     contacts: int = 0
     temperatures: int = 0
     _steps: dict[float, tuple[int, int, int]] = field(default_factory=dict)
 
     def __call__(self, task: Task, has: dict[Any, Any]) -> float:
-        """Time of a task on a worker, by the increments and contacts that it has [s]."""
+        """Time of a task [s] on a worker that keeps the increments and contacts in `has`."""
         scene, (load, velocity, _) = self.sweep.scene, task.points[0]
         if load not in self._steps:
             self._steps[load] = _steps(self.sweep, load)
@@ -126,7 +126,7 @@ class _Work:
         steps = new + own
         heats_on_way = new * warms * (scene.remembers_heat or self.is_course)
         heats = (own if scene.remembers_heat else shown) * warms * len(task.points)
-        if not scene.remembers_steps:  # workers keep the contacts of the first velocity
+        if not scene.remembers_steps:  # a worker reuses the contacts of its first velocity
             steps = 0 if (task.ramp[0], load) in has else own
             has[task.ramp[0], load] = True
         self.contacts += steps
@@ -139,7 +139,7 @@ class _Work:
 
 
 def worker_bytes(sweep: Sweep) -> float:
-    """Memory of a worker, with a ramp that it keeps [B]."""
+    """Memory of a worker, including a ramp that it keeps for reuse [B]."""
     scene = as_computed(sweep)
     elements = math.prod(next(scene.levels()).grid.shape)
     of_ramp = scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements
@@ -148,7 +148,7 @@ def worker_bytes(sweep: Sweep) -> float:
 
 
 def as_computed(sweep: Sweep) -> Scene:
-    """The scene on the elements of its lowest load; on the pixels, if too many to look at."""
+    """The scene with the elements chosen for its lowest load; with all pixels if there are many."""
     scene = sweep.scene
     if math.prod(scene.pixels.shape) <= _MOST_PIXELS:
         return fit_elements(scene, min(sweep.plane.loads))
@@ -157,7 +157,7 @@ def as_computed(sweep: Sweep) -> Scene:
 
 
 def time_steps(sweep: Sweep) -> tuple[float, float, State]:
-    """Time a contact and a temperature on a ramp [s], and take the state as far as it is fast."""
+    """Mean time of a contact and of a heat partition [s], and the last state of a quick run."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]
     of_contacts, of_heat, trunks = list[float](), list[float](), Trunks()
@@ -178,7 +178,7 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 
 def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
-    """Numbers of shared increments below a load, of own steps, and of steps with a temperature."""
+    """Numbers of steps to a load: shared by the ramp, not shared, and with a temperature."""
     requested = choose_stations(sweep).heat_steps(sweep.scene, load)
     steps = list(sweep.scene.stations(load, requested))
     shared = sum(
@@ -194,7 +194,7 @@ def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
 
 
 def _point_bytes(sweep: Sweep, state: State) -> float:
-    """Size of a point in the store [B]."""
+    """Size of a point in the store [B], compressed."""
     stations = choose_stations(sweep)
     numbers = sum(np.size(value) for value in record_at(sweep.scene, state).values())
     fields = 3 + sweep.scene.unequal_bulks if sweep.plane.fields else 0

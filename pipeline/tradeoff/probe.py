@@ -1,4 +1,4 @@
-"""Cost and readings of a numerical choice at a few points near the boundary."""
+"""Cost and temperature rises of a fidelity at a few points near the boundary."""
 
 from __future__ import annotations
 
@@ -21,30 +21,30 @@ from tribo.simulation import Trunks, forget_contacts
 
 
 class Target(NamedTuple):
-    """Load at which to look for the boundary [N], and in which variant of the scene."""
+    """Load [N] and variant of the scene at which the boundary is sought."""
 
     load: float
     variant: Variant = ()
 
 
-_USUAL_EXPONENT, _FLATTEST = 0.6, 0.3  # exponents of the rise; where few nodes touch, it jumps
-_TOLERANCE = 0.01  # relative, of the rise where its limit is looked for
-_STEP = 0.05  # step of ln(velocity) over which the exponent is taken
+_USUAL_EXPONENT, _FLATTEST = 0.6, 0.3  # usual and least d ln(rise)/d ln(velocity)
+_TOLERANCE = 0.01  # relative error of the rise at the velocity found
+_STEP = 0.05  # step of ln(velocity) to either side, to find the exponent
 
 
 class Probe(NamedTuple):
-    """Cost and results of a fidelity at some points."""
+    """Cost of a fidelity, and its temperature rises at some points."""
 
     fidelity: Fidelity
-    rises: tuple[float, ...]  # that decide, at friction 1, by point [K]
-    fewest_nodes: int  # elements in contact at the point that has fewest
-    seconds: float  # processor time, without surfaces and kernels [s]
+    rises: tuple[float, ...]  # decisive rise at friction 1, by point [K]
+    fewest_nodes: int  # fewest elements in contact at any of the points
+    seconds: float  # processor time without making surfaces and kernels [s]
 
 
 def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
-    """Simulate points with another fidelity; those at one velocity share their ramp."""
+    """Simulate points with another fidelity, timed; points at one velocity share their ramp."""
     scene = with_fidelity(sweep, fidelity).changed("sweep.steps", "end")
-    # Before the time is taken: a whole sweep makes its surface and kernels once.
+    # Make surface and kernels before timing: a whole sweep makes them once.
     first = min(points, key=lambda point: (point.load, point.velocity))
     _run(scene.variant(first.variant), first.load / 2, first.velocity * 0.9)
     forget_contacts()
@@ -62,7 +62,7 @@ def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
 def _run(
     sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None
 ) -> tuple[float, State]:
-    """Simulate a point: its hottest state under full load, and the rise [K] at friction 1."""
+    """Simulate a point: decisive rise at friction 1 [K], and the state under full load with it."""
     under_load = (
         (momentary_rise(sweep.scene, state, sweep.conditions), state)
         for state in simulate(sweep.scene, load, velocity, trunks)
@@ -72,14 +72,14 @@ def _run(
 
 
 def with_dividing_elements(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
-    """A fidelity whose elements divide the scene's pixels."""
+    """`fidelity` with the largest allowed elements that divide the scene's pixels evenly."""
     nx, ny = sweep.scene.pixels.shape
     fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
     return replace(fidelity, pixels_per_element=next(fits))
 
 
 def spread_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
-    """Some of a sweep's loads, both ends among them, and its variants in turn."""
+    """Up to `number` targets: loads spread over the sweep, with variants in turn."""
     loads, variants = sweep.plane.loads, sweep.variants.names
     chosen = sorted({round((len(loads) - 1) * k / max(number - 1, 1)) for k in range(number)})
     turns = (divmod(k, len(chosen)) for k in range(number))
@@ -90,15 +90,16 @@ def spread_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
 def points_near_boundary(
     sweep: Sweep, places: Sequence[Target]
 ) -> tuple[tuple[Point, ...], tuple[float, ...]]:
-    """Points near which wear turns severe at ``standard``, and d ln(rise)/d ln(velocity) there.
+    """Points near the boundary at ``standard``, and d ln(rise)/d ln(velocity) at each.
 
-    Without a transition from half the lowest to twice the highest velocity, the nearer end.
+    Velocities from half the lowest to twice the highest are searched. Without a transition the
+    nearer end is taken.
     """
     scene = with_fidelity(sweep, with_dividing_elements(sweep, PRESETS["standard"]))
     points, exponents = [], []
     moving = [abs(velocity) for velocity in sweep.plane.velocities if velocity]
     if not moving:
-        raise InputError("the sweep has no velocity but 0, and so no heat; give some above 0")
+        raise InputError("the sweep has no velocity above 0, and so no friction heat; give one")
     limit = rise_limit(sweep.conditions)
 
     def rise_at(place: Target, velocity: float) -> float:
@@ -116,9 +117,9 @@ def points_near_boundary(
 def critical_velocity(
     rise: Callable[[float], float], limit: float, lowest: float, highest: float
 ) -> float:
-    """Velocity at which a growing rise reaches a limit, or the nearer end of a range [m/s].
+    """Velocity [m/s] at which a rise [K] reaches a limit, or the nearer end of the range.
 
-    By secants of the logarithms, or by halving where one leads back, as beside a jump.
+    Secant steps in logarithms, with bisection where a secant returns to an earlier velocity.
     """
     low, high = math.log(lowest), math.log(highest)
     velocity, exponent = (low + high) / 2, _USUAL_EXPONENT

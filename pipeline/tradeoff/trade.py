@@ -1,8 +1,8 @@
-"""Table of numerical choices, measured on a scene at a few points on the boundary.
+"""Table of fidelities, each measured on a scene at a few points on the boundary.
 
-What counts is the error of the boundary velocity: that of the logarithm of the rise, divided by the
-exponent with which the rise grows with velocity. `irg trade` prints the table, `--accuracy` takes
-its cheapest row within a bound, and `--measure` the row of the scene's own fidelity.
+The measure is the error of the boundary velocity: the error of ln(rise) divided by the exponent
+with which the rise grows with velocity. `irg trade` prints the table. `--accuracy` takes its
+cheapest row within a bound, `--measure` the row of the scene's own fidelity.
 """
 
 from __future__ import annotations
@@ -38,43 +38,43 @@ from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
 USUAL = ("draft", "standard", "fine")
 OWN = "the scene's own fidelity"
-_LOADS, _PLACES = 4, 6  # to measure at, and with several variants
-_BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # errors, for each of which the cheapest is named
+_LOADS, _PLACES = 4, 6  # number of points for a single variant, and for several
+_BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # errors whose cheapest fidelity is printed
 _HEADS = "name", "velocity error [%]", "error at any load [%]", "seconds [s]"
 _MARGIN, _DEVIATIONS = 1.3, 2.5
-"""Error at loads that were not measured, where each touches other summits: the larger of two.
+"""Factor on the largest error, and standard deviations above the mean error.
 
-So much more than the largest that was found, or the mean with so many standard deviations.
-Judged by `make promises`.
+The larger result is the error to expect at loads that were not measured, where other summits
+touch. Judged by `make promises`.
 """
 _OF_REFERENCE = 2e-3
-"""Error of the reference itself, by its steps and tolerances. Judged by `make promises`."""
+"""Error of the reference itself, due to its steps and tolerances. Judged by `make promises`."""
 _ONE = 0.1
-"""Error where but one element touches, since a quantile is a staircase.
+"""Error if a single element touches: quantiles of few elements are coarse.
 
-Judged by `make promises`.
+It falls with the number of elements. Judged by `make promises`.
 """
 
 
 @shown
 @dataclass(frozen=True, slots=True)
 class Trade:
-    """Speed and accuracy of numerical choices on a scene."""
+    """Speed and accuracy of several fidelities on a scene."""
 
     drawn_by: ClassVar = "pipeline.figures.studies:draw_trade"
     title: str  #: Title of the scene.
     points: tuple[Point, ...]  #: Points at which the errors are measured.
-    choices: tuple[Choice, ...]  #: Fidelities measured, by their work; the reference last.
-    not_converged: tuple[str, ...] = ()  #: Choices that did not converge, and why.
+    choices: tuple[Choice, ...]  #: Fidelities measured, in order of their work; the reference last.
+    not_converged: tuple[str, ...] = ()  #: Fidelities that did not converge, with the reason.
 
     @property
     def reference(self) -> Choice:
-        """The choice that the others are compared with."""
+        """The fidelity that the others are compared with."""
         return self.choices[-1]
 
     @property
     def front(self) -> tuple[Choice, ...]:
-        """Pareto front: choices that none beats in both time and error, the fastest first."""
+        """Pareto front, the fastest first: no other fidelity is both faster and more accurate."""
         best, choices = math.inf, []
         by_time = sorted(self.choices, key=lambda one: (one.seconds, one.velocity_error))
         for choice in by_time:
@@ -84,12 +84,12 @@ class Trade:
         return tuple(choices)
 
     def cheapest(self, error: float) -> Choice:
-        """The choice of least work with at most `error` at any load; the reference if none has."""
+        """The fidelity of least work with at most `error` at any load; else the reference."""
         return next((one for one in self.choices if one.error_at_any_load <= error), self.reference)
 
     @property
     def table(self) -> pd.DataFrame:
-        """Error and time of the choices, one in a row."""
+        """Frame with a row for each fidelity: errors [%], time [s], time relative to ``fine``."""
         names = [head.partition(" [")[0].replace(" ", "_") for head in _HEADS]
         table = frame_of(_HEADS, ([getattr(one, name) for name in names] for one in self.choices))
         fine = next((one.seconds for one in self.choices if one.name == "fine"), math.nan)
@@ -105,7 +105,7 @@ class Trade:
             *lines_of(self.table),
             "",
             "Largest error of the boundary velocity at these points, against the reference on the",
-            "same pixels; to expect at any load, with a margin; and processor time of the points.",
+            "same pixels; error to expect at any load, with a margin; processor time of them.",
             "",
             *(f"--accuracy {100 * bound:g}%: {self.cheapest(bound).name}" for bound in _BOUNDS),
             *(f"no result: {reason}" for reason in self.not_converged),
@@ -119,17 +119,17 @@ def trade(
 ) -> Trade:
     """Measure speed against accuracy on the boundary of a scene.
 
-    The boundary is looked at for four loads, from the lowest to the highest; with several variants
-    at six places.
+    Errors are measured at four loads from the lowest to the highest, or, with several variants, at
+    six places.
 
     Parameters
     ----------
     sweep : Sweep, str or path
-        Scene to measure, or its path or name; its own fidelity is one of the choices.
+        Scene to measure, or its path or name; its own fidelity is measured, too.
     presets : sequence of str
         Presets to compare with ``reference``.
     progress : callable, optional
-        Called with a `Progress`, whose words name each choice.
+        Called with a `Progress` that names each fidelity.
 
     Raises
     ------
@@ -146,10 +146,10 @@ def trade(
     sweep = sweep_of(sweep)
     for name in presets:
         if name not in PRESETS:
-            raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
+            raise InputError(f"preset {name!r} is unknown; give one of {', '.join(PRESETS)}")
     progress = progress or silent
     if not math.isfinite(rise_limit(sweep.conditions)):
-        raise InputError("friction is 0, so there is no boundary; give one above 0")
+        raise InputError("friction is 0, so there is no boundary; give a friction above 0")
     places = spread_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
     candidates = _candidates(sweep, presets)
     progress(Progress(f"{len(candidates)} choices at {len(places)} places"))
@@ -170,14 +170,14 @@ def trade(
             failed.append(f"{name}: {error}")
         else:
             choices.append(_choice(name, tried, reference, exponents))
-    # By work: unlike time it is the same on every machine, and so is the choice.
+    # By work, not time, so that the choice is the same on every machine.
     choices.sort(key=lambda choice: _work(sweep, choice.fidelity, places))
     choices.append(_choice("reference", reference, reference, exponents))
     return Trade(sweep.title, near, tuple(choices), tuple(failed))
 
 
 def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
-    """Steps to points at some places times elements for each pixel, about."""
+    """Approximate work of simulating some places: steps × elements for each pixel."""
     scene = as_computed(with_fidelity(sweep, fidelity))
     before = sum(step_count(scene, place.load) - 1 for place in places)
     steps = before / scene.coarsening**2 + len(places)
@@ -185,9 +185,9 @@ def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
 
 
 def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
-    """Fidelities to measure, by their names: the reference first, each once.
+    """Fidelities to measure, by name, without repeats; the reference first.
 
-    How heat acts is the scene's own choice; all the past needs every step on one grid.
+    The scene's heat model is kept. Heat with history needs every step on one grid.
     """
     past: dict[str, Any] = {"heat_model": "history", "history_coarsening": 1}
     changes = past if sweep.scene.remembers_heat else {}
@@ -203,7 +203,7 @@ def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
 
 
 def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[float]) -> Choice:
-    """A choice against the reference."""
+    """Errors and time of a fidelity, against the reference."""
     pairs = zip(measured.rises, reference.rises, exponents, strict=True)
     errors = tuple(boundary_velocity_error(*pair) for pair in pairs)
     largest = max(map(abs, errors))

@@ -1,4 +1,4 @@
-"""The boundary of a scene, and of scenes that differ from it in one entry."""
+"""The boundary of a scene, and of the same scene with one entry changed at a time."""
 
 from __future__ import annotations
 
@@ -33,25 +33,24 @@ from pipeline.sweep.tables import changes, entry_at
 from pipeline.sweep.variants import Label, labelled_rows
 from tribo import InputError
 
-_ROW, _UNCHANGED = "variation", "unchanged"  # dimension of the scenes, and entry of the first
+_ROW, _UNCHANGED = "variation", "unchanged"  # dimension, and label of the first scene
 _RELATIVE = re.compile(r"([+-]\d+(?:\.\d+)?)\s*%")
-# But for degrees, of Rockwell too, which begin elsewhere than at 0.
+# A number with its unit, except degrees and Rockwell hardness, whose zero is arbitrary.
 _NUMBER = re.compile(rf"\s*{NUMBER}(?!.*([CF℃]|HRc|degRe|celsius|fahrenheit)\s*$)")
 
 
 @shown
 @dataclass(frozen=True, slots=True)
 class Variations:
-    """The boundary of a scene, unchanged and with single entries changed."""
+    """Boundaries of a scene, unchanged and with single entries changed."""
 
     title: str  #: Title of the scene.
-    #: Boundaries, a row for each load: ``entry`` and ``value``, as they would stand in the scene,
+    #: A row for each variation and load: ``entry`` and ``value`` as a scene file would give them,
     #: ``load [N]``, ``critical velocity [m/s]``, ``change [%]`` and ``outcome``. First the
     #: ``unchanged`` scene, then the entry that moves the boundary most.
     table: pd.DataFrame
-    #: Points of all scenes, and the points whose contacts were computed for them.
-    points: int
-    contacts: int
+    points: int  #: Points computed, over all scenes.
+    contacts: int  #: Contacts computed for these points; scenes may share them.
     #: Points that carry a warning, over all scenes.
     warned: Warned = field(default_factory=Warned)
 
@@ -69,38 +68,38 @@ def vary(
     client: Client | None = None,
     progress: Report | None = None,
 ) -> Variations:
-    """Find the boundary of a scene, and of the same with single entries changed.
+    """Find the boundary of a scene, and of the same scene with single entries changed.
 
-    Scenes that differ in friction and temperatures alone share their points. Those that differ in
-    wear rate and thermal constants share the contacts of one product of wear rate and velocity.
-    All are computed on Dask, as by `pipeline.run_sweep`: in a script, call it under
-    ``if __name__ == "__main__":``.
+    Scenes that differ only in friction or temperatures share their points. Scenes that differ in
+    wear rate or thermal constants share contacts where wear rate × velocity is the same. All are
+    computed on Dask, as by `pipeline.run_sweep`: in a script, call it under ``if __name__ ==
+    "__main__":``.
 
     Parameters
     ----------
     scene : path-like
-        Scene file, or name of a shipped scene; between its lowest and highest velocity the
-        boundary is searched at its loads.
+        Scene file, or name of a shipped scene. The boundary is searched at its loads, between its
+        lowest and highest velocity.
     over : mapping
-        Values by the key path of the entry that takes them, one entry at a time. Each as a scene
-        file has it, or such as ``"+20%"`` of the scene's own. A coefficient of friction scales the
+        Values to try, by the key path of their entry. A value is written as in a scene file, or
+        as a change of the scene's value, such as ``"+20%"``. A coefficient of friction scales
         friction by velocity, too.
     preset, overrides, laws : optional
         See `pipeline.load_scene`.
     tolerance : float
         Relative error of the critical velocity, in addition to that of the scene's fidelity.
     out : path, optional
-        Store of the points, which is resumed if it is there, and kept; none is kept if not given.
+        Store of the points, resumed if it exists. By default a temporary one is used.
     workers, client, progress : optional
-        See `pipeline.run_sweep`; words note, too, if the scene has several values of an entry.
+        See `pipeline.run_sweep`; progress also notes if the scene has several values of an entry.
 
     Raises
     ------
     SceneFileError
         If a scene is faulty with one of the values.
     InputError
-        If there is no boundary to look for: no friction, or one velocity alone; or if there is
-        nothing to take a percentage of.
+        If there is no friction or only one velocity, or a percentage is given for an entry that
+        is no number.
 
     Examples
     --------
@@ -133,10 +132,10 @@ def vary(
 
 
 def _table(found: pd.DataFrame, variations: Sequence[tuple[str, str]]) -> pd.DataFrame:
-    """The frame of the boundaries of all scenes, as `Variations` has it."""
+    """Frame of `Variations.table`, from the frame `found` of all boundaries."""
     velocity = found["critical velocity [m/s]"].to_numpy().reshape(len(variations), -1)
     change = 100 * (velocity / velocity[0] - 1)
-    change[0] = math.nan  # of the unchanged scene
+    change[0] = math.nan  # the unchanged scene
     entries, values = np.repeat(variations, velocity.shape[1], axis=0).T
     table = found[["load [N]", "critical velocity [m/s]", "outcome"]]
     table.insert(0, "entry", entries)
@@ -148,7 +147,7 @@ def _table(found: pd.DataFrame, variations: Sequence[tuple[str, str]]) -> pd.Dat
 
 
 def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequence[Sweep]) -> Sweep:
-    """The sweep with a variant for each scene, by the entries in which that differs."""
+    """The sweep with a variant for each scene, made of the entries in which the scene differs."""
     words = (" = ".join(filter(None, variation)) for variation in variations)
     reader: Any = sweep.reader
     arrays = [one.reader.contents.arrays for one in (sweep, *scenes)]
@@ -166,7 +165,7 @@ def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequen
 
 
 def _absolute(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
-    """Values of an entry; ``"+20%"`` becomes the scene's value changed by 20 %."""
+    """Yield the values of an entry; ``"+20%"`` becomes the scene's value increased by 20 %."""
     for value in values:
         relative = _RELATIVE.fullmatch(value) if isinstance(value, str) else None
         if relative is None:
@@ -175,6 +174,6 @@ def _absolute(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
         present = entry_at(sweep.entries, key)
         number = _NUMBER.match(present if isinstance(present, str) else repr(present))
         if number is None:
-            raise InputError(f"{key}={value}: the scene gives {present} there; give a value")
+            raise InputError(f"{key}={value}: the scene gives {present}, no number; give a value")
         changed = f"{float(number[0]) * (1 + float(relative[1]) / 100):.12g}"
         yield changed + present[number.end() :] if isinstance(present, str) else json.loads(changed)

@@ -36,15 +36,15 @@ REFUSALS = {
     "share": (lambda: choose_fidelity(PAPER, "two"), '"two": give a share such as'),
     "no friction": (lambda: choose_fidelity(COLD, 0.02), "friction is 0, so there is no boundary"),
     "own": (stored(), "was computed with the scene's own fidelity"),
-    "coarser": (stored(selection=synthetic.selection(error=0.05)), "whose boundary errs by 5 %"),
-    "preset": (lambda: trade(PAPER, ("fast",)), "preset 'fast' is unknown; known are draft"),
+    "coarser": (stored(selection=synthetic.selection(error=0.05)), "boundary may be off by 5 %"),
+    "preset": (lambda: trade(PAPER, ("fast",)), "preset 'fast' is unknown; give one of draft"),
     "no number": (lambda: pipeline.vary("first_try", {"pin.shape": ["+5%"]}),
-                  "pin.shape=+5%: the scene gives cylinder there; give a value"),
+                  "pin.shape=+5%: the scene gives cylinder, no number; give a value"),
     "no digit": (lambda: vary_by("title", ".."), "title=+20%: the scene gives .. there"),
     "of degrees": (lambda: vary_by("temperature.bulk", "25 degC "), "gives 25 degC  there"),
     "of degrees in words": (lambda: vary_by("temperature.bulk", "25 celsius"), "gives 25 celsius"),
     "of Rockwell": (lambda: vary_by("materials.steel.hardness", "60 HRc"), "gives 60 HRc there"),
-    "no velocity": (lambda: trade(changed(PAPER, velocities=(0.0,))), "no velocity but 0"),
+    "no velocity": (lambda: trade(changed(PAPER, velocities=(0.0,))), "no velocity above 0"),
 }  # fmt: skip
 
 ELSEWHERE = {
