@@ -1,1 +1,1 @@
-"""What laboratories write: logs of tests, traces, spreadsheets, scans of surfaces."""
+"""Laboratory files: logs of tests, traces of friction, spreadsheets and scans of surfaces."""

@@ -1,4 +1,4 @@
-"""What the commands ``irg surface`` and ``irg tests`` answer."""
+"""The commands ``irg surface`` and ``irg tests``."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from tribo import InputError
 
 
 def surface(options: argparse.Namespace) -> Result:
-    """Print the roughness of a scan, and the table of a scene for random surfaces like it."""
+    """Answer ``irg surface``: roughness of a scan, and scene lines for random surfaces like it."""
     with working("fitting the spectrum"):
         scan = pipeline.surface_statistics(
             options.scan, options.height_unit, options.pixel_size, options.transpose
@@ -36,7 +36,7 @@ def surface(options: argparse.Namespace) -> Result:
 
 
 def tests(options: argparse.Namespace) -> Result:
-    """Print what is understood of a log or a trace, and the lines of a scene for it."""
+    """Answer ``irg tests``: how a log or a trace was read, and scene lines for its tests."""
     path = Path(options.log)
     taken = {
         "where": dict(options.where), "skip": dict(options.skip), "given": dict(options.given),
@@ -52,9 +52,9 @@ def tests(options: argparse.Namespace) -> Result:
 
 
 def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
-    """What a log says."""
+    """Answer for a log: its columns, tests, faults and scene lines."""
     found, faults = log.tests, log.sheet.faults
-    if log.row_of is Test and not faults:  # otherwise rows are left out, and places are not tests
+    if log.row_of is Test and not faults:  # faulty rows have no test
         faults += [
             f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}"
             for place, problem in run_faults([Test(**row) for row in log.in_si])
@@ -76,7 +76,7 @@ def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
 
 
 def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result:
-    """What a trace of friction says."""
+    """Answer for a trace of friction: its stages, transition and scene lines, with a figure."""
     trace = read_trace(read)
     tests = trace.tests()
     toml = [*_trace_toml(tests, read.missing, trace.scuff)]
@@ -94,14 +94,14 @@ def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result
     text += [f"a trace of friction, {len(trace.time)} rows", *trace.lines(), "", *toml]
     draw = None
     if options.output:
-        from pipeline.laboratory.picture import draw_trace  # with Matplotlib, which takes its time
+        from pipeline.laboratory.picture import draw_trace  # Matplotlib is slow to import
 
         draw = partial(draw_trace, trace, path.name)
     return Result(document, text, draw=draw)
 
 
 def _head(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
-    """How a file is written, its rows that are left out, and the scene that fits its rig."""
+    """Lines on the form of a file, rows left out, and a shipped scene that fits the rig."""
     form = [f"form of {export.title}"] if export.title else []
     yield f"{path}: {', '.join([*form, *sheet.form])}"
     if sheet.counted:
@@ -112,7 +112,7 @@ def _head(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
 
 
 def _describe(sheet: Sheet, export: Export) -> dict[str, Any]:
-    """Plain data on how a file is understood."""
+    """Plain data on how a file was read: form, columns, rows left out, fitting scene."""
     return {
         "form": [export.title, *sheet.form] if export.title else sheet.form,
         "columns": {name: sheet.headings[k].text for name, k in sheet.places.items()},
@@ -121,7 +121,7 @@ def _describe(sheet: Sheet, export: Export) -> dict[str, Any]:
 
 
 def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
-    """Number of tests, of their runs and oils, and of each outcome."""
+    """Counts in words: tests, runs, oils and outcomes."""
     kinds = Counter(test["outcome"] for test in found if "outcome" in test)
     counts = ", ".join(f"{count} {name}" for name, count in sorted(kinds.items()))
     number = counted(len(found), "test", "tests")
@@ -134,14 +134,14 @@ def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _doubts(in_si: Iterable[Mapping[str, Any]]) -> Iterator[str]:
-    """Conditions of tests that are probably in another unit."""
+    """Warnings on tests whose load, velocity or temperature is probably in another unit."""
     for row in in_si:
         for doubt in doubts_of_row(row):
             yield f"the test of {row['load']:g} N at {row['velocity']:g} m/s: {doubt}"
 
 
 def _column_frames(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFrame]:
-    """A row for each column."""
+    """Frame with a row for each column: heading, quantity read, first cell."""
     names = {place: name for name, place in sheet.places.items()}
     rows = []
     for place, heading in enumerate(sheet.headings):
@@ -154,7 +154,7 @@ def _column_frames(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFr
 
 
 def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
-    """Lines of a scene that name the log, and state what the log itself does not."""
+    """Scene lines that name the log, with options for what the log itself does not state."""
     yield f"[[{log.key}]]"
     columns = log.renamed | named["columns"]
     entries = {"file": path.name, "words": log.words, **named, "columns": columns}
@@ -164,7 +164,7 @@ def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
 def _trace_toml(
     tests: Iterable[Mapping[str, Any]], missing: Mapping[str, str], scuff: object
 ) -> Iterator[str]:
-    """Tables of a scene for the tests of a trace."""
+    """Scene lines for the tests of a trace, with comments where a value is missing."""
     for test in tests:
         is_transition = scuff and not {*test} & {"outcome", "mild_up_to", "severe_at"}
         yield "[[measured]]" if is_transition else "[[tested]]"

@@ -1,4 +1,4 @@
-"""The commands of the extra, and their options."""
+"""The commands ``irg surface`` and ``irg tests``, and their options."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from pipeline.paths import user_path
 
 
 def _sides(text: str) -> tuple[float, float]:
-    """Read the sides of a pixel, or the one of a square pixel."""
+    """Read the sides of a pixel [m] from ``DX,DY``; a single length is for a square pixel."""
     read = values.quantity("0.8 um")
     first, comma, second = text.partition(",")
     return read(first), read(second if comma else first)
 
 
 def _word(text: str) -> tuple[str, str]:
-    """Read ``WORD=OUTCOME``; the word of empty cells is empty."""
+    """Read ``WORD=OUTCOME``; an empty word stands for empty cells."""
     name, _, outcome = map(str.strip, text.partition("="))
     if outcome not in ("mild", "severe"):
         raise ArgumentTypeError(f'"{outcome}" is no outcome; give {name}=mild or {name}=severe')

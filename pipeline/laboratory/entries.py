@@ -1,4 +1,4 @@
-"""Logs of a laboratory in the place of tests of a scene."""
+"""Read the log files that a scene names in its lists of tests."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pipeline.scene.faults import Faults
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, None]:
-    """The document with the rows of log files in the place of the tests that name them."""
+    """Replace each entry that names a log file by the tests of the log; report its faults."""
     for key in ("measured", "tested"):
         listed, folder = document.entries().get(key), document.file_of(key).parent
         if not isinstance(listed, list) or not listed:
@@ -27,20 +27,20 @@ def begin(document: Document, faults: Faults) -> tuple[Document, None]:
                 rows += found if count == 1 else [_name_log(one, entry) for one in found]
             else:
                 rows.append(entry)
-        # Without any row all are faulty, which is said already.
+        # No row is left only if all are faulty, and that is reported already.
         document = document.replaced(key, rows or None)
     return document, None
 
 
 def _name_log(test: dict[str, Any], entry: dict[str, Any]) -> dict[str, Any]:
-    """A test of one log of several, which all begin to count anew."""
+    """A test with the file's name before its number and run, as each log counts from 1."""
     return test | {k: f"{entry['file']} {test[k]}" for k in ("number", "run") if k in test}
 
 
 def _read_tests(
     entry: dict[str, Any], key: str, number: int, folder: Path, faults: Faults
 ) -> list[dict[str, Any]]:
-    """Tests of a file as tables of a scene; faults are named by row and column."""
+    """Tests of a log file as tables of a scene; faults name row and column."""
     before, place = len(faults), f"{key}[{number}]"
     read = table_of(Log).read(entry, place, faults)
     if len(faults) > before:

@@ -1,6 +1,7 @@
-"""Exports of machines, as data of ``exports/NAME.toml``.
+"""Export formats of test machines, described by ``exports/NAME.toml``.
 
-A file is of an export if at least two of its signs match cells; the one with most signs counts.
+A file has a format if at least two of its signs match cells. If several formats match, the one with
+most signs counts.
 """
 
 from __future__ import annotations
@@ -17,36 +18,36 @@ from pipeline.scene.sheet import Lines
 from tribo import InputError
 
 _LEAST_SIGNS = 2
-_MOST_ROWS = 60  # in which signs are sought
+_MOST_ROWS = 60  # rows searched for signs
 
 
 @dataclass(frozen=True)
 class Export:
-    """What a machine writes: signs by which it is known, its columns, and what they mean."""
+    """Format of a machine's files: signs to recognise it, its columns, and their meaning."""
 
     title: str = ""
-    signs: tuple[str, ...] = ()  # patterns of cells
-    scene: str = ""  # that fits the rig
-    columns: Mapping[str, str] = field(default_factory=dict)  # patterns of headings; "" for none
-    units: Mapping[str, str] = field(default_factory=dict)  # of columns without one
-    unit_row: str = ""  # first cell of a row above the headings that has their units
-    step_row: str = ""  # the same, that has the step of the time, where the rows have none
-    restarts: bool = False  # the time begins anew with each step
-    sine: str = ""  # pattern of cells that tell that the velocity is the highest of a sine
-    stages: bool = False  # rows of a log are stages of one specimen
-    step: str = ""  # of the load of a test by steps
+    signs: tuple[str, ...] = ()  # patterns of cells that identify it
+    scene: str = ""  # name of the shipped scene that fits the rig
+    columns: Mapping[str, str] = field(default_factory=dict)  # patterns of headings
+    units: Mapping[str, str] = field(default_factory=dict)  # units of headings without a unit
+    unit_row: str = ""  # first cell of the row of units, above the headings
+    step_row: str = ""  # first cell of the row with the time step, if rows have no time
+    restarts: bool = False  # True if time restarts with each step
+    sine: str = ""  # pattern of a cell which tells that the velocity is the peak of a sine
+    stages: bool = False  # True if rows of a log are stages of one specimen
+    step: str = ""  # load step of a stepwise test
 
 
 @functools.cache
 def exports() -> Mapping[str, Export]:
-    """All exports, by name."""
+    """All export formats, by name."""
     folder = resources.files("pipeline.laboratory").joinpath("exports")
     files = sorted((one for one in folder.iterdir() if one.name.endswith(".toml")), key=str)
     return {one.name[:-5]: Export(**tomllib.loads(one.read_text("utf-8"))) for one in files}
 
 
 def find_export(tables: Sequence[Lines], named: str | None) -> Export:
-    """The export of a file, or the user's choice; an empty export if no machine is recognised."""
+    """The format of a file: `named` if given, else recognised; an empty one if none matches."""
     if named is not None:
         if named not in exports():
             near = did_you_mean(named, exports())
@@ -61,5 +62,5 @@ def find_export(tables: Sequence[Lines], named: str | None) -> Export:
 
 
 def has_cell(cells: Iterable[str], pattern: str) -> bool:
-    """True if any filled cell is as a pattern says."""
+    """True if any non-empty cell matches a pattern as a whole."""
     return any(cell and re.fullmatch(pattern, cell, re.IGNORECASE) for cell in cells)

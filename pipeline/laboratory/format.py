@@ -1,4 +1,4 @@
-"""The form of a test of a scene that names a log."""
+"""Scene entry for tests that are read from a log file."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ class Log:
 
 ENTRIES: dict[str, type] = {}
 FORMS = (Log,)
-"""Further forms of tests."""
+"""Forms that an entry of a scene's list of tests may take, besides a single test."""
 
 
 def find(entries: Entries) -> list[str]:
-    """Paths of the lists of tests of a scene in which a file stands for some."""
+    """Paths of the scene's lists of tests that name a log file."""
     lists = ((path, entries.get(path)) for path in ("measured", "tested"))
     listed = ((path, tests) for path, tests in lists if isinstance(tests, list))
     return [

@@ -1,4 +1,4 @@
-"""Files of instruments: .x3p and .gwy by readers of their own, others by SurfaceTopography."""
+"""Read files of surface instruments: .x3p and .gwy here, other formats by SurfaceTopography."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ _UNSURE = {
         "an image, whose grey values are no heights of a known unit",
     ),
 }
-_HEADER = 512  # bytes of a .sur file, with the sizes of what follows at 334
+_HEADER = 512  # bytes of a .sur header; byte 334 gives the sizes of the next blocks
 _VALUES = {"b": "?", "c": "u1", "i": "<i4", "q": "<i8", "d": "<f8"}
-"""Types of components of Gwyddion's format; capital letters are those of arrays."""
+"""NumPy types of Gwyddion's components, by their letter; a capital letter is an array."""
 _POINTS = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 
 
 class Raw(NamedTuple):
-    """Heights in their unit, and what a file says of sizes."""
+    """Heights in the unit of the file; pixel size and unit are None if the file states none."""
 
     heights: Array  # shape (nx, ny), NaN in holes; a profile has ny = 1
     pixel: tuple[float, float] | None = None  # sides [m]
-    unit: float | None = None  # of heights [m]
+    unit: float | None = None  # one unit of the heights [m]
     steps: tuple[float, float] | None = None  # sides of a pixel in an unknown unit
 
 
 def read_instrument(path: Path) -> Raw:
-    """Read the file of an instrument; what cannot be read says why."""
+    """Read an instrument's file; raises an `InputError` with the reason if it cannot be read."""
     suffix = path.suffix.lower()
     if suffix in _UNSURE:
         raise InputError(f"{path}: {_UNSURE[suffix]}; {_SAVE}")
@@ -60,7 +60,7 @@ def read_instrument(path: Path) -> Raw:
 
 
 def _read_x3p(path: Path) -> Raw:
-    """A surface of ISO 25178-72: a matrix in a binary file, or in a list."""
+    """Read a surface of ISO 25178-72 (.x3p): a matrix in a binary member, or a list in XML."""
     with zipfile.ZipFile(path) as archive:
         names = archive.namelist()
         main = next((name for name in names if name.rpartition("/")[2] == "main.xml"), None)
@@ -86,7 +86,7 @@ def _read_x3p(path: Path) -> Raw:
             cells = [(one.text or "").split(";")[-1] for one in root.findall(".//{*}Datum")]
             values = np.array([float(cell) if cell.strip() else np.nan for cell in cells])
         if values.size != nx * ny:
-            raise InputError(f"{path}: {values.size} heights, where {nx} × {ny} are said; {_SAVE}")
+            raise InputError(f"{path}: {values.size} heights instead of {nx} × {ny}; {_SAVE}")
         step, offset = (float(_text(z_axis, *x)) for x in (("Increment", "1"), ("Offset", "0")))
         heights = values.astype(float).reshape(ny, nx) * step + offset
         if _text(root, "ValidPointsLink"):
@@ -94,18 +94,18 @@ def _read_x3p(path: Path) -> Raw:
             is_valid = np.unpackbits(bits, bitorder="little")[: nx * ny].reshape(ny, nx)
             heights[is_valid == 0] = np.nan
     if any(_text(axis, "AxisType", "I") != "I" for axis in (x_axis, y_axis)):
-        raise InputError(f"{path}: places of its own for each height; give a regular grid")
+        raise InputError(f"{path}: heights are not on a regular grid; give a regular grid")
     x, y = (abs(float(_text(axis, "Increment", "0"))) for axis in (x_axis, y_axis))
     return Raw(heights.T, (x, y) if x and y else None, 1.0)
 
 
 def _text(element: Any, name: str, usual: str = "") -> str:
-    """Text of an entry within an element of XML."""
+    """Text of the child `name` of an XML element; `usual` if it is missing."""
     return (element.findtext(f".//{{*}}{name}") or usual).strip()
 
 
 def _read_gwy(path: Path) -> Raw:
-    """The first channel of Gwyddion's file that is one of heights, or else without a unit."""
+    """Read a Gwyddion file: its first channel with a length unit, else its first without a unit."""
     content = path.read_bytes()
     if not content.startswith(b"GWYP"):
         raise InputError(f"{path}: does not begin as Gwyddion writes; {_SAVE}")
@@ -125,7 +125,7 @@ def _read_gwy(path: Path) -> Raw:
 
 
 def _gwy_unit(unit: Any) -> float | None:
-    """Length of a unit [m]; None if there is none, 0 if it is no length."""
+    """Length of a Gwyddion unit [m]; None if there is none, 0 if it is no length."""
     text = unit[1].get("unitstr", "") if unit else ""
     try:
         return to_si(f"1 {text}", "1 m") if text else None
@@ -134,7 +134,7 @@ def _gwy_unit(unit: Any) -> float | None:
 
 
 def _gwy_object(content: bytes, place: int) -> tuple[str, dict[str, Any], int]:
-    """Name, components and end of an object of Gwyddion's format."""
+    """Name, components and end offset of the Gwyddion object that begins at `place`."""
 
     def text(begin: int) -> tuple[str, int]:
         end = content.index(b"\0", begin)
@@ -162,9 +162,9 @@ def _gwy_object(content: bytes, place: int) -> tuple[str, dict[str, Any], int]:
 
 
 def _read_by_library(path: Path) -> Raw:
-    """A surface of one of SurfaceTopography's formats."""
+    """Read a surface in any format that the library SurfaceTopography knows."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # it warns of its own house-keeping
+        warnings.simplefilter("ignore")  # its warnings do not concern the user
         try:
             formats: Any = importlib.import_module("SurfaceTopography.IO")
         except ImportError as error:
@@ -181,7 +181,7 @@ def _read_by_library(path: Path) -> Raw:
         except Exception as error:
             raise InputError(f"{path}: {_why_not(formats, path, error)}; {_SAVE}") from error
         if reader.default_channel.physical_sizes is None:
-            raise InputError(f"{path}: says no sizes; {_SAVE}")
+            raise InputError(f"{path}: states no sizes; {_SAVE}")
         topography = reader.topography()
     if topography.dim != 2 or not topography.is_uniform:
         raise InputError(f"{path}: a profile, or unevenly spaced; give a map of heights")
@@ -195,7 +195,7 @@ def _read_by_library(path: Path) -> Raw:
 
 
 def _why_not(formats: Any, path: Path, error: Exception) -> str:
-    """Reason of the reader for the ending of a file, or that none knows it."""
+    """Why SurfaceTopography cannot read a file: its reader's error, or that it has no reader."""
     if type(error).__name__ != "CannotDetectFileFormat":
         return (str(error).strip().splitlines() or [type(error).__name__])[0]
     for reader in formats.readers:
@@ -203,12 +203,12 @@ def _why_not(formats: Any, path: Path, error: Exception) -> str:
             try:
                 reader(str(path))
             except Exception as own:  # of any kind
-                return f"no sound {path.suffix} file: {(str(own).splitlines() or [repr(own)])[0]}"
+                return f"damaged {path.suffix} file: {(str(own).splitlines() or [repr(own)])[0]}"
     return f"SurfaceTopography has no reader for {path.suffix or 'files without an ending'}"
 
 
 def _unpacked_sur(content: bytes) -> bytes:
-    """The content of a compressed .sur file, without compression."""
+    """Decompress the content of a compressed .sur file."""
     comment, private = struct.unpack_from("<hh", content, 334)
     begin = _HEADER + comment + private
     (count,) = struct.unpack_from("<I", content, begin)

@@ -1,4 +1,4 @@
-"""Tests of a laboratory's log: rows with an outcome, runs by their steps, or transitions."""
+"""Read the tests of a laboratory's log: single outcomes, stepwise runs, or transitions."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ MAY_LACK = (
     "number", "load", "velocity",
 )  # fmt: skip
 """Entries of a test whose cells may be empty; a test without load or velocity is left out."""
-_DISTINGUISHING = "number", "run", "friction"  # entries that distinguish a row from a repeated row
+_DISTINGUISHING = "number", "run", "friction"  # entries that tell a repeated test from a copy
 
 
 @functools.cache
 def outcome_of(word: str, heading: str) -> str | None:
-    """Outcome that a word below a heading means, None if it is not known."""
+    """Outcome that a cell's word means under a heading, such as "mild"; None if unknown."""
     listed = vocabulary()
     words = {name: {*listed[name].split()} for name in ("mild", "severe", "yes", "no")}
     if re.search(listed["asks_severe"], heading.lower()):
@@ -53,48 +53,51 @@ def outcome_of(word: str, heading: str) -> str | None:
 
 @dataclass(slots=True)
 class Log:
-    """Tests of a log, and how it is understood."""
+    """Tests of a log, and how its columns and words were read."""
 
     sheet: Sheet
     export: Export
-    row_of: type  # a test, a run by its steps, or a transition
-    words: dict[str, str] = field(default_factory=dict)  # outcome for each word that is not one
+    row_of: type  # what a row is: `Test`, `Stages` of a run, or `Transition`
+    words: dict[str, str] = field(default_factory=dict)  # outcome meant by each word
     tests: list[dict[str, Any]] = field(default_factory=list)  # as tables of a scene
-    in_si: list[dict[str, Any]] = field(default_factory=list)  # the same in SI
+    in_si: list[dict[str, Any]] = field(default_factory=list)  # the same tests in SI
 
     @property
     def key(self) -> str:
-        """The list of a scene in which the tests stand."""
+        """Name of the scene's list to which the tests belong: "measured" or "tested"."""
         return "measured" if self.row_of is Transition else "tested"
 
     @property
     def renamed(self) -> dict[str, str]:
-        """Headings of entries that they do not name exactly."""
+        """Headings by entry, where the heading is not simply the name of the entry."""
         heads = {name: self.sheet.heading(name) for name in self.sheet.places}
         known = table_of(self.row_of).keys
         return {name: x.text for name, x in heads.items() if name in known and x.name != name}
 
     @property
     def notes(self) -> list[str]:
-        """The rows counted, and columns that are not used."""
+        """Notes on the number of rows, and on columns not used."""
         unused = ", ".join(self.sheet.unused)
         return [*filter(None, (self.sheet.counted, unused and f"columns not used: {unused}"))]
 
 
 def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> Log:
-    """Read the tests of a log by the entries of a scene; faults are added to its sheet.
+    """Read the tests of a log; faults are collected in its sheet.
 
-    The key is the list of a scene for which tests are wanted; without one the log decides.
+    `options` are the entries of a scene's log. `key` is the scene's list that needs the tests
+    ("measured" or "tested"); without it the log's columns decide.
     """
     read = read_table(path, options)
     if goes_on(read_table(path, options, OF_TRACE).sheet):
-        read.sheet.faults.append("a record of friction over time is one run, and no row is a test")
+        read.sheet.faults.append(
+            "this is a record of friction over time: one run, no list of tests"
+        )
         return Log(read.sheet, read.export, Test)
     return log_of(read, options.get("words") or {}, key)
 
 
 def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
-    """The tests of a sheet."""
+    """The tests of a sheet, with outcomes from `words`, the user's meanings, or known words."""
     sheet, export, missing = read
     row_of = Transition if key == "measured" else _row_of(sheet)
     if row_of is None or (key == "tested" and row_of is Transition):
@@ -132,7 +135,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
 
 
 def _row_of(sheet: Sheet) -> type | None:
-    """What the rows of a sheet are; None where nothing says it."""
+    """What a row of the sheet is, by its columns: `Test`, `Stages` or `Transition`; else None."""
     if "outcome" in sheet.places:
         return Test
     if "mild_up_to" in sheet.places:
@@ -141,10 +144,10 @@ def _row_of(sheet: Sheet) -> type | None:
 
 
 def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
-    """Read the words of outcomes; `words` has the user's meanings.
+    """Read the outcomes of a log's rows; `words` has the user's meanings of words.
 
-    The word "" stands for empty cells. A row without an outcome is left out. If all other rows have
-    the same outcome, an empty cell may mean the other outcome, so that a fault asks for it.
+    The word "" stands for empty cells. Rows without an outcome are left out. If all other rows have
+    the same outcome, an empty cell may mean the other one; then a fault asks the user.
     """
     sheet, place, title = log.sheet, log.sheet.places["outcome"], log.sheet.heading("outcome").title
     empty = [row for row in sheet.rows if row.cells[place].lower() in EMPTY]
@@ -166,9 +169,10 @@ def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
 
 
 def _leave_out_repeats(sheet: Sheet) -> None:
-    """Keep each row once.
+    """Leave out rows that are copies of earlier rows.
 
-    Rows that say nothing but what was set and what came out are repeats of a test, and all count.
+    A copy has the same cells throughout, among them one that repeated tests would not share, such
+    as a number or the friction. Other equal rows are repeated tests, and all count.
     """
     used = {k for name, k in sheet.places.items() if name not in _DISTINGUISHING} | sheet.sources
     distinguishing = {
@@ -180,12 +184,12 @@ def _leave_out_repeats(sheet: Sheet) -> None:
     for number, cells in sheet.rows:
         is_distinct = any(cells[k] for k in distinguishing)
         if is_distinct and first.setdefault((*cells,), number) != number:
-            twice[number] = "is the same as a row before"
+            twice[number] = "repeats an earlier row"
     sheet.leave_out(twice)
 
 
 def _part_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
-    """Number the runs of stages: one begins where the load falls, after a severe row, or by oil."""
+    """Number the runs: one begins if the load does not rise, after severe wear, or by oil."""
     loads, outcome, oil = sheet.numbers("load"), sheet.places["outcome"], sheet.places.get("oil")
     labels, run, last, before = list[str](), 0, 0.0, ""
     for (_, cells), load in zip(sheet.rows, loads, strict=True):
@@ -198,7 +202,7 @@ def _part_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
 
 
 def _double_transitions(log: Log) -> list[str]:
-    """Specimens with more than one transition, which none has."""
+    """Faults for specimens with more than one transition, which is impossible."""
     place = log.sheet.places.get("run")
     if log.row_of is not Transition or place is None:
         return []

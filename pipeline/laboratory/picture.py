@@ -1,4 +1,4 @@
-"""The figure of a trace: friction, what was commanded, its stages, and the rises of friction."""
+"""The figure of a trace: friction, load and velocity over time, with stages and rises."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pipeline.laboratory.trace import Trace
 
 @house_style
 def draw_trace(trace: Trace, title: str) -> Figure:
-    """Draw friction, load and velocity over time; stages stand between lines, with numbers.
+    """Draw friction, load and velocity over time, with numbered stages and rises of friction.
 
     Parameters
     ----------
     trace : Trace
-        The record.
+        Record of friction over time.
     title : str
-        Name of the file.
+        Title, such as the name of the file.
     """
     figure = Picture(figsize=(7.2, 5.0))
     friction, commands = figure.subplots(2, sharex=True, height_ratios=(2, 1))

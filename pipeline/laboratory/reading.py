@@ -1,4 +1,4 @@
-"""Tables of laboratories: a sheet with the quantities of tests or of a trace."""
+"""Read laboratory tables into a sheet with the quantities of tests or of a trace."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ from tribo import InputError
 from tribo.types import Array
 
 OF_TESTS = *dict.fromkeys([*table_of(Test).keys, *table_of(Stages).keys]), "transition_load"
-"""Quantities of a log."""
+"""Quantities that a log may have."""
 _NEEDED = "time", "friction", "load", "velocity"
 OF_TRACE = *_NEEDED, "friction_force", "friction_torque", "bulk_temperature", "outcome"
-"""Quantities of a trace, and quantities of a log that distinguish it from a trace."""
+"""Quantities that a trace may have; an outcome tells a log from a trace."""
 _ENDS = "mild_up_to", "severe_at"
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\d\S*.*)|(\d[\d.]*)\s*\+")
-_NEAR = re.compile(r" \(did you mean [^)]*\)")  # of several words, which may mean the contrary
-_MOST = 0.95  # share of the rows in which the time of one run rises
-_MOST_FRICTION = 2.0
-_OF_SINE = 2 / np.pi  # mean of a sine, of its highest value
+_NEAR = re.compile(r" \(did you mean [^)]*\)")  # may suggest the opposite
+_MOST = 0.95  # share of rows in which time must rise for a single run
+_MOST_FRICTION = 2.0  # largest plausible median of friction
+_OF_SINE = 2 / np.pi  # mean of a rectified sine over its peak
 
 
 class Read(NamedTuple):
-    """A table, the export that it is, and what quantities lack that follow from others."""
+    """A table, its export format, and faults on quantities that lack an input to compute them."""
 
     sheet: Sheet
     export: Export
@@ -43,9 +43,9 @@ class Read(NamedTuple):
 
 
 def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = OF_TESTS) -> Read:
-    """Read a table for quantities with the entries of a log.
+    """Read a table for the quantities `wanted`, with the options of a scene's log.
 
-    These are columns, given, skip, where, form, sheet and decimal; see `LOG`.
+    The options are columns, given, skip, where, form, sheet and decimal.
     """
     units, columns = units_of([*wanted]), options.get("columns") or {}
     tables = read_lines(path, WordNames(units, columns), options.get("sheet"))
@@ -81,7 +81,7 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
 
 
 def _join_units(sheet: Sheet) -> None:
-    """Write units that have a column of their own behind the numbers before it."""
+    """Append a unit from a column of its own to the numbers in the column before."""
     for k, heading in enumerate(sheet.headings[1:], 1):
         if heading.title.lower() in ("unit", "units", "einheit"):
             sheet.sources.add(k)
@@ -90,7 +90,7 @@ def _join_units(sheet: Sheet) -> None:
 
 
 def _add_units(lines: Lines, first: str, names: WordNames) -> None:
-    """Write units of a row above the headings, which begins with a word, behind the headings."""
+    """Append units to the headings, from a row above them whose first cell is `first`."""
     units = next((row.cells for row in lines.rows if row.cells[0] == first), [])
     heads = lines.rows[find_headings(lines.rows, names)[1]].cells
     for k, unit in enumerate(units[: len(heads)]):
@@ -99,7 +99,7 @@ def _add_units(lines: Lines, first: str, names: WordNames) -> None:
 
 
 def _count_time(sheet: Sheet, first: str) -> None:
-    """Write the time of rows that have none, by a step that stands above behind a word."""
+    """Compute the time of rows without one, from the time step in the cell after `first`."""
     place = sheet.places.get("time", -1)
     if first in sheet.above and not any(row.cells[place] for row in sheet.rows):
         step = float(sheet.above[sheet.above.index(first) + 1].replace(",", "."))
@@ -108,14 +108,14 @@ def _count_time(sheet: Sheet, first: str) -> None:
 
 
 def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
-    """Give a column the unit that its heading lacks."""
+    """Give a column without a unit the unit `unit`."""
     if name in sheet.places and unit and not (heading := sheet.heading(name)).unit:
         text = f"{heading.text} [{unit}]"
         sheet.headings[sheet.places[name]] = Heading(text, heading.title, unit)
 
 
 def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> None:
-    """Refuse a needed quantity that is missing, with the options that give it; leave out rows."""
+    """Add a fault, with options that mend it, for missing quantities; drop rows that lack them."""
     before, needed = len(sheet.faults), [*needed]
     sheet.require(needed, [*moving])
     missing = [name for name in needed if name not in sheet.places]
@@ -125,7 +125,7 @@ def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> 
 
 
 def add_hints(sheet: Sheet) -> None:
-    """Say in faults by which option a unit, or an outcome for a word, is given."""
+    """Add to faults the option that gives a missing unit or the outcome of a word."""
     for k, fault in enumerate(sheet.faults):
         if match := re.search(r", (\w+): \S+ has no unit", fault):
             unit = {"K": "degC"}.get(unit := sheet.units[match[1]] or "", unit)
@@ -137,7 +137,7 @@ def add_hints(sheet: Sheet) -> None:
 
 
 def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
-    """Keep, or leave out, the rows with a value in a column, by its heading or its quantity."""
+    """Keep, or leave out, rows with a value in a column; the column by heading or quantity."""
     heads = [heading.text for heading in sheet.headings]
     for head, value in values.items():
         if head not in heads and head not in sheet.places:
@@ -156,9 +156,9 @@ def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
 
 
 def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
-    """Add columns of quantities that the file does not say, the same in each row."""
+    """Add columns for quantities that the user gives because the file lacks them."""
     for name, value in given.items():
-        if name not in sheet.units:  # of a trace, or of a log
+        if name not in sheet.units:  # a log ignores what only traces need, and the reverse
             continue
         like = sheet.units[name]
         try:
@@ -171,7 +171,7 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
 
 
 def _mend_ends(sheet: Sheet, step: str) -> None:
-    """Make plain what tests by steps reached, as "> 12"; an end without a column is a step away."""
+    """Read ends of stepwise tests such as "> 12"; an end without a column is one step away."""
     beyond = {name: _read_beyond(sheet, name) for name in ("failed_stage", *_ENDS)}
     place = sheet.places.get("failed_stage", 0)
     for number, cells in sheet.rows if "failed_stage" in sheet.places else ():
@@ -205,33 +205,33 @@ def _mend_ends(sheet: Sheet, step: str) -> None:
 
 
 def _read_beyond(sheet: Sheet, name: str) -> set[int]:
-    """Rows that say that a value was passed; their cells become that value, words become empty."""
+    """Rows whose cell says "more than"; the cell becomes the number, or empty without one."""
     rows, place = set[int](), sheet.places.get(name, 0)
     for number, cells in sheet.rows if name in sheet.places else ():
         if match := _BEYOND.fullmatch(cells[place]):
             rows.add(number)
             cells[place] = match[1] or match[2]
-        elif not re.search(r"\d", cells[place]):  # that nothing failed may be said in words
+        elif not re.search(r"\d", cells[place]):  # words such as "no failure"
             cells[place] = ""
     return rows
 
 
 def _take_mean_of_sine(sheet: Sheet) -> None:
-    """Put the mean velocity of a sine in the place of its highest."""
+    """Replace the peak velocity of a sine by its mean."""
     place, speeds = sheet.places["velocity"], sheet.numbers("velocity")
     sheet.add("velocity", "m/s", [f"{_OF_SINE * speed:.12g}" for speed in speeds])
     sheet.sources.add(place)
-    sheet.form.append("velocity is 2/π of the highest of a sine")
+    sheet.form.append("velocity is 2/π of the peak of a sine")
 
 
 def is_trace(sheet: Sheet) -> bool:
-    """True of a record of friction over time."""
+    """True if the sheet has time, friction and enough rows for a record of friction."""
     has_friction = {"friction", "friction_force", "friction_torque"} & sheet.places.keys()
     return "time" in sheet.places and bool(has_friction) and len(sheet.rows) >= LEAST_ROWS
 
 
 def goes_on(sheet: Sheet) -> bool:
-    """True of a trace whose time rises, which is one run, whatever its rows say of outcomes."""
+    """True if the sheet is a trace of one run: a record of friction whose time keeps rising."""
     before = len(sheet.faults)
     steps = np.diff(sheet.numbers("time")) if is_trace(sheet) else np.zeros(1)
     del sheet.faults[before:]  # a log needs no time
@@ -239,7 +239,7 @@ def goes_on(sheet: Sheet) -> bool:
 
 
 def read_trace(read: Read) -> Trace:
-    """The trace of a sheet; an `InputError` names what is wrong in it."""
+    """The trace of a sheet; raises an `InputError` that names all its faults."""
     sheet, export, missing = read
     if "friction" not in sheet.places:  # all missing quantities are named at once
         sheet.faults += [missing[name] for name in ("friction", "velocity") if name in missing]
@@ -252,7 +252,7 @@ def read_trace(read: Read) -> Trace:
         raise InputError(fault_lines(sheet.name, sheet.faults))
     if export.restarts or "step" in sheet.heading("time").title.lower():
         columns["time"] = _unwrap_time(columns["time"])
-    for name in ("friction", "velocity"):  # whose signs turn with the stroke
+    for name in ("friction", "velocity"):  # their signs change with the stroke
         if name in columns:
             columns[name] = np.abs(columns[name])
     if "load" in columns and np.sum(columns["load"] < 0) > len(sheet.rows) / 2:
@@ -265,13 +265,13 @@ def read_trace(read: Read) -> Trace:
         before, now = columns["time"][fallen[0] : fallen[0] + 2]
         raise InputError(
             f"{sheet.name}, row {sheet.rows[fallen[0] + 1].number}: time falls from {before:.4g} "
-            f"to {now:.4g} s, and a trace is one run; give each run in a file of its own, or by "
+            f"to {now:.4g} s, but a trace is one run; give each run in a file of its own, or by "
             "--where, in the order of time"
         )
     rest = [at_rest(columns[x]) for x in ("load", "velocity") if x in columns and sheet.rows]
     if sheet.rows and (level := np.median(columns["friction"])) > _MOST_FRICTION:
         raise InputError(
-            f"{sheet.name}: friction is {level:.4g}, and that of a contact at most "
+            f"{sheet.name}: friction is {level:.4g}; in a contact it is at most "
             f"{_MOST_FRICTION:g}; give a column of the coefficient itself, or of friction force"
         )
     _drop(sheet, columns, "is at rest", np.any([np.zeros(len(sheet.rows), bool), *rest], axis=0))
@@ -282,14 +282,14 @@ def read_trace(read: Read) -> Trace:
 
 
 def _drop(sheet: Sheet, columns: dict[str, Array], reason: str, rows: Any) -> None:
-    """Leave out rows of a sheet, and of the values of its columns."""
+    """Leave out the rows marked in `rows` from the sheet and from all columns."""
     numbers = [row.number for row, is_out in zip(sheet.rows, rows, strict=True) if is_out]
     sheet.leave_out(dict.fromkeys(numbers, reason))
     columns |= {name: values[~rows] for name, values in columns.items()}
 
 
 def _unwrap_time(time: Array) -> Array:
-    """Time that goes on where it begins anew."""
+    """Continuous time [s] from a time that restarts with each step."""
     steps = np.diff(time)
     usual = float(np.nanmedian(steps[steps > 0]))
     jumps = np.where(steps < 0, usual - steps, 0.0)

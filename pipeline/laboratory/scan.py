@@ -1,4 +1,4 @@
-"""Roughness of a measured surface by ISO 25178, and the random roughness that is like it."""
+"""Roughness of a measured surface by ISO 25178, and random surfaces similar to it."""
 
 from __future__ import annotations
 
@@ -25,27 +25,27 @@ from tribo import Grid, InputError
 from tribo.surface import self_affine
 from tribo.types import Array
 
-_ASKEW = 0.5  # skewness beyond which a random surface is a poor likeness
-_UNLIKE = 5  # factor between spectra, beyond which a fit stands for no scan
-_FLATTEST, _ROUGHEST = 1e-10, 1e-4  # Rq [m], beyond which the unit of heights is doubted
-_FINEST, _COARSEST = 1e-9, 1e-3  # sides of a pixel [m], beyond which their unit is doubted
-_HIGHEST = 1.0  # height [m], above which the unit is wrong
-_LIKENESSES = 8  # random surfaces that are made beside a scan
-_NEAR = 0.15  # share of their mean within which two values are alike
-_SCATTERS = 2.0  # standard deviations of single surfaces within which they are, too
+_ASKEW = 0.5  # skewness above which a random surface is a poor substitute
+_UNLIKE = 5  # factor between spectra above which the fit is rejected
+_FLATTEST, _ROUGHEST = 1e-10, 1e-4  # plausible range of Rq [m]
+_FINEST, _COARSEST = 1e-9, 1e-3  # plausible range of pixel sides [m]
+_HIGHEST = 1.0  # height [m] above which the unit must be wrong
+_LIKENESSES = 8  # random surfaces compared with a scan
+_NEAR = 0.15  # relative difference below which two values are alike
+_SCATTERS = 2.0  # or they are alike within this many standard deviations of single surfaces
 _COMPARED = {"Rq": "rq", "Sal": "sal", "Str": "aspect"}
 
 
 class Likeness(NamedTuple):
-    """A quantity of the scan, and of random surfaces of its fit in the same window."""
+    """A quantity of the scan, and its mean over random surfaces with the fitted spectrum."""
 
     scan: float
     mean: float
-    scatter: float  # standard deviation from surface to surface, a share of the mean
+    scatter: float  # relative standard deviation between surfaces
 
     @property
     def is_like(self) -> bool:
-        """True within 15 % of the mean, or within twice the scatter."""
+        """True if the scan is within 15 % of the mean, or within twice the scatter."""
         reach = max(_NEAR, _SCATTERS * self.scatter) * self.mean
         return abs(self.scan - self.mean) <= reach
 
@@ -53,39 +53,37 @@ class Likeness(NamedTuple):
 @shown
 @dataclass(frozen=True, slots=True)
 class SurfaceStatistics:
-    """Roughness of a scan above its form, of measured heights alone."""
+    """Roughness of a scan after its form is removed, from measured heights only."""
 
     file: str  #: File of the scan.
     shape: tuple[int, int]  #: Numbers of heights along x and y.
     pixel_size: tuple[float, float]  #: Sides of a pixel along x and y [m].
-    missing: int  #: Heights that the instrument has not, which are left out.
+    missing: int  #: Number of heights that the instrument did not measure; they are left out.
     roughness: ArealRoughness  #: Ra, Rq, Sal, Str, lay and form.
-    fit: SelfAffineFit | None = None  #: Random roughness whose spectrum is nearest.
-    fault_of_fit: str = ""  #: Why no random roughness can stand for the scan; empty if one can.
-    likeness: tuple[
-        tuple[str, Likeness], ...
-    ] = ()  #: The scan beside random surfaces, by quantity.
-    axis: str = ""  #: Direction of sliding in the file.
-    notes: tuple[str, ...] = ()  #: What the file says, and the arguments say otherwise; and holes.
+    fit: SelfAffineFit | None = None  #: Best fit of a self-affine spectrum.
+    fault_of_fit: str = ""  #: Why random surfaces cannot replace the scan; empty if they can.
+    likeness: tuple[tuple[str, Likeness], ...] = ()  #: Scan against random surfaces, by quantity.
+    axis: str = ""  #: Direction of sliding in the file, in words.
+    notes: tuple[str, ...] = ()  #: Notes on holes, and on arguments that override the file.
 
     @property
     def ra(self) -> float:
-        """Average roughness [m]."""
+        """Average roughness Ra [m]."""
         return self.roughness.ra
 
     @property
     def rq(self) -> float:
-        """Root mean square roughness [m]."""
+        """Root mean square roughness Rq [m]."""
         return self.roughness.rq
 
     @property
     def is_like(self) -> bool:
-        """True where a random roughness can stand for the scan."""
+        """True if random surfaces can replace the scan."""
         return not self.fault_of_fit
 
     @property
     def toml(self) -> str:
-        """Table ``[disk.roughness]`` of a scene for random surfaces; empty if none is like it."""
+        """Table ``[disk.roughness]`` of a scene for similar random surfaces; else empty."""
         if self.fit is None or not self.is_like:
             return ""
         lengths = [f'"{display(x, "um", 3)}"' for x in lengths_of(self.fit)]
@@ -99,7 +97,7 @@ class SurfaceStatistics:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Reasons why the numbers, or a random surface, may differ from the scan."""
+        """Reasons why the numbers, or random surfaces, may differ from the scan."""
         return tuple(self._warnings())
 
     def _warnings(self) -> Iterator[str]:
@@ -111,7 +109,7 @@ class SurfaceStatistics:
         if not _FINEST <= min(self.pixel_size) <= max(self.pixel_size) <= _COARSEST:
             yield "check the size of the pixels (--pixel-size)"
         if sal < min(self.pixel_size):
-            yield "neighbouring heights hardly depend on each other: noise, or too coarse pixels"
+            yield "neighbouring heights are hardly correlated: noise, or too coarse pixels"
         if self.missing:
             share = 100 * self.missing / math.prod(self.shape)
             yield f"{self.missing} heights ({share:.2g} %) are missing and left out"
@@ -130,7 +128,7 @@ class SurfaceStatistics:
             )
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the statistics by name, with the table as text."""
+        """All statistics as plain data, with the scene table as text."""
         rough = self.roughness
         return asdict(self) | {
             "roughness": asdict(rough) | {"str": rough.aspect},
@@ -142,7 +140,7 @@ class SurfaceStatistics:
         }  # fmt: skip
 
     def lines(self) -> Iterator[str]:
-        """Describe the scan, a line for each quantity, and the table of random surfaces like it."""
+        """Describe the scan in lines, then the scene table for similar random surfaces."""
         sides = (n * side for n, side in zip(self.shape, self.pixel_size, strict=True))
         yield (
             f"{self.file}: {self.shape[0]} × {self.shape[1]} heights, {display_sides(sides)}, "
@@ -161,7 +159,7 @@ class SurfaceStatistics:
             )
 
     def _quantities(self) -> Iterator[tuple[str, str]]:
-        """Quantities of the scan, in words."""
+        """Yield names and values of the scan's quantities, in words."""
         rough, curved = self.roughness, form_words(self.roughness.radii)
         yield "Ra", display(self.ra, "µm", 4)
         yield "Rq", display(self.rq, "µm", 4)
@@ -175,8 +173,8 @@ class SurfaceStatistics:
         for name, one in self.likeness:
             shown_ = _as_text if name != "Str" else "{:.2g}".format
             yield (
-                f"{name} of random ones",
-                f"{shown_(one.mean)} ± {100 * one.scatter:.2g} % from surface to surface, here "
+                f"{name} of the fit",
+                f"{shown_(one.mean)} ± {100 * one.scatter:.2g} % from surface to surface; scan "
                 f"{shown_(one.scan)}{'' if one.is_like else ': unlike'}",
             )
 
@@ -191,18 +189,18 @@ def surface_statistics(
     pixel_size: Sequence[float | str] | None = None,
     transpose: bool = False,
 ) -> SurfaceStatistics:
-    """Find the roughness of a scan by ISO 25178, and the random roughness that is like it.
+    """Find the roughness of a scan by ISO 25178, and random surfaces similar to it.
 
     Parameters
     ----------
     path : str or Path
-        Plain array (.npy), text, or the file of an instrument, with the extra ``surfaces``.
+        Plain array (.npy), text, or an instrument's file, which may need the extra ``surfaces``.
     height_unit : float or str, optional
-        Unit of the heights, such as ``"um"``, where the file gives none or a wrong one. A
-        name, or a length in m.
+        Unit of the heights, such as ``"um"``, or its length in m. It replaces the unit of the
+        file.
     pixel_size : two of float or str, optional
-        Sides of a pixel along x and y after any exchange, where the file gives none. Numbers in m,
-        or text with a unit.
+        Sides of a pixel along x and y after any transposition, as numbers in m or text with a
+        unit. They replace the sizes in the file.
     transpose : bool
         Exchange x and y of the file.
 
@@ -213,9 +211,9 @@ def surface_statistics(
 
     Notes
     -----
-    The plane is taken off, and a curvature that stands out. Holes are left out. Eight random
-    surfaces are made with the fitted spectrum in the window of the scan. They are like it if its
-    Rq, Sal and Str lie within 15 % of their means, or within twice their scatter.
+    The mean plane is removed, and a significant curvature. Holes are left out. Eight random
+    surfaces are made with the fitted spectrum in the window of the scan. They are similar to it
+    if its Rq, Sal and Str are within 15 % of their means, or within twice their scatter.
 
     Examples
     --------
@@ -260,7 +258,7 @@ def surface_statistics(
 def _compare(
     heights: Array, sides: tuple[float, float], rough: ArealRoughness
 ) -> tuple[SelfAffineFit | None, str, tuple[tuple[str, Likeness], ...]]:
-    """The fit of a spectrum, why no surface of it is like the scan, and both beside each other."""
+    """Fitted spectrum, why its surfaces differ from the scan (empty if not), and the comparison."""
     level, *_ = remove_form(heights, sides)
     holes = ~np.isfinite(level)
     try:
@@ -287,7 +285,7 @@ def _compare(
 
 
 def lengths_of(fit: SelfAffineFit) -> tuple[float, float]:
-    """Correlation lengths of random surfaces: of both axes if they differ, else their mean."""
+    """Correlation lengths along x and y [m]; their geometric mean for both if they are alike."""
     x, y = fit.correlation_length
     mean = math.sqrt(x * y)
     return (x, y) if abs(x - y) > _NEAR * mean else (mean, mean)

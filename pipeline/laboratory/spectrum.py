@@ -1,10 +1,9 @@
-"""Parameters of the self-affine random surface that resembles given heights.
+"""Fit a self-affine random surface to measured heights.
 
-The spectrum of `tribo.surface.self_affine` is fitted to the periodogram of the heights by its
-likelihood after Whittle: on a random surface, each mode of the periodogram is exponentially
-distributed about the spectrum. A window of Hann keeps the ends of a surface that does not repeat
-from leaking into all wavelengths; the spectrum is smoothed by that window, too, before they are
-compared.
+The spectrum of `tribo.surface.self_affine` is fitted to the periodogram of the heights by Whittle's
+likelihood: on a random surface, each mode of the periodogram is exponentially distributed about the
+spectrum. A Hann window prevents leakage from the edges of a surface that is not periodic. Before
+the comparison the spectrum is smoothed by that window, too.
 """
 
 from __future__ import annotations
@@ -17,24 +16,25 @@ from pipeline.sweep.shown import shown
 from tribo.errors import InputError
 from tribo.types import Array
 
-_FEWEST = 16  # heights along either side
+_FEWEST = 16  # least number of heights along each side
 _SHORTEST = 0.5  # share of the Nyquist wavenumber up to which instruments resolve the spectrum
-_BANDS, _MODES = 6, 50  # bands of wavelength that are compared, and the fewest modes of one
+_BANDS, _MODES = 6, 50  # bands of wavelength compared, and the least number of modes in a band
 
 
 @shown
 @dataclass(frozen=True, slots=True)
 class SelfAffineFit:
-    """Parameters of a self-affine surface.
+    """Parameters of a self-affine surface fitted to heights.
 
     Attributes
     ----------
     hurst_exponent : float
-        H, from 0 to 1.
+        Hurst exponent H, from 0 to 1.
     correlation_length : tuple of float
-        Lengths along x and y [m].
+        Correlation lengths along x and y [m].
     misfit : float
-        Largest factor, in bands of wavelength, between the spectrum of the fit and the heights'.
+        Largest factor between the fitted spectrum and the heights' spectrum in any band of
+        wavelength.
 
     Examples
     --------
@@ -52,7 +52,7 @@ class SelfAffineFit:
 
 
 def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineFit:
-    """Find the self-affine surface whose spectrum resembles that of the heights most.
+    """Find the self-affine surface whose spectrum fits the heights best.
 
     Parameters
     ----------
@@ -68,8 +68,8 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
 
     Notes
     -----
-    The sum over modes of ln S + P/S is least for the spectrum S of the surface (Whittle, *Ark.
-    Mat.* 2, 1953).
+    The fit minimises the sum of ln S + P/S over modes, with spectrum S and periodogram P
+    (Whittle, *Ark. Mat.* 2, 1953).
 
     Examples
     --------
@@ -98,12 +98,12 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Periodogram:
-    """Power of the modes of a half plane, and their wavenumbers."""
+    """Power of the modes in half the wavenumber plane, and their wavenumbers."""
 
-    power: Array  # one value for each mode that is compared
-    q_x: Array  # one value for each mode [1/m]
-    q_y: Array
-    is_compared: Array
+    power: Array  # (n_compared,), relative to its mean
+    q_x: Array  # wavenumbers along x [1/m], (nx, 1)
+    q_y: Array  # wavenumbers along y [1/m], (n_half,)
+    is_compared: Array  # modes used in the fit, (nx, n_half)
 
     @classmethod
     def of(cls, heights: Array, spacing: tuple[float, float]) -> _Periodogram:
@@ -115,13 +115,13 @@ class _Periodogram:
         q_y = (2 * np.pi * np.fft.rfftfreq(ny, spacing[1])).astype(np.float64)
         ends = _SHORTEST * np.pi / np.array(spacing)
         is_compared = (np.abs(q_x) <= ends[0]) & (q_y <= ends[1])
-        # The mean and the tilt are not of the surface; modes of q_y = 0 stand there twice.
+        # Leave out mean and tilt, which are form, and the duplicates of modes with q_y = 0.
         is_compared &= (np.abs(q_x) > 1.5 * q_x[1]) | (q_y > 1.5 * q_y[1])
         is_compared[nx // 2 :, 0] = False
         return cls(power[is_compared] / power[is_compared].mean(), q_x, q_y, is_compared)
 
     def spectrum(self, parameters: Array) -> Array:
-        """Spectrum as the window shows it, to a constant factor, at the modes compared."""
+        """Spectrum (n_compared,) smoothed by the window, up to a constant factor."""
         length_x, length_y, hurst = np.exp(parameters[0]), np.exp(parameters[1]), parameters[2]
         squares = (self.q_x * length_x) ** 2 + (self.q_y * length_y) ** 2
         whole = (1 + squares) ** -(1 + hurst)
@@ -133,13 +133,13 @@ class _Periodogram:
         return shown
 
     def misfit(self, parameters: Array) -> float:
-        """Sum over the modes of ln S + P/S, for the best factor of S, less that of white noise."""
+        """Whittle's sum of ln S + P/S over modes, with the best factor on S, up to a constant."""
         spectrum = self.spectrum(parameters)
         factor = np.mean(self.power / spectrum)
         return float(spectrum.size * (np.log(factor) + np.mean(np.log(spectrum))))
 
     def largest_factor(self, parameters: Array) -> float:
-        """Largest factor between the spectra in bands of wavelength."""
+        """Largest factor between fit and periodogram in bands of wavelength."""
         ratio = self.power / self.spectrum(parameters)
         q = np.hypot(self.q_x, self.q_y)[self.is_compared]
         bands = np.digitize(q, np.geomspace(q.min(), q.max(), _BANDS + 1)[1:-1])

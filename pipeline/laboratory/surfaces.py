@@ -1,4 +1,4 @@
-"""Measured surfaces: reading their files, turning them, taking off their form, filling holes."""
+"""Measured surfaces: read, orient and level them, and fill their holes."""
 
 from __future__ import annotations
 
@@ -22,47 +22,47 @@ from tribo import InputError
 from tribo.surface import average_roughness, rms_height
 from tribo.types import Array
 
-_MOST_BYTES = 2**30  # that a file or an archive may unpack to
-_SAME = 0.01  # share of a length within which two say the same
-_LONE = 30.0  # root mean square heights from all others, from which on a value is no height
+_MOST_BYTES = 2**30  # largest file, unpacked
+_SAME = 0.01  # relative difference below which two lengths agree
+_LONE = 30.0  # distance of an outlier from all other heights, in their standard deviations
 
 
 def axis_note(transpose: bool) -> str:
-    """Direction of sliding in the file, in words."""
+    """Sentence on the direction of sliding in the file."""
     lines, name = ("row", "y") if transpose else ("column", "x")
     return f"x, the sliding direction, goes from {lines} to {lines} of the file, or is its {name}"
 
 
 @dataclass(frozen=True, slots=True)
 class MeasuredSurface:
-    """Heights [m], shape (nx, ny), outwards, NaN in holes; known sides of a pixel [m]."""
+    """Heights [m], shape (nx, ny), positive outwards, NaN in holes; sides of a pixel [m]."""
 
     heights: Array
     pixel_size: tuple[float, float] | None = None
-    notes: tuple[str, ...] = ()  # on what the file says and a user says otherwise, and on holes
+    notes: tuple[str, ...] = ()  # notes on holes, and on arguments that override the file
     steps: tuple[float, float] | None = None  # sides of a pixel in an unknown unit
 
     def replace_pixels(self, sides: tuple[float, float]) -> MeasuredSurface:
-        """The surface with other sides of a pixel than the file says [m]; their ratio stays."""
+        """Copy with other pixel sides [m], which must have the file's ratio."""
         own, notes = self.pixel_size or self.steps, self.notes
         if own and abs(own[0] / own[1] * sides[1] / sides[0] - 1) > _SAME:
             known = display_sides(own) if self.pixel_size else f"as {own[0]:.4g} to {own[1]:.4g}"
             raise InputError(
-                f"pixels of {display_sides(sides)} are given, and those of the file are {known}; "
-                "give that ratio, or leave them out"
+                f"pixels of {display_sides(sides)} are given, but the file's are {known}; "
+                "give the same ratio, or leave them out"
             )
         if self.pixel_size and not np.allclose(self.pixel_size, sides, rtol=_SAME, atol=0):
-            notes += (f"the given pixels count, not the file's, {display_sides(self.pixel_size)}",)
+            notes += (f"the given pixels replace the file's {display_sides(self.pixel_size)}",)
         return replace(self, pixel_size=sides, notes=notes)
 
 
 def read_surface(path: str | Path, height_unit: float | None = None) -> MeasuredSurface:
-    """A measured surface from a plain array, text, or the file of an instrument.
+    """Read a measured surface from a plain array, text, or the file of an instrument.
 
-    In each x goes from column to column of the file, and a line of it is one of equal y.
-    The length of one unit of the heights [m] goes before what the file says. Lone values that are
-    no heights are holes. Raise an `InputError` if the unit is missing, the file is a profile or no
-    surface, or the extra for its format is not installed.
+    In every format x goes from column to column of the file, and a row has equal y. `height_unit`,
+    the length of one unit of height [m], replaces the file's unit. Isolated outliers become holes.
+    Raises an `InputError` if the unit is missing, the file is a profile or no surface, or the extra
+    for its format is not installed.
     """
     path = user_path(path)
     require_file(path)
@@ -85,14 +85,14 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     unit = raw.unit if height_unit is None else height_unit
     if not unit or unit < 0:
         lacks = "" if raw.pixel else "; and pixel_size, if it is not given"
-        raise InputError(f"{path}: the file says no unit of its heights; give height_unit{lacks}")
+        raise InputError(f"{path}: the file states no unit of its heights; give height_unit{lacks}")
     notes = list[str]()
     if raw.unit and not np.isclose(raw.unit, unit, rtol=_SAME, atol=0):
-        notes.append(f"the given height unit counts, {unit:g} m, not the file's, {raw.unit:g} m")
+        notes.append(f"the given height unit, {unit:g} m, replaces the file's, {raw.unit:g} m")
     heights = raw.heights.astype(np.float64) * unit
     infinite = np.count_nonzero(np.isinf(heights))
     heights[np.isinf(heights)] = np.nan
-    notes += [f"{infinite} infinite heights are holes"] if infinite else []
+    notes += [f"{infinite} infinite heights are taken for holes"] if infinite else []
     notes += _lone_values(heights, unit)
     if min(heights.shape) < 2:
         _refuse_profile(path, heights[np.isfinite(heights)])
@@ -100,7 +100,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
 
 
 def _read_array(path: Path) -> Array:
-    """Heights of a two-dimensional array as NumPy writes it."""
+    """Heights (nx, ny) from a two-dimensional .npy array, transposed."""
     try:
         with path.open("rb") as file:
             array = np.lib.format.read_array(file, allow_pickle=False)
@@ -116,7 +116,7 @@ def _read_array(path: Path) -> Array:
 
 
 def _lone_values(heights: Array, unit: float) -> list[str]:
-    """Make holes of lone values far from all others, such as −9999, and say which."""
+    """Turn isolated outliers such as −9999 into holes, in place; notes on which values."""
     notes = list[str]()
     values = heights[np.isfinite(heights)]
     while values.size > 2:
@@ -132,7 +132,7 @@ def _lone_values(heights: Array, unit: float) -> list[str]:
 
 
 def _refuse_profile(path: Path, heights: Array) -> None:
-    """Raise for a profile, with its roughness above a straight line."""
+    """Raise an `InputError` for a profile, which states its Ra and Rq above a straight line."""
     place = np.arange(len(heights))
     level = heights - np.polyval(np.polyfit(place, heights, 1), place)
     ra, rq = (display(one(level), "µm", 3) for one in (average_roughness, rms_height))
@@ -145,7 +145,7 @@ def _refuse_profile(path: Path, heights: Array) -> None:
 def oriented(
     surface: MeasuredSurface, transpose: bool = False, flip: bool = False
 ) -> MeasuredSurface:
-    """A surface with x and y exchanged, pixels too, and then its heights reversed."""
+    """The surface with x and y exchanged (`transpose`), then with heights reversed (`flip`)."""
     heights, sides = surface.heights, surface.pixel_size
     if transpose:
         heights, sides = heights.T, sides and (sides[1], sides[0])
@@ -155,14 +155,14 @@ def oriented(
 
 
 def form_words(radii: tuple[float, float]) -> str:
-    """Radii of curvature along x and y, where there is any."""
+    """Radii of curvature along x and y in words; empty if the surface is flat."""
     known = zip("xy", radii, strict=True)
     texts = (f"{display(r, 'mm', 3)} along {axis}" for axis, r in known if np.isfinite(r))
     return " and ".join(texts)
 
 
 def filled(heights: Array) -> Array:
-    """Heights with a membrane over each hole, the harmonic function that continues them [m]."""
+    """Heights [m] with holes filled by the harmonic function that continues their edges."""
     from scipy import sparse  # takes 0.1 s, and few surfaces have holes
     from scipy.sparse.linalg import spsolve
 
@@ -171,14 +171,14 @@ def filled(heights: Array) -> Array:
         raise InputError("all heights are missing")
     if not missing.any():
         return heights.copy()
-    # Within a border of nothing each height has four neighbours, as numbers in a flat array.
+    # With a border of zeros each height has four neighbours, found by offsets in a flat array.
     is_hole, is_inside, known = (
         np.pad(array, 1).ravel()
         for array in (missing, np.ones_like(missing), np.where(missing, 0.0, heights))
     )
     holes, number, width = np.flatnonzero(is_hole), np.cumsum(is_hole) - 1, heights.shape[1] + 2
     beside = holes[:, None] + [width, -width, 1, -1]
-    # In each hole, the number of neighbours times the height is the sum of theirs.
+    # In a hole each height is the mean of its neighbours (Laplace's equation).
     rows, sides = np.nonzero(is_hole[beside])
     links = rows, number[beside[rows, sides]]
     off = sparse.csc_matrix((-np.ones(len(rows)), links), shape=2 * (len(holes),))
@@ -192,7 +192,7 @@ def filled(heights: Array) -> Array:
 def window_heights(
     table: Mapping[str, Any], window: Mapping[str, Any], file: Path, faults: Faults
 ) -> Array | None:
-    """Heights of a measured surface as the window needs them; None if that is impossible."""
+    """Heights of a measured surface for the scene's window; None if a fault was reported."""
     surface = oriented(read_surface(file, table["height_unit"]), table["transpose"], table["flip"])
     if table["pixel_size"]:
         surface = surface.replace_pixels(table["pixel_size"])
@@ -212,7 +212,7 @@ def window_heights(
     if heights is None or (heights := _fill_holes(heights, table["missing"], faults)) is None:
         return None
     if table["repeat"] != "no" and pixels and np.less(heights.shape, pixels).any():
-        is_mirrored = table["repeat"] == "mirror"  # stays continuous; tiles step, but keep a lay
+        is_mirrored = table["repeat"] == "mirror"  # continuous; tiles have steps, but keep a lay
         faults.note(
             "disk.roughness.file",
             f"{heights.shape[0]} × {heights.shape[1]} heights were "
@@ -231,7 +231,7 @@ def window_heights(
 def _cropped(
     heights: Array, table: Mapping[str, Any], pixels: tuple[int, int], faults: Faults
 ) -> Array | None:
-    """The patch of the window; as much of it as there is, if it is to be repeated."""
+    """The part of the surface for the window; smaller if it is to be repeated; None on a fault."""
     (i, j), (rows, columns) = table["crop"], pixels
     if table["repeat"] != "no":
         left = np.subtract(heights.shape, table["crop"])
@@ -239,7 +239,7 @@ def _cropped(
     if i + rows > heights.shape[0] or j + columns > heights.shape[1]:
         faults.refuse(
             "disk.roughness.crop",
-            f"a patch of {rows} × {columns} heights by x and y from {i}, {j} on reaches beyond "
+            f"a patch of {rows} × {columns} heights in x and y from {i}, {j} on extends beyond "
             f"the surface of {heights.shape[0]} × {heights.shape[1]}; begin at lower numbers, or "
             "give fewer window.pixels",
         )
@@ -248,7 +248,7 @@ def _cropped(
 
 
 def _fill_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
-    """Heights with any holes filled; None if the scene refuses them, or all is a hole."""
+    """Heights with holes filled; None if the scene forbids holes, or there are no heights."""
     holes = np.argwhere(~np.isfinite(heights))
     if not len(holes):
         return heights
@@ -259,11 +259,11 @@ def _fill_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
     if missing == "refuse":
         i, j = holes[0].tolist()
         problem = (
-            f"{share} are missing, the first at x {i}, y {j} (counted from 0); crop them off, or "
+            f"{share} are missing, the first at x {i}, y {j} (counted from 0); crop them, or "
             'give "fill"'
         )
         faults.refuse("disk.roughness.missing", problem)
         return None
-    words = f"{share} are missing and were filled from around them"
+    words = f"{share} are missing and were filled from their surroundings"
     faults.note("disk.roughness.file", words)
     return filled(heights)

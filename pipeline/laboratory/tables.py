@@ -1,4 +1,4 @@
-"""What laboratories call the quantities of tables, and what follows from others."""
+"""Names that laboratories use for quantities, and quantities computed from others."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from tribo.types import Array
 _FZG = library()["machines"]["FZG"]
 _STAGES = np.array(_FZG["stages"])
 MOST_STAGES = len(_STAGES)
-"""Load stages of FZG's test."""
-_STEEPEST = 2.0  # slide-roll ratio, of a surface at rest
+"""Number of load stages of the FZG test."""
+_STEEPEST = 2.0  # largest slide-roll ratio: one surface at rest
 
 
 class Derived(NamedTuple):
-    """A quantity that follows from others, in SI."""
+    """Rule that computes a quantity from others, in SI."""
 
     name: str
     inputs: tuple[str, ...]
@@ -34,7 +34,7 @@ class Derived(NamedTuple):
 
 
 def _stage_force(stage: Array) -> Array:
-    """Normal force between the teeth in a load stage of FZG's test [N]; 0 before the first."""
+    """Normal force between the teeth in a load stage of the FZG test [N]; 0 in stage 0."""
     known = np.where((stage >= 0) & (stage <= MOST_STAGES), stage, np.nan)
     torques = np.array([0.0, *_STAGES, np.nan])
     places = np.nan_to_num(known, nan=MOST_STAGES + 1.0).astype(int)
@@ -57,12 +57,12 @@ RULES = (
     Derived("friction", ("friction_force", "load"), lambda f, load: np.abs(f / load)),
     Derived("friction", ("friction_torque", "load", "track_radius"), lambda m, F, r: m / F / r),
 )  # fmt: skip
-"""The first of a quantity whose inputs are there makes it."""
+"""Rules in order of priority: a quantity is computed by its first rule whose inputs are known."""
 INGREDIENTS = {name for rule in RULES for name in rule.inputs} - {*UNITS}
 
 
 class Words(NamedTuple):
-    """Unit of a quantity, None of text, and words of titles that name it, or another one."""
+    """SI unit of a quantity (None for text), and patterns of titles that name it or exclude it."""
 
     unit: str | None
     named: re.Pattern[str]
@@ -71,14 +71,14 @@ class Words(NamedTuple):
 
 @functools.cache
 def vocabulary() -> Mapping[str, Any]:
-    """Tables of words of quantities, and texts with other words, by their names."""
+    """Contents of ``words.toml``: patterns of headings by quantity, and words of outcomes."""
     text = resources.files("pipeline.laboratory").joinpath("words.toml").read_text("utf-8")
     return tomllib.loads(text)
 
 
 @functools.cache
 def words_of(name: str) -> Words | None:
-    """Words of a quantity; None where there are none."""
+    """Unit and patterns of a quantity; None if ``words.toml`` has none."""
     table = vocabulary().get(name)
     if not isinstance(table, dict):
         return None
@@ -86,23 +86,23 @@ def words_of(name: str) -> Words | None:
 
 
 def units_of(names: Collection[str]) -> dict[str, str | None]:
-    """SI units of quantities, None of text."""
+    """SI unit of each quantity, None for text."""
     known = {name: words_of(name) for name in names}
     return {name: one.unit if one else UNITS.get(name) for name, one in known.items()}
 
 
 @dataclass(frozen=True)
 class WordNames(Names):
-    """Quantities by the words of laboratories, or as a user or the data of an export chose them."""
+    """Find quantities by words in headings, by the user's choice, or by an export format."""
 
-    chosen: Mapping[str, str] = field(default_factory=dict)  # headings, perhaps with a unit
+    chosen: Mapping[str, str] = field(default_factory=dict)  # headings that the user chose
     exported: Mapping[str, str] = field(default_factory=dict)  # patterns of headings
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "units", {**units_of(INGREDIENTS), **self.units})
 
     def sureness(self, name: str, heading: Heading) -> float:
-        """How surely a heading names a quantity; 0 if it does not."""
+        """How surely a heading names a quantity, from 0 (not at all) to 4."""
         if name in self.chosen:
             head = self.chosen[name]
             return float(bool(heading.text) and heading.text in (head, Heading.of(head).title))
@@ -124,12 +124,12 @@ class WordNames(Names):
         if not known.named.search(title) or known.other.search(title):
             return 0.0
         if known.unit and not heading.unit and len(title) < 3:
-            return 0.0  # a lone letter, as t or v, may be anything
+            return 0.0  # a single letter such as t or v is ambiguous
         is_doubtful = len(title) == 1 or re.search(vocabulary()["wished"], title)
         return (2 if heading.unit else 1) - 0.5 * bool(is_doubtful)
 
     def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:
-        """Columns and faults, without faults of what only makes quantities that are there."""
+        """Columns by quantity, and faults; faults on quantities that are not needed are dropped."""
         places, faults = super().columns(headings)
         made = {x for rule in RULES if rule.name in places for x in rule.inputs}
         wanted = {x for rule in RULES if rule.name not in places for x in rule.inputs}
@@ -138,9 +138,9 @@ class WordNames(Names):
 
 
 def derive(sheet: Sheet, needed: Collection[str] = ()) -> dict[str, str]:
-    """Add columns of quantities that follow from others; say what others lack, and how to say it.
+    """Add columns of quantities computed from others; return what is missing for others, by name.
 
-    What a needed quantity lacks is a fault.
+    For quantities in `needed` the missing input is also a fault.
     """
     missing = dict[str, str]()
     for name in [one for one in dict.fromkeys(rule.name for rule in RULES) if one in sheet.units]:
@@ -155,22 +155,22 @@ def derive(sheet: Sheet, needed: Collection[str] = ()) -> dict[str, str]:
             has = quoted(sheet.heading(next(x for x in inputs if x in sheet.places)).text)
             options = " ".join(f'--given "{one}=... {sheet.units[one]}"' for one in lacks)
             missing[name] = (
-                f"{name} follows from {has} and {' and '.join(lacks)}, which is not there; give "
-                f"{options}, or a column of it"
+                f"{name} follows from {has} and {' and '.join(lacks)}, which is missing; give "
+                f"{options}, or a column"
             )
     sheet.faults += [words for name, words in missing.items() if name in needed]
     return missing
 
 
 def _add_derived(sheet: Sheet, rule: Derived) -> None:
-    """Add the column that a rule makes, unless its inputs are faulty."""
+    """Add the column that a rule computes, unless its inputs have faults."""
     before = len(sheet.faults)
     inputs = {one: sheet.numbers(one) for one in rule.inputs}
     ratio = inputs.get("slide_roll_ratio")
     if ratio is not None and np.nanmax(np.abs(ratio), initial=0.0) > _STEEPEST:
         text = sheet.heading("slide_roll_ratio").text
         sheet.faults.append(
-            f"column {quoted(text)} is above 2, which no ratio is; if it is in percent, name it "
+            f"column {quoted(text)} is above 2, the largest possible; if it is in percent, name it "
             f'--column "slide_roll_ratio={text} [%]"'
         )
     if len(sheet.faults) > before:

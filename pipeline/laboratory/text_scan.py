@@ -1,6 +1,6 @@
-"""Heights in text, as Gwyddion, MountainsMap, Keyence, Zygo, NumPy and spreadsheets write them.
+"""Read heights from text files of Gwyddion, MountainsMap, Keyence, Zygo, NumPy and spreadsheets.
 
-A matrix, or rows of x, y and z, with any usual separator, decimal mark and sign of a hole.
+The text is a matrix or rows of x, y and z, with any common separator, decimal mark and hole.
 """
 
 from __future__ import annotations
@@ -39,19 +39,20 @@ _SIZES = {
         r"(?:heights?|z) in",
     }.items()
 }
-"""Words for sizes, and for the unit of heights, at the beginning of a line or of a part of it."""
+"""Patterns of header lines that give a size, or the unit of heights."""
 _SENTINEL = re.compile(r"no[ _]?data(?:[ _]value)?[\s:=]+(-?\d+\.?\d*(?:e[+-]?\d+)?)", re.I)
 _HEAD = re.compile(r"\b([xyz])\b\s*[\[(/]\s*([^\])/\s;,\t]+)", re.IGNORECASE)
-_AFTER_COMMA = re.compile(r",0\d")  # decimals, for no whole number begins with 0
-_LEAST_PLACES = 9  # rows of two or three numbers from which on they are places and heights
-_SAMPLE = 30  # lines by which the separator is found
-_TOLERANCE = 1e-3  # share of a step within which places are on a grid
+_AFTER_COMMA = re.compile(r",0\d")  # must be decimals: no whole number begins with 0
+_LEAST_PLACES = 9  # rows from which a table of three columns is taken for x, y and z
+_SAMPLE = 30  # lines used to find the separator
+_TOLERANCE = 1e-3  # largest relative deviation of places from a regular grid
 
 
 def read_text(path: Path) -> Raw:
-    """Read a matrix, which has a line for each y, or rows of x, y and z, or of a profile.
+    """Read heights from text: a matrix with a line for each y, rows of x, y and z, or a profile.
 
-    Raise an `InputError` if there is no matrix of numbers, nor places on a grid, or two tables.
+    Raises an `InputError` if the text has no matrix of numbers, places off a regular grid, or
+    several tables.
     """
     text, _ = decoded(path.read_bytes())
     try:
@@ -66,7 +67,7 @@ def read_text(path: Path) -> Raw:
     if table.shape[1] == 3 and is_long:
         return _placed_heights(path, table, units, unit)
     if blocks > 1:
-        raise InputError(f"{path}: {blocks} tables, between blank lines; give a file for each")
+        raise InputError(f"{path}: {blocks} tables, separated by blank lines; give a file for each")
     if table.shape[1] == 1 or (table.shape[1] == 2 and math.isfinite(_step(table[:, 0]))):
         return Raw(np.ascontiguousarray(table[:, -1:]), unit=unit)
     is_sized = {"width", "height"} <= sizes.keys()
@@ -83,7 +84,7 @@ def read_text(path: Path) -> Raw:
 
 
 def _step(line: Array) -> float:
-    """Step of places that are evenly spaced; NaN if they are not."""
+    """Step of evenly spaced places; NaN if they are not even."""
     steps = np.diff(line)
     if len(steps) < 3 or not np.allclose(steps, steps[0], rtol=_TOLERANCE) or not steps[0]:
         return math.nan
@@ -91,7 +92,7 @@ def _step(line: Array) -> float:
 
 
 def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
-    """Heights without a column, or a column and a row, of even places; their steps by x and y."""
+    """Heights without a first column, and first row, of even places; steps along x and y."""
     if min(table.shape) < 5:
         return table, None
     for first in (1, 0):
@@ -105,7 +106,7 @@ def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, floa
 
 
 def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
-    """Words around the table; its numbers, NaN in holes; places above it; blocks of its lines."""
+    """Header lines, the table (NaN in holes), places in the row above it, and number of blocks."""
     filled = [line for line in lines if line.strip()]
     mark = find_separator(filled[len(filled) // 2 :][:_SAMPLE])
     rows = {row.number: [*map(_number, row.cells)] for row in split_lines(lines, mark)}
@@ -116,11 +117,11 @@ def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
     usual = max(widths, key=widths.count)
     first = next(k for k, row in sound.items() if len(row) == usual)
     while rows.get(first - 1) and len(rows[first - 1]) == usual and None not in rows[first - 1]:
-        first -= 1  # a row of holes alone
+        first -= 1  # a row that has only holes
     above = rows.get(first - 1, [])
     places = np.array(above[1:] if len(above) == usual else [], float)
     if not math.isfinite(_step(places)) and len(above) == usual > above.count(None) + 1:
-        first -= 1  # it is a row with a word
+        first -= 1  # it is a row of the table in which a word stands
     if mark == "," and any(_AFTER_COMMA.search(line) for line in lines[first - 1 :]):
         raise InputError(
             "commas stand between cells and before decimals; put semicolons between cells, or "
@@ -138,7 +139,7 @@ def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
             raise InputError(
                 f'"{word}" is not a number; write holes as NaN, and decimals all with the same mark'
             )
-        # Holes may stand at the end of a row, behind which there is a separator each.
+        # A row may end with holes, if all their separators are there.
         has_all = not mark.isspace() and line.count(mark) >= usual - 1
         if len(row) != usual and not (len(row) < usual and has_all):
             raise InputError(
@@ -155,12 +156,12 @@ def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
 
 
 def _is_comment(line: str, row: list[float | None]) -> bool:
-    """True of a line that begins as a comment, and not as a row that begins with a hole."""
+    """True for a line that begins like a comment, and is no row that begins with a hole."""
     return line.lstrip().startswith(_COMMENT) and (None in row or len(row) < 2)
 
 
 def _number(cell: str) -> float | None:
-    """A cell with a point or a comma of decimals; NaN in a hole; None if it is a word."""
+    """Number in a cell, with decimal point or comma; NaN for a hole, None for a word."""
     try:
         return float(cell.replace(",", "."))
     except ValueError:
@@ -168,7 +169,7 @@ def _number(cell: str) -> float | None:
 
 
 def _header_sizes(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
-    """Sizes and the unit of the heights, and units of columns x, y and z, of comments [m]."""
+    """Sizes and unit of heights by name, and units of columns x, y, z, from header lines [m]."""
     sizes: dict[str, float] = {}
     units: dict[str, float] = {}
     for line in head:
@@ -195,7 +196,7 @@ def _length(text: str) -> float | None:
 
 
 def _placed_heights(path: Path, table: Array, units: dict[str, float], unit: float | None) -> Raw:
-    """Heights of rows of x, y and z on a regular grid; places without a row are holes."""
+    """Heights (nx, ny) from rows of x, y, z on a regular grid; places without a row are holes."""
     axes, places = [], []
     for column in table.T[:2]:
         values = np.unique(column[np.isfinite(column)])

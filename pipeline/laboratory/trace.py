@@ -1,4 +1,4 @@
-"""A record of friction over time: its stages, by what was commanded, and where scuffing begins."""
+"""A record of friction over time: its stages of load and velocity, and where scuffing begins."""
 
 from __future__ import annotations
 
@@ -16,25 +16,26 @@ from pipeline.scene.names import UNITS as SI_UNITS
 from tribo.types import Array
 
 LEAST_ROWS = 20
-_APART = 0.03  # share of the highest command by which two stages differ
-_SHORT = 0.25  # share of a stage, below which a ramp or another level beside it is none
-_LEAST_OF_STAGE = 3  # rows
-_REST = 0.02  # share of the highest load or speed below which there is rest
-_NEAR = 0.05  # share of a level within which it is held
-_START = 0.1  # share of the first stage in which friction is not yet that of the stage
-_LEAST_RISE = 0.3  # share of friction before; less is running-in, or a film that changes
-_SURE_RISE = 1.0  # the same, beyond which a rise need not be sudden
-_SUDDEN = 0.05  # share of a stage within which half of a sudden rise comes
-_STANDARD_DEVIATIONS = 4.0  # of friction about its course, below which a rise is scatter
-_OF_SINE = 2 * math.sqrt(2) / math.pi  # mean of a sine, both ways above 0, of its rms
-_SINE_TOLERANCE = 0.02  # share within which it is one, of which few samples have too low a mean
-_SWING = 0.25  # share of its mean by which a signal that swings is above and below it
-_MANY = 50  # swings that are strokes, however many readings one has
+"""Fewest rows of a trace."""
+_APART = 0.03  # least difference between two stages, over the highest load or velocity
+_SHORT = 0.25  # a shorter ramp or level, relative to the stage beside it, is ignored
+_LEAST_OF_STAGE = 3  # fewest rows of a stage
+_REST = 0.02  # share of the highest load or speed below which the rig is at rest
+_NEAR = 0.05  # relative deviation within which a level is held
+_START = 0.1  # share of the first stage in which friction still settles
+_LEAST_RISE = 0.3  # relative rise of friction; less is running-in or a change of film
+_SURE_RISE = 1.0  # relative rise above which it need not be sudden
+_SUDDEN = 0.05  # half of a sudden rise comes within this share of the stage
+_STANDARD_DEVIATIONS = 4.0  # of friction's noise; a smaller rise is scatter
+_OF_SINE = 2 * math.sqrt(2) / math.pi  # mean of a rectified sine over its rms
+_SINE_TOLERANCE = 0.02  # relative deviation of mean/rms from that ratio, for a sine
+_SWING = 0.25  # amplitude of an oscillating signal, at least, over its mean
+_MANY = 50  # so many oscillations are strokes, whatever the number of rows
 _COMMANDS = "load", "velocity"
 
 
 class Stage(NamedTuple):
-    """Rows of a stage, and the load [N] and the velocity [m/s] that are held; those of a ramp."""
+    """Rows of a stage, and its load [N] and velocity [m/s], held or, on a ramp, on average."""
 
     rows: slice
     load: float | None
@@ -43,7 +44,7 @@ class Stage(NamedTuple):
 
 
 class Candidate(NamedTuple):
-    """A rise of friction: its row, its stage from 1 on, both levels, and why it is no scuff."""
+    """A rise of friction: row, stage (from 1), levels before and after, and why it is no scuff."""
 
     row: int
     stage: int
@@ -54,17 +55,17 @@ class Candidate(NamedTuple):
 
 @dataclass(frozen=True)
 class Trace:
-    """Friction over time, without rest."""
+    """A record of friction over time, without rows at rest; all arrays have shape (n,)."""
 
     time: Array  # [s]
     friction: Array
     load: Array | None = None  # [N], where it was recorded
-    velocity: Array | None = None  # [m/s], both ways above 0
+    velocity: Array | None = None  # [m/s], positive in both directions
     bulk_temperature: Array | None = None  # [K]
 
     @cached_property
     def stages(self) -> list[Stage]:
-        """Stages by what was commanded: a level that is held, or a single ramp."""
+        """Stages of constant load and velocity, or a single ramp."""
         columns = [x for name in _COMMANDS if (x := getattr(self, name)) is not None]
         ends = [slice(0, len(self.time))]
         ramps = [False]
@@ -78,7 +79,7 @@ class Trace:
 
     @cached_property
     def candidates(self) -> list[Candidate]:
-        """Rises of friction up to the first against which nothing speaks, which is the scuff."""
+        """Rises of friction up to and including the first that counts as scuffing."""
         found, end, last = list[Candidate](), math.inf, None
         for number, stage in enumerate(self.stages, 1):
             friction, noise = self._course(stage.rows)
@@ -100,21 +101,21 @@ class Trace:
 
     @property
     def scuff(self) -> Candidate | None:
-        """Rise of friction that is scuffing."""
+        """The rise of friction that counts as scuffing; None if there is none."""
         return next((one for one in self.candidates if not one.why_not), None)
 
     def _course(self, rows: slice) -> tuple[Array, float]:
-        """Friction of a stage without its short-lived peaks and dips, and the noise of that."""
+        """Median-filtered friction of a stage, and the standard deviation of its noise."""
         friction = self.friction[rows]
         size = max(3, len(friction) // 20)
         size += 1 - size % 2
         course: Array = median_filter(friction, size=size, mode="reflect")
         steps = np.abs(np.diff(friction)) if len(friction) > 1 else np.zeros(1)
-        # A step is √2 as scattered as a reading, and the median of n of them 1.25/√n as much.
+        # The scatter of a step is √2 × that of a reading; that of a median of n is 1.25/√n × it.
         return course, 1.4826 * float(np.median(steps)) / math.sqrt(2) * 1.25 / math.sqrt(size)
 
     def lines(self) -> Iterator[str]:
-        """Say the stages, where friction rises, and what is no scuff."""
+        """Describe the stages, each rise of friction, and why a rise is or is no scuffing."""
         spans = (
             _span_text(name, [getattr(one, name) for one in self.stages]) for name in _COMMANDS
         )
@@ -136,14 +137,18 @@ class Trace:
             yield "confirm it in the trace (-o trace.png) and on the surface"
 
     def tests(self) -> list[dict[str, str | float]]:
-        """The test as tables of a scene: a run by stages, its stages, one test, or a transition."""
+        """The trace as tables of a scene.
+
+        It is one table with the ends of a stepwise run, one for each stage, a single test, or a
+        transition on a ramp.
+        """
         severe = self.scuff
         number = severe.stage if severe else len(self.stages)
         stages = self.stages[:number]
         longest = max(_span(self.time, stage.rows) for stage in stages)
         mild = stages[: number - 1] if severe else stages
         mild = [one for one in mild if _span(self.time, one.rows) >= _SHORT * longest] or mild[-1:]
-        # Of a mild run the stage counts in which most was withstood.
+        # The hardest stage represents a mild run.
         last = stages[-1] if severe else max(mild, key=lambda x: (x.load or 1) * (x.velocity or 1))
         common = self._common(last.rows, severe)
         if last.is_ramp:
@@ -173,7 +178,7 @@ class Trace:
         ]
 
     def _common(self, rows: slice, severe: Candidate | None) -> dict[str, str | float]:
-        """Friction of a stage before a scuff, and the temperature of the run up to it."""
+        """Friction of a stage before scuffing, and bulk temperature of the run up to it."""
         end = severe.row if severe else rows.stop
         begin = rows.start if end > rows.start + _LEAST_OF_STAGE else 0
         values: dict[str, str | float] = {
@@ -186,7 +191,7 @@ class Trace:
 
 
 def _span_text(name: str, levels: Sequence[float | None]) -> str:
-    """Lowest and highest level of the stages."""
+    """Lowest to highest level of the stages in words, such as "100 N to 600 N"."""
     known = [level for level in levels if level is not None]
     ends = dict.fromkeys(_text(name, one) for one in (min(known), max(known))) if known else {}
     return " to ".join(ends)
@@ -197,7 +202,7 @@ def _text(name: str, value: float) -> str:
 
 
 def _place(values: dict[str, float | None], without: str = "") -> dict[str, str | float]:
-    """Load and velocity of a test; those that were not recorded stand open."""
+    """Load and velocity of a test as text; "..." for a quantity that was not recorded."""
     return {
         name: f"... {SI_UNITS[name]}" if (value := values[name]) is None else _text(name, value)
         for name in _COMMANDS
@@ -206,13 +211,13 @@ def _place(values: dict[str, float | None], without: str = "") -> dict[str, str 
 
 
 def _is_varied(levels: Sequence[float | None]) -> bool:
-    """True if a command differs between stages."""
+    """True if the load or velocity differs between stages."""
     known = [level for level in levels if level is not None]
     return bool(known) and max(known) - min(known) > _APART * max(known)
 
 
 def _level(column: Array | None, rows: slice) -> float | None:
-    """What was held for most of a stage, or the mean where nothing was, as of reciprocation."""
+    """Load or velocity held for most of a stage; else its mean, as in reciprocation."""
     if column is None:
         return None
     values = column[rows]
@@ -224,21 +229,21 @@ def _level(column: Array | None, rows: slice) -> float | None:
 
 
 def at_rest(column: Array) -> Array:
-    """Rows in which a load or a speed is nothing beside its highest, shape (rows,)."""
+    """Rows in which a load or velocity is negligible against its maximum, shape (n,)."""
     command = _setpoint(column)
     result: Array = command <= _REST * command.max()
     return result
 
 
 def _setpoint(column: Array) -> Array:
-    """What was commanded: the mean over many strokes where a signal swings, else the median."""
+    """Commanded load or velocity (n,): mean over many strokes if it oscillates, else the median."""
     off = column / max(column.mean(), 1e-300) - 1
     crossings = np.count_nonzero(np.diff(np.sign(off[np.abs(off) > _SWING])))
     is_held = np.mean(np.abs(column - np.median(column)) <= 2 * _NEAR * np.median(column)) > 0.5
     if is_held or crossings < max(20, min(_MANY, len(column) / 40)):
-        # Four steps of five are within 1.28 standard deviations, where the load is high, too.
+        # 80 % of steps are within 1.28 standard deviations, even if noise grows with load.
         noise = float(np.quantile(np.abs(np.diff(column)), 0.8)) / 1.28 / math.sqrt(2)
-        # The median of n readings is 1.25/√n as scattered as one; four of that are no other level.
+        # The median of n readings scatters 1.25/√n as much as one; 4 of these must be below _APART.
         needed = (5 * noise / max(_APART * float(column.max()), 1e-300)) ** 2
         size = int(min(max(5, needed), max(5, len(column) // 20)))
         filtered: Array = median_filter(column, size=size + 1 - size % 2, mode="reflect")
@@ -248,12 +253,12 @@ def _setpoint(column: Array) -> Array:
 
 
 def _cut(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
-    """Rows of the stages of commands, shape (rows, commands), and whether each is a ramp."""
+    """Rows of each stage and if it is a ramp, by commands (n, n_command) over their maxima."""
     ends, level, count, away = [0], commands[0].copy(), 1, 0
     for row, now in enumerate(commands):
         if np.abs(now - level).max() > _APART:
             away += 1
-            if away == 2:  # one row alone may be noise
+            if away == 2:  # a single row may be noise
                 ends.append(row - 1)
                 level, count, away = now.copy(), 1, 0
         else:
@@ -263,7 +268,7 @@ def _cut(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
     pieces, levels = cuts[:1], [np.median(commands[cuts[0]], axis=0)]
     for piece in cuts[1:]:
         if np.abs(np.median(commands[piece], axis=0) - levels[-1]).max() <= _APART:
-            piece = slice(pieces.pop().start, piece.stop)  # noise parted them
+            piece = slice(pieces.pop().start, piece.stop)  # noise separated the pieces
             levels.pop()
         pieces.append(piece)
         levels.append(np.median(commands[piece], axis=0))
@@ -275,7 +280,7 @@ def _cut(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
             merged[-1] = slice(before.start, piece.stop), levels[k], True
             continue
         merged.append((piece, levels[k], is_ramp))
-        if len(merged) > 2:  # an excursion from a level, and back
+        if len(merged) > 2:  # a short excursion from a level and back
             (first, own, _), (middle, *_), (last, now, _) = merged[-3:]
             length = max(_span(time, first), _span(time, last))
             is_back = np.abs(own - now).max() <= _APART and not is_ramp
@@ -292,7 +297,7 @@ def _cut(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
 
 
 def _goes_on(commands: Array, time: Array, ramp: slice, piece: slice) -> bool:
-    """True of a short piece behind a ramp that rises or falls at half its rate or more."""
+    """True if a short piece after a ramp continues it at half its rate or more."""
     if _span(time, piece) >= _SHORT * _span(time, ramp):
         return False
     way, other = (commands[one.stop - 1] - commands[one.start] for one in (ramp, piece))
@@ -306,7 +311,7 @@ def _span(time: Array, rows: slice) -> float:
 
 
 def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], k: int) -> bool:
-    """True of rows whose command drifts by more than a third of the way to that beside them."""
+    """True if the command drifts within a piece by over a third of the step to its neighbours."""
     rows = commands[pieces[k]]
     quarter = max(1, len(rows) // 4)
     drift = np.abs(np.median(rows[-quarter:], axis=0) - np.median(rows[:quarter], axis=0)).max()
@@ -317,10 +322,11 @@ def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], 
 def _rises(
     friction: Array, before: float, skipped: int, start: float, scatter: float
 ) -> Iterator[tuple[int, float, float, str]]:
-    """Rises of friction in a stage: row, level before, level after, and what speaks against it.
+    """Rises of friction in a stage: row, level before, level after, and why it is no scuff.
 
-    The level before is the lowest so far, from the end of the stage before on. Where that is no
-    level before, the first rows are skipped; a rise since their start begins the stage.
+    The level before is the lowest so far, beginning with `before`, the end of the previous stage.
+    If `before` is infinite, the first `skipped` rows are left out, and friction that rises in them
+    "begins" the stage.
     """
     own = friction[skipped:]
     first = before if math.isfinite(before) else own[0]
@@ -338,7 +344,7 @@ def _rises(
         low, high = float(lowest[row]), float(np.median(own[row:]))
         if least[row] > limit[row]:
             is_sudden = _is_sudden(np.concatenate([[low], own]), row + 1, (high - low) / 2)
-            if not is_sudden:  # it may still go on
+            if not is_sudden:  # the rise may continue to the end
                 high = max(high, float(np.median(own[-max(3, (len(own) - row) // 4) :])))
             is_sure = is_sudden or high > low * (1 + _SURE_RISE)
             yield skipped + row, low, high, "" if is_sure else "comes slowly"
@@ -349,7 +355,7 @@ def _rises(
 
 
 def _is_sudden(friction: Array, row: int, half: float) -> bool:
-    """True if half of a rise comes within a short share of the stage."""
+    """True if half of a rise comes within a small share of the stage."""
     reach = max(2, math.ceil(_SUDDEN * len(friction)))
     near = friction[max(0, row - reach) : row + 2 * reach]
     steps = near[min(reach, len(near) - 1) :] - near[: max(1, len(near) - reach)]

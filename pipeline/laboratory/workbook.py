@@ -1,4 +1,4 @@
-"""Rows of workbooks."""
+"""Read rows of Excel workbooks."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from tribo import InputError
 
 
 def unpacked_size(path: Path) -> int:
-    """Bytes that an archive unpacks to, as it says itself."""
+    """Bytes that a zip archive unpacks to, as its directory states."""
     with zipfile.ZipFile(path) as archive:
         return sum(entry.file_size for entry in archive.infolist())
 
 
 def read_book(path: Path, wanted: str | None = None) -> list[Lines]:
-    """Rows of each sheet of a workbook, or of one sheet; a formula without a value stays text."""
+    """Rows of each sheet, or of the sheet `wanted`; formulas without a stored value stay text."""
     if path.suffix.lower() not in (".xlsx", ".xlsm"):
         what = f'has no sheet "{wanted}"' if wanted else "is no text"
         raise InputError(f"{path} {what}; save the table as .xlsx or CSV")
@@ -34,9 +34,9 @@ def read_book(path: Path, wanted: str | None = None) -> list[Lines]:
 
 
 def _open_book(path: Path) -> tuple[Any, Any]:
-    """The workbook with values, and with formulas."""
+    """The workbook opened twice: with values, and with formulas."""
     try:
-        import openpyxl  # here, since few tables are workbooks
+        import openpyxl  # here, as few tables are workbooks
 
         if (size := unpacked_size(path)) > MOST_BYTES_OF_BOOK:
             raise InputError(
@@ -56,14 +56,14 @@ def _open_book(path: Path) -> tuple[Any, Any]:
     except (OSError, InputError):
         raise
     except Exception as error:  # from the archive, its XML, or openpyxl
-        raise InputError(f"{path} is no sound .xlsx file: {error}; save it again") from error
+        raise InputError(f"{path} is a damaged .xlsx file: {error}; save it again") from error
 
 
 def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: Any) -> Lines:
-    """Rows of a sheet, and a word on the others."""
+    """Rows of a sheet, with a note on sheets not read."""
     rows, widest = list[Row](), 0
     for sheet in (values, formulas):
-        sheet.reset_dimensions()  # what the file says of them need not be so
+        sheet.reset_dimensions()  # the dimensions in the file may be wrong
     both = zip(*(sheet.iter_rows(values_only=True) for sheet in (values, formulas)), strict=True)
     for number, (cells, typed) in enumerate(both, 1):
         widest = max(widest, len(cells))
@@ -82,7 +82,7 @@ def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: 
 
 
 def _cell_text(value: Any, typed: Any) -> str:
-    """Text of a cell: its value, or a formula that has none."""
+    """Text of a cell: its value, else its formula, else empty."""
     if value is None:
         return f"{typed} without a stored value" if typed is not None else ""
     return str(value).removesuffix(" 00:00:00").strip()

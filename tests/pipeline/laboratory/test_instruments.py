@@ -58,4 +58,4 @@ def test_the_unit_given_counts_for_heights_and_not_for_pixels(tmp_path):
     surface = read_surface(path, 1e-6)
     np.testing.assert_allclose(surface.heights, 1e-6 * HEIGHTS, rtol=1e-12)
     assert surface.pixel_size == pytest.approx(PIXEL)
-    assert "the given height unit counts, 1e-06 m, not the file's, 1 m" in surface.notes[0]
+    assert "the given height unit, 1e-06 m, replaces the file's, 1 m" in surface.notes[0]

@@ -98,7 +98,7 @@ def test_random_surfaces_are_like_a_random_one_and_scatter_as_said(tmp_path):
     likeness = dict(found.likeness)
     assert {*likeness} == {"Rq", "Sal", "Str"}
     assert found.is_like
-    assert "Sal of random ones" in str(found)
+    assert "Sal of the fit" in str(found)
     others = [areal_roughness(likely(seed), (0.5e-6, 0.5e-6)).sal for seed in range(12, 24)]
     scatter = np.std(others, ddof=1) / np.mean(others)
     # Standard deviations of 8 and of 12 surfaces differ by less than a factor 3 (F test, 1 %).

@@ -76,5 +76,5 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_measur
     pipeline.run_sweep(changed(again, selection=None), out, workers=1)
     assert opened(out).sweep.selection == begun.selection
     stricter = begun.selection.error / 2
-    with pytest.raises(pipeline.StoreMismatchError, match=r"errs by .* another store"):
+    with pytest.raises(pipeline.StoreMismatchError, match=r"may be off by .* another store"):
         choose_accuracy(grown, stricter, store=out)

@@ -40,10 +40,10 @@ REFUSALS = {
     "preset": (lambda: trade(PAPER, ("fast",)), "preset 'fast' is unknown; give one of draft"),
     "no number": (lambda: pipeline.vary("first_try", {"pin.shape": ["+5%"]}),
                   "pin.shape=+5%: the scene gives cylinder, no number; give a value"),
-    "no digit": (lambda: vary_by("title", ".."), "title=+20%: the scene gives .. there"),
-    "of degrees": (lambda: vary_by("temperature.bulk", "25 degC "), "gives 25 degC  there"),
+    "no digit": (lambda: vary_by("title", ".."), "title=+20%: the scene gives .., no number"),
+    "of degrees": (lambda: vary_by("temperature.bulk", "25 degC "), "gives 25 degC , no number"),
     "of degrees in words": (lambda: vary_by("temperature.bulk", "25 celsius"), "gives 25 celsius"),
-    "of Rockwell": (lambda: vary_by("materials.steel.hardness", "60 HRc"), "gives 60 HRc there"),
+    "of Rockwell": (lambda: vary_by("materials.steel.hardness", "60 HRc"), "gives 60 HRc, no"),
     "no velocity": (lambda: trade(changed(PAPER, velocities=(0.0,))), "no velocity above 0"),
 }  # fmt: skip
 
