@@ -1,7 +1,8 @@
 """Gears: from the drawing of a pair to the contact at each place of mesh, and to a scene.
 
-The contact that is simulated is in boundary lubrication, while gears run mixed: what a film carries
-is shown, and not counted. Nothing here is held against scuffing tests of gears but FZG's own rule.
+The simulated contact is in boundary lubrication, while gears run in mixed lubrication: the load
+carried by the oil film is printed but not counted. The model was compared with no scuffing tests of
+gears, only with FZG's own rule.
 
 The public names, each loaded when it is first used:
 

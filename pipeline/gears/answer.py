@@ -1,4 +1,4 @@
-"""What the command ``irg gears`` answers: in words and tables, which are the document, too."""
+"""The command ``irg gears``: sentences and tables, also as a JSON document."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ _PLACES = (
     "load per length [N/m]", "half-width [µm]", "pressure [GPa]", "flash [K]", "temperature [°C]",
     "film [µm]", "Λ",
 )  # fmt: skip
-"""Heads of the fields of `MeshPlace`."""
-_DRAWN = 400  # places of the figure, so that the load steps where it steps
+"""Column headings for the fields of `MeshPlace`."""
+_DRAWN = 400  # places in the figure, so that steps of the load are steep
 _WIDE = (
     "reduced radius [mm]", "load per length [N/m]", "half-width [µm]", "load [N]", "velocity [m/s]",
     "temperature error [K]", "integral temperature [°C]", "sentence", "notes",
 )  # fmt: skip
-"""Columns for which a terminal is too narrow."""
+"""Columns left out on a terminal, which is too narrow."""
 
 
 def gears(options: argparse.Namespace) -> Result:
-    """Print the contact along a mesh; write its scene; simulate FZG's test, or a spectrum."""
+    """Answer ``irg gears``: contact along a mesh, its scene, FZG's test, or a duty spectrum."""
     pair = read_pair(options.pair, settings_in(options))
     if options.critical_temperature is not None:
         sd = pair.file.temperature.critical_sd
@@ -83,9 +83,9 @@ def gears(options: argparse.Namespace) -> Result:
 
 
 def _check(options: argparse.Namespace, pair: Pair) -> None:
-    """Refuse options that do not go together, before anything is simulated."""
+    """Raise an `InputError` for options that contradict each other, before simulating."""
     if options.sheet and not options.points:
-        raise InputError("--sheet names a sheet of --points; give that too, or leave it out")
+        raise InputError("--sheet needs --points; give --points, too, or leave out --sheet")
     if (options.stages or options.points) and not options.failure_stage and pair.critical is None:
         raise InputError(
             "--stages and --points need a critical temperature; give --failure-stage or "
@@ -96,13 +96,13 @@ def _check(options: argparse.Namespace, pair: Pair) -> None:
 
 
 def _simulate(options: argparse.Namespace, simulate: Callable[..., Any], *given: Any) -> Any:
-    """Call what simulates, with the options of a run and a line of progress."""
+    """Call `simulate` with the preset, the workers and a progress line."""
     with output.run_line() as progress:
         return simulate(*given, preset=options.preset, workers=options.workers, progress=progress)
 
 
 def _facts(one: Mesh) -> pd.DataFrame:
-    """What holds for the whole mesh, as a frame of one row."""
+    """Quantities of the whole mesh, as a frame of one row."""
     pair, gears, duty, rule = one.pair, one.pair.gears, one.duty, one.integral
     angle = gears.working_angle
     pitch = next(place for place in one.places if place.position == 0)

@@ -1,6 +1,6 @@
 """Contact of the flanks along the path of contact: velocities, load, pressure, heat and film.
 
-All is of smooth flanks in closed form; what the rough and worn contact does is simulated from the
+Everything here is for smooth flanks, in closed form. The rough, worn contact is simulated from the
 scene that `pipeline.gears.scene` writes.
 """
 
@@ -21,12 +21,12 @@ from tribo.material import minimum_line_film
 
 @dataclass(frozen=True, slots=True)
 class MeshPlace:
-    """The contact at one place of mesh, of the pinion (1) on the wheel (2).
+    """The contact of pinion (1) and wheel (2) at one place on the path of contact.
 
-    Radii are across the line of contact; velocities are of the flanks past this line.
+    Radii are normal to the line of contact. Velocities are of the flanks relative to this line.
     """
 
-    letter: str  #: Name of the place, as A to E; empty between.
+    letter: str  #: Letter of the place, A to E; empty for places in between.
     position: float  #: Distance from the pitch point, positive towards the pinion's tip [m].
     radius_1: float  #: Radius of curvature of the pinion's flank [m].
     radius_2: float  #: Radius of curvature of the wheel's flank [m].
@@ -36,53 +36,53 @@ class MeshPlace:
     sliding: float  #: rolling_1 − rolling_2, positive where the pinion's flank is faster [m/s].
     share: float  #: Share of the load that this pair of teeth carries.
     load: float  #: Normal load on this pair of teeth [N].
-    load_per_length: float  #: Of the line of contact [N/m].
-    half_width: float  #: Of the contact, Hertz [m].
-    pressure: float  #: Highest pressure, Hertz [Pa].
-    flash: float  #: Highest rise of the temperature, Blok [K].
-    temperature: float  #: Bulk temperature and flash [K].
+    load_per_length: float  #: Load per length of the line of contact [N/m].
+    half_width: float  #: Half-width of the Hertz contact [m].
+    pressure: float  #: Maximum Hertz pressure [Pa].
+    flash: float  #: Maximum flash temperature after Blok [K].
+    temperature: float  #: Bulk temperature + flash temperature [K].
     film: float | None = None  #: Minimum film thickness [m]; None without an oil.
-    film_parameter: float | None = None  #: Λ, over the Rq of both flanks.
+    film_parameter: float | None = None  #: Λ, film over the combined Rq of both flanks.
 
 
 @dataclass(frozen=True, slots=True)
 class Mesh:
-    """Places along the path of contact of a pair at one duty."""
+    """Places along the path of contact of a pair of gears at one duty."""
 
     pair: Pair
     duty: Duty
-    friction: float  #: Mean coefficient of friction, as given or by the rule of the standard.
+    friction: float  #: Mean coefficient of friction, given or by ISO/TR 13989-2.
     normal_load: float  #: Load on all pairs of teeth in mesh, normal to the flanks [N].
     places: tuple[MeshPlace, ...]
 
     @property
     def integral(self) -> Integral | None:
-        """Integral temperatures of the rule of the standard; None without an oil."""
+        """Integral temperatures by ISO/TR 13989-2; None without an oil."""
         return None if self.pair.oil is None else integral_temperature(self.pair, self.duty)
 
 
 def mesh(pair: Pair, places: int = 25, duty: Duty | None = None) -> Mesh:
-    """Contact along the path of contact.
+    """Compute the contact along the path of contact.
 
-    With the torque T and the angular velocity ω1 of the pinion: ui = ωi ρi in the transverse
-    section; the load normal to the flanks is K T/(rb1 cos βb), K the load factor. A pair of teeth
-    carries the share `load_share` of it on a line of b/cos βb. Hertz after Johnson, *Contact
-    Mechanics*, Eqs. 4.43 and 4.45; flash temperature after `flash_rise`; film after
-    `tribo.material.minimum_line_film` (Dowson & Higginson) with the oil at the bulk temperature.
+    The pinion has torque T and angular velocity ω1. In the transverse section the velocities are ui
+    = ωi ρi. The load normal to the flanks is K T/(rb1 cos βb), with the load factor K. A pair of
+    teeth carries `load_share` of it, on a line of length b/cos βb. Hertz contact after Johnson,
+    *Contact Mechanics*, Eqs. 4.43 and 4.45; flash temperature after `flash_rise`; film after
+    `tribo.material.minimum_line_film` (Dowson & Higginson), with the oil at the bulk temperature.
 
     Parameters
     ----------
     pair : Pair
-        A pair of `read_pair`.
+        Pair of gears from `read_pair`.
     places : int
-        Number of even steps along the path, beside the places with a letter.
+        Number of evenly spaced places along the path, in addition to A to E.
     duty : Duty, optional
-        Torque, speed and temperatures in place of the pair's own.
+        Torque, speed and temperatures that replace the pair's own.
 
     Returns
     -------
     Mesh
-        Its places stand in the order of their position; at B and D one pair is alone.
+        Its places, in the order of their position. At B and D a single pair of teeth is in contact.
 
     Examples
     --------
@@ -115,9 +115,9 @@ def _place(
     gears, cosine = pair.gears, math.cos(pair.gears.base_helix_angle)
     radius_1, radius_2 = gears.radii(position)
     reduced_radius = radius_1 * radius_2 / (radius_1 + radius_2)
-    # Radii in the transverse section, in which the gears turn.
+    # Velocities need the radii in the transverse section.
     rolling = duty.speed * radius_1 * cosine, duty.speed / gears.ratio * radius_2 * cosine
-    # At the pitch point 0 exactly, where the difference of both would be one of rounding.
+    # Exactly 0 at the pitch point, where the difference of rolling velocities would be rounding.
     sliding = position * duty.speed * (1 + 1 / gears.ratio)
     share = load_share(gears, position, pair.file.mesh.quality)
     line, modulus = share * normal * cosine / gears.face_width, contact_modulus(*pair.materials)
@@ -139,13 +139,13 @@ def _place(
 def load_share(gears: Involutes, position: float, quality: int) -> float:
     """Share of the load that one pair of teeth carries at a place.
 
-    Spur gears without tip relief: 1 between B and D; it rises from 1/3 at A to 2/3 at B, and falls
-    from 2/3 at D to 1/3 at E (AGMA 925-A03, Eqs. 45 to 47), so that both pairs carry all of it.
-    Coarser than class 7 the pairs share worse: (Q − 2)/15 at the ends, and 1/3 more at B and D, 1
-    at most (ISO/TR 13989-1:2000, 9.2). From a contact ratio of 2 on: equally among the pairs in
-    mesh. Helical gears with an overlap ratio εβ of at least 1: 1/εα, the mean along all lines of
-    contact (ISO/TR 13989-1, 9.6); below, linear in εβ between both, as Zε² of ISO 6336-2. The ends
-    of helical teeth carry more by `buttressing`.
+    Spur gears without tip relief: 1 between B and D; rising from 1/3 at A to 2/3 at B, and falling
+    from 2/3 at D to 1/3 at E (AGMA 925-A03, Eqs. 45 to 47), so that both pairs together carry the
+    load. Tolerance classes Q above 7 share worse: (Q − 2)/15 at the ends, and 1/3 more at B and D,
+    at most 1 (ISO/TR 13989-1:2000, 9.2). With a contact ratio of 2 or more, all pairs in mesh share
+    equally. Helical gears with an overlap ratio εβ of at least 1: 1/εα, the mean along all lines of
+    contact (ISO/TR 13989-1, 9.6). With a smaller εβ: linear in εβ between spur and helical, as Zε²
+    of ISO 6336-2. The ends of helical teeth carry more, by `buttressing`.
 
     Parameters
     ----------
@@ -179,12 +179,12 @@ def load_share(gears: Involutes, position: float, quality: int) -> float:
 
 
 def buttressing(gears: Involutes, position: float) -> float:
-    """Factor of the load near both ends of the path, where helical teeth are stiffer.
+    """Factor on the load near both ends of the path, where helical teeth are stiffer.
 
-    1 + 0.3 εβ at A and E, 1.3 from an overlap ratio εβ of 1 on. It falls to 1 within 0.2 sin βb of
-    the distance from the pinion's base point to the pitch point (ISO/TR 13989-1:2000, Eqs. 49 to
-    56, as a program that cites it has them). The load of the other places is not less, which is on
-    the safe side.
+    It is 1 + 0.3 εβ at A and E, 1.3 for an overlap ratio εβ above 1, and falls to 1 within 0.2 sin
+    βb of the distance from the pinion's base point to the pitch point (ISO/TR 13989-1:2000, Eqs. 49
+    to 56, as cited by another program). The load elsewhere is not reduced, which is on the safe
+    side.
 
     Examples
     --------
@@ -208,11 +208,11 @@ def flash_rise(
     velocities: tuple[float, float],
     effusivities: tuple[float, float],
 ) -> float:
-    """Highest flash temperature of a line contact of two bodies that roll and slide [K].
+    """Maximum flash temperature of a line contact of two rolling and sliding bodies [K].
 
-    ``θ = 1.11 µ w |u1 − u2|/((e1 √u1 + e2 √u2) √(2b))``: Blok (1937), for the heat of a Hertzian
-    pressure in bodies of unlike effusivities e = √(Kρc), as in ISO/TR 13989-1:2000, Eq. (3) and
-    AGMA 925-A03. Of like bodies it is `tribo.analytic.heat.rolling_sliding_rise`.
+    ``θ = 1.11 µ w |u1 − u2|/((e1 √u1 + e2 √u2) √(2b))``: Blok (1937), for the heat of a Hertz
+    pressure in bodies of different effusivities e = √(Kρc), as in ISO/TR 13989-1:2000, Eq. (3) and
+    AGMA 925-A03. For equal bodies it is `tribo.analytic.heat.rolling_sliding_rise`.
 
     Examples
     --------

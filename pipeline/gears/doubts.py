@@ -1,4 +1,4 @@
-"""Values of a pair that are probably a slip."""
+"""Warnings on values of a gear pair that are probably mistakes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pipeline.sweep.remarks import Remark
 
 
 def doubts(one: Mesh) -> list[Remark]:
-    """Values of a pair and its duty outside their usual ranges."""
+    """Warnings on values of a pair and its duty outside their usual ranges."""
     pressure, sliding = (
         max(abs(getattr(at, of)) for at in one.places) for of in ("pressure", "sliding")
     )

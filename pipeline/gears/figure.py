@@ -1,4 +1,4 @@
-"""The figure of a mesh: velocities, pressure and share, temperature and film, by the place."""
+"""The figure of a mesh: velocities, pressure, temperature and film along the path of contact."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from pipeline.quantities import shown_in
 
 @house_style
 def draw_mesh(mesh: Mesh) -> Figure:
-    """Draw the contact along the path of contact, the pinion's tip to the right.
+    """Draw the contact along the path of contact, with the pinion's tip on the right.
 
     Parameters
     ----------
     mesh : Mesh
-        Places of `pipeline.gears.mesh`.
+        The mesh to draw, from `pipeline.gears.mesh`.
     """
     at = [shown_in(place.position, "mm") for place in mesh.places]
     figure = Picture(figsize=(7.2, 7.6))
@@ -54,7 +54,7 @@ def draw_mesh(mesh: Mesh) -> Figure:
         film = loads.twinx()
         film.plot(at, films, color=GREEN, linestyle=":")
         film.set_ylabel("film parameter Λ, dotted", color=GREEN)
-        film.set_ylim(0, 1.6 * max(film.get_ylim()))  # apart from the pressure
+        film.set_ylim(0, 1.6 * max(film.get_ylim()))  # keeps it apart from the pressure
         film.grid(visible=False)
     speeds.legend()
     heat.legend()

@@ -22,24 +22,24 @@ _CRITICAL = (
     "critical temperature [°C]", "standard deviation [K]", "hottest place, last stage passed [°C]",
     "hottest place, failed stage [°C]", "scuffing integral temperature [°C]",
 )  # fmt: skip
-_BEYOND_ALL = 1500.0  # critical temperature [K] by which nothing is judged
+_BEYOND_ALL = 1500.0  # critical temperature [K] so high that nothing is severe
 
 
 def stage_duty(pair: Pair, stage: int) -> Duty:
-    """Duty of the test gears in a load stage, with the bulk temperature of the standard's rule."""
+    """Duty of the test gears in a load stage, with the bulk temperature of ISO/TR 13989-2."""
     bulk = stage_bulk(stage, pair.file.friction.lubricant_factor)
     return Duty(stage_torque(stage), read_pair(_FZG).duty.speed, bulk)
 
 
 def rig_pair(pair: Pair) -> Pair:
-    """The test gears with the oil of a pair, and the friction of its lubricant."""
+    """The FZG test gears with the oil, friction and surface of `pair`."""
     rig = read_pair(_FZG)
     if pair.gears == rig.gears:
         return pair
     if pair.oil is None:
         raise InputError(
-            "a failure load stage belongs to an oil, and the oil of the pair is not given; give "
-            "[oil] in the file"
+            "a failure load stage is that of an oil, and the pair has no oil; give [oil] in the "
+            "file"
         )
     file = replace(rig.file, friction=pair.file.friction, surface=pair.file.surface)
     written = {**rig.written, "oil": pair.written["oil"]}
@@ -49,14 +49,13 @@ def rig_pair(pair: Pair) -> Pair:
 def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame:
     """Critical temperature of an oil that fails in a load stage, by simulating that test.
 
-    It lies between the temperatures that decide at the hottest place in the last stage passed and
-    in the one that failed. It is that of this model, of its friction and bulk temperature, and of
-    no other.
+    It is between the highest temperature in the last stage passed and in the failed stage. It holds
+    only for this model, with its friction and bulk temperature.
 
     Parameters
     ----------
     pair : Pair
-        The pair whose oil it is; of the test gears themselves their roughness counts, too.
+        Pair with the oil. If it is the test gears themselves, their roughness counts, too.
     stage : int
         Failure load stage in A/8.3/90, from 2 to 12.
     **choices
@@ -65,9 +64,9 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame
     Returns
     -------
     DataFrame
-        In one row the value, in the middle between both stages; its standard deviation, of an even
-        distribution between both and of the simulation's error; both temperatures; and beside them
-        the scuffing integral temperature of ISO/TR 13989-2, Eq. 94, for that rule alone.
+        One row: the value, midway between both stages; its standard deviation, from a uniform
+        distribution between both and the simulation's error; the two temperatures; and the
+        scuffing integral temperature of ISO/TR 13989-2, Eq. 94, which is for that rule only.
 
     Raises
     ------
@@ -76,8 +75,8 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame
     """
     if not 2 <= stage <= len(STAGES):
         raise InputError(
-            f"failure load stage is {stage}; give 2 to {len(STAGES)} of A/8.3/90, the last one as "
-            "a lower bound for an oil that passes it"
+            f"failure load stage is {stage}; give 2 to {len(STAGES)} of A/8.3/90; for an oil that "
+            "passes all stages give the last one, as a lower bound"
         )
     gears = rig_pair(pair).with_critical(_BEYOND_ALL, None)
     meshes = [mesh(gears, duty=stage_duty(gears, number)) for number in (stage - 1, stage)]
@@ -94,12 +93,12 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame
 
 
 def predict_stages(pair: Pair, **choices: Any) -> pd.DataFrame:
-    """Simulate and judge a pair in all load stages of the test; see `judge`.
+    """Simulate and judge a pair in all load stages of FZG's test; see `judge`.
 
     Parameters
     ----------
     pair : Pair
-        The test gears, with any oil and roughness, or other gears; with a critical temperature.
+        Any pair with a critical temperature, such as the test gears with another roughness.
     **choices
         Preset, workers and progress of `judge`.
     """
@@ -110,7 +109,7 @@ def predict_stages(pair: Pair, **choices: Any) -> pd.DataFrame:
 
 
 def first_failure(table: pd.DataFrame) -> str:
-    """The first load stage of `predict_stages` that is likelier severe than mild, in words."""
+    """Sentence on the first load stage of `predict_stages` that is probably severe."""
     failed = table[table["probability"] > 0.5]
     if failed.empty:
         return "Passes all load stages."

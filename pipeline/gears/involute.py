@@ -1,9 +1,9 @@
 """Geometry of a pair of external involute gears, spur or helical, in the transverse section.
 
-Places on the path of contact are distances g [m] from the pitch point along the line of action,
+A place on the path of contact is its distance g [m] from the pitch point along the line of action,
 positive towards the tip of the pinion. Equations and letters are those of ISO 21771:2007: contact
-runs from A, the tip of the wheel, to E, the tip of the pinion, with one pair of teeth alone from B
-to D.
+runs from A, the tip of the wheel, to E, the tip of the pinion. From B to D a single pair of teeth
+is in contact.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ import scipy
 from pipeline.quantities import display
 from tribo import InputError
 
-_TOOL_ADDENDUM = 1.0  # straight part of a standard rack's tooth beyond its pitch line, in modules
-_MISFIT = 0.1  # modules between the centre distance given and that of the profile shifts
+_TOOL_ADDENDUM = 1.0  # straight part of a standard rack's tooth above its pitch line, in modules
+_MISFIT = 0.1  # largest error of the centre distance against the profile shifts, in modules
 
 
 class Path(NamedTuple):
-    """Places of the path of contact [m]: its ends A and E, and the single contact from B to D."""
+    """Places on the path of contact [m]: ends A and E, and single contact from B to D."""
 
     a: float
     b: float
@@ -44,7 +44,7 @@ def involute(angle: float) -> float:
 
 
 def involute_angle(value: float) -> float:
-    """Angle of an involute function of at least 0 [rad].
+    """Angle [rad] whose involute function has the value `value`, at least 0.
 
     Examples
     --------
@@ -66,22 +66,22 @@ class Involutes:
     pressure_angle : float
         Normal pressure angle [rad].
     helix_angle : float
-        Helix angle at the reference circle [rad]; 0 of spur gears.
+        Helix angle at the reference circle [rad]; 0 for spur gears.
     teeth : tuple of int
         Numbers of teeth.
     profile_shifts : tuple of float
         Profile shift coefficients x.
     centre_distance : float
-        [m].
+                Centre distance [m].
     tip_diameters : tuple of float
-        [m].
+        Tip diameters [m].
     face_width : float
         Common face width [m].
 
     Raises
     ------
     InputError
-        If the pair cannot run: in one line what is wrong, the value and what is allowed.
+        If the pair cannot run. The message names the fault, the value and what is allowed.
 
     Examples
     --------
@@ -148,7 +148,7 @@ class Involutes:
 
     @property
     def path(self) -> Path:
-        """Places where contact begins, where one pair is alone, and where it ends."""
+        """Places where contact begins (A) and ends (E), with single contact from B to D [m]."""
         (rb1, rb2), (da1, da2) = self.base_radii, self.tip_diameters
         first, second = self.tangents
         e = math.sqrt(da1**2 / 4 - rb1**2) - first
@@ -157,13 +157,13 @@ class Involutes:
 
     @property
     def tangents(self) -> tuple[float, float]:
-        """Distances from the pitch point to where the base circles touch the line of action [m]."""
+        """Distances from the pitch point to the tangent points on both base circles [m]."""
         tangent = math.tan(self.working_angle)
         return self.base_radii[0] * tangent, self.base_radii[1] * tangent
 
     @property
     def contact_ratio(self) -> float:
-        """Transverse contact ratio εα, the path of contact over the base pitch."""
+        """Transverse contact ratio εα: path of contact over base pitch."""
         return (self.path.e - self.path.a) / self.base_pitch
 
     @property
@@ -172,39 +172,39 @@ class Involutes:
         return self.face_width * math.sin(self.helix_angle) / (math.pi * self.module)
 
     def radii(self, place: float) -> tuple[float, float]:
-        """Radii of curvature of both flanks at a place, across the line of contact [m].
+        """Radii of curvature of both flanks at a place, normal to the line of contact [m].
 
-        In the transverse section ρ1 = rb1 tan αwt + g and ρ2 = rb2 tan αwt − g; across a line of
-        contact that lies at βb to the axis they are longer by 1/cos βb.
+        In the transverse section ρ1 = rb1 tan αwt + g and ρ2 = rb2 tan αwt − g. Normal to a line of
+        contact inclined by βb they are larger by 1/cos βb.
         """
         first, second = self.tangents
         cosine = math.cos(self.base_helix_angle)
         return (first + place) / cosine, (second - place) / cosine
 
     def _faults(self) -> Iterator[str]:
-        """Why the gears cannot run; each reason supposes that there is none before it."""
+        """Reasons why the gears cannot run; each assumes that those before it do not hold."""
         distance, tolerance = self.centre_distance, _MISFIT * self.module
         fitting = fitting_distance(
             self.module, self.pressure_angle, self.helix_angle, self.teeth, self.profile_shifts
         )
         if abs(distance - fitting) > tolerance or distance <= sum(self.base_radii):
             yield (
-                f"mesh.centre_distance is {_mm(distance)}, and the profile shifts fit "
-                f"{_mm(fitting)}; give one within {_mm(tolerance)} of that, or other shifts"
+                f"mesh.centre_distance is {_mm(distance)}, but the profile shifts fit "
+                f"{_mm(fitting)}; give a distance within {_mm(tolerance)} of it, or other shifts"
             )
         for name, tip, base in zip(_GEARS, self.tip_diameters, self.base_radii, strict=True):
             if tip <= 2 * base:
                 yield (
-                    f"{name}.tip_diameter is {_mm(tip)}, within the base circle, where there is no "
+                    f"{name}.tip_diameter is {_mm(tip)}, inside the base circle, where there is no "
                     f"involute; give more than {_mm(2 * base)}"
                 )
         if self.contact_ratio < 1 or not self.path.a < 0 < self.path.e:
             yield (
                 f"the transverse contact ratio is {self.contact_ratio:.3g}, from "
                 f"{_mm(self.path.a)} to {_mm(self.path.e)} about the pitch point; it must be at "
-                "least 1, and contact pass that point: give other tip diameters or profile shifts"
+                "least 1, and contact include it: give other tip diameters or profile shifts"
             )
-        # On the flanks below the tips that meet them.
+        # Radii of curvature where the tip of the other gear begins contact.
         begins = self.tangents[0] + self.path.a, self.tangents[1] - self.path.e
         for k, (begin, name) in enumerate(zip(begins, _GEARS, strict=True)):
             if begin <= 0 or begin < self.undercut(k):
@@ -216,11 +216,11 @@ class Involutes:
                 )
 
     def undercut(self, gear: int) -> float:
-        """Radius of curvature of the involute up to which a standard rack cuts it away [m].
+        """Radius of curvature below which a standard rack cuts away the involute [m]; else 0.
 
         The corner of the rack, a depth H below the pitch line, is at (rφ − H tan αt, r − H) when
-        the gear has turned by φ; what it cuts there lies outside of the involute down to where both
-        meet. 0 without undercut.
+        the gear has turned by φ. It cuts the involute down to the point where its path meets the
+        flank.
         """
         r, rb, angle = self.reference_radii[gear], self.base_radii[gear], self.transverse_angle
         depth = (_TOOL_ADDENDUM - self.profile_shifts[gear]) * self.module
@@ -230,7 +230,7 @@ class Involutes:
         along, above = r * turned - depth * math.tan(angle), r - depth
         radius = np.hypot(along, above)
         flank = np.sqrt(np.maximum((radius / rb) ** 2 - 1, 0.0))
-        # Polar angles from the pitch point, of the corner in the gear and of the flank there.
+        # Polar angles from the pitch point: of the corner, and of the flank at the same radius.
         corner = np.arctan2(along, above) - turned
         cut = corner - (flank - np.arctan(flank)) + involute(angle)
         inside = (radius > rb) & (radius < r) & (cut > 0)
@@ -249,7 +249,7 @@ def fitting_distance(
 ) -> float:
     """Centre distance without backlash [m], a = (r1 + r2) cos αt/cos αwt (ISO 21771:2007).
 
-    inv αwt = inv αt + 2 tan αn (x1 + x2)/(z1 + z2).
+    The working angle follows from inv αwt = inv αt + 2 tan αn (x1 + x2)/(z1 + z2).
 
     Examples
     --------

@@ -1,6 +1,6 @@
-"""Margins of places of mesh: the rough, worn contact is simulated at places that may decide.
+"""Margins along a mesh: the rough, worn contact is simulated at places that may be the worst.
 
-All that gears ask of the answers of the pipeline is asked here.
+This module is the only one of the gears that uses sweeps and their margins.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _MARGIN = (
     "position [mm]", "load [N]", "velocity [m/s]", "verdict", "probability",
     "decisive temperature [°C]", "temperature error [K]", "distance [K]", "sentence", "notes",
 )  # fmt: skip
-_TOO_HOT = "the teeth alone are above the critical temperature: not simulated"
+_TOO_HOT = "the bulk temperature is above the critical temperature: not simulated"
 
 
 def judge(
@@ -40,14 +40,14 @@ def judge(
     workers: int | None = None,
     progress: Report = silent,
 ) -> pd.DataFrame:
-    """Simulate the places that may decide, and take the margin of the worst of each mesh.
+    """Simulate the places that may be the worst of each mesh, and return the worst margin.
 
-    A mesh whose teeth alone are above the critical temperature is severe, and is not simulated.
+    A mesh is severe without a simulation if its bulk temperature is above the critical one.
 
     Parameters
     ----------
     meshes : sequence of Mesh
-        Of one pair with a critical temperature, at one duty or several.
+        Meshes of one pair with a critical temperature, at one or several duties.
     preset : str, optional
         Preset of the numerical choices; ``"standard"`` by default.
     workers : int, optional
@@ -77,7 +77,7 @@ def judge(
 
 
 def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, Any]]:
-    """Margin of the worst place of each mesh, by its columns."""
+    """Margin of the worst place of each mesh, as columns and values."""
     preset, workers, progress = choices
     chosen = [decisive_places(one) for one in meshes]
     numbers = [k for k, one in enumerate(chosen) for _ in one.places]
@@ -92,7 +92,7 @@ def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, A
         table = margin_frame(data, found := [*judged(data, None)])
     margins = [one.known() for one in found]
     table["sentence"] = [one.sentence for one in margins]
-    turns = caveat_on_turns(sweep, "")  # whose heat the temperature of the teeth has
+    turns = caveat_on_turns(sweep, "")  # needless: the bulk temperature includes heat of turns
     notes = ([*one.caveats, f"the model's own error: {one.model_error}"] for one in margins)
     table["notes"] = [
         _notes(meshes[k], *(said for said in own if said != turns))
@@ -102,16 +102,16 @@ def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, A
 
 
 def worst(table: pd.DataFrame) -> pd.Series[Any]:
-    """The row with the worst verdict; of equal ones the likeliest to be severe, or the hottest."""
+    """The row with the worst verdict; among equal verdicts the most probably severe, or hottest."""
     temperatures = table["decisive temperature [°C]"].astype(float).fillna(math.inf)
     keys = zip(map(_WORSE.index, table["verdict"]), table["probability"], temperatures, strict=True)
     return table.iloc[-max((key, -k) for k, key in enumerate(keys))[1]]
 
 
 def decisive_places(one: Mesh) -> Mesh:
-    """The mesh at the places that may decide: letters with sliding, and the hottest of its range.
+    """The mesh at places that may be the worst: A to E with sliding, and hottest places.
 
-    Rough flanks are hotter than smooth ones, by a factor that changes slowly along the path.
+    Rough flanks are hotter than smooth ones by a factor that changes slowly along the path.
     """
     heat = [at.temperature for at in one.places]
     kept = (
@@ -123,12 +123,12 @@ def decisive_places(one: Mesh) -> Mesh:
 
 
 def _is_too_hot(one: Mesh) -> bool:
-    """True if the teeth alone are as hot as the critical temperature."""
+    """True if the bulk temperature alone reaches the critical temperature."""
     return one.pair.critical is not None and one.duty.bulk >= one.pair.critical
 
 
 def _severe(one: Mesh) -> dict[str, Any]:
-    """A mesh whose teeth alone are too hot."""
+    """Margin of a mesh whose bulk temperature alone is too high."""
     severe = {"verdict": "severe", "probability": clipped(1.0), "sentence": f"Severe: {_TOO_HOT}"}
     return severe | {"notes": _notes(one, _TOO_HOT)}
 

@@ -1,4 +1,4 @@
-"""A pair of gears, and what it transmits."""
+"""A pair of gears, and its duty: torque, speed and temperature."""
 
 from __future__ import annotations
 
@@ -19,64 +19,64 @@ UNTESTED = (
 )
 _LIMITS = (
     UNTESTED,
-    "gears run in mixed lubrication: what a film carries is not counted, nor is tip relief",
-    "pressure, flash and film are of smooth flanks, in closed form",
+    "gears run in mixed lubrication: the load carried by the film is not counted, nor tip relief",
+    "pressure, flash and film are those of smooth flanks, in closed form",
 )
-_RQ_OF_RA = math.sqrt(math.pi / 2)  # where heights are distributed normally
+_RQ_OF_RA = math.sqrt(math.pi / 2)  # Rq/Ra of normally distributed heights
 
 
 @dataclass(frozen=True, slots=True)
 class Duty:
-    """What a pair transmits, and how hot its teeth are before they meet."""
+    """Torque and speed of a pair, and the bulk temperature of its teeth."""
 
-    torque: float  #: On the pinion [N m].
+    torque: float  #: Torque on the pinion [N m].
     speed: float  #: Angular velocity of the pinion [rad/s].
-    bulk: float  #: [K].
+    bulk: float  #: Bulk temperature of the teeth [K].
     load_factor: float = 1.0
 
     @property
     def turns(self) -> float:
-        """Speed of the pinion in turns a minute."""
+        """Speed of the pinion [rpm]."""
         return self.speed * 30 / math.pi
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
-    """A pair of gears of `read_pair`, the pinion first in each tuple."""
+    """A pair of gears as `read_pair` returns it, the pinion first in each tuple."""
 
     title: str
-    file: PairFile  #: Its tables in SI.
+    file: PairFile  #: Tables of its file in SI.
     gears: Involutes
     materials: tuple[Material, Material]
     oil: Oil | None
     duty: Duty
-    written: Mapping[str, Any]  #: Entries with units, materials of the library in full.
+    written: Mapping[str, Any]  #: Entries as text with units; library materials in full.
     sources: tuple[FromLibrary, ...]
     notes: tuple[Remark, ...] = ()
 
     @property
     def critical(self) -> float | None:
-        """Critical temperature of the lubricant [K]."""
+        """Critical temperature of the lubricant [K]; None if not given."""
         return self.file.temperature.critical
 
     @property
     def roughness(self) -> tuple[float, float]:
-        """Ra of the flanks [m]."""
+        """Ra of both flanks [m]."""
         return self.file.pinion.roughness, self.file.wheel.roughness
 
     @property
     def rms_roughness(self) -> float:
-        """Rq of both flanks together, of heights distributed normally [m]."""
+        """Combined Rq of both flanks, for normally distributed heights [m]."""
         return _RQ_OF_RA * math.hypot(*self.roughness)
 
     @property
     def caveats(self) -> tuple[str, ...]:
-        """What a reader of each answer must know, in a line each."""
+        """Limits of every answer, one line each."""
         if self.critical is None:
             return _LIMITS
         return *_LIMITS, critical_in_words(self.critical, self.file.temperature.critical_sd)
 
     def with_critical(self, kelvin: float, sd: float | None) -> Pair:
-        """The pair with another critical temperature, and its standard deviation [K]."""
+        """Copy with another critical temperature and its standard deviation [K]."""
         temperature = replace(self.file.temperature, critical=kelvin, critical_sd=sd)
         return replace(self, file=replace(self.file, temperature=temperature))

@@ -1,4 +1,4 @@
-"""The file of a pair of gears: its tables, as declared."""
+"""Tables of the file of a gear pair: entries, units, limits and meanings."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from pipeline.scene.units import TURNS
 
 
 class _Speed(Quantity):
-    """A speed of rotation in turns per minute, or rad/s; 1/s alone might be turns or radians."""
+    """Speed of rotation in rpm or rad/s; 1/s is refused, as it may mean turns or radians."""
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         if isinstance(value, str) and not any(unit in value for unit in (*TURNS, "rad/s")):
@@ -42,7 +42,7 @@ SPEED = _Speed("1500 rpm", ends=("1e-3 rpm", "1e6 rpm"), name="a speed")
 # fmt: off
 @declared
 class Gear:
-    """A gear of the file."""
+    """A gear of the pair."""
 
     teeth: A[int, Whole(at_least=4, at_most=10_000), "Number of teeth."]
     profile_shift: A[float, Number(at_least=-2, at_most=3), "Profile shift coefficient x."] = 0.0
@@ -53,7 +53,7 @@ class Gear:
 
 @declared
 class Toothing:
-    """What both gears share."""
+    """Geometry that both gears share."""
 
     module: A[float, Quantity("4.5 mm", usual=(0.1, 100)), "Normal module."]
     pressure_angle: A[float, _angle("20 deg"), "Normal pressure angle."] = math.radians(20)
@@ -65,7 +65,7 @@ class Toothing:
 
 @declared
 class Load:
-    """The duty of the file."""
+    """Duty of the pair."""
 
     torque: A[float, TORQUE, "Torque on the pinion."]
     speed: A[float, SPEED, "Speed of the pinion."]
@@ -74,7 +74,7 @@ class Load:
 
 @declared
 class Temperatures:
-    """Temperatures of teeth, oil and failure [K]."""
+    """Temperatures of teeth, oil and lubricant failure [K]."""
 
     bulk: A[float | None, BULK, "Temperature of the teeth before they meet."] = None
     oil: A[float | None, BULK,
@@ -95,7 +95,7 @@ class Friction:
 
 @declared
 class Surface:
-    """What no drawing gives, by default as usual flanks are."""
+    """Surface data that no drawing gives; the defaults are those of usual flanks."""
 
     correlation_length: A[tuple[float, float], List(Quantity("4 um"), length=2),
         "Of the roughness, along and across the sliding."] = (4e-6, 4e-6)
@@ -104,7 +104,7 @@ class Surface:
 
 @declared
 class PairFile:
-    """Tables of the file of a pair."""
+    """All tables of the file of a gear pair."""
 
     title: A[str | None, "A line on the pair."] = None
     mesh: Toothing

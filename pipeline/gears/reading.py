@@ -1,4 +1,4 @@
-"""Files of gear pairs: TOML with units, as scenes are, with all faults at once."""
+"""Read files of gear pairs: TOML with units, as for scenes, with all faults in one error."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tribo import InputError, Oil
 
 _PAIRS = Path(__file__).parent / "pairs"
 _BODIES = {"pin": "pinion", "disk": "wheel"}
-"""Gears by the bodies of a scene that stand for them."""
+"""Gear that each body of a scene stands for."""
 
 
 def shipped_pairs() -> dict[str, Path]:
@@ -42,13 +42,13 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     path : str or path
         TOML file, or the name of a shipped pair, such as ``"fzg_a"``. It may extend another file.
     overrides : mapping, optional
-        Entries by their paths in place of the file's, such as ``{"pinion.roughness": "0.8 um"}``.
-        Another duty needs its temperature, too.
+        Values that replace entries of the file, by path, such as
+        ``{"pinion.roughness": "0.8 um"}``. Another duty needs its temperature, too.
 
     Raises
     ------
     SceneFileError
-        If there is any fault in the file: a line for each.
+        If the file has faults; the message has a line for each.
 
     Examples
     --------
@@ -76,7 +76,7 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
             faults.refuse(f"{gear}.material", why)
     temperature = tables.temperature
     if temperature and not faults and (temperature.bulk is None) == (temperature.oil is None):
-        faults.refuse("temperature", "give one of bulk, that of the teeth, and oil")
+        faults.refuse("temperature", "give either bulk, that of the teeth, or oil")
     duty, bulk = (
         next((k for k, layer in enumerate(document.layers) if entry_at(layer.entries, path)), 0)
         for path in ("duty", "temperature.bulk")
@@ -84,7 +84,7 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     if temperature and temperature.bulk and duty < bulk:
         faults.refuse(
             "temperature.bulk",
-            "that of the file is for its own duty; give temperature.bulk of the other duty, too, "
+            "the file's value is for its own duty; give temperature.bulk for the other duty, too, "
             "or without=temperature.bulk and temperature.oil, from which it follows",
         )
     if faults:
@@ -102,7 +102,7 @@ def _make_pair(
     written: Mapping[str, Any],
     sources: tuple[FromLibrary, ...],
 ) -> Pair:
-    """The pair of sound tables; raises an `InputError` for gears that cannot run."""
+    """The pair described by valid tables; raises an `InputError` for gears that cannot run."""
     mesh, (first, second) = tables.mesh, (tables.pinion, tables.wheel)
     toothing = mesh.module, mesh.pressure_angle, mesh.helix_angle
     teeth, shifts = (first.teeth, second.teeth), (first.profile_shift, second.profile_shift)
@@ -131,10 +131,10 @@ def tip_diameter(
     centre_distance: float,
     gear: int,
 ) -> float:
-    """Diameter of a tip circle that keeps the clearance of the basic rack [m].
+    """Tip diameter that keeps the clearance of the basic rack [m].
 
-    da = d + 2 m (1 + y − x'), x' of the other gear, y m the centre distance less that without
-    shifts (ISO 21771:2007).
+    da = d + 2 m (1 + y − x'), with x' of the other gear; y m is the increase of the centre distance
+    due to the shifts (ISO 21771:2007).
 
     Examples
     --------

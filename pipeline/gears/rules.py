@@ -1,9 +1,9 @@
-"""The rule of the standard for scuffing, by the integral temperature.
+"""The scuffing rule of ISO/TR 13989-2: the integral temperature.
 
-ISO/TR 13989-2:2000, before it DIN 3990-4, after it ISO/TS 6336-21:2022. Equations are numbered as
-there; they were read in programs that cite them, not in the standard itself. They hold for external
-gears with contact ratios up to 2.5 and pitch line velocities from 1 to 50 m/s. The rule was fitted
-to tests of gears: oils by FZG's, in stages of the load.
+ISO/TR 13989-2:2000 was before it DIN 3990-4, and is now ISO/TS 6336-21:2022. Equations are numbered
+as there. They were taken from programs that cite the standard, not from the standard itself. They
+hold for external gears with contact ratios up to 2.5 and pitch line velocities from 1 to 50 m/s.
+The rule was fitted to tests of gears; oils are rated by load stages of FZG's test.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from tribo import InputError, contact_modulus
 
 STAGES: tuple[float, ...] = tuple(library()["machines"]["FZG"]["stages"])
 """Torque on the pinion in FZG's test A/8.3/90, by load stage from 1 on [N m] (ISO 14635-1)."""
-_LEAST_LOAD = 150.0  # [N/mm] of the face width, below which friction no longer falls (clause 5.1)
-_FASTEST = 50.0  # [m/s], at which the rule for friction ends
+_LEAST_LOAD = 150.0  # load per face width [N/mm] below which friction is constant (clause 5.1)
+_FASTEST = 50.0  # pitch line velocity [m/s] above which the rule takes friction as constant
 _BULK_SHARE, _WEIGHT = 0.7, 1.5  # C1 and C2
-_ROUNDS = 10  # in which friction and bulk temperature meet within 1e-9 K
+_ROUNDS = 10  # iterations; friction and bulk temperature converge within 1e-9 K
 
 
 @dataclass(frozen=True, slots=True)
 class Integral:
-    """Integral temperatures of the rule; all but the safety in K."""
+    """Integral temperatures by ISO/TR 13989-2 [K], and the friction that they rest on."""
 
     friction: float  #: Mean coefficient of friction, Eq. (1).
-    tip_flash: float  #: Flash temperature at the pinion's tip, as if it carried all, Eq. (19).
-    mean_flash: float  #: Its mean along the path of contact, Eq. (18).
-    integral: float  #: Integral temperature of the pair: its bulk and 1.5 mean flashes, Eq. (17).
+    tip_flash: float  #: Flash temperature if the pinion's tip carried the whole load, Eq. (19).
+    mean_flash: float  #: Mean flash temperature along the path of contact, Eq. (18).
+    integral: float  #: Integral temperature: bulk + 1.5 × mean flash, Eq. (17).
 
 
 def stage_torque(stage: int) -> float:
@@ -48,9 +48,9 @@ def stage_torque(stage: int) -> float:
 
 
 def stage_bulk(stage: int, lubricant_factor: float = 1.0) -> float:
-    """Bulk temperature of the test gears in a load stage [K], 80 °C + 0.23 T1 XL, Eq. (95).
+    """Bulk temperature of the test gears in a load stage [K]: 80 °C + 0.23 T1 XL, Eq. (95).
 
-    T1 in N m, XL the factor of the lubricant, 1 of mineral oils.
+    T1 is the torque [N m]; XL is the lubricant factor, 1 for mineral oils.
 
     Examples
     --------
@@ -92,19 +92,19 @@ def scuffing_integral(
 
 
 def friction_coefficient(pair: Pair, duty: Duty) -> float:
-    """Mean coefficient of friction of a mesh, as the file gives it, or by Eq. (1).
+    """Mean coefficient of friction of a mesh: that of the file, else by Eq. (1).
 
-    µ = 0.045 (w KBγ/(vΣC ρC))^0.2 η^−0.05 XR XL, with the load w [N/mm] on the face width, at least
-    150, the sum velocity vΣC [m/s] and the reduced radius ρC [mm] at the pitch point, the viscosity
-    η [mPa s] of the oil, here at the bulk temperature, and XR = 2.2 (Ra/ρC)^0.25, Ra [µm] that of
-    both flanks in the mean.
+    µ = 0.045 (w KBγ/(vΣC ρC))^0.2 η^−0.05 XR XL, with the load per face width w [N/mm], at least
+    150; the sum velocity vΣC [m/s] and the reduced radius ρC [mm] at the pitch point; the oil's
+    viscosity η [mPa s], here at the bulk temperature; and XR = 2.2 (Ra/ρC)^0.25 with the mean Ra
+    [µm] of both flanks.
     """
     if pair.file.friction.coefficient is not None:
         return pair.file.friction.coefficient
     if pair.oil is None:
         raise InputError(
-            "friction.coefficient is not given, and without an oil there is no rule for it; give "
-            "one or the other"
+            "friction.coefficient is not given, and its rule needs an oil; give the coefficient "
+            "or [oil]"
         )
     gears = pair.gears
     load = _unit_load(pair, duty) * 1e-3  # [N/mm]
@@ -122,7 +122,7 @@ def friction_coefficient(pair: Pair, duty: Duty) -> float:
 def integral_temperature(pair: Pair, duty: Duty) -> Integral:
     """Integral temperature of a pair at a duty, Eqs. (17) to (45), without tip relief.
 
-    The bulk temperature is that of the duty, which `warm_duty` finds from the oil's.
+    The bulk temperature is that of the duty; `warm_duty` finds it from that of the oil.
     """
     gears = pair.gears
     friction = friction_coefficient(pair, duty)
@@ -137,7 +137,7 @@ def integral_temperature(pair: Pair, duty: Duty) -> Integral:
         1.22 * (math.sin(working) * math.cos(gears.pressure_angle) * math.cos(gears.helix_angle))
         ** 0.25 / math.sqrt(math.cos(working) * math.cos(gears.transverse_angle))
     )  # fmt: skip
-    # XM of Eq. (11) for unlike bodies, by the mean effusivity; 50.0 of the standard's steel.
+    # XM of Eq. (11), with the mean effusivity of different bodies; 50.0 for the standard's steel.
     effusivity = sum(body.thermal_effusivity for body in pair.materials) / 2
     modulus = 2 * contact_modulus(*pair.materials) * 1e-6  # E/(1 − ν²) [N/mm²]
     heat = math.sqrt(1000) * modulus**0.25 / (effusivity * 1e-3)
@@ -162,29 +162,29 @@ def warm_duty(
     load_factor: float | None = None,
     oil: float | None = None,
 ) -> Duty:
-    """A duty of a pair, with the bulk temperature that is given, or else found.
+    """A duty of a pair, with its bulk temperature given or computed.
 
-    If the oil into which the teeth dip has the temperature θ, their bulk is θ + 0.7 mean flash,
-    Eq. (20); friction, by the viscosity there, is found together with it. Without θ it is that of
-    the pair, which holds for its own duty.
+    In oil at the temperature θ the bulk temperature is θ + 0.7 × mean flash, Eq. (20). It is found
+    by iteration with the friction, which depends on the viscosity at it. Without θ the pair's bulk
+    temperature is taken, which holds only for the pair's own duty.
 
     Parameters
     ----------
     pair : Pair
         The pair.
     torque, speed : float
-        Of the pinion [N m, rad/s].
+        Torque [N m] and angular velocity [rad/s] of the pinion.
     bulk : float, optional
         Bulk temperature of the teeth [K].
     load_factor : float, optional
-        Factor of the load, in place of the pair's.
+        Factor on the load; the pair's by default.
     oil : float, optional
-        Temperature of the oil, in place of the pair's [K].
+        Temperature of the oil [K]; the pair's by default.
 
     Raises
     ------
     InputError
-        If another duty than the pair's own has neither.
+        If a duty other than the pair's has neither bulk nor oil temperature.
     """
     duty = Duty(torque, speed, bulk or pair.duty.bulk, load_factor or pair.duty.load_factor)
     oil = oil or pair.file.temperature.oil
@@ -192,8 +192,8 @@ def warm_duty(
         return duty
     if oil is None:
         raise InputError(
-            f"the bulk temperature of the file, {display(duty.bulk, '°C', 4)}, is that of its own "
-            "duty, and another duty heats the teeth otherwise; give the bulk temperature of this "
+            f"the bulk temperature of the file, {display(duty.bulk, '°C', 4)}, holds for its own "
+            "duty, and another duty heats the teeth differently; give the bulk temperature of this "
             "duty, or the temperature of the oil"
         )
     for _ in range(_ROUNDS):
@@ -203,7 +203,7 @@ def warm_duty(
 
 
 def _unit_load(pair: Pair, duty: Duty) -> float:
-    """Load on the reference circle over the face width [N/m], Eq. (4)."""
+    """Tangential load on the reference circle per face width [N/m], Eq. (4)."""
     radius = pair.gears.reference_radii[0]
     return duty.load_factor * duty.torque / radius / pair.gears.face_width
 
@@ -213,7 +213,7 @@ def _line_velocity(pair: Pair, duty: Duty) -> float:
 
 
 def _helical_load(ratio: float) -> float:
-    """KBγ of a total contact ratio, Eq. (5).
+    """Helical load factor KBγ from the total contact ratio, Eq. (5).
 
     >>> [round(_helical_load(ratio), 4) for ratio in (1.5, 2.0, 2.5, 3.5, 4.0)]
     [1.0, 1.0, 1.2236, 1.3, 1.3]
@@ -224,7 +224,7 @@ def _helical_load(ratio: float) -> float:
 
 
 def _path_mean(eps1: float, eps2: float) -> float:
-    """Contact ratio factor Xε: mean flash over that of the tip, Eqs. (39) to (44)."""
+    """Contact ratio factor Xε: mean flash over flash at the tip, Eqs. (39) to (44)."""
     total, long, short = eps1 + eps2, max(eps1, eps2), min(eps1, eps2)
     if total < 2 and long < 1:
         value = 0.70 * (eps1**2 + eps2**2) - 0.22 * total + 0.52 - 0.60 * eps1 * eps2

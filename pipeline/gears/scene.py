@@ -1,8 +1,8 @@
-"""The scene of a pair: the rough, worn contact at each place of mesh, for the whole pipeline.
+"""Write the scene of a gear pair: the rough, worn contact at each place of the mesh.
 
-The pinion is the pin, a cylinder of the reduced radius, and the wheel the disk, which has the
+The pinion is the pin, a cylinder of the reduced radius. The wheel is the disk, which has the
 roughness of both flanks. Both move through the contact. A point of the pinion's flank comes back
-once a turn, so that its wear spreads over a track of 2π ρ1, and the wheel's over its own track.
+once a turn, so that its wear is spread over a track of 2π ρ1; likewise for the wheel.
 """
 
 from __future__ import annotations
@@ -18,28 +18,28 @@ from pipeline.quantities import display
 from pipeline.scene.document import as_toml
 from tribo import InputError
 
-_RAMP = 10.0  # [s] in which the load of each place is reached
-_ROOM = 1.2  # width of the window in that of the widest contact
-_PEAKS = 3.0  # Rq by which peaks reach beyond the smooth contact, as irg check counts
-_ALONG_Y = 240  # pixels
-_MOST_PIXELS = 6000  # along x
+_RAMP = 10.0  # [s] to reach the highest load
+_ROOM = 1.2  # width of the window over the widest contact
+_PEAKS = 3.0  # height of peaks in Rq, which widen the contact; as in irg check
+_ALONG_Y = 240  # pixels along y
+_MOST_PIXELS = 6000  # most pixels along x
 _PIXELS_A_LENGTH = 4  # pixels in a correlation length of the roughness
-_PIXELS_A_WIDTH = 80  # at least, of the widest contact of Hertz
+_PIXELS_A_WIDTH = 80  # least pixels in the widest Hertz contact
 _HEAD = (
     "# Places of mesh of a pair of gears: the margin of the rough, worn contact at each.",
     "# Chosen   the load of each place grows in 10 s, while the pinion wears; what no drawing",
     "#          gives (correlation length, Hurst exponent, wear rate) is that of [surface].",
 )
-"""Comments at the head of the file."""
+"""Comments at the beginning of the scene file."""
 
 
 def scene_toml(meshes: Sequence[Mesh]) -> str:
-    """Write the scene of the places of mesh, of one pair at one duty or several.
+    """Write a scene with the contact at each place of one or several meshes of a pair.
 
     Parameters
     ----------
     meshes : sequence of Mesh
-        Places of one pair; places without sliding, which no friction heats, are left out.
+        Meshes of one pair. Places without sliding have no friction heat, and are left out.
 
     Returns
     -------
@@ -68,12 +68,12 @@ def scene_toml(meshes: Sequence[Mesh]) -> str:
     )
     along, across = (length / _PIXELS_A_LENGTH for length in surface.correlation_length)
     side = min(along, hertz / _PIXELS_A_WIDTH), across
-    count = 8 * math.ceil(_ROOM * widest / side[0] / 8)  # as presets average pixels
+    count = 8 * math.ceil(_ROOM * widest / side[0] / 8)  # presets average up to 8 pixels
     if count > _MOST_PIXELS:
         raise InputError(
             f"surface.correlation_length is {display(4 * along, 'µm', 3)} along the sliding, on a "
             f"contact {display(widest, 'mm', 3)} wide: {count} pixels of a quarter of it are more "
-            f"than {_MOST_PIXELS}; give a longer one"
+            f"than {_MOST_PIXELS}; give a longer length"
         )
     highest = max(place.load for _, _, place in places)
     width = pair.gears.face_width / math.cos(pair.gears.base_helix_angle)
@@ -114,7 +114,7 @@ def scene_toml(meshes: Sequence[Mesh]) -> str:
 
 
 def _row(number: int, mesh: Mesh, place: MeshPlace) -> dict[str, str | float]:
-    """A row of the table of pairs; the conditions are there where duties differ."""
+    """A row of the scene's table of places; with friction and temperature if duties differ."""
     track = 2 * math.pi * place.radius_1 * math.cos(mesh.pair.gears.base_helix_angle)
     row: dict[str, str | float] = {"position": f"{place.position:.7g} m"}
     if number:

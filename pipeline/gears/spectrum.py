@@ -1,4 +1,4 @@
-"""A duty spectrum: rows of torque and speed with their hours, and one verdict on all of them."""
+"""Duty spectrum: rows of torque and speed with hours, simulated and judged together."""
 
 from __future__ import annotations
 
@@ -45,16 +45,16 @@ _OPENINGS = {"mild": "No scuffing", NOT_DECIDED: "Scuffing is not decided", "sev
 def read_spectrum(
     source: str | PathLike[str] | Mapping[str, Sequence[Any]], pair: Pair, sheet: str | None = None
 ) -> tuple[list[tuple[float | None, Duty]], Sheet]:
-    """Read a table of duties, each with its hours, and what became of its rows and columns.
+    """Read a table of duties: hours and duty of each row, and the sheet with notes on unused parts.
 
-    Columns are ``torque``, ``speed`` and, if they are there, ``hours``, ``load factor``, and
-    ``bulk temperature`` or ``oil temperature``, in place of those of the pair; see `warm_duty`.
+    Columns are ``torque`` and ``speed``, and optionally ``hours``, ``load factor``, and ``bulk
+    temperature`` or ``oil temperature``, which replace those of the pair; see `warm_duty`.
     """
     given = Path(source) if isinstance(source, str | PathLike) else lines_of(columns_of(source))
     read = read_sheet(given, _UNITS, _DUTY[:2], _DUTY[:2], sheet)
     _, rows = read.entries(_Row)
     if {"bulk_temperature", "oil_temperature"} <= {*read.places}:
-        read.faults.append("there are bulk and oil temperatures; give one of both columns")
+        read.faults.append("the table has bulk and oil temperatures; give one of both columns")
     read.refuse_faults(_FIRST_LINE)
     duties, faults = [], list[Fault]()
     for number, row in zip((row.number for row in read.rows), rows, strict=True):
@@ -73,7 +73,7 @@ def judge_spectrum(
     sheet: str | None = None,
     **choices: Any,
 ) -> pd.DataFrame:
-    """Simulate a duty spectrum, and judge each row.
+    """Simulate and judge each row of a duty spectrum.
 
     Parameters
     ----------
@@ -89,13 +89,13 @@ def judge_spectrum(
     Returns
     -------
     DataFrame
-        The frame of `judge` with the number and the hours of each row. Its attribute ``remarks``
-        has what became of rows and columns of the table that were not used.
+        The frame of `judge` with the number and hours of each row. Its attribute ``remarks``
+        lists rows and columns that were not used.
 
     Raises
     ------
     InputError
-        If the table has faults; the message names all.
+        If the table has faults; the message names them all.
     """
     duties, read = read_spectrum(points, pair, sheet)
     table = judge([mesh(pair, duty=duty) for _, duty in duties], **choices)
@@ -106,7 +106,7 @@ def judge_spectrum(
 
 
 def conclusion(table: pd.DataFrame) -> str:
-    """The verdict on a spectrum in a sentence: scuffing has no memory, so the worst row decides."""
+    """Sentence on a spectrum: scuffing has no memory here, so the worst row decides."""
     decisive = worst(table)
     is_same = table["verdict"] == decisive["verdict"]
     sentence = f"{_OPENINGS[decisive['verdict']]} in {is_same.sum()} of {len(table)} rows"

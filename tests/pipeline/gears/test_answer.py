@@ -248,7 +248,7 @@ def test_teeth_above_the_critical_temperature_are_severe_without_a_simulation():
     one = gears.judge([gears.mesh(pair)]).iloc[0]
     assert (one["verdict"], one["probability"]) == ("severe", 0.9999)
     assert one["notes"].endswith(
-        "the teeth alone are above the critical temperature: not simulated"
+        "the bulk temperature is above the critical temperature: not simulated"
     )
     table = gears.judge_spectrum(
         pair,

@@ -92,5 +92,7 @@ def test_a_centre_distance_may_be_a_tenth_of_a_module_off():
     fitting = fitting_distance(4.5e-3, TWENTY, 0.0, (16, 24), (0.8532, -0.5))
     for side in (-1, 1):
         pair(centre_distance=fitting + side * 0.099 * 4.5e-3)
-        with pytest.raises(InputError, match=r"fit 91\.5 mm; give one within 0\.45 mm of that"):
+        with pytest.raises(
+            InputError, match=r"fit 91\.5 mm; give a distance within 0\.45 mm of it"
+        ):
             pair(centre_distance=fitting + side * 0.101 * 4.5e-3)

@@ -73,11 +73,11 @@ REFUSALS = {
                       'kinematic_viscosity = ["46 mm^2/s", "7 mm^2/s"]')),
                 "give kinematic_viscosity and density"),
     "temperatures": (partial(gears.read_pair, "fzg_a", {"temperature.oil": "90 degC"}),
-                     "temperature: give one of bulk"),
+                     "temperature: give either bulk"),
     # the teeth
     "interfering": (pair(("teeth = 21", "teeth = 12")), "contact begins at a radius of"),
-    "distance": (involutes(centre_distance=95e-3), "mesh.centre_distance is 95 mm, and the"),
-    "tip": (involutes(tip_diameters=(60e-3, 112.5e-3)), "pinion.tip_diameter is 60 mm, within"),
+    "distance": (involutes(centre_distance=95e-3), "mesh.centre_distance is 95 mm, but the"),
+    "tip": (involutes(tip_diameters=(60e-3, 112.5e-3)), "pinion.tip_diameter is 60 mm, inside"),
     "ratio": (involutes(tip_diameters=(88.77e-3, 108e-3)), "contact ratio is 0.924"),
     "helical ratio": (partial(gears.read_pair, "fzg_a", HELICAL | {
         "pinion.tip_diameter": "77.5 mm", "wheel.tip_diameter": "113 mm"}),
@@ -86,32 +86,32 @@ REFUSALS = {
     "flank": (partial(plain, 12, 24), "or a smaller wheel.tip_diameter"),
     "undercut": (partial(plain, 14, 14), "contact begins at a radius of curvature of 235.1 mm"),
     "pitch point": (involutes(teeth=(38, 56), profile_shifts=(-1.0, -0.1), tip_diameters=(
-        0.1647, 0.2574), centre_distance=0.20594), "contact pass that point"),
+        0.1647, 0.2574), centre_distance=0.20594), "contact include it"),
     # rules and simulations
     "stage": (partial(stage_torque, 13), "load stage is 13; FZG A/8.3/90 has 1 to 12"),
     "failure stage": (lambda: critical_temperature(gears.read_pair("fzg_a"), 13),
                       "failure load stage is 13; give 2 to 12"),
     "oil of a stage": (lambda: rig_pair(replace(pair()(), oil=None)),
-                       "and the oil of the pair is not given"),
-    "friction": (lambda: mesh(gears.read_pair("fzg_a", {"without": ["oil"]})), "without an oil"),
+                       "and the pair has no oil"),
+    "friction": (lambda: mesh(gears.read_pair("fzg_a", {"without": ["oil"]})), "needs an oil"),
     "fine": (lambda: scene_toml([mesh(gears.read_pair("fzg_a", {
         "surface.correlation_length": ["1 nm", "4 um"]}))]), "surface.correlation_length is 0.001"),
     "no duty": (duties("torque [N m],speed [rpm]\n"), "there are no rows"),
     "bulk of a duty": (duties("torque [N m],speed [rpm]\n372.6,2170\n534.5,2170\n"),
-                       "row 3, bulk_temperature: the bulk temperature of the file, 165.7 °C, is "),
+                       "row 3, bulk_temperature: the bulk temperature of the file, 165.7 °C,"),
     "bulk of another": (lambda: warm_duty(gears.read_pair("fzg_a"), 534.5, 227.2),
                         "give the bulk temperature of this duty, or the temperature of the oil"),
     "bulk of a file": (partial(gears.read_pair, "fzg_a", {"duty.torque": "534.5 N m"}),
-                       "temperature.bulk: that of the file is for its own duty"),
+                       "temperature.bulk: the file's value is for its own duty"),
     "bulk of a base": (extending('duty.torque = "534.5 N m"'),
-                       "temperature.bulk (in base.toml): that of the file is for its own duty"),
+                       "temperature.bulk (in base.toml): the file's value is for its own duty"),
     "bulk and oil": (duties("torque [N m],speed [rpm],oil temperature [degC],bulk temperature "
                             "[degC]\n534.5,2170,90,203\n"), "give one of both columns"),
     "duty": (duties("torque [N m],speed [rpm]\nx,3\n"), "row 2, torque"),
     # options
     "stages": (fzg("--stages"), "need a critical temperature"),
     "two": (fzg("--failure-stage", "9", *CRITICAL), "not allowed with argument"),
-    "sheet": (fzg("--sheet", "one"), "--sheet names a sheet of --points"),
+    "sheet": (fzg("--sheet", "one"), "--sheet needs --points"),
 }  # fmt: skip
 
 ELSEWHERE = {
