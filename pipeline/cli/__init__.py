@@ -31,18 +31,18 @@ _SETTINGS = {
     "dask.config": "a setting of Dask (~/.config/dask, DASK_CONFIG or DASK_…)",
     "dask.utils": "a setting of Dask (~/.config/dask, DASK_CONFIG or DASK_…)",
 }
-"""Settings of others that a user may have wrong, by the module whose error says so."""
+"""Settings of other programs that may be wrong, by the module that raises the error."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; return its exit code."""
-    # One thread of BLAS, as workers have: a point alone has the bits of the same point in a sweep.
+    """Run the command that `arguments` name; return its exit code."""
+    # One BLAS thread, as in workers: a single point is then bit for bit that of a sweep.
     os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
-    atexit.register(gc.freeze)  # saves 0.3 s of searching imported modules for garbage at the end
+    atexit.register(gc.freeze)  # saves 0.3 s of garbage collection at exit
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # rather than to fail in ASCII
-    if Path("matplotlibrc").exists():  # which may name programs to run, and others may have written
+            stream.reconfigure(errors="backslashreplace")  # so that an ASCII terminal does not fail
+    if Path("matplotlibrc").exists():  # untrusted: it may name programs to run
         with chdir(Path(__file__).parent):
             import matplotlib  # noqa: F401
     try:
@@ -53,17 +53,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _begun(options: argparse.Namespace) -> Any:
-    """Run a command, whose module is imported only now, and return its result."""
+    """Import the command's module, run the command and return its result."""
     if options.command == "sweeps:run" and not (options.scheduler or options.scheduler_file):
-        forkserver.start()  # imports for the workers what is imported here meanwhile
+        forkserver.start()  # it imports modules for the workers while this process goes on
     function = function_of(options)
     with interrupts.raised():
         return function(options)
 
 
 def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namespace], Any]) -> int:
-    """Exit code of a command, after a line on the error that may have ended it."""
-    # Here, since they import NumPy, which --help needs not and cannot do with little memory.
+    """Run a command and return its exit code; print an error as a single message."""
+    # Imported here, as they import NumPy, which --help does not need.
     from pipeline.cli import output
     from pipeline.store.place import is_lack_of_memory
     from tribo import TriboError
@@ -71,7 +71,7 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
 
     if options.quiet:
         output.QUIET.set()
-    # Of what is computed, no other command keeps anything before its end.
+    # Only irg run keeps results before its end.
     safe = "; finished points are safe" if getattr(options, "command", "") == "sweeps:run" else ""
     try:
         with warnings.catch_warnings():
@@ -79,7 +79,7 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
             result = function(options)
             output.show(options, result)
             if sys.stdout is not None:
-                sys.stdout.flush()  # here, where it can be said that it fails
+                sys.stdout.flush()  # here, so that a failure is reported
             return int(result.code)
     except KeyboardInterrupt:
         with suppress(OSError):  # the terminal may be closed
@@ -94,12 +94,12 @@ def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namesp
         return output.DONE
     except (MemoryError, OSError, RuntimeError, ImportError) as error:
         if not is_lack_of_memory(error):
-            # Zarr says so of a damaged chunk of a copy.
+            # Zarr raises a RuntimeError for a damaged chunk.
             if not isinstance(error, OSError) and "decompress" not in str(error):
                 raise
             output.complain(f"cannot go on: {error}{safe}")
             with suppress(OSError, ValueError, AttributeError):
-                # Python is not to try again, at its end, to print what could not be printed.
+                # Keep Python from flushing stdout again at exit.
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return output.WRONG_USE
         output.complain(

@@ -1,4 +1,4 @@
-"""The commands that a user begins with: a scene, and the pages."""
+"""The commands ``irg new`` and ``irg help``."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from tribo import InputError
 
 
 def new(options: argparse.Namespace) -> Result:
-    """Write a scene to start from, or list those that are shipped."""
+    """Answer ``irg new``: write a scene to start from, or list the shipped scenes."""
     if options.list:
         titles = {name: pipeline.load_scene(path).title for name, path in shipped_scenes().items()}
         return Result(titles, [f"{name:16} {title}" for name, title in titles.items()])
     if options.file is None:
-        raise InputError("no file is named; give one to write, such as: irg new scene.toml")
+        raise InputError("no file is named; give a file to write, such as: irg new scene.toml")
     scene, *copies = pipeline.new_scene(options.file, options.like, options.full)
     text = [
         f"{scene} is written" + "".join(f", {copy} copied" for copy in copies),
@@ -33,14 +33,14 @@ def new(options: argparse.Namespace) -> Result:
 
 
 def help_(options: argparse.Namespace) -> Result:
-    """Print a page, the help of a command, or the names of all pages."""
+    """Answer ``irg help``: print a page, the help of a command, or the names of all pages."""
     topic, pages = options.topic, shipped_pages()
     if topic is None:
         texts = {name: path.read_text(encoding="utf-8") for name, path in pages.items()}
         titles = {name: re.findall(r"(?m)^# (.+)", text)[0] for name, text in texts.items()}
         lines = [f"irg help {name:12} {title}" for name, title in titles.items()]
         return Result(
-            titles, ["pages, in the order of reading:", *lines, "a command: irg COMMAND --help"]
+            titles, ["pages, in reading order:", *lines, "help on a command: irg COMMAND --help"]
         )
     names = [command.name for command in commands()]
     page = page_name(Path(topic))

@@ -1,4 +1,4 @@
-"""The command that draws a figure of a store."""
+"""The command ``irg plot``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pipeline.cli.output import Result
 
 
 def plot(options: argparse.Namespace) -> Result:
-    """Draw a figure of a store."""
+    """Answer ``irg plot``: draw a figure of a store, and print its path."""
     look = given.values_in(options, *given.PLACE, "log", "show", "width", "plain")
     ds = given.dataset_in(options)
     out = options.output or given.path_beside(options.store, f"_{options.kind}.png")

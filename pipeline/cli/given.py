@@ -1,4 +1,4 @@
-"""What the options of a command give: the scene, conditions, operating points, the dataset."""
+"""Read the options of a command: scene, conditions, operating points and dataset."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from pipeline.tradeoff.choose import choose_accuracy, measure_error
 from tribo import InputError
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
-"""Options that `pipeline.boundary` and `Conditions.changed` take by these names."""
+"""Options on conditions, named as in `pipeline.at` and `Conditions.changed`."""
 PLACE = ("load", "velocity", "realization")
-"""Options that `pipeline.plot` takes by these names."""
+"""Options on the place of a figure, named as in `pipeline.plot`."""
 
 
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
-    """Options of these names that the command has and the user gave."""
+    """Options by name, of those in `names` that the command has and the user gave."""
     values = {name: getattr(options, name, None) for name in names}
     return {
         name: value
@@ -36,7 +36,7 @@ def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
 
 
 def flags_of(names: Iterable[str]) -> str:
-    """Options as they are typed, one after the other."""
+    """Options as typed, such as "--load, --velocity"."""
     typed = ("store" if name == "kept" else name.replace("_", "-") for name in names)
     return ", ".join(f"--{name}" for name in typed)
 
@@ -48,12 +48,12 @@ def path_beside(store: Path | str, ending: str) -> Path:
 
 
 def settings_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Entries of --set, without the prefix `fidelity.` of numerical choices."""
+    """Values of --set by path, without the prefix `fidelity.` of numerical choices."""
     return {path.removeprefix("fidelity."): value for path, value in options.set}
 
 
 def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Conditions that the user gave; several values of one condition as a tuple."""
+    """Conditions that the user gave, by name; several values of a condition as a tuple."""
     given = values_in(options, *CONDITIONS).items()
     conditions = {name: values[0] if len(values) == 1 else tuple(values) for name, values in given}
     criterion = conditions.get("criterion", "share")
@@ -63,21 +63,21 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
-    """Operating points of a table, or the one of --load and --velocity; None if none is given."""
+    """Operating points of --points, or that of --load and --velocity; None without both."""
     place = values_in(options, "load", "velocity")
     if options.points is not None:
         if place:
             raise InputError(f"--points gives each load and velocity; leave out {flags_of(place)}")
         return OperatingPoints.read(options.points, options.sheet)
     if options.sheet is not None:
-        raise InputError("--sheet names a sheet of --points; give that too, or leave it out")
+        raise InputError("--sheet needs --points; give --points, too, or leave out --sheet")
     if len(place) == 1:
         raise InputError("no operating point is given; give --load and --velocity, or --points")
     return OperatingPoints((Place(options.load, options.velocity),), {}) if place else None
 
 
 def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
-    """The scene with the fidelity and conditions asked for."""
+    """The scene with the fidelity and conditions that the user asked for."""
     settings = settings_in(options)
     conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
     if "share" in conditions_in(options):
@@ -97,14 +97,14 @@ def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
 
 
 def one_scene_in(options: argparse.Namespace) -> Sweep:
-    """The scene, for a command that takes one value of each entry; a note says if it has more."""
+    """The scene, with the first value of each entry; a note is printed if an entry has more."""
     sweep = scene_in(options)
     tell(*notes_on_first_values(sweep.variants))
     return sweep
 
 
 def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
-    """The store, or another one, judged as the user asked for."""
+    """The dataset of `store`, or of the command's store, under the user's conditions."""
     ds = pipeline.open_sweep(store or options.store)
     weighing = values_in(options, "given_measured", "scatter", "oil")
     return pipeline.at(ds, **conditions_in(options), **weighing, **dict(options.at))

@@ -18,19 +18,19 @@ class Option:
         self.names, self.settings = names, settings | {"help": help}
 
     def but(self, **settings: Any) -> Option:
-        """The option with some settings replaced."""
+        """Copy of the option with some settings replaced."""
         return Option(*self.names, **self.settings | settings)
 
 
 class Group(NamedTuple):
-    """Options below a title; without a title, options that exclude each other."""
+    """Options under a title; without a title, options that exclude each other."""
 
     title: str
     options: tuple[Option, ...]
 
 
 class Command(NamedTuple):
-    """A command: its name, its function as ``module:name``, its help, and its options."""
+    """A command: name, function as ``module:name``, purpose, example and options."""
 
     name: str
     function: str
@@ -40,32 +40,32 @@ class Command(NamedTuple):
 
 
 def value(words: str, use: str, read: Callable[[str], Any] | None = None, **more: Any) -> Option:
-    """Option with a value, from its names and the name of the value, and what reads it."""
+    """Option with a value: `words` are its names and the value's name, `read` converts the text."""
     *names, metavar = words.split()
     return Option(*names, metavar=metavar, type=read, help=use, **more)
 
 
 def several(words: str, use: str, read: Callable[[str], Any]) -> Option:
-    """Option that may be repeated."""
+    """Option that may be repeated; its values are collected in a list."""
     return value(words, f"{use}; may be repeated", read, action="append", default=[])
 
 
 def flag(name: str, use: str, *short: str) -> Option:
-    """Option without a value."""
+    """Option without a value, True if given."""
     return Option(*short, name, action="store_true", help=use)
 
 
 def quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = False) -> Option:
-    """Option for a quantity with a unit, such as the example that ends its help."""
+    """Option for a quantity with a unit; its help ends with the example `like`."""
     return value(f"{name} {metavar}", f'{use}, like "{like}"', values.quantity(like, is_signed))
 
 
 WRITTEN = "output", "kept", "new_scene"
-"""Options that name what a command writes."""
+"""Options that name files which a command writes."""
 
 
 def output(name: str, use: str, kind: Callable[[str], Path | str] = user_path) -> Option:
-    """Option for the file that a command writes."""
+    """Option ``-o`` for the file that a command writes."""
     return value(f"-o --output {name}", use, kind)
 
 

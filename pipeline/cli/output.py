@@ -1,6 +1,6 @@
-"""Output of the command: results on stdout; notes, errors and progress on stderr.
+"""Print results on stdout; notes, errors and progress on stderr.
 
-Progress stands on one line of a terminal, or else in lines now and then.
+Progress is one changing line on a terminal; elsewhere it is a line every ten seconds.
 """
 
 from __future__ import annotations
@@ -27,37 +27,37 @@ if TYPE_CHECKING:
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
 QUIET = threading.Event()
-"""Set if the user asked for no progress and no notes."""
+"""Set by --quiet: no progress and no notes are printed."""
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
-_LONGEST, _COLUMNS = 2000, 100  # characters of a line at most, and of a sentence
+_LONGEST, _COLUMNS = 2000, 100  # most characters of a line; of a line of wrapped text
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Result of a command: frames, which are its document too, and what is printed of them."""
+    """Result of a command: frames, a JSON document, and text to print."""
 
-    document: dict[str, Any] | None = None  # of what is no table
+    document: dict[str, Any] | None = None  # for --json; None: the frames are the document
     text: Iterable[str | pd.DataFrame] = ()
-    warned: Warned | None = None  # what its points warn of
+    warned: Warned | None = None  # warnings of its points
     frames: Sequence[pd.DataFrame] = ()
     draw: Callable[[], Any] | None = None
     code: int = DONE
 
 
 def show(options: argparse.Namespace, result: Result) -> None:
-    """Print a result, as text or as one JSON document, and write its frames or its figure.
+    """Print a result as text or as one JSON document, and write its table or figure to a file.
 
-    Beside the document, sentences are notes.
+    With --json, sentences that the document lacks are printed as notes on stderr.
     """
     text = [*result.text, *wrapped(result.warned.lines() if result.warned else ())]
     out = getattr(options, "output", None)
     if out and (result.frames or result.draw):
-        from pipeline.analysis.tables import TABLES, write_frames  # pandas takes its time
+        from pipeline.analysis.tables import TABLES, write_frames  # pandas is slow to import
 
         if result.draw is None or out.suffix.lower() in TABLES:
             write_frames(result.frames, out)
         else:
-            from pipeline.figures.style import save_figure  # Matplotlib takes its time
+            from pipeline.figures.style import save_figure  # Matplotlib is slow to import
 
             save_figure(result.draw(), out)
         text.append(f"written: {out}")
@@ -73,20 +73,20 @@ def show(options: argparse.Namespace, result: Result) -> None:
 
 
 def show_text(text: Iterable[str | pd.DataFrame]) -> None:
-    """Print text as a terminal can show it, at once, the frames in it as aligned columns."""
+    """Print lines, and frames as aligned columns, in one write; control characters are escaped."""
     lines = list[str]()
     for part in text:
         if isinstance(part, str):
             lines.append(part)
         else:
-            from pipeline.analysis.tables import lines_of  # with pandas
+            from pipeline.analysis.tables import lines_of  # pandas is slow to import
 
             lines += lines_of(part)
     print("\n".join(map(_shown, "\n".join(lines).split("\n"))), flush=True)
 
 
 def wrapped(lines: Iterable[str]) -> list[str]:
-    """Lines of at most 100 letters, where words allow it."""
+    """Lines wrapped at 100 characters, continued lines indented."""
     found = list[str]()
     for line in lines:
         parts = textwrap.wrap(
@@ -97,20 +97,20 @@ def wrapped(lines: Iterable[str]) -> list[str]:
 
 
 def counted(number: int, one: str, several: str) -> str:
-    """Number of something, in words."""
+    """Number and noun, such as "1 load" or "3 loads"."""
     return f"{number} {one if number == 1 else several}"
 
 
 def tell(*messages: str | Progress) -> None:
-    """Print notes, or a stage that begins: neither results nor errors."""
+    """Print notes, or the beginning of a stage, on stderr unless --quiet."""
     for message in messages if not QUIET.is_set() else ():
         complain(str(message))
 
 
 def complain(message: str) -> None:
-    """Print an error, beside a progress line if there is one."""
+    """Print an error on stderr, without breaking a progress line."""
     lines = "\n".join(map(_shown, f"irg: {message}".split("\n")))
-    if "tqdm" not in sys.modules:  # nor is there memory to import it where that is the error
+    if "tqdm" not in sys.modules:  # no progress line; an import could fail for lack of memory
         print(lines, file=sys.stderr)
         return
     from tqdm import tqdm
@@ -119,20 +119,20 @@ def complain(message: str) -> None:
 
 
 def _shown(line: str) -> str:
-    """A line for a terminal: without control characters, and not longer than allowed."""
+    """A line with control characters escaped, and cut at 2000 characters."""
     line = line if len(line) <= _LONGEST else f"{line[:_LONGEST]} …"
     return _CONTROLS.sub(lambda match: f"\\x{ord(match[0]):02x}", line)
 
 
-_BETWEEN_LINES = 10.0  # [s], where stderr is no terminal
-_SOON = 2.0  # [s], before which a command that just works says nothing
+_BETWEEN_LINES = 10.0  # [s] between lines of progress if stderr is no terminal
+_SOON = 2.0  # [s] before a slow command reports that it is working
 
 
 @contextmanager
 def run_line(silent: float = 0.0) -> Iterator[Report]:
     """Yield a function that shows progress: a bar on a terminal, lines elsewhere.
 
-    It shows no state in the first seconds if it is to be silent then.
+    For the first `silent` seconds it shows none.
     """
     begins = time.monotonic() + silent
     in_place = sys.stderr.isatty() and not QUIET.is_set()
@@ -166,7 +166,7 @@ def run_line(silent: float = 0.0) -> Iterator[Report]:
 
 @contextmanager
 def working(task: str) -> Iterator[Report]:
-    """Say after two seconds that a task goes on, and then how much of it is done."""
+    """Report after two seconds that a task is running, then its progress."""
     timer = threading.Timer(_SOON, tell, [f"{task} …"])
     timer.daemon = True
     timer.start()

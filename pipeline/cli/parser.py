@@ -1,4 +1,4 @@
-"""Commands of ``irg``: their table, and the parser that is made of it."""
+"""Commands of ``irg``: their table, and the parser made from it."""
 
 from __future__ import annotations
 
@@ -89,12 +89,12 @@ COMMANDS = (
 
 @cache
 def commands() -> tuple[Command, ...]:
-    """All commands, those of extras last."""
+    """All commands; those of extras come last."""
     return (*COMMANDS, *(one for module in extras.modules("commands") for one in module.COMMANDS))
 
 
 class _Parser(argparse.ArgumentParser):
-    """Parser in which words such as -5% are values, as from Python 3.14 on."""
+    """Parser that takes words such as -5% for values, as Python 3.14 does."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **settings)
@@ -102,7 +102,7 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
-        """Print one line: what is wrong, what was perhaps meant, and where options are listed."""
+        """Print one line: the fault, a suggestion, and how to list the options."""
         if wrong := re.fullmatch(r"argument (.*): invalid choice: '(.*?)' \((choose.*)\)", message):
             near = get_close_matches(wrong[2], re.findall(r"[\w-]+", wrong[3]), 1)
             meant = f"; did you mean {near[0]!r}?" if near else f" ({wrong[3]})"
@@ -111,7 +111,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 class _Version(argparse.Action):
-    """Print the version, which is looked up only now."""
+    """Print the version, which is looked up only on request."""
 
     def __call__(self, parser: Any, *_: Any) -> None:
         from importlib.metadata import PackageNotFoundError, version
@@ -119,7 +119,7 @@ class _Version(argparse.Action):
         try:
             installed = version("irg-transition")
         except PackageNotFoundError:
-            installed = "of unknown version, since it is not installed"
+            installed = "of unknown version: not installed"
         print(f"irg {installed}")
         parser.exit()
 
@@ -135,7 +135,7 @@ What a command takes:
 
 
 def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
-    """Parser of all commands, with the options of one, or of all if no name is given."""
+    """Parser of all commands, with options of the command `name` only, or of all if None."""
     parser = _Parser(
         prog="irg",
         description="Predict where a lubricated sliding contact goes from mild to severe wear.",
@@ -158,7 +158,7 @@ def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
 
 
 def _add_options(parser: Any, takes: Sequence[o.Option | o.Group]) -> None:
-    """Add options and groups of options."""
+    """Add options and groups of options to a parser."""
     for taken in takes:
         if isinstance(taken, o.Option):
             parser.add_argument(*taken.names, **taken.settings)
@@ -169,11 +169,11 @@ def _add_options(parser: Any, takes: Sequence[o.Option | o.Group]) -> None:
 
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
-    """Read the options of one command; `function_of` gives its function."""
+    """Parse the arguments of one command; `function_of` gives its function."""
     given = sys.argv[1:] if arguments is None else arguments
     parser = whole_parser(next((word for word in given if not word.startswith("-")), ""))
     options, unknown = parser.parse_known_args(given)
-    if unknown:  # an error of the command, whose usage shows its options
+    if unknown:  # reported by the command's parser, whose usage has its options
         flags = re.findall(r"--[a-z-]+", options.parser.format_usage())
         near = get_close_matches(unknown[0].partition("=")[0], flags, 1)
         hint = f'did you mean "{near[0]}"?' if near else "options stand after the command"
@@ -190,8 +190,8 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 
 
 def function_of(options: argparse.Namespace) -> Callable[[argparse.Namespace], Any]:
-    """Function of a command, whose module is imported now, for this command alone."""
-    is_whole = "." in options.command  # as of an extra
+    """Function of a command; its module is imported only now."""
+    is_whole = "." in options.command  # a command of an extra
     name = options.command if is_whole else f"pipeline.cli.{options.command}"
     function: Callable[[argparse.Namespace], Any] = pkgutil.resolve_name(name)
     return function

@@ -1,4 +1,4 @@
-"""The command that simulates one point."""
+"""The command ``irg point``."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from tribo import InputError, TriboError
 
 
 def point(options: argparse.Namespace) -> Result:
-    """Simulate one point and the tests of its scene, and print the verdict on the point."""
+    """Answer ``irg point``: simulate a point and the scene's tests, and judge the point."""
     place = options.load, options.velocity
     sweep = one_scene_in(options)
     require_bearable_load(sweep, options.load, "--load")
     if options.velocity <= 0:
-        raise InputError(f"velocity is {options.velocity:g} m/s; give one above 0")
+        raise InputError(f"velocity is {options.velocity:g} m/s; give a velocity above 0")
     if options.oil is None:
         require_one_oil(sweep)
     sweep = sweep.take_surface(options.realization).changed("sweep.steps", "end")
@@ -45,7 +45,7 @@ def point(options: argparse.Namespace) -> Result:
 
 
 def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRecord]:
-    """Records of the points of a sweep, the wanted one first; others may fail."""
+    """Simulate points, the wanted one first; yield records, also of other points that fail."""
     for point in sorted(sweep.chosen or (), key=lambda one: one != wanted):
         try:
             (result,) = run_points(sweep, (point,), progress=progress)
@@ -57,7 +57,7 @@ def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRe
 
 
 def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
-    """The margin of a place, and its contact."""
+    """Result for a place: its margin, and its contact."""
     data = pipeline.results(ds)
     conditions = data.conditions
     point = ds.sel(load=[place.load], velocity=[place.velocity])
@@ -76,9 +76,9 @@ def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
 
 
 def _contact_frame(ds: xr.Dataset, solved: bool) -> pd.DataFrame:
-    """The contact of a point at its end, and its highest temperatures.
+    """Contact of a point at its end, and its highest temperatures, as a frame of one row.
 
-    Friction by temperature is solved for the deciding temperature alone.
+    If friction depends on temperature, only the deciding temperature is known.
     """
     both = pipeline.end_of_point(ds)
     if not solved:
@@ -96,4 +96,4 @@ _CONTACT = {
     "wear_volume": "wear volume [mm³]", "time": "time [s]",
     "sliding_distance": "sliding distance [m]",
 }  # fmt: skip
-"""Heads of the table of a contact, by names of variables."""
+"""Column headings for the contact, by the name of the variable."""

@@ -1,4 +1,4 @@
-"""The commands that look after stores: their state, their damage and their differences."""
+"""The commands ``irg status``, ``irg verify`` and ``irg diff``."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from pipeline.store.progress import Summary, summary
 from pipeline.store.write import opened
 from pipeline.sweep.accuracy import error_in_words
 
-_MOST_POINTS = 10  # that are printed; files have all
+_MOST_POINTS = 10  # points printed; a file has all
 _HEADS = "name", "state", "points", "done", "failed", "pending", "preset", "title"
 
 
 def status(options: argparse.Namespace) -> Result:
-    """Count the points of a store, or list the stores below a folder."""
+    """Answer ``irg status``: count the points of a store, or list the stores in a folder."""
     path = options.store
     if isinstance(path, Path) and path.is_dir() and not _is_store(path) and path.suffix != ".zarr":
         rows = [_row(store, str(store.relative_to(path))) for store in _stores_below(path)]
@@ -38,7 +38,7 @@ def status(options: argparse.Namespace) -> Result:
     warned = None
     try:
         warned = pipeline.warned(path)
-    except StoreError as error:  # the points are counted all the same
+    except StoreError as error:  # points are counted nevertheless
         lines.append(f"warnings are not counted: {error}")
     frame = frame_of(_HEADS, [_row(path, state.name)])
     code = SOME_FAILED if state.failed else DONE
@@ -54,7 +54,7 @@ def _is_store(path: Path) -> bool:
 
 
 def _stores_below(folder: Path) -> Iterator[Path]:
-    """Stores below a folder, unopened, as far as it can be read."""
+    """Paths of the stores in a folder and its subfolders, skipping unreadable ones."""
     for path in sorted(folder.iterdir()):
         with suppress(OSError):
             if _is_store(path):
@@ -64,7 +64,7 @@ def _stores_below(folder: Path) -> Iterator[Path]:
 
 
 def _row(path: Path | str, name: str) -> list[object]:
-    """State of a store by column."""
+    """Row of the table of stores: name, state, numbers of points, preset and title."""
     try:
         state, preset = summary(path), opened(path).sweep.preset
     except StoreError as error:
@@ -77,7 +77,7 @@ def _row(path: Path | str, name: str) -> list[object]:
 
 
 def verify(options: argparse.Namespace) -> Result:
-    """Read everything and name what is damaged."""
+    """Answer ``irg verify``: read all data of a store, and list damaged points."""
     with working("reading points") as progress:
         check = pipeline.verify_store(options.store, progress)
     damaged = *check.damaged, *check.shared
@@ -94,7 +94,7 @@ def verify(options: argparse.Namespace) -> Result:
 
 
 def diff(options: argparse.Namespace) -> Result:
-    """Print the differences between two stores."""
+    """Answer ``irg diff``: differences between two stores in entries, boundaries and points."""
     stores = [dataset_in(options, path) for path in (options.store, options.other)]
     between = pipeline.diff(*stores)
     entries, crossings, points = between.entries, between.boundary, between.points
@@ -109,14 +109,14 @@ def diff(options: argparse.Namespace) -> Result:
         if len(crossings)
         else "no boundaries to compare: no common load, or no critical temperature",
         "",
-        f"points: {between.alike} alike, {both} unlike{unlike}, {len(points) - both} done in one "
-        "alone",
+        f"points: {between.alike} alike, {both} different{unlike}, {len(points) - both} done in "
+        "only one store",
     ]
     if len(points):
-        rise = "rise: the highest of the contact at the end of the point, at friction 1"
+        rise = "rise: highest temperature rise in the contact at the point's end, at friction 1"
         text += [short(points.head(_MOST_POINTS)), rise]
     if len(points) > _MOST_POINTS:
-        text.append(f"{len(points) - _MOST_POINTS} more, which -o TABLE.csv writes")
+        text.append(f"{len(points) - _MOST_POINTS} more points; -o TABLE.csv writes all")
     for name, ds in zip("AB", stores, strict=True):
         text += wrapped(f"{name}: {line}" for line in pipeline.warned(ds).lines())
     return Result(text=text, frames=[entries, crossings, points])

@@ -1,4 +1,4 @@
-"""The commands that study a scene: its inputs one by one, and its errors."""
+"""The commands ``irg vary`` and ``irg trade``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tribo import InputError
 
 
 def vary(options: argparse.Namespace) -> Result:
-    """Print the boundary for each value of some entries."""
+    """Answer ``irg vary``: the boundary for each value of some entries."""
     over: dict[str, list[Any]] = {}
     for key, values in options.over:
         over.setdefault(key, []).extend(values)
@@ -26,12 +26,12 @@ def vary(options: argparse.Namespace) -> Result:
             options.scene, over, options.preset, settings, out=options.kept,
             workers=options.workers, progress=progress,
         )  # fmt: skip
-    counts = f"{result.points} points, computed on the contacts of {result.contacts}"
+    counts = f"{result.points} points computed, which share {result.contacts} contacts"
     text = [short(result.table), "", counts]
     return Result(text=text, warned=result.warned, frames=[result.table])
 
 
 def trade(options: argparse.Namespace) -> Result:
-    """Measure speed against accuracy on a scene."""
+    """Answer ``irg trade``: speed against accuracy on a scene."""
     found = pipeline.trade(given.scene_in(options), progress=tell)
     return Result(text=[str(found)], frames=[found.table], draw=partial(pipeline.plot, found))

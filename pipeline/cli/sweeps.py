@@ -1,4 +1,4 @@
-"""The commands that compute a sweep, and that print its meaning and its cost before."""
+"""The commands ``irg run`` and ``irg check``."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from tribo import InputError, lubrication_regime
 
 
 def run(options: argparse.Namespace) -> Result:
-    """Run or resume a sweep, or the part of it that the boundary needs."""
+    """Answer ``irg run``: run or resume a sweep, or only the points that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_in(options, store=out)
     tell(*map(str, sweep.notes))
@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> Result:
     if has_unknown_error(stored):
         text.append(error_in_words(stored))
     if outcome.failed:
-        text.append("try these again with: the same command and --retry-failed")
+        text.append("to compute them again: the same command and --retry-failed")
     elif outcome.done:
         answer = "margin" if sweep_kind(judged) is Kind.PLACES else "boundary"
         store = shlex.quote(str(out))
@@ -74,7 +74,7 @@ def run(options: argparse.Namespace) -> Result:
 
 
 def check(options: argparse.Namespace) -> Result:
-    """Print the meaning of a scene, and then the cost of its sweep."""
+    """Answer ``irg check``: the meaning of a scene, and the cost of its sweep."""
     sweep = scene_in(options)
     require_bearable_load(sweep, max(sweep.plane.loads), "sweep.loads")
     require_free_names(sweep)
@@ -108,13 +108,13 @@ def check(options: argparse.Namespace) -> Result:
 
 
 _HEADS = "subject", "meaning"
-_FILM_CARRIES = 0.35  # film parameter from which the share of the film was sized
+_FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
 _Row = tuple[str, str]
-"""A subject, empty where it goes on, and what is said of it."""
+"""A subject (empty for a continued one), and a sentence on it."""
 
 
 def _meaning_rows(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
-    """Meaning of a scene in words, a row for each subject."""
+    """Rows on the meaning of a scene: contact, surface, motion, film, wear and heat."""
     worn = "worn" if facts.wear_depth else "unworn"
     rough = "rough" if facts.surface else "smooth"
     yield (
@@ -132,13 +132,13 @@ def _meaning_rows(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
     yield "wear", depth
     u = "V" if facts.disk_velocity is None else "of the disk u"
     peclet = f"Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of Hertz"
-    yield "heat", peclet if sweep.scene.friction_heat else "none, since there is no friction"
+    yield "heat", peclet if sweep.scene.friction_heat else "none: there is no friction"
     if sweep.conditions.corrections:
         yield "corrections", sweep.conditions.corrections.text
 
 
 def _film_rows(sweep: Sweep) -> Iterator[_Row]:
-    """Film of the oil, or the entry that is missing to compute it; none without an oil."""
+    """Rows on the oil film, or on the entry that is missing to compute it."""
     if sweep.lubricant is None:
         return
     bulk = sweep.conditions.mean_bulk_temperature
@@ -157,18 +157,18 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
     if span.high >= _FILM_CARRIES:
         yield (
             "",
-            "what the film carries is not counted: −19 to +17 % in velocity (irg help physics)",
+            "load carried by the film is not counted: −19 to +17 % in velocity (irg help physics)",
         )
 
 
 def _text(span: Span, unit: str = "") -> str:
-    """A span in words: one value if both ends agree."""
+    """A span in words, such as "1.2 to 3 µm", or one value if both ends agree."""
     low, high = (f"{shown_in(value, unit):.3g}" for value in span)
     return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
 
 
 def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
-    """Cost of a sweep."""
+    """Rows on the cost of a sweep: points, steps, time and disk."""
     velocities = sweep.variants.labels("velocity") or sweep.plane.velocities
     counts = [
         counted(len(sweep.plane.loads), "load", "loads"),

@@ -1,4 +1,4 @@
-"""Values of the options of ``irg``, from text as a user types it."""
+"""Convert values of options from the text that a user types."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import Any
 
 from pipeline.paths import user_path
 
-# What imports NumPy is imported where it is needed: --help does not need it.
+# Modules that import NumPy are imported inside functions, as --help does not need them.
 
 
 def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
-    """Reader of quantities with units, above 0 unless signed; kelvins are differences."""
+    """Return a reader of quantities like `like` [SI], above 0 unless signed; K is a difference."""
 
     def read(text: str) -> float:
         from pipeline.scene.units import difference_in_si, to_si
@@ -33,19 +33,19 @@ def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
 
 
 def bulk(text: str) -> str | dict[str, str]:
-    """Read a bulk temperature, or each of pin and disk, as text with units."""
+    """Read a bulk temperature as text, or those of pin and disk as a dictionary."""
     if "=" not in text:
         return text
     return dict(pair(part, like='"pin=60 degC, disk=25 degC"') for part in text.split(","))
 
 
 def store(text: str) -> Path | str:
-    """Read the folder or the address of a store."""
+    """Read the path or the URL of a store."""
     return text if "://" in text else user_path(text)
 
 
 def table(text: str, or_figure: bool = False) -> Path:
-    """Read the path of a table, or of a figure, examined before the work that it is to hold."""
+    """Read the path of a table, or of a figure, and check early that it can be written."""
     from pipeline.analysis.tables import FIGURES, TABLES, writable_path
 
     try:
@@ -55,7 +55,7 @@ def table(text: str, or_figure: bool = False) -> Path:
 
 
 def count(text: str, least: int = 1) -> int:
-    """Read a whole number."""
+    """Read a whole number of at least `least`."""
     with suppress(ValueError):
         if (number := int(text)) >= least:
             return number
@@ -63,7 +63,7 @@ def count(text: str, least: int = 1) -> int:
 
 
 def share(text: str) -> float:
-    """Read a share such as 2% or 0.02."""
+    """Read a share between 0 and 1, such as 2% or 0.02."""
     from pipeline.scene.units import share_of
 
     with suppress(ValueError):
@@ -73,13 +73,13 @@ def share(text: str) -> float:
 
 
 def settings(text: str) -> tuple[str, list[Any]]:
-    """Read ``KEY=VALUE,VALUE``, the values as in `setting`."""
+    """Read ``KEY=VALUE,VALUE``, each value as in `setting`."""
     key, values = pair(text, like="friction.coefficient=0.08,0.12")
     return key, [setting(f"{key}={value}")[1] for value in values.split(",")]
 
 
 def setting(text: str) -> tuple[str, Any]:
-    """Read ``KEY=VALUE``, the value as in a scene file; text needs no quotes."""
+    """Read ``KEY=VALUE`` with a value as in a scene file; text needs no quotes."""
     key, value = pair(text, like="increments=50")
     try:
         return key, tomllib.loads(f"value = {value}")["value"]
@@ -90,7 +90,7 @@ def setting(text: str) -> tuple[str, Any]:
 
 
 def pair(text: str, like: str = '"load=Normalkraft F_N / N"') -> tuple[str, str]:
-    """Read ``NAME=TEXT``."""
+    """Read ``NAME=TEXT``; `like` is an example for the error."""
     name, separator, value = map(str.strip, text.partition("="))
     if not (name and separator and value):
         raise Refused(f'"{text}" has no name and value; give both, like {like}')

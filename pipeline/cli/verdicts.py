@@ -1,4 +1,4 @@
-"""The commands on the boundary, and on the verdict on operating points."""
+"""The commands ``irg boundary`` and ``irg margin``."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
 from tribo import InputError
 
-_MOST_ROWS = 8  # of a boundary that are printed; --all, --json and files have all
+_MOST_ROWS = 8  # rows of a boundary printed; --all, --json and files have all
 
 
 def margin(options: argparse.Namespace) -> Result:
-    """Print the verdict on one operating point, or on each row of a table or of the sweep."""
+    """Answer ``irg margin``: the verdict on one operating point, or on each row of a table."""
     is_one = bool(values_in(options, "load", "velocity"))
     points = operating_points_in(options)
     data = pipeline.results(dataset_in(options))
@@ -53,7 +53,7 @@ def margin(options: argparse.Namespace) -> Result:
 
 
 def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFrame]:
-    """The verdict on one place, in each scene; an `InputError` if a single scene has none."""
+    """Lines with the verdict on one place in each scene; raises if a single scene has none."""
     lines = list[str | pd.DataFrame]()
     if len(found) == 1:
         found[0].known()
@@ -67,7 +67,7 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
 
 
 def boundary(options: argparse.Namespace) -> Result:
-    """Print critical velocities or loads with the band of their errors, or the tests."""
+    """Answer ``irg boundary``: critical velocities or loads with error bands, or the tests."""
     data = pipeline.results(dataset_in(options))
     tests = compared(data)
     if options.by == "test":

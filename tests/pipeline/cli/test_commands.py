@@ -81,7 +81,7 @@ def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     width = float(held["contact width [µm]"])
     assert re.search(rf"contact width \[µm\] +{width:.4g}\n", said)
     said = irg("point", scene, "--load", "200 N", "--velocity", "-1 m/s", code=2)
-    assert "velocity is -1 m/s; give one above 0" in said
+    assert "velocity is -1 m/s; give a velocity above 0" in said
 
 
 TESTS = """

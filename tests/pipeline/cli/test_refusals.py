@@ -62,7 +62,7 @@ REFUSALS = {
     "at entry": (irg("boundary", "tiny.zarr", "--at", "pin.radius=3"), "pin.radius is not one of"),
     "share of another": (irg("boundary", "tiny.zarr", "--criterion=highest", "--share=10%"),
                          "criterion highest has no share; leave out --share"),
-    "sheet": (irg("margin", "tiny.zarr", "--sheet", "one"), "--sheet names a sheet of --points"),
+    "sheet": (irg("margin", "tiny.zarr", "--sheet", "one"), "--sheet needs --points"),
     "no place": (irg("margin", "tiny.zarr", "--load", "250 N"), "no operating point is given"),
     "two places": (irg("margin", "tiny.zarr", "--points", "a.csv", *PLACE),
                    "leave out --load, --velocity"),
@@ -72,7 +72,7 @@ REFUSALS = {
                      "leave out --set increments"),
     "plot": (irg("plot", "tiny.zarr", "--kind", "ramp", "--log"), "ramp has no option 'log'"),
     "vary": (irg("vary", "first_try"), "nothing to vary; give --over"),
-    "new": (irg("new"), "no file is named; give one to write"),
+    "new": (irg("new"), "no file is named; give a file to write"),
     "help": (irg("help", "boundry"), 'no page or command is called "boundry" (did you mean'),
 }  # fmt: skip
 
