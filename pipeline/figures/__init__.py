@@ -1,1 +1,1 @@
-"""Figures of a stored sweep: diagram, ramp, fields, and speed against accuracy."""
+"""Figures of a stored sweep: diagram, ramp, fields, tests, and speed against accuracy."""

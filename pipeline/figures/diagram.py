@@ -40,21 +40,21 @@ from pipeline.sweep.severity import rise_limit
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
 
-_SIZE = 8.0, 5.6  # [in], of a diagram
-_LIGHTEST = 0.85  # of the colours of several scenes
-_MANY = 1500  # points, from which marks are small
+_SIZE = 8.0, 5.6  # width and height of a diagram [in]
+_LIGHTEST = 0.85  # end of the colour map used for several scenes
+_MANY = 1500  # points from which marks are small
 
 
 @style.house_style
 def diagram(data: Results, realization: int | None = None, log: bool = False) -> Figure:
-    """Draw the transition diagram; of samples, the probability of severe wear.
+    """Draw the transition diagram; for samples, the probability of severe wear.
 
-    Each place has the verdict of its margin. Over several surfaces the boundary is that of the
-    median one, in a band from the tenth to the ninetieth of a hundred.
+    Each place is coloured by the verdict of its margin. With several surfaces the boundary is that
+    of the median surface, in a band from the 10 % to the 90 % quantile.
     """
     if data.kind is Kind.SAMPLES:
         if realization is not None:
-            raise InputError("the diagram of samples shows probabilities; leave out the surface")
+            raise InputError("the diagram of samples shows a probability; leave out realization")
         drawn: Figure = extras.module("figures").draw_probability(data, log)
         return drawn
     data = data.take_surface(realization)
@@ -67,7 +67,7 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
     tests, beyond = reachable_tests(data, number_tests(laboratory_tests(data)))
     own_bulk = data.stored.conditions.bulk_temperature
     legend += [*mark_tests(axes, tests, conditions.bulk_temperature, own_bulk), *beyond]
-    axes.use_sticky_edges = False  # those of the regions would leave no margin
+    axes.use_sticky_edges = False  # the edges of filled regions would leave no margin
     axes.margins(0.04)
     if log:
         axes.set(xscale="log", yscale="log")
@@ -79,7 +79,7 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
 
 
 def _draw_scene(axes: Axes, data: Results) -> tuple[list[Artist], str]:
-    """Draw one scene, the boundary that of the median of its surfaces; its legend and caption."""
+    """Draw one scene, with the boundary of its median surface; return legend and caption."""
     field = point_field(data)
     caption, legend = judged_by([field.conditions]), list[Artist]()
     if min(len(data.loads), len(data.velocities)) > 1:
@@ -97,10 +97,10 @@ def _draw_scene(axes: Axes, data: Results) -> tuple[list[Artist], str]:
 
 
 def _draw_scenes(axes: Axes, data: Results) -> tuple[list[Artist], str]:
-    """Draw the boundary of each scene of a sweep over entries, the median of its surfaces."""
+    """Draw the boundary of each scene of a sweep over entries; return legend and caption."""
     if min(len(data.loads), len(data.velocities)) < 2:
         raise InputError(
-            "the diagram of several scenes takes two loads and two velocities or more; irg "
+            "the diagram of several scenes needs at least two loads and two velocities; irg "
             "boundary prints their transitions"
         )
     several, legend = [point_field(scene) for scene in data.scenes], list[Artist]()
@@ -119,18 +119,18 @@ def _draw_scenes(axes: Axes, data: Results) -> tuple[list[Artist], str]:
     return legend, caption + (f"; {judged_by(conditions)}" if len(conditions) == 1 else "")
 
 
-_INSIDE = 1e-4  # of an interval between points, at whose ends the error is smaller
+_INSIDE = 1e-4  # distance from a point, over the interval: at points the error is smaller
 
 
 def _refine_axis(points: Array, least: int) -> Array:
-    """Finer axis from the first point to the last, with values close to each side of a point."""
+    """Finer axis with at least about `least` values, some of them just beside each point."""
     begins, ends = points[:-1], points[1:]
     inside, parts = _INSIDE * (ends - begins), max(2, math.ceil(least / len(begins)))
     return np.linspace(begins + inside, ends - inside, parts, axis=1).ravel()
 
 
 def _excess(field: PointField, x: Array, y: Array) -> Array:
-    """Deciding less critical temperature [K] by member, load and velocity; NaN if not known."""
+    """Deciding minus critical temperature [K], (member, load, velocity); NaN if unknown."""
     places = (axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
     here = field.temperatures(*places)
     return np.reshape(here.values - here.critical, (-1, len(y), len(x)))
@@ -139,7 +139,7 @@ def _excess(field: PointField, x: Array, y: Array) -> Array:
 def _shade_verdicts(
     axes: Axes, field: PointField, x: Array, y: Array, excess: Array
 ) -> list[Artist]:
-    """Shade where the next run is mild, severe, or neither is decided, as a margin says it."""
+    """Shade where the next run is mild, severe or not decided, as `pipeline.margin` judges."""
     is_known = np.isfinite(excess).all(axis=0)
     bounds = verdict_plane(field, y, x, model_error(field.source, field))
     lowest, highest = (np.where(is_known, bound, np.nan) for bound in bounds)
@@ -159,7 +159,7 @@ def _shade_verdicts(
 
 
 def _shade_surfaces(axes: Axes, x: Array, y: Array, excess: Array) -> list[Artist]:
-    """Shade where wear is severe on some surfaces, but not on nearly all."""
+    """Shade where 10 to 90 % of the surfaces are severe."""
     if len(excess) == 1:
         return []
     low, high = (np.quantile(excess, share, axis=0) for share in (BAND[0], BAND[-1]))
@@ -175,7 +175,7 @@ def _shade_surfaces(axes: Axes, x: Array, y: Array, excess: Array) -> list[Artis
 
 
 def _friction_lines(axes: Axes, field: PointField, x: Array, y: Array) -> list[Artist]:
-    """Draw the boundaries at the lowest and the highest friction measured."""
+    """Draw the boundaries at the lowest and the highest measured friction."""
     band = field.source.sweep.declared.friction.band
     if not band or min(band) == max(band):
         return []
@@ -190,7 +190,7 @@ def _friction_lines(axes: Axes, field: PointField, x: Array, y: Array) -> list[A
 
 
 def _mark_points(axes: Axes, data: Results) -> list[Artist]:
-    """Mark the points; with several surfaces, by the surfaces on which the point is done."""
+    """Mark computed points by their outcome, over all surfaces."""
     r, limit = data.rises(data.conditions), rise_limit(data.conditions)
     severe, mild = (_any_surface(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
     failed = ~(severe | mild) & _any_surface(data.columns["status"] != PENDING)
@@ -219,5 +219,5 @@ def _mark_points(axes: Axes, data: Results) -> list[Artist]:
 
 
 def _any_surface(holds: Mask) -> Mask:
-    """Points by load and velocity at which something holds on any surface."""
+    """Mask (load, velocity) of points at which `holds` is true on any surface."""
     return np.asarray(holds.any(axis=tuple(range(holds.ndim - len(PLANE)))))

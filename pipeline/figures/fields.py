@@ -1,4 +1,4 @@
-"""Which point of a sweep a figure shows; its pressure, temperature and wear over the contact."""
+"""Choose the point that a figure shows, and draw its pressure, temperature and wear."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tribo import InputError
 from tribo.types import Array, Mask
 
 Wanted = float | str | Iterable[float | str] | None
-"""Loads or velocities asked for, [SI] or text with a unit; None for those near the transition."""
+"""Loads or velocities to show, in SI or as text with a unit; None for those near the transition."""
 Spot = tuple[int, int]
 """Indices of a point along load and velocity."""
 _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
@@ -27,7 +27,7 @@ _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 def chosen_points(
     data: Results, load: Wanted, velocity: Wanted, conditions: Conditions
 ) -> list[Spot]:
-    """Find the points nearest to loads and velocities, or to the transition if one is not given."""
+    """Find the points nearest to the loads and velocities, or to the transition if None."""
     rises = data.rises(conditions)
     is_done = np.isfinite(rises)
     reached = np.flatnonzero(is_done.any(axis=1))
@@ -51,13 +51,13 @@ def chosen_points(
 
 
 def require_done_at(load: float, is_done: Mask) -> None:
-    """Raise an `InputError` where no point at a load is done."""
+    """Raise an `InputError` if no point at a load is done."""
     if not is_done.any():
-        raise InputError(f"no point at {load:g} N is done; give another, or go on with irg run")
+        raise InputError(f"no point at {load:g} N is done; give another load, or run irg run")
 
 
 def nearest_indices(places: Array, axis: str, values: Wanted) -> list[int]:
-    """Indices nearest to one or several loads or velocities; empty if none is given."""
+    """Indices in `places` nearest to one or several `values`; empty if None."""
     found = list[int]()
     several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
     for value in several:
@@ -65,15 +65,15 @@ def nearest_indices(places: Array, axis: str, values: Wanted) -> list[int]:
         if not places[0] <= wanted <= places[-1]:
             raise InputError(
                 f"{axis} is {wanted:g} {UNITS[axis]}; the sweep has {places[0]:g} to "
-                f"{places[-1]:g} {UNITS[axis]}: give one of these"
+                f"{places[-1]:g} {UNITS[axis]}: give a value within"
             )
         found.append(int(np.abs(places - wanted).argmin()))
     return found
 
 
 _COLOURS = "viridis_r", "inferno", "cividis_r"  # bright where hot; dark where pressed and worn
-_BAR = 0.12  # [inch] of a bar of colours, and of the gap below it
-_COLUMN = 4.7  # [inch], below which panels lie below each other
+_BAR = 0.12  # height of a colour bar, and of the gap below it [in]
+_COLUMN = 4.7  # width of a figure below which its panels are stacked [in]
 
 
 @style.house_style
@@ -85,7 +85,7 @@ def fields(
 ) -> Figure:
     """Draw pressure, temperature and wear depth over the contact at the end of one point.
 
-    In a figure as narrow as a column of a journal they lie below each other.
+    In a figure as narrow as a journal's column the panels are stacked.
     """
     if "pressure" not in data.rest:
         raise InputError(
@@ -122,12 +122,12 @@ def fields(
 
 
 def _surface_fields(data: Results, point: Spot, conditions: Conditions) -> tuple[Array, ...]:
-    """Pressure [GPa], temperature [°C] and wear depth [µm] at the end of a point, by x and y."""
+    """Pressure [GPa], temperature [°C] and wear depth [µm] (x, y) at the end of a point."""
     here = data.rest.isel(load=point[0], velocity=point[1]).transpose("x", "y", ...)
     rise = here["rise"].values
     if conditions.bulk_ratio:
         rise = rise + conditions.bulk_ratio * here["bulk_response"].values
-        rise += max(0.0, -conditions.bulk_ratio)  # above the colder body
+        rise += max(0.0, -conditions.bulk_ratio)  # rise above the colder body
     if conditions.corrections:
         columns = {name: data.columns[name][point] for name in columns_needed(conditions)}
         line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}

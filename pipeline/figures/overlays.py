@@ -1,4 +1,4 @@
-"""What lies over the plane of load and velocity: lines, tests, names of the regions."""
+"""Overlays on the plane of load and velocity: lines, tests and names of regions."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from tribo import lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
 from tribo.types import Array, Mask
 
-_REACH = 1.5  # times the ends of the sweep, beyond which a test would shrink the figure
-_SAME_BULK = 1.0  # [K] between bulk temperatures
+_REACH = 1.5  # tests beyond this factor on the sweep's ends are not drawn
+_SAME_BULK = 1.0  # bulk temperatures that differ less count as equal [K]
 _LEVELS = ((BOUNDARY, "mixed", ":"), (FULL_FILM, "full film", "-."))
-"""Levels of Λ, what begins there, and the dashes of their lines."""
+"""Film parameters Λ, the regime above each, and the dashes of its line."""
 
 
 def zero_line(
     axes: Axes, x: Array, y: Array, plane: Array, gid: str, color: Any = BLACK, **look: Any
 ) -> bool:
-    """Draw the line along which a plane (load, velocity) is 0; False if there is none."""
+    """Draw the line where a plane (load, velocity) is 0; return False if there is none."""
     if not ((plane < 0).any() and (plane > 0).any()):
         return False
     axes.contour(x, y, plane, [0.0], colors=[color]).set(gid=gid, **look)
@@ -39,7 +39,7 @@ def zero_line(
 
 
 def film_lines(axes: Axes, data: Results, conditions: Conditions) -> list[Artist]:
-    """Draw the beginnings of mixed lubrication and of the full film, if they lie in the figure."""
+    """Draw the limits of mixed and full-film lubrication inside the figure; return the legend."""
     lubrication = find_lubrication(data.sweep)
     if lubrication is None:
         return []
@@ -62,15 +62,15 @@ TESTS: dict[str | None, tuple[str, ...]] = {
     "mild": ("test: mild wear", "tested-mild", "^", "white", BLACK),
     "severe": ("test: severe wear", "tested-severe", "^", BLACK, "white"),
 }
-"""Label, gid, marker, and colours of face and edge, by outcome of a test."""
+"""Label, SVG id, marker, face colour and edge colour of a test, by its outcome."""
 
 
 def mark_test(
     axes: Axes, number: str, test: Measurement, place: tuple[float, float], beside: str = ""
 ) -> Line2D:
-    """Mark a test at a place with its number, open where wear stayed mild, filled where severe.
+    """Mark a test with its number: open if wear stayed mild, filled if severe.
 
-    It is faint if something is said beside its name.
+    With `beside`, a remark added to its name, the mark is faint.
     """
     name, gid, marker, mfc, mec = TESTS[test.outcome]
     label, present = name + beside, axes.get_legend_handles_labels()[1]
@@ -89,24 +89,24 @@ def mark_test(
 def mark_tests(
     axes: Axes, tests: Mapping[str, Measurement], bulk: float, own_bulk: float
 ) -> list[Artist]:
-    """Mark tests made at a bulk temperature [K]; a test that states none has the scene's."""
+    """Mark tests; those made at another bulk temperature than `bulk` [K] are faint."""
     marks = list[Line2D]()
     for number, test in tests.items():
         is_other = abs((test.bulk_temperature or own_bulk) - bulk) > _SAME_BULK
         beside = ", at another bulk temperature" * is_other
         marks.append(mark_test(axes, number, test, (test.velocity, test.normal_load), beside))
-    return [mark for mark in marks if not str(mark.get_label()).startswith("_")]  # the first
+    return [mark for mark in marks if not str(mark.get_label()).startswith("_")]  # one a kind
 
 
 def number_tests(tests: Iterable[Measurement]) -> dict[str, Measurement]:
-    """Tests by number; a test without one is counted by its place in the scene."""
+    """Tests by number; a test without a number has its position in the scene."""
     return {test.number or str(place): test for place, test in enumerate(tests, 1)}
 
 
 def reachable_tests(
     data: Results, tests: Mapping[str, Measurement]
 ) -> tuple[dict[str, Measurement], list[Artist]]:
-    """Tests within about half the sweep's range beyond it; a line of the legend on the others."""
+    """Tests near the sweep's range, and a legend line that lists the others."""
     ends = {"load": data.loads[[0, -1]], "velocity": data.velocities[[0, -1]]}
 
     def is_near(test: Measurement) -> bool:
@@ -116,21 +116,21 @@ def reachable_tests(
     near = {number: test for number, test in tests.items() if is_near(test)}
     if not (far := [number for number in tests if number not in near]):
         return near, []
-    words = f"beyond the figure: test{'s' * (len(far) > 1)} {', '.join(far)}"
+    words = f"outside the figure: test{'s' * (len(far) > 1)} {', '.join(far)}"
     return near, [Line2D([], [], ls="none", label=words)]
 
 
 MILD, SEVERE = "mild wear (I and II)", "severe adhesive wear (III* and III)"
 REGION = "region"
-"""Mark (gid) of the names of regions."""
-_WIDE = 3.0  # widths of a name over its height
-_LEAST_ROOM = 0.1  # share of the width beside a name, or of the height in proportion
+"""SVG id of the names of regions."""
+_WIDE = 3.0  # width of a name over its height
+_LEAST_ROOM = 0.1  # least room around a name, as a share of the figure's width
 
 
 def name_regions(axes: Axes, x: Array, y: Array, mild: Mask, severe: Mask) -> None:
-    """Write the names of mild and severe wear where each has most room, by velocity and load."""
+    """Write the names of mild and severe wear where each region is widest."""
     for inside, name, colour in ((mild, MILD, BLUE), (severe, SEVERE, VERMILION)):
-        padded = np.pad(inside, 1)  # since the edges of the diagram are edges of the region
+        padded = np.pad(inside, 1)  # the edges of the diagram bound the region, too
         room = distance_transform_edt(padded, sampling=(_WIDE / len(y), 1 / len(x)))[1:-1, 1:-1]
         row, column = np.unravel_index(int(room.argmax()), room.shape)
         if room[row, column] > _LEAST_ROOM:

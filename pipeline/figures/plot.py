@@ -1,4 +1,4 @@
-"""Figures of a sweep by name: the transition diagram, the ramp, the fields of a point."""
+"""`plot`: draw a figure of a sweep or of a study by its name."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ KINDS: dict[str, Callable[..., Figure]] = {
     "temperature": temperature,
     "tests": measured_over_computed,
 }
-"""Function that draws each kind of figure of a sweep, the usual one first."""
+"""Function that draws each kind of figure of a sweep; the first is the default."""
 
 
 @np.errstate(under="ignore")
@@ -45,34 +45,34 @@ def plot(
     Parameters
     ----------
     ds : Dataset or path
-        Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store. Or
-        what `pipeline.trade`, `sensitivity` or `posterior` gave.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or path or URL of a store; or a result
+        of `pipeline.trade`, `sensitivity` or `posterior`.
     kind : {"diagram", "ramp", "fields", "temperature", "tests"}, optional
-        Name of the figure of a sweep, the diagram if not given.
+        Name of the figure of a sweep; "diagram" by default.
     out : path, optional
         File to write; its suffix, one of .pdf, .png and .svg, decides the format.
     width : float or str, optional
-        Width of the figure, whose words shrink less than it does. A number in m, or text such as
-        ``"8.5 cm"``; its own if not given.
+        Width of the figure, in m or as text such as ``"8.5 cm"``. Its text shrinks less than the
+        figure.
     plain : bool
         Draw no title and no caption.
     **options
         Options of the kind:
 
-        - of each but tests, ``realization``, seed of the surface to draw (if not given the first;
-          in a diagram all, with a band from the tenth to the ninetieth of a hundred).
+        - all but tests: ``realization``, seed of the surface to draw. By default the first; a
+          diagram shows all, with a band from the 10 % to the 90 % quantile.
         - diagram: ``log``, True for logarithmic axes, without velocity 0.
-        - ramp, fields, temperature: ``load`` [N], or text with a unit, of which the nearest that
-          the sweep has is drawn, and the highest if not given; of a ramp several.
-        - ramp, fields: ``velocity`` [m/s], or text with a unit; of a ramp several. If not given,
-          the one nearest to the transition at that load.
-        - ramp: ``show``, name of a variable at each step, in place of contact and wear.
-        - of a sensitivity: ``title``, that of the scene.
+        - ramp, fields, temperature: ``load`` in N, or text with a unit; a ramp takes several. The
+          nearest load of the sweep is drawn, by default the highest.
+        - ramp, fields: ``velocity`` in m/s, or text with a unit; a ramp takes several. By default
+          the velocity nearest to the transition at that load.
+        - ramp: ``show``, name of a variable at each step to draw instead of contact and wear.
+        - sensitivity: ``title``, title of the scene.
 
     Returns
     -------
     Figure or Path
-        The figure; the file it was written to if `out` is given.
+        The figure, or the path of the file if `out` is given.
 
     Raises
     ------
@@ -93,8 +93,8 @@ def plot(
     kinds = {only: pkgutil.resolve_name(study)} if study else KINDS
     kind = kind or next(iter(kinds))
     if kind not in kinds:
-        raise InputError(f"kind is {kind!r}; allowed are {', '.join(kinds)}")
-    _, *allowed = inspect.signature(kinds[kind]).parameters  # after what is drawn
+        raise InputError(f"kind is {kind!r}; give one of {', '.join(kinds)}")
+    _, *allowed = inspect.signature(kinds[kind]).parameters  # the first is what is drawn
     for name in options:
         if name not in allowed:
             others = ", ".join(allowed) or "none"

@@ -1,4 +1,4 @@
-"""Contact, wear and temperature while the load grows, and temperatures at any velocity."""
+"""Contact, wear and temperature as the load grows, and temperature over velocity."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ def ramp(
     realization: int | None = None,
     show: str | None = None,
 ) -> Figure:
-    """Draw contact, wear and temperature, or one variable, of points while their load grows.
+    """Draw contact, wear and temperature, or one variable, of points as their load grows.
 
-    Steps on the grid of the history and on the point's own are not joined.
+    Steps on the coarse grid of the ramp are not joined to steps on the point's own grid.
     """
     data = data.take_row(realization)
     conditions = data.shown_conditions
@@ -51,7 +51,7 @@ def ramp(
     _temperatures(top, data, points, conditions)
     for axes, panel in zip(below, panels, strict=True):
         handles = []
-        # The right axis has more room, so that quantities in proportion do not lie on each other.
+        # The right axis has more room, so that proportional curves do not coincide.
         for (label, name), look, room in zip(panel, (_SOLID, _DASHED), (1.2, 1.5), strict=False):
             side = axes if look is _SOLID else axes.twinx()
             side.grid(visible=look is _SOLID)
@@ -79,7 +79,7 @@ def ramp(
 
 
 def _stored_variable(data: Results, name: str) -> tuple[str, str]:
-    """Label and name of a variable at each step."""
+    """Axis label and name of a variable stored at each step; raises if there is none."""
     stepped = {*STEPPED, *MADE, "own_grid"} & {*data.columns, *data.rest}
     names = sorted(one for one in stepped if VARIABLES[one].dims[-1] == "step")
     if name not in names:
@@ -88,7 +88,7 @@ def _stored_variable(data: Results, name: str) -> tuple[str, str]:
 
 
 def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: Any) -> None:
-    """Draw values (load, velocity, step) at the steps of points, the ends as marks."""
+    """Draw values (load, velocity, step) of points over time, with marks at their ends."""
     for number, point in enumerate(points):
         time, own = (data.values(name)[point] for name in ("time", "own_grid"))
         known = np.isfinite(values[point])
@@ -98,7 +98,7 @@ def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: An
 
 
 def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Conditions) -> None:
-    """Draw the highest temperature, and that which decides."""
+    """Draw the highest temperature and the deciding one over time, with the critical one."""
     handles = []
     for judged, look in _judged_looks(conditions):
         rise = judged.decisive.rise({**data.columns, "quantile": data.shares})
@@ -113,14 +113,14 @@ def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Con
 
 
 def _judged_looks(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any]]]:
-    """Conditions of the highest temperature and of that which decides, if another; their looks."""
+    """Conditions for the highest and the deciding temperature, with their line styles."""
     highest = replace(conditions, criterion="highest")
     is_other = conditions.decisive.temperature != highest.decisive.temperature
     return [(highest, _DASHED), *[(conditions, _SOLID)] * is_other]
 
 
 def _critical_line(axes: Axes, conditions: Conditions) -> list[Line2D]:
-    """Draw the critical temperature, if there is one."""
+    """Draw the critical temperature if there is one; return its legend entry."""
     if conditions.critical_temperature is None:
         return []
     critical = shown_in(conditions.critical_temperature, "°C")
@@ -128,7 +128,7 @@ def _critical_line(axes: Axes, conditions: Conditions) -> list[Line2D]:
 
 
 def _load_axis(axes: Axes, data: Results, point: Spot) -> None:
-    """Put the load that belongs to each time above `axes`, if no two times share one."""
+    """Add an upper axis with the load at each time, if load grows all the time."""
     time, load = (np.append(0.0, data.values(name)[point]) for name in ("time", "normal_load"))
     time, load = time[np.isfinite(time)], load[np.isfinite(time)]
     if (np.diff(load) > 0).all():
@@ -142,7 +142,7 @@ def _load_axis(axes: Axes, data: Results, point: Spot) -> None:
 def temperature(
     data: Results, load: float | str | None = None, realization: int | None = None
 ) -> Figure:
-    """Draw how the temperatures of the contact grow with the velocity at one load."""
+    """Draw the contact temperatures over velocity at one load."""
     data = data.take_row(realization)
     conditions, velocities = data.shown_conditions, data.velocities
     row = (nearest_indices(data.loads, "load", load) or [-1])[0]

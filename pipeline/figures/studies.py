@@ -11,20 +11,20 @@ from pipeline.figures.style import BLACK, BLUE, VERMILION
 from pipeline.tradeoff.trade import Trade
 from tribo import PRESETS
 
-_LEAST_ERROR = 1e-4  # the smallest error that is told apart from none
+_LEAST_ERROR = 1e-4  # smallest error drawn on the logarithmic axis
 
 
 @style.house_style
 def draw_trade(trade: Trade) -> Figure:
-    """Draw the error of the boundary velocity over the processor time of each choice."""
+    """Draw the error of the boundary velocity over processor time for each fidelity."""
     figure, axes = style.canvas((8.0, 5.6))
-    choices = trade.choices[:-1]  # but for the reference, which has no error
+    choices = trade.choices[:-1]  # without the reference, whose error is 0
     axes.set(xscale="log", yscale="log")
     places = {one.name: (one.seconds, max(one.velocity_error, _LEAST_ERROR)) for one in choices}
     front = [places[one.name] for one in trade.front if one.name in places]
     axes.plot(
         *np.transpose(front), drawstyle="steps-post", color=BLUE, lw=style.THIN, gid="front",
-        label="no other choice is both faster and nearer",
+        label="no other choice is both faster and more accurate",
     )  # fmt: skip
     for label, is_preset, marker, colour in (
         ("presets", True, "D", VERMILION), ("the scene's own", False, "s", BLACK),

@@ -1,4 +1,4 @@
-"""The look that the figures share, and the words in which they state their conditions."""
+"""Style of all figures, their titles, captions and legends."""
 
 from __future__ import annotations
 
@@ -30,43 +30,44 @@ BLACK, GREY = "#1A1A1A", "#777777"
 BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = (
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9",
 )  # fmt: skip
-"""Okabe and Ito's palette, told apart with any colour vision."""
+"""Okabe and Ito's palette, distinguishable with any colour vision."""
 TINTS = {"mild": "#EAF2F8", "severe": "#FCEEE4", "band": "#BBBBBB"}
-THIN, THICK = 0.9, 2.2  # [pt], lines finer or heavier than those of the style sheet
-BIG, FAINT = 1.9, 0.35  # size of marks that stand out, of the usual one; opacity of the others
+THIN, THICK = 0.9, 2.2  # width of thin and heavy lines [pt]
+BIG, FAINT = 1.9, 0.35  # factor on the size of prominent marks; opacity of faint ones
 BOUNDARY: dict[str, Any] = {"color": BLACK, "lw": THICK}
 BAND: dict[str, Any] = {"fc": TINTS["band"], "ec": "none", "alpha": 0.6}
 RISK_COLOURS = "RdYlBu_r"
-PALE = -0.15, 1.15  # ends of the colours of risks, so that words on them can be read
+PALE = -0.15, 1.15  # ends of the colour scale of probabilities, pale enough to read words on it
 HALO = [withStroke(linewidth=2.5, foreground="white")]
-"""Effect of words over lines and marks, which a box would hide."""
+"""White outline for words over lines and marks; a box would hide these."""
 
 _HOUSE = rc_params_from_file(Path(__file__).with_name("house.mplstyle"), use_default_template=False)
 _SIZES = [name for name, value in _HOUSE.items() if name.endswith(("size", "width"))
           and isinstance(value, float)]  # fmt: skip
-_USUAL = 8.0  # [in], width for which the sizes of the house are meant
-_SMALLEST = 0.66  # share of these sizes that stays readable
+_USUAL = 8.0  # width of a figure for which the style's sizes are meant [in]
+_SMALLEST = 0.66  # least factor on these sizes that is readable
 _INCH = 0.0254  # [m]
-_NARROWEST, _WIDEST = 0.04, 1.0  # [m]
-_LETTER = 0.55  # width of a letter, of the size of its font
-_CAPTION = 2  # lines of a caption in a figure of the usual width
-_MOST_LEGEND = 0.2  # share of a figure's height that its legend takes before the figure grows
+_NARROWEST, _WIDEST = 0.04, 1.0  # limits of the width of a figure [m]
+_LETTER = 0.55  # mean width of a letter over the font size
+_CAPTION = 2  # most lines of a caption in a figure of usual width
+_MOST_LEGEND = 0.2  # share of the height for the legend, above which the figure grows
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 
 _WIDTH = ContextVar[float | None]("width", default=None)
-"""Width of the figures that are drawn [in]; their own if None."""
+"""Width of all figures drawn in this context [in]; None for the usual width of each."""
 _PLAIN = ContextVar("plain", default=False)
-"""Figures have no titles and no captions."""
+"""True if figures in this context have no titles and captions."""
 
 
 @contextmanager
 def fitted(width: float | None = None, plain: bool = False) -> Iterator[None]:
-    """Draw figures of a width [m]; if plain, without titles and captions.
+    """Context in which figures have a width [m] and, if `plain`, no titles and captions.
 
-    Words and marks shrink less than a figure, down to two thirds, so it gets higher in proportion.
+    Text and marks shrink less than a figure, at most to two thirds, so that it becomes relatively
+    higher.
     """
     if width is not None and not _NARROWEST <= width <= _WIDEST:
         raise InputError(f"width is {100 * width:g} cm; it must be from 4 to 100 cm")
@@ -79,12 +80,12 @@ def fitted(width: float | None = None, plain: bool = False) -> Iterator[None]:
 
 
 def wanted_width(usual: float) -> float:
-    """Width that figures are drawn at [in]; the usual one if none is wanted."""
+    """Width at which figures are drawn [in]: that of `fitted`, else `usual`."""
     return _WIDTH.get() or usual
 
 
 class Picture(Figure):
-    """A figure of the wanted width, which shows itself in a notebook with any backend."""
+    """A figure of the width set by `fitted`, shown in notebooks with any backend."""
 
     def __init__(self, figsize: tuple[float, float] | None = None) -> None:
         width, height = figsize or rcParams["figure.figsize"]
@@ -92,14 +93,14 @@ class Picture(Figure):
         super().__init__(figsize=(wanted, height * (wanted / width) ** 0.5))
 
     def _repr_png_(self) -> bytes:
-        """Show the figure as a picture in a notebook, once: no backend knows of it."""
+        """PNG for a notebook; only once, as no backend knows of the figure."""
         written = io.BytesIO()
         self.savefig(written, format="png")
         return written.getvalue()
 
 
 def svg_of(figure: Figure) -> str:
-    """The figure as an SVG element of HTML; its letters are drawn as paths and need no font."""
+    """The figure as an SVG element for HTML; letters are paths, so that no font is needed."""
     written = io.StringIO()
     with rc_context({"svg.fonttype": "path", "svg.hashsalt": "irg"}):
         figure.savefig(written, format="svg", metadata={"Date": None})
@@ -108,7 +109,7 @@ def svg_of(figure: Figure) -> str:
 
 
 def canvas(size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
-    """A figure of a size [in], and its axes."""
+    """New figure of a size [in] with a single pair of axes."""
     figure = Picture(size)
     return figure, figure.add_subplot()
 
@@ -128,7 +129,7 @@ def house_style(draw: Callable[P, R]) -> Callable[P, R]:
 
 
 def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: Any) -> None:
-    """Write the legend, in as many columns as fit, and the caption below a figure, which grows."""
+    """Write legend and caption below a figure, which grows if they need much room."""
     width = 72 * figure.get_window_extent().width / figure.dpi  # [pt]
     letters = int(width / (_LETTER * rcParams["legend.title_fontsize"]))
     most = math.ceil(_CAPTION * max(1.0, 72 * _USUAL / width))
@@ -136,7 +137,7 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
     title = "\n".join(lines[:most]) + " …" * (len(lines) > most)
     title = "" if _PLAIN.get() else title
     named = [axes.get_legend_handles_labels()[0] for axes in figure.axes]
-    options = {"handles": [*itertools.chain(*named)]} | options  # of none, too, without a warning
+    options = {"handles": [*itertools.chain(*named)]} | options  # no warning if there are none
     legend = fitting_legend(figure, ncols, title=title, loc="outside lower center", **options)
     legend.get_title().set_multialignment("center")
     breadth, height = figure.get_size_inches()
@@ -145,7 +146,7 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
 
 
 def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:
-    """Write a legend of a figure or of axes, in as many columns as fit its width."""
+    """Write a legend in as many columns as fit the width, at most `ncols`."""
     for columns in range(ncols, 0, -1):
         legend: Legend = owner.legend(ncols=columns, **options)
         if legend.get_window_extent().width <= owner.get_window_extent().width or columns == 1:
@@ -156,7 +157,7 @@ def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:
 
 @house_style
 def save_figure(figure: Figure, out: Path) -> Path:
-    """Write a figure to a path of `writable_path`."""
+    """Write a figure to a checked path of `writable_path`, and return the path."""
     written = io.BytesIO()
     figure.savefig(written, format=out.suffix[1:])
     return write_bytes(written.getvalue(), out)
@@ -168,7 +169,7 @@ def heating(conditions: Conditions) -> str:
 
 
 def plain_numbers(axes: Axes) -> None:
-    """Write plain numbers at enough ticks of logarithmic axes."""
+    """Label logarithmic axes with plain numbers at enough ticks."""
     for axis in (axes.xaxis, axes.yaxis):
         low, high = axis.get_view_interval()
         subs = range(1, 10) if high < 10 * low else (1, 2, 5)
@@ -178,24 +179,24 @@ def plain_numbers(axes: Axes) -> None:
 
 
 def write_title(owner: Axes | Figure, words: str) -> None:
-    """Write a title over axes or a figure, in lines of its width."""
+    """Write a title over axes or a figure, wrapped to its width."""
     write = owner.set_title if isinstance(owner, Axes) else owner.suptitle
     write("" if _PLAIN.get() else words, wrap=True)
 
 
 def title_of(data: Results) -> str:
-    """Title of a sweep."""
+    """Title of a sweep, escaped for a figure."""
     return as_text(data.sweep.title)
 
 
 def entry_label(path: str) -> str:
-    """Entry of a scene in words, in short lines, the table above the name."""
+    """Path of a scene's entry as a wrapped label, such as "pin: radius"."""
     *tables, name = (part.replace("_", " ") for part in path.split("."))
     words = f"{' '.join(tables)}: {name}" if tables else name
     return textwrap.fill(as_text(words), 22)
 
 
 def as_text(words: str) -> str:
-    """Escape words for a figure: shortened, without control characters and formulas."""
+    """Escape text for a figure: shortened, without control characters and formulas."""
     printable = "".join(character for character in words[:1000] if character.isprintable())
     return textwrap.shorten(printable, 240, placeholder=" …").replace("$", r"\$")

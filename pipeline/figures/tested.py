@@ -1,4 +1,4 @@
-"""Tests of the laboratory beside what is computed for them: measured over computed velocity."""
+"""Figure of the laboratory's tests: measured over computed velocity."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ from pipeline.figures.overlays import mark_test, number_tests
 from pipeline.figures.style import BLACK, GREY
 from tribo import InputError
 
-_ROOM = 1.25  # factor of velocity about the tests
+_ROOM = 1.25  # factor on velocity between the outermost tests and the axes' ends
 
 
 @style.house_style
 def measured_over_computed(data: Results) -> Figure:
-    """Draw the velocity of each test over the critical one computed at its own conditions."""
+    """Draw each test's velocity over the critical velocity computed at its conditions."""
     require_kind(data.kind, Kind.PLANE)
     require_one_scene(data.entry_dims)
     tests = number_tests(laboratory_tests(data))
     if not tests:
         raise InputError(
             "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene, or a "
-            "log of them as irg tests writes it"
+            "log file; irg tests LOG prints its lines"
         )
     field, found = point_field(data), []
     for number, test in tests.items():
-        with suppress(InputError):  # as warm as the critical temperature
+        with suppress(InputError):  # if its bulk temperature is above the critical one
             one = comparison(field.under(own_conditions(data, test)), test)
             if one.is_known and 0 < one.critical < np.inf:
                 found.append((number, test, one))
@@ -52,12 +52,12 @@ def measured_over_computed(data: Results) -> Figure:
     places = np.array([(one.critical, test.velocity) for _, test, one in found])
     ends = places.min() / _ROOM, places.max() * _ROOM
     oils = ambiguous_oils(data.sweep)
-    scatter = model_error(data, field) if len(oils) < 2 else None  # one error is of one oil
+    scatter = model_error(data, field) if len(oils) < 2 else None  # the error of one oil
     _draw_band(axes, np.array(ends), scatter)
     for number, test, one in found:
         error = 0.0 if test.outcome else test.velocity_scatter or USUAL_SCATTER * test.velocity
         axes.errorbar(one.critical, test.velocity, error, fmt="none", ecolor=GREY)
-        beside = ", beyond what was computed" * (one.critical != one.turn)
+        beside = ", outside the computed points" * (one.critical != one.turn)
         mark_test(axes, number, test, (one.critical, test.velocity), beside)
     if unknown := len(tests) - len(found):
         axes.plot([], [], ls="none", label=f"{unknown} of {len(tests)} tests: not known")
@@ -73,7 +73,7 @@ def measured_over_computed(data: Results) -> Figure:
 
 
 def _draw_band(axes: Axes, line: np.ndarray, scatter: Scatter | None) -> None:
-    """The line on which a test is as computed, and where a run is neither mild nor severe."""
+    """Draw the line measured = computed, and the band in which a run is not decided."""
     if scatter:
         ratios = np.geomspace(line[0] / line[1], line[1] / line[0], 801)
         shares = 1 - scatter.below(-np.log(ratios))

@@ -37,8 +37,8 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     assert colours["tested-severe"] == colours["tested-severe-elsewhere"] != "white"
     numbers = {one.get_text(): one.xy for one in axes.texts if one.get_gid() == "number of a test"}
     assert numbers == {"1": (1.5, 250.0), "2": (3.0, 500.0), "warm": (2.5, 350.0)}
-    (far,) = (text for text in labels(axes.figure.legends[0]) if "beyond the figure" in text)
-    assert far == "beyond the figure: tests 4, 5"
+    (far,) = (text for text in labels(axes.figure.legends[0]) if "outside the figure" in text)
+    assert far == "outside the figure: tests 4, 5"
 
 
 LIFTS = np.array([1.0, 1.1, 0.9, 1.05])
@@ -109,7 +109,7 @@ def test_the_probability_over_the_plane_has_its_tests_and_its_lines():
     axes, bar = figure.axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("sliding velocity [m/s]", "normal load [N]")
     assert lines(axes)["measured"].tolist() == [[1.6, 400.0]]
-    assert "1 test lies beyond the figure" in labels(figure.legends[0])
+    assert "1 test is outside the figure" in labels(figure.legends[0])
     drawn = axes.collections[1]
     assert drawn.levels.tolist() == [0.05, 0.5, 0.95]
     (middle,) = (path for path in drawn.get_paths()[1:2])

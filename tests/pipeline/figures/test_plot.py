@@ -197,5 +197,5 @@ def test_each_test_is_drawn_over_the_velocity_of_the_closed_form_at_its_own_fric
     x, y = band.get_paths()[0].vertices.T
     assert (y / x).min() < 0.95 < 1.05 < (y / x).max()
     said = [text.get_text() for text in axes.figure.legends[0].get_texts()]
-    assert "measured transition, beyond what was computed" in said
+    assert "measured transition, outside the computed points" in said
     assert "1 of 5 tests: not known" in said

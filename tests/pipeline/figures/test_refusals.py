@@ -54,19 +54,19 @@ def over_computed(*measured, **values):
 TRADE = Trade("A scene", (), ())
 
 REFUSALS = {
-    "kind": (plot("pie"), "kind is 'pie'; allowed are diagram, ramp, fields"),
+    "kind": (plot("pie"), "kind is 'pie'; give one of diagram, ramp, fields"),
     "option": (plot("diagram", load=750.0), "diagram has no option 'load'; it has realization"),
     "its option": (lambda: pipeline.plot(TRADE, log=True), "has no option 'log'; it has none"),
     "suffix": (plot("diagram", "figure.gif"), "the suffix must be one of .pdf, .png, .svg"),
     "folder": (plot("diagram", "no/figure.png"), "there is no folder no"),
     "width": (plot("diagram", width=0.01), "width is 1 cm; it must be from 4 to 100 cm"),
-    "samples": (of_samples, "shows probabilities; leave out the surface"),
+    "samples": (of_samples, "shows a probability; leave out realization"),
     "places": (of_places, "so there is no plane of them; irg margin and explore"),
-    "scenes": (of_scenes, "takes two loads and two velocities or more"),
+    "scenes": (of_scenes, "needs at least two loads and two velocities"),
     "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done: out of memory"),
     "pending": (plot("fields", velocity=4.0), "750 N, 4 m/s is not done; give another"),
     "begun": (begun, "no point at 400 N is done"),
-    "load": (plot("fields", load=74.0), "load is 74 N; the sweep has 200 to 750 N: give one of"),
+    "load": (plot("fields", load=74.0), "load is 74 N; the sweep has 200 to 750 N: give a"),
     "velocity": (plot("fields", velocity=9.0), "velocity is 9 m/s; the sweep has 0.5 to"),
     "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the sweep holds no fields"),
     "show": (plot("ramp", show="colour"), "show is 'colour'; stored at each step are"),
