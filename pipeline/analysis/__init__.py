@@ -1,1 +1,1 @@
-"""Results of a stored sweep: labelled dataset, boundary, band and inference."""
+"""Answers from a stored sweep: labelled dataset, boundary, margins and their errors."""

@@ -1,4 +1,4 @@
-"""Answers as ``ds.irg`` of a dataset of a sweep, by the same words as those of `pipeline`."""
+"""Answers as methods of ``ds.irg`` on the dataset of a sweep, with the names of `pipeline`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ANSWERS = "at", "boundary", "margin", "temperatures", "warned", "end_of_point",
 
 @xr.register_dataset_accessor("irg")  # type: ignore[no-untyped-call]
 class Answers:
-    """Answers of a sweep, each the function of `pipeline` of that name with this dataset.
+    """Functions of `pipeline` as methods, with this dataset as their first argument.
 
     Examples
     --------
@@ -34,6 +34,6 @@ class Answers:
     def __getattr__(self, name: str) -> Callable[..., Any]:
         if name not in _ANSWERS:
             raise AttributeError(f"a sweep has no {name}; it has {', '.join(_ANSWERS)}")
-        import pipeline  # which loads each answer when it is used
+        import pipeline  # imports each function on first use
 
         return functools.partial(getattr(pipeline, name), self._ds)

@@ -1,7 +1,7 @@
-"""A stored sweep judged otherwise, without a new simulation: the dataset carries what holds for it.
+"""Judge a stored sweep under other conditions or values, without a new simulation.
 
-What acts after the simulation replaces the sweep's own, values of entries that the sweep has
-several of select its rows, and unknown inputs of samples are fixed.
+Conditions that act after the simulation are replaced. Values of entries that vary in the sweep
+select its rows. Unknown inputs of samples are fixed. The dataset carries these values with it.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ from tribo import InputError, Rule
 from tribo.types import Array
 
 COLDEST_OIL, HOTTEST_OIL = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
-"""Bulk temperatures between which an oil may work [K]."""
+"""Lowest and highest bulk temperature at which an oil may work [K]."""
 _NAMES = {path: name for name, path in PATHS.items()}
 _UNITS = {path: UNITS[name] for name, path in FIELDS.items() if name in UNITS}
 
@@ -59,57 +59,57 @@ def at(
     critical_temperature: float | str | Sequence[float | str] | None = None,
     share: float | str | Sequence[float | str] | None = None,
     criterion: str | Rule | None = None,
-    # Any, so that a type checker lets entries through that have texts by their paths.
+    # Any, so that a type checker accepts entries given by their paths as text.
     given_measured: Any = False,
     scatter: Any = None,
     oil: str | None = None,
     **entries: Any,
 ) -> xr.Dataset:
-    """Judge a sweep otherwise, without a new simulation.
+    """Judge a sweep under other conditions or values, without a new simulation.
 
-    Every answer and every figure of the returned dataset is at these values. Several values of a
-    condition make a dimension, named by the path of its entry, such as ``friction.coefficient``.
+    All answers and figures of the returned dataset are at these values. Several values of a
+    condition make a dimension named by the path of its entry, such as ``friction.coefficient``.
 
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep`, or folder or address of the store.
+        Dataset of `pipeline.open_sweep`, or path or URL of the store.
     friction : float or several, optional
         Coefficient of friction, at least 0.
     bulk_temperature : float, str or mapping, optional
-        Temperature of the bodies far from the contact. A number in K, or text with a unit, such as
-        ``"80 degC"``; in a sweep of bodies of unequal bulk temperatures, such as
-        ``{"pin": "60 degC", "disk": "25 degC"}`` for both.
+        Temperature of the bodies far from the contact, as a number in K or text such as
+        ``"80 degC"``. If the bodies of the sweep have different temperatures, give both:
+        ``{"pin": "60 degC", "disk": "25 degC"}``.
     critical_temperature : float or str, optional
         Temperature above which the lubricant fails. A number in K, or text with a unit.
     share : float or str, optional
-        Share of the contact above the critical temperature beyond which wear is severe, such as 0.1
-        or ``"10%"``; 0 for the maximum temperature. The latter is Blok's criterion.
+        Wear is severe if more than this share of the contact is above the critical temperature,
+        such as 0.1 or ``"10%"``. 0 is Blok's criterion: the maximum temperature decides.
     criterion : str or tribo.Rule, optional
-        Temperature that decides: ``"share"``, which that share exceeds, ``"highest"`` or
-        ``"mean"``; in Python also a rule of your own. See `tribo.CRITERIA`.
+        Temperature that decides: ``"share"``, exceeded by `share` of the contact, ``"highest"``
+        or ``"mean"``; in Python also a rule of your own. See `tribo.CRITERIA`.
     given_measured : bool
-        Weigh the inputs of samples by the transitions and tests of their scene.
+        Weigh the unknown inputs of samples by the transitions and tests of their scene.
     scatter : float, optional
-        Relative standard deviation of measured velocities, where the scene gives none. See
-        `pipeline.posterior`.
+        Relative standard deviation of measured velocities whose scatter the scene does not
+        give. See `pipeline.posterior`.
     oil : str, optional
-        Oil whose tests count, by its name in them. Needed where tests name several and none is
-        without a name; the critical temperature must be that of this oil.
+        Name of the oil whose tests count. Needed if all tests name oils, and several; the critical
+        temperature must be that of this oil.
     **entries
-        Values by the paths of entries [SI], or text with a unit: of an entry with several values
-        (``[sweep] over``), the one or those to take; of an unknown input of samples, the one to fix
-        it at; of a condition, the same as above.
+        Values by the path of an entry, in SI or as text with a unit. An entry with several values
+        (``[sweep] over``) is restricted to these. An unknown input of samples is fixed at its
+        value. A condition is replaced, as by the arguments above.
 
     Returns
     -------
     Dataset
-        The sweep at these values.
+        The same sweep, judged at these values.
 
     Raises
     ------
     InputError
-        If a value lies outside its range, or an entry needs a new simulation.
+        If a value is outside its range, or an entry needs a new simulation.
 
     Examples
     --------
@@ -148,19 +148,19 @@ def at(
         if path not in _UNITS:
             raise InputError(f"{path} takes one value at a time here; give one")
         axis = (path, values, {"units": _UNITS[path], "long_name": path})
-        # The status alone tells of which scenes a sweep is; all else would be read to be repeated.
+        # Only the status gets the new dimension; other variables would be read just to be repeated.
         status = ds["status"].expand_dims({path: values})
         ds = ds.assign(status=status).assign_coords({path: axis})
     names = ds.drop_vars("step", errors="ignore").isel(step=[-1], missing_dims="ignore")
     for scene in results(names).scenes if wanted else ():
-        _ = scene.plain_conditions  # refuses what the sweep has nothing for
+        _ = scene.plain_conditions  # raises if the sweep lacks what a condition needs
     return ds
 
 
 def _weighed(
     ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
 ) -> xr.Dataset:
-    """The dataset whose samples are weighed by the tests of their scene."""
+    """The dataset with its samples weighed by the tests of their scene."""
     if sweep_kind(ds) is not Kind.SAMPLES or not given_measured:
         raise InputError(
             "--given-measured weighs samples by the scene's tests, and --scatter goes with it (in "
@@ -175,16 +175,16 @@ def _weighed(
 
 
 def _of_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
-    """The dataset in which the tests of an oil count."""
+    """The dataset with only the tests of one oil."""
     names = [name for name in oils_of(test.oil for test in scene_sweep(ds).tests) if name]
     if oil not in names:
-        known = f"give one of {', '.join(names)}" if names else "they name none, so leave it out"
+        known = f"give one of {', '.join(names)}" if names else "they name no oil, so leave it out"
         raise InputError(f"oil is {oil!r}, which no test of the scene names; {known}")
     return identified(ds.assign_attrs(at=json.dumps(judged_values(ds) | {OIL: oil})))
 
 
 def _si_value(path: str, value: Any) -> Any:
-    """Value of a condition in SI, several as a list; of another entry unchanged."""
+    """Value of a condition in SI, several as a list; values of other entries are unchanged."""
     name = _NAMES.get(path)
     if isinstance(value, np.generic | np.ndarray | xr.DataArray):
         value = np.asarray(value).tolist()
@@ -215,20 +215,20 @@ def oil_temperature(name: str, value: float | str) -> float:
     hottest = HOTTEST_OIL if name == "bulk_temperature" else math.inf
     if kelvin < COLDEST_OIL or hottest < kelvin < math.inf:
         raise InputError(
-            f"{name} is {display(kelvin, '°C', 4)} ({kelvin:g} K), at which no oil works; give one "
-            f"from {display(COLDEST_OIL, '°C', 4)} on; in Python a plain number is in kelvins, and "
+            f"{name} is {display(kelvin, '°C', 4)} ({kelvin:g} K), at which no oil works; give "
+            f"at least {display(COLDEST_OIL, '°C', 4)}; in Python a number is in kelvins, and "
             'text has its unit, such as "80 degC"'
         )
     return kelvin
 
 
 def _changed(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
-    """The dataset that says itself at which values it is judged."""
+    """The dataset with `values` recorded in its attributes; labels they replace are dropped."""
     if not values:
         return ds
     attributes, values = dict(ds.attrs), dict(values)
     if isinstance(rule := values.get(PATHS["criterion"]), Rule):
-        attributes["rule"] = secrets.token_hex(8)  # which no store can name
+        attributes["rule"] = secrets.token_hex(8)  # a key that no store can contain
         RULES[attributes["rule"]] = rule
         values[PATHS["criterion"]] = name_of(rule)
     inner = {path: _drawn_value(ds, path, values[path]) for path in values.keys() - _NAMES.keys()}
@@ -236,24 +236,24 @@ def _changed(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     if PATHS["share"] in values and PATHS["criterion"] not in values:
         both.pop(PATHS["criterion"], None)  # a share alone makes "share" the criterion
     attributes["at"] = json.dumps(both)
-    # A label of a condition that holds no more goes; inputs of samples are those that were drawn.
+    # Drop labels of conditions that are replaced; inputs of samples stay as they were drawn.
     labels = [path for path in values if path in ds.coords and path in _NAMES]
     return identified(ds.drop_vars(labels).assign_attrs(attributes))
 
 
 def open_inputs(ds: xr.Dataset) -> tuple[str, ...]:
-    """Paths of unknown inputs of samples that may have one value, or another one."""
+    """Paths of unknown inputs of samples that can be fixed at a value."""
     return whole_sweep(ds).variants.rule.movable
 
 
 def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
-    """A value of an unknown input in SI; raises if the samples do not reach it."""
+    """Value of an unknown input in SI; raises if the samples do not reach it."""
     draw = whole_sweep(ds).variants.draw
     return float(extras.module("drawn").drawn_value(draw, path, value))
 
 
 def _taken(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
-    """The sweep at those values that its table of variants has, and the others."""
+    """The sweep restricted to `values` of its varied entries, and the values of other entries."""
     taken = {name for name, _ in name_at(scene_sweep(ds).variants, ds)}
     columns = {*entry_dims(ds), *taken}
     for path in values.keys() & columns:
@@ -263,12 +263,12 @@ def _taken(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[
         ]
         if path in ds.dims:
             ds = ds.isel({path: places if several else places[0]})
-    ds = ds.expand_dims([name for name in PLANE if not ds[name].ndim])  # a row of pairs has no axes
+    ds = ds.expand_dims([name for name in PLANE if not ds[name].ndim])  # of a row with its place
     return ds, {path: value for path, value in values.items() if path not in columns}
 
 
 def _place(axis: xr.DataArray, value: float | str) -> int:
-    """Place of a value along the dimension of an entry."""
+    """Index of a value along the dimension of an entry; raises if it is not there."""
     values = np.atleast_1d(axis.values).tolist()
     if isinstance(values[0], str):
         matches = [number for number, one in enumerate(values) if one == value]
@@ -282,7 +282,7 @@ def _place(axis: xr.DataArray, value: float | str) -> int:
 
 
 def _number(value: float | str) -> float:
-    """Value of a number or of a quantity [SI]; NaN if it is neither."""
+    """A number, or a quantity in SI; NaN if the text is neither."""
     for read in (float, lambda text: to_si(text, like=text)):
         with suppress(ValueError):
             return read(value)
@@ -290,12 +290,12 @@ def _number(value: float | str) -> float:
 
 
 def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
-    """Say that a sweep cannot be judged at an entry, and what to run."""
-    if not (find_entry(path) or find_entry(path.rpartition(".")[0])):  # or a part of an entry
+    """Error message: the sweep cannot be judged at another value of this entry, and what to run."""
+    if not (find_entry(path) or find_entry(path.rpartition(".")[0])):  # a part of one will do
         return f"{path} is no entry of a scene{did_you_mean(path, dict(all_keys()))}"
-    has = f"; it has several of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""
+    has = f"; it has several values of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""
     if unknown := open_inputs(ds):
-        has = f"; its samples have {', '.join(unknown)}"
+        has = f"; its samples vary {', '.join(unknown)}"
     return (
         f"{path} is not one of the entries that this sweep can be judged at{has}; run the scene "
         f"with {path} = {value} into another store, or into the same one if it acts after the "

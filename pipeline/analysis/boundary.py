@@ -1,7 +1,7 @@
 """The boundary between mild and severe wear, from a stored sweep and without a new simulation.
 
-Over several surfaces it has a band. Quantiles count a surface without a transition beyond all that
-was computed.
+Several surfaces give a band of quantiles. A surface without a transition counts as beyond all
+computed points.
 """
 
 from __future__ import annotations
@@ -33,48 +33,47 @@ from tribo.types import Array
 
 @np.errstate(under="ignore")
 def boundary(ds: ResultsLike) -> xr.Dataset:
-    """Critical velocity for each load and critical load for each velocity.
+    """Find the critical velocity at each load, and the critical load at each velocity.
 
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store. Points
-        that are pending or failed are skipped.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or path or URL of the store. Points that
+        are pending or failed are skipped.
 
     Returns
     -------
     Dataset
-        ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the first place at
-        which wear turns severe. NaN where the computed points do not cross, or where wear is severe
-        at the lowest.
-        ``mild_below(load)`` and ``severe_above(load)`` [m/s] are the ends of the band that the
-        errors leave: below and above it the verdict of `pipeline.margin` is decided.
+        ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the lowest at
+        which wear turns severe. NaN if there is no such transition, or wear is severe at the
+        lowest computed one.
+        ``mild_below(load)`` and ``severe_above(load)`` [m/s] are the ends of the error band: below
+        and above it the verdict of `pipeline.margin` is decided.
 
-        These have the suffix ``_at_load`` or ``_at_velocity``:
+        These variables have the suffix ``_at_load`` or ``_at_velocity``:
 
-        - ``outcome``: crosses, or why not. Mild or severe throughout: the outermost points of the
-          scene's range are done and say so. Otherwise the crossing lies above or below what was
-          computed, or is not known for want of points. Or wear is severe at some and mild at a
-          higher one.
+        - ``outcome``: crosses, or why not. Mild or severe throughout: this holds in the scene's
+          whole range. Otherwise the crossing is above or below the computed points, or too few
+          points are done, or wear is severe at some and mild at a higher one.
         - ``words``: the outcome in words, with the ranges of severe wear if it turns several times.
         - ``turns(load, turn)``: all places at which wear turns.
         - ``film_parameter`` at the crossing, if the scene gives an oil.
 
-        Attributes are the conditions, with units in ``units_of_attributes``; ``model_error``, what
-        the model's own error rests on; ``caveats``, what a reader must know; ``missing_points``,
-        the number of points that are pending or failed; and ``misfit``, why the tests contradict
-        the model, where they do.
+        Attributes are the conditions, with units in ``units_of_attributes``; ``model_error``, the
+        size of the model's own error and its basis; ``caveats``, limits of the answer;
+        ``missing_points``, the number of pending and failed points; and ``misfit``, why the tests
+        contradict the model, if they do.
 
-        Over several surfaces all but the band have a dimension ``realization`` in front, and these
-        are added, likewise for ``critical_load``:
+        With several surfaces all variables except the error band have a first dimension
+        ``realization``, and these are added, likewise for ``critical_load``:
 
         - ``critical_velocity_quantile(quantile, load)``: velocity below which a share of the
-          surfaces turn severe. Surfaces that are mild or severe throughout count beyond all
-          velocities, so a quantile among them is NaN. The median is not the onset: the hottest
+          surfaces turn severe. Surfaces that are mild or severe throughout count as beyond all
+          velocities, so that a quantile among them is NaN. The median is not the onset: the hottest
           patch under the pin scuffs first.
 
-        For samples there are only the band and ``critical_velocity_quantile``, the first velocities
-        at which the next run is severe with a probability of 5, 50 and 95 %.
+        For samples there are only the error band and ``critical_velocity_quantile``, the lowest
+        velocities at which the next run is severe with a probability of 5, 50 and 95 %.
 
     Raises
     ------
@@ -111,7 +110,7 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
 
 
 def _plane_boundary(data: Results) -> xr.Dataset:
-    """The boundary of one scene."""
+    """The boundary of one scene with a plane of points."""
     data.require_lists(*PLANE)
     found = point_field(data)
     data = found.source
@@ -138,13 +137,13 @@ def _described(dims: Any, values: Any, units: str, words: str) -> xr.Variable:
 
 
 def axis_of(name: str, values: Array) -> xr.Variable:
-    """Loads [N] or velocities [m/s] as a dataset has them."""
+    """Loads [N] or velocities [m/s] as a variable of a dataset, with their attributes."""
     about = COORDINATES[name]
     return xr.Variable(about.dims, values, attributes_of(about))
 
 
 def _condition_attributes(conditions: Conditions, sampled: Collection[str] = ()) -> dict[str, Any]:
-    """Conditions as attributes, with their units, but for those of sampled entries."""
+    """Conditions as attributes with their units, without those that samples vary."""
     attributes = {
         name: value
         for name, value in attributes_by(conditions).items()
@@ -154,11 +153,11 @@ def _condition_attributes(conditions: Conditions, sampled: Collection[str] = ())
     return attributes | {"units_of_attributes": ", ".join(units)}
 
 
-_TURNS = 64  # turns of a line that are told; more are waves between points
+_TURNS = 64  # most turns of a line that are stored; more are interpolation artefacts
 
 
 def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
-    """Transitions along the velocity at each load, or along the load at each velocity."""
+    """Variables of the transitions along `axis`, for each value of `line`, the other axis."""
     places, others = (field.loads, field.velocities[-1:]), field.loads
     if line == "velocity":
         places, others = (field.loads[-1:], field.velocities), field.velocities
@@ -196,13 +195,13 @@ def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
     return result
 
 
-_STEPS = 241  # velocities among which the ends of a band are sought
-_BEYOND = 3.0  # factor beyond the velocities computed to which they are
-_BESIDE = (1 - 1e-6, 1 + 1e-6)  # sides of a point, at which the numerical error may jump
+_STEPS = 241  # velocities at which the ends of the error band are sought
+_BEYOND = 3.0  # these velocities extend by this factor beyond the computed ones
+_BESIDE = (1 - 1e-6, 1 + 1e-6)  # both sides of a point: the numerical error is smaller at it
 
 
 def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
-    """Add the ends of the band that the errors leave, by load."""
+    """Add the ends of the error band by load, with the model's error and caveats as attributes."""
     data, loads = field.source, field.source.loads
     scatter, velocities = model_error(data, field), data.velocities
     bands = np.full((len(loads), 2), math.nan)
@@ -221,7 +220,7 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
 
 
 def _band_alone(scene: Results) -> xr.Dataset:
-    """The boundary of samples, by the probability of severe wear."""
+    """The boundary of samples: velocities of 5, 50 and 95 % probability, and the error band."""
     (field,) = fields(scene)
     loads = scene.loads
     low, high = (float(end) for end in field.ends["velocity"])
@@ -241,18 +240,18 @@ def _band_alone(scene: Results) -> xr.Dataset:
 
 
 BAND = (0.1, 0.5, 0.9)
-"""Shares of the surfaces whose transition lies lower: lower end, middle and upper end."""
+"""Quantiles of the band over surfaces: lower end, median and upper end."""
 
 
 @np.errstate(invalid="ignore")
 def _band(line: Line) -> Array:
-    """Quantiles of the transitions of several surfaces by place, linear between ranks.
+    """Quantiles (3, k) of the transitions of several surfaces at each place, linear between ranks.
 
-    They are NaN where they lie among transitions that are not known exactly.
+    A quantile is NaN if it is among transitions that are not known exactly.
     """
     begin, end = line.computed
     is_kind = [np.isfinite(line.first), *(line.outcome == kind for kind in (MILD, SEVERE, ABOVE))]
-    # Wear that is severe at the lowest place computed turns severe below it.
+    # If wear is severe at the lowest computed place, it turns severe somewhere below.
     is_kind.append(np.isin(line.outcome, (BELOW, SEVERAL)))
     least = np.select(is_kind, [line.first, np.inf, -np.inf, end, -np.inf], math.nan)
     most = np.select(is_kind, [line.first, np.inf, -np.inf, np.inf, begin], math.nan)

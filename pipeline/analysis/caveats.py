@@ -1,4 +1,4 @@
-"""Caveats of answers: what a reader of them must know, in a line of at most 100 columns each."""
+"""Caveats: limits of an answer that a reader must know, each a line of at most 100 columns."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from tribo.simulation.corrections import NEEDED
 
 
 def caveats_of(data: Results) -> list[str]:
-    """Caveats of answers on a sweep, each once."""
+    """Caveats of all scenes of a sweep, without repeats."""
     lines = (scene_caveats(one, one.conditions) for one in data.scenes)
     return [*dict.fromkeys(itertools.chain(*lines))]
 
 
 def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
-    """Caveats of answers on a scene under some conditions; samples count errors of the inputs."""
+    """Caveats of answers on a scene under some conditions."""
     sweep, critical, sd = scene.sweep, conditions.critical_temperature, conditions.critical_sd
     exact = "inputs such as the steel's conductivity are taken as exact"
     lines = [
@@ -43,7 +43,7 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
 def _warm_transitions(data: Results, conditions: Conditions) -> str:
     """Where wear is severe if `cold_tracks` are warm, in words; empty if not computed.
 
-    It is computed for a plane of one scene, under its own conditions.
+    It is computed only for a plane of one scene, under the scene's own conditions.
     """
     tracks, is_known = cold_tracks(data.sweep), {*NEEDED} <= {*data.columns}
     is_own = data.kind is Kind.PLANE and not data.labels and conditions == data.sweep.conditions

@@ -1,4 +1,4 @@
-"""A stored sweep as a labelled dataset, and the scene that it is of."""
+"""A stored sweep as a labelled dataset, and the scene that belongs to it."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ from pipeline.sweep.variants import VARIANT, Label, Variant, Variants
 from tribo import InputError, Rule
 
 RULES: dict[str, Rule] = {}
-"""Criteria of the user that `pipeline.at` was given, by the attribute ``rule``."""
+"""The user's own criteria from `pipeline.at`, by the value of the attribute ``rule``."""
 GIVEN_MEASURED = "given_measured"
-"""Among the values that a dataset is judged at: the scatter of tests that weigh its samples."""
+"""Key in `judged_values` of the scatter of tests that weigh the samples."""
 OIL = "oil"
-"""Among these values: the oil whose tests count."""
+"""Key in `judged_values` of the oil whose tests count."""
 
 
 @dataclass(frozen=True)
 class Origin:
-    """What a dataset says of its scene: the text, and arrays that the text names by digests."""
+    """Scene of a dataset: its text, with its arrays identified by digests. It is hashable."""
 
     text: str
     digests: str
@@ -48,7 +48,7 @@ class Origin:
 
     @classmethod
     def of(cls, ds: xr.Dataset) -> Origin:
-        """The origin of a dataset; an `InputError` if it has lost its attribute ``sweep``."""
+        """Read it from the attributes of a dataset; raises an `InputError` if they are lost."""
         if "sweep" not in ds.attrs:
             raise InputError(
                 "the dataset has no attribute sweep, which describes its scene; give one of "
@@ -62,14 +62,14 @@ class Origin:
 
 @functools.lru_cache(maxsize=64)
 def stored_sweep(origin: Origin) -> Sweep:
-    """The sweep as it was stored, whatever it is judged at."""
+    """The sweep as it was stored, under its own conditions."""
     data = origin.arrays
     return text_sweep(origin.text, {} if data is None else split_arrays(data.values, data.attrs))
 
 
 @functools.lru_cache(maxsize=64)
 def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
-    """The sweep, or its scene of a name, at values by the paths of entries [SI], as JSON."""
+    """The sweep, or one of its scenes, under the values `at`: JSON of SI values by path."""
     if name:
         whole = judged_sweep(origin, at)
         words = ", ".join(f"{path} {value}" for path, value in whole.variants.written(name).items())
@@ -90,17 +90,17 @@ def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
 
 
 def scene_sweep(ds: xr.Dataset) -> Sweep:
-    """The sweep that was stored, whatever the dataset is judged at."""
+    """The sweep as it was stored, under its own conditions."""
     return stored_sweep(Origin.of(ds))
 
 
 def whole_sweep(ds: xr.Dataset) -> Sweep:
-    """The sweep that a dataset is of or was taken from, judged as `pipeline.at` says."""
+    """The whole sweep that a dataset belongs to, under the conditions of `pipeline.at`."""
     return judged_sweep(Origin.of(ds), json.dumps(judged_values(ds)))
 
 
 def judged_values(ds: xr.Dataset) -> dict[str, Any]:
-    """Values that a dataset is judged at, by the paths of entries [SI]."""
+    """Values set by `pipeline.at`, by the path of their entry [SI]."""
     try:
         return dict(json.loads(str(ds.attrs.get("at", "{}"))))
     except ValueError as error:
@@ -108,7 +108,7 @@ def judged_values(ds: xr.Dataset) -> dict[str, Any]:
 
 
 def name_at(table: Variants, ds: xr.Dataset) -> Variant:
-    """Values of entries that a dataset was taken at; none unless each has one."""
+    """Names and values of all varied entries, if the dataset has one value of each; else empty."""
     if any(one.name in ds.dims or one.name not in ds.coords for one in table.chosen):
         return ()
     names = [one.name for one in table.chosen]
@@ -116,7 +116,7 @@ def name_at(table: Variants, ds: xr.Dataset) -> Variant:
 
 
 def _label(labels: Sequence[Label], value: Any) -> Label:
-    """The label of a table that a coordinate stands for, which may have lost its last digits."""
+    """The label of a table nearest to a coordinate, which may have lost its last digits."""
     if isinstance(labels[0], str):
         return str(value)
     return min(labels, key=lambda label: abs(float(label) - value))
@@ -125,7 +125,7 @@ def _label(labels: Sequence[Label], value: Any) -> Label:
 _UNITS = {name: variable.units for name, variable in VARIABLES.items()} | {
     path: UNITS.get(name) for name, path in PATHS.items()
 }
-"""Units of variables and of conditions."""
+"""SI units of variables and of conditions."""
 
 
 def open_sweep(path: PathLike) -> xr.Dataset:
@@ -134,16 +134,15 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     Parameters
     ----------
     path : str or path
-        Folder or address of a store that `pipeline.run_sweep` has made; it may still be growing.
+        Path or URL of a store made by `pipeline.run_sweep`, which may still be running.
 
     Returns
     -------
     Dataset
-        The stored variables, with loads, velocities and seeds of surfaces ascending. At ``step`` 0
-        is the end of each point, at −1 the step before; steps before a point's first one and
-        points that are not done are NaN. Data are read when they are used.
-        Its attributes are text, so that ``to_netcdf`` writes them.
-        `pipeline.temperatures` gives the temperatures of the contact.
+        The stored variables, with loads, velocities and seeds of surfaces ascending. ``step`` 0 is
+        the end of each point, −1 the step before. Steps that a point does not have, and points
+        that are not done, are NaN. Data are read when they are used. Attributes are text, so
+        that ``to_netcdf`` can write them. `pipeline.temperatures` gives contact temperatures.
 
     Raises
     ------
@@ -164,15 +163,15 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 
 
 def identified(ds: xr.Dataset) -> xr.Dataset:
-    """The dataset whose points have the id of the scene that it is of, as `pipeline.at` says."""
+    """The dataset with scene ids on its points, for the values set by `pipeline.at`."""
     choices = {k: v for k, v in judged_values(ds).items() if k in (GIVEN_MEASURED, OIL)}
     return identify(ds, scene_ids(whole_sweep(ds), choices), scene_sweep(ds).variants)
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """The dataset of a sweep, opened if given by its path; what Dask holds but fields is read.
+    """The dataset of a sweep, opened if given as a path; lazy data except fields are read.
 
-    What is known of each step is a variable of each point.
+    Time, load and distance of each step become variables of each point.
     """
     if not isinstance(source, xr.Dataset):
         return _per_point(open_sweep(source))
@@ -190,11 +189,11 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
 
 
 def _require_axis(ds: xr.Dataset, name: str) -> None:
-    """Raise an `InputError` where a cut dataset has no place left, or one of them twice."""
+    """Raise an `InputError` if a dataset lacks an axis, or has a value of it twice."""
     if name not in ds.coords:
         raise InputError(f"the dataset has no {name}; keep its coordinates, and their names")
     if not ds[name].size:
-        raise InputError(f"the dataset has no {name} left; select one that it had")
+        raise InputError(f"the dataset has no {name} left; select at least one")
     if name in ds.indexes and not ds.indexes[name].is_unique:
         raise InputError(
             f"the dataset has a {name} twice; keep each once, such as by "
@@ -203,19 +202,19 @@ def _require_axis(ds: xr.Dataset, name: str) -> None:
 
 
 def _require_known_axes(ds: xr.Dataset, table: Variants) -> None:
-    """Raise an `InputError` at dimensions, labels or units that no sweep has."""
+    """Raise an `InputError` for dimensions, labels or units that no sweep has."""
     units = _UNITS | {column.name: column.unit for column in table.columns}
     dims = entry_dims(ds["status"]) if "status" in ds else ()
     if unknown := [dim for dim in dims if dim not in units]:
         raise InputError(
-            f"the dataset has a dimension {unknown[0]}, which its sweep does not have; take one of "
-            f"its values, such as ds.isel({unknown[0]}=0)"
+            f"the dataset has a dimension {unknown[0]}, which its sweep does not have; select one "
+            f"of its values, such as ds.isel({unknown[0]}=0)"
         )
     for name in [one.name for one in table.chosen if one.name not in judged_values(ds)]:
         if name not in ds.coords or ds[name].dims not in ((), (name,)):
             raise InputError(
                 f"the dataset has lost its coordinate {name}, or has it along another dimension; "
-                "keep it, and take each of its values by itself"
+                "keep it, and take each of its values separately"
             )
     for label, data in ds.coords.items():
         given, unit = data.attrs.get("units"), units.get(str(label))
@@ -224,16 +223,16 @@ def _require_known_axes(ds: xr.Dataset, table: Variants) -> None:
 
 
 def _is_same_unit(given: str, unit: str) -> bool:
-    """True if a unit is another way to write one of SI."""
+    """True if `given` is another spelling of the SI unit `unit`."""
     with suppress(ValueError):
         return given == unit or to_si(f"1 {given}", like=f"1 {unit}") == 1
     return False
 
 
 def _per_point(ds: xr.Dataset) -> xr.Dataset:
-    """The dataset with time, load and distance of each step at each point."""
+    """The dataset with time, load and distance of each step expanded to each point."""
     names = [name for name in (*MADE, "own_grid") if name in ds.coords]
-    if not names:  # it was taken before
+    if not names:  # expanded before
         return ds
     ds = ds.reset_coords(names)
     if "status" not in ds:
@@ -244,7 +243,7 @@ def _per_point(ds: xr.Dataset) -> xr.Dataset:
 
 
 def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
-    """Dimensions of rows that are not drawn, such as entries with several values by their paths."""
+    """Dimensions of entries with several values, by path, or of rows of a table; not of seeds."""
     dims = ds["status"].dims if isinstance(ds, xr.Dataset) and "status" in ds else ds.dims
     return [
         str(dim)
@@ -254,7 +253,7 @@ def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
 
 
 class Kind(Enum):
-    """What the rows of a sweep are, which decides how it answers."""
+    """Kind of the rows of a sweep, which decides how questions are answered."""
 
     PLANE = "rows that share loads and velocities"
     PLACES = "rows with a load and a velocity of their own"
@@ -262,7 +261,7 @@ class Kind(Enum):
 
 
 def sweep_kind(ds: xr.Dataset) -> Kind:
-    """What the rows of a sweep are."""
+    """Kind of the rows of a sweep; see `Kind`."""
     draw = scene_sweep(ds).variants.draw
     if draw and (draw["unknown"] or draw["fixed"]):
         return Kind.SAMPLES
@@ -270,7 +269,7 @@ def sweep_kind(ds: xr.Dataset) -> Kind:
 
 
 def require_kind(kind: Kind, *kinds: Kind) -> None:
-    """Raise an `InputError` at a sweep of another kind, which has no plane."""
+    """Raise an `InputError` for a sweep of a kind that a question does not allow."""
     if kind not in kinds:
         raise InputError(_NO_PLANE[kind])
 
@@ -284,7 +283,7 @@ _NO_PLANE = {
 
 
 def require_one_scene(names: Sequence[str]) -> None:
-    """Raise an `InputError` at a sweep in which these entries have several values."""
+    """Raise an `InputError` if entries, by name, have several values in the sweep."""
     if names:
         several = " and ".join(names)
         options = " ".join(f'--at "{name}=..."' for name in names)
@@ -295,7 +294,7 @@ def require_one_scene(names: Sequence[str]) -> None:
 
 
 def ordered(ds: xr.Dataset) -> xr.Dataset:
-    """Sort the axes of a sweep, which a store keeps in the order in which they grew."""
+    """Sort the axes of a sweep; a store keeps them in the order in which they grew."""
     numbers = [name for name in entry_dims(ds) if ds[name].dtype.kind == "f"]
     axes = [*numbers, *(name for name in (*drawn_dims(ds), *PLANE) if name in ds.dims)]
     unsorted = [name for name in axes if (np.diff(ds[name].values) < 0).any()]
@@ -303,20 +302,21 @@ def ordered(ds: xr.Dataset) -> xr.Dataset:
 
 
 def drawn_dims(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
-    """Dimensions of rows that differ by chance; those of the table may be chosen, or samples."""
+    """Dimensions of random rows: surfaces, and rows if they are samples."""
     return ("realization", VARIANT) if "sample" in ds.coords else ("realization",)
 
 
 def keep_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
-    """The dataset with steps along a dimension, also where it was taken at one of them.
+    """The dataset with a dimension ``step``, also if a single step was selected.
 
-    Raise an `InputError` if it lacks any of these variables, or the end of each point.
+    Raises an `InputError` if the dataset lacks one of the variables `names`, or the end of each
+    point.
     """
     if missing := [name for name in names if name not in ds.variables]:
         raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
     if "step" in ds.coords and not (ds["step"] == 0).any():
         raise InputError(
-            "the dataset has not step 0, the end of each point, which decides: take it as well, "
+            "the dataset lacks step 0, the end of each point, which decides: take it, too, "
             "such as by ds.sel(step=0)"
         )
     if "step" in ds.dims:
@@ -328,7 +328,7 @@ def keep_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
 
 
 def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
-    """Take each point at its end, at the load that it is named after.
+    """Select the end of each point: the step at the point's nominal load.
 
     Parameters
     ----------
@@ -338,7 +338,7 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     Returns
     -------
     Dataset
-        At ``step`` 0, without that dimension; NaN where a point is not done.
+        The dataset at ``step`` 0, without that dimension; NaN where a point is not done.
 
     Examples
     --------

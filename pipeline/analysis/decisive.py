@@ -1,4 +1,4 @@
-"""Temperatures of the contact, and conditions as attributes."""
+"""Temperatures of the contact, and conditions as attributes of a dataset."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tribo.types import Array
 
 
 def attributes_by(conditions: Conditions) -> dict[str, Any]:
-    """Conditions as attributes of types that netCDF can store; corrections as JSON."""
+    """Conditions as attributes that netCDF can store; corrections as JSON."""
     plain = conditions.as_dict()
     if "corrections" in plain:
         plain["corrections"] = json.dumps(plain["corrections"])
@@ -30,23 +30,23 @@ def attributes_by(conditions: Conditions) -> dict[str, Any]:
 
 @np.errstate(under="ignore")
 def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
-    """Temperatures of the contact, at each step of each point.
+    """Temperatures of the contact at each step of each point.
 
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep` or `pipeline.at`, a part of it that has the status of its
-        points, or the path of a store. The whole of a large sweep takes much memory: select loads
-        and velocities first.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, a part of it that keeps ``status``, or
+        the path of a store. A whole large sweep takes much memory: select loads and velocities
+        first.
 
     Returns
     -------
     Dataset
-        ``max_temperature`` and ``mean_temperature`` of the contact, ``temperature_quantile`` that a
-        share ``cooler_share`` of the contact area stays below [K]; and, where there is a critical
-        temperature, ``failed_fraction``, the share of the contact area above it. Where friction
-        depends on temperature each part has that of its own; the run solves the deciding
-        temperature alone.
+        ``max_temperature`` and ``mean_temperature`` of the contact [K]; ``temperature_quantile``,
+        the temperature [K] that a share ``cooler_share`` of the contact stays below; and, with a
+        critical temperature, ``failed_fraction``, the share of the contact area above it. If
+        friction depends on temperature, each temperature is with its own friction; only the
+        deciding temperature is solved by a run.
 
     Examples
     --------
@@ -60,7 +60,7 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     464.0
     """
     ds = dataset_of(ds)
-    held = results(ds.drop_vars("step", errors="ignore"))  # the end need not be there
+    held = results(ds.drop_vars("step", errors="ignore"))  # any step will do
     like = ds.isel(dict.fromkeys(held.entry_dims, 0), missing_dims="ignore")
     answers = [_temperatures(scene, like) for scene in held.scenes]
     found = side_by_side(answers, [held.rows[name] for name in held.entry_dims])
@@ -68,7 +68,7 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
 
 
 def _temperatures(scene: Results, like: xr.Dataset) -> xr.Dataset:
-    """Temperatures of one scene, with the dimensions of a dataset."""
+    """Temperatures of one scene, with the dimensions of the dataset `like`."""
     scene.require("max_rise", "mean_rise", "rise_quantile")
     if len(scene.shares) < len(QUANTILES):
         raise InputError(
@@ -101,7 +101,7 @@ def _temperatures(scene: Results, like: xr.Dataset) -> xr.Dataset:
 
 
 def _shaped(like: xr.DataArray, dims: Sequence[str], values: Array) -> xr.DataArray:
-    """Values with these dimensions as an array with those of another one."""
+    """An array like `like`, with `values` whose dimensions are `dims`."""
     whole = xr.Variable(dims, values)
     cut = whole.isel({name: 0 for name in dims if name not in like.dims})
     return like.drop_attrs().copy(data=cut.transpose(*like.dims).values)

@@ -1,4 +1,4 @@
-"""The differences between two stores."""
+"""Differences between two stores."""
 
 from __future__ import annotations
 
@@ -26,16 +26,17 @@ _STATES = {DONE: "done", FAILED: "failed"}
 @shown
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Differences between two stores, A and B."""
+    """Differences between two stores A and B, as data frames."""
 
     entries: pd.DataFrame  #: Entries of the scenes that differ: ``entry``, ``a``, ``b``.
-    #: Critical velocities at the loads of both, each by its own conditions: ``load [N]``, ``a
-    #: [m/s]``, ``b [m/s]``, ``change [%]``, ``outcome a`` and ``outcome b``.
+    #: Critical velocities at loads that both have, each under its own conditions: ``load [N]``,
+    #: ``a [m/s]``, ``b [m/s]``, ``change [%]``, ``outcome a`` and ``outcome b``.
     boundary: pd.DataFrame
-    #: Points done in one alone or with other rises: ``load [N]``, ``velocity [m/s]``, ``variant``,
-    #: ``state a``, ``state b``, ``rise a [K]``, ``rise b [K]`` and ``change [%]``.
+    #: Points that are done in only one store or have different rises: ``load [N]``, ``velocity
+    #: [m/s]``, ``variant``, ``state a``, ``state b``, ``rise a [K]``, ``rise b [K]``, ``change
+    #: [%]``.
     points: pd.DataFrame
-    alike: int  #: Points that are done in both, with equal rises.
+    alike: int  #: Number of points that are done in both with equal rises.
 
 
 @np.errstate(under="ignore")
@@ -71,7 +72,7 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
 
 
 def _boundary(a: Results, b: Results) -> pd.DataFrame:
-    """Critical velocities at the loads of both; empty if wear is not judged."""
+    """Frame of critical velocities at loads that both have; empty if a scene has no limit."""
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
         first, second = (_critical_velocities(data) for data in (a, b))
@@ -86,7 +87,7 @@ def _boundary(a: Results, b: Results) -> pd.DataFrame:
 
 
 def _critical_velocities(data: Results) -> pd.DataFrame:
-    """Critical velocity and outcome at each load; over several surfaces or samples the median."""
+    """Critical velocity and outcome at each load; the median for surfaces or samples."""
     boundaries, meanings = boundary(data), outcomes("velocity")
     if "critical_velocity_quantile" in boundaries:
         velocity = boundaries["critical_velocity_quantile"].sel(quantile=0.5).values
@@ -104,7 +105,7 @@ def _critical_velocities(data: Results) -> pd.DataFrame:
 
 
 def _points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
-    """Points that are done in one alone or differ, and the number of those that are alike."""
+    """Frame of points that differ or are done in one store only, and the number that are alike."""
     heads = (
         "load [N]", "velocity [m/s]", "variant", "state a", "state b", "rise a [K]", "rise b [K]",
         "change [%]",
@@ -123,7 +124,7 @@ def _points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
 
 
 def _states(data: Results, has_seeds: bool) -> pd.DataFrame:
-    """State and highest rise [K] of each point that is done, failed or asked for, by its place."""
+    """Frame of points that are done, failed or asked for: place, state and highest rise [K]."""
     data.require("max_rise")
     values = {
         "status": data.columns["status"],

@@ -1,4 +1,4 @@
-"""Data frames of a boundary."""
+"""Data frames of a boundary: critical velocities by load, critical loads by velocity."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from pipeline.quantities import UNITS, column_heads
 from pipeline.sweep.conditions import FIELDS
 
 BOUNDARIES = (("critical_velocity", "load"), ("critical_load", "velocity"))
-"""Variables of a boundary, each with the axis that it is found along."""
+"""Variables of a boundary, each with the axis that gives its rows."""
 JUDGED = column_heads(
     "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share", "criterion"
 )
-"""Heads of the conditions that wear is judged by."""
+"""Column headings of the conditions that wear is judged by."""
 
 
 def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
@@ -31,7 +31,7 @@ def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
 
 
 def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
-    """Frame along one axis."""
+    """Frame with a row for each value of `axis`."""
     columns = _band if f"{name}_quantile" in boundaries else _surface
     values = dict(columns(boundaries, name, axis))
     if (film := f"film_parameter_at_{axis}") in boundaries:
@@ -58,15 +58,15 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
 
 
 def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Crossings of one surface, by their heads."""
+    """Columns of a single surface, by heading: critical value and outcome."""
     yield column_heads(name)[name], boundaries[name]
     yield "outcome", boundaries[f"words_at_{axis}"]
 
 
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Median and ends of the band of several surfaces, and how many surfaces have each outcome.
+    """Columns of several surfaces, by heading: median, ends of the band, number of each outcome.
 
-    For samples, the velocities of some probabilities alone.
+    For samples, only the velocities of some probabilities.
     """
     other, surfaces = name.removeprefix("critical_"), "realization"
     unit, band = UNITS[other], boundaries[f"{name}_quantile"]

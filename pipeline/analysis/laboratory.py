@@ -1,4 +1,4 @@
-"""Tests of a laboratory beside what is computed at their own conditions, and what they tell."""
+"""Laboratory tests compared with the model at their own conditions, and the model's error."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from tribo import InputError
 NOT_KNOWN = "not known"
 _AGREES = "yes", "no", NOT_DECIDED, NOT_KNOWN
 USUAL_SCATTER = 0.05
-"""Relative standard deviation of the velocity of a transition that gives none."""
-_DEVIATIONS = 2.0  # standard deviations of a measured velocity within which a transition agrees
-_BESIDE = 0.1  # relative distance in load and velocity of a test that is beside a place
-_SAME = 1e-6  # relative difference of loads and velocities that are the same but for rounding
+"""Relative standard deviation of a transition's velocity if it states none."""
+_DEVIATIONS = 2.0  # a transition agrees within this many standard deviations of its velocity
+_BESIDE = 0.1  # a test is near a place within this relative distance in load and velocity
+_SAME = 1e-6  # relative rounding difference of equal loads or velocities
 _HEADS = (
     "test", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]", "hold [s]",
     "computed", "decisive temperature [°C]", "agrees", "notes",
@@ -41,32 +41,32 @@ _HEADS = (
 
 
 def laboratory_tests(data: Results) -> tuple[Measurement, ...]:
-    """Measured transitions of a sweep, and then its tests, of the oil that it is judged for.
+    """Measured transitions, then tests, of the oil that the sweep is judged for.
 
-    All of them where that is not told.
+    If that oil is not known, tests of all oils.
     """
     tests = data.sweep.tests
     return tests if len(ambiguous_oils(data.sweep)) > 1 else own_tests(tests)
 
 
 def ambiguous_oils(sweep: Sweep) -> list[str]:
-    """Oils that the tests of a scene name, unless the scene or the user says whose tests count."""
+    """Oils that the tests name if nothing says which of them counts; else empty."""
     names = oils_of(test.oil for test in sweep.tests)
     return [] if "" in names or sweep.oil else names
 
 
 def require_one_oil(sweep: Sweep) -> None:
-    """Raise an `InputError` if tests name several oils, and it is not told whose count."""
+    """Raise an `InputError` if tests are of several oils, and nothing says which one counts."""
     names = ambiguous_oils(sweep)
     if len(names) > 1:
         raise InputError(
-            f"the tests are of {len(names)} oils, and the answer is for one: {', '.join(names)}; "
+            f"the tests are of {len(names)} oils, but an answer is for one: {', '.join(names)}; "
             "give its name with --oil (in Python oil), and its critical temperature"
         )
 
 
 def own_conditions(data: Results, test: Measurement) -> Conditions:
-    """Conditions of a test: its friction and bulk, or the scene's, not those judged at."""
+    """Conditions of a test: its friction and bulk temperature, else those of the scene."""
     judged, scene = data.sweep.conditions, data.stored.conditions
     bulks = {body: getattr(scene, body) for body in ("bulk_temperature", "disk_temperature")}
     if test.bulk_temperature is not None:
@@ -75,8 +75,8 @@ def own_conditions(data: Results, test: Measurement) -> Conditions:
 
 
 def model_error(data: Results, field: Field) -> Scatter:
-    """The model's own error in a scene, by its tests."""
-    scatter: Scatter | None = getattr(field, "scatter", None)  # that samples have inferred
+    """The model's own error in a scene, inferred from its tests; a prior without tests."""
+    scatter: Scatter | None = getattr(field, "scatter", None)  # samples have inferred it
     require_one_oil(data.sweep)
     if scatter is not None:
         return scatter
@@ -89,16 +89,17 @@ def model_error(data: Results, field: Field) -> Scatter:
 
 
 def untested_error(sweep: Sweep) -> ModelError:
-    """The model's own error in a scene, without its tests."""
+    """The model's own error in a scene if its tests are not used."""
     names = ambiguous_oils(sweep)
     oil, model = sweep.oil or (names[0] if len(names) == 1 else ""), sweep.declared.model
     return ModelError(usual=model.scatter if model else USUAL, oil=oil)
 
 
 def _known(data: Results, field: PointField, test: Measurement) -> Comparison | None:
-    """A test beside what is computed at its own conditions.
+    """Comparison of a test with the model at its own conditions, or None.
 
-    None beyond the loads of the sweep, and where velocities that were not computed may agree.
+    It is None outside the loads of the sweep, or if velocities not computed may agree with the
+    test.
     """
     try:
         found = comparison(field.under(own_conditions(data, test)), test)
@@ -108,9 +109,10 @@ def _known(data: Results, field: PointField, test: Measurement) -> Comparison | 
 
 
 def _counted(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]]) -> ModelError:
-    """The error with tests: of each run the farthest transition, and wrong outcome on each side.
+    """The model's error given compared tests.
 
-    A transition where no turn is computed contradicts the model, as a wrong outcome does.
+    Of each run the farthest transition counts, and the farthest wrong outcome on each side. A
+    transition where no turn is computed contradicts the model like a wrong outcome.
     """
     transitions, wrong = dict[Any, float](), dict[Any, float]()
     for number, (test, one) in enumerate(found):
@@ -124,26 +126,26 @@ def _counted(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]])
 
 
 class Comparison(NamedTuple):
-    """A test beside the line of wear that is computed at its own conditions."""
+    """A test compared with the computed wear at its own conditions and load, along velocity."""
 
-    place: tuple[float, float]  # load [N] and velocity [m/s], or the last one computed before it
-    here: Here  # what is computed there
-    turn: float  # where wear turns; see `critical_velocity`
-    critical: float  # the same, by the power law of the line's ends where none is computed [m/s]
-    is_right: bool  # the test has the computed outcome
-    is_known: bool  # no velocity beyond the computed ones may make it right
+    place: tuple[float, float]  # load [N], and velocity [m/s] within the computed ones
+    here: Here  # temperatures computed at that place
+    turn: float  # velocity at which wear turns [m/s]; see `critical_velocity`
+    critical: float  # the same, extrapolated by a power law if none is computed [m/s]
+    is_right: bool  # True if the test has the computed outcome
+    is_known: bool  # False if further velocities might change whether it agrees
 
 
 def comparison(own: PointField, test: Measurement) -> Comparison:
     """Compare a test with the field at its own conditions.
 
-    Beyond the computed velocities wear may turn, from mild to severe with the velocity; with
-    friction by velocity it may turn either way.
+    Beyond the computed velocities wear may turn from mild to severe with velocity. With a friction
+    that depends on velocity it may turn either way.
 
     Raises
     ------
     InputError
-        If the load lies outside the sweep, or too little of it is done to tell.
+        If the load is outside the sweep, or too few points are done.
     """
     computed = own.transitions("velocity", test.normal_load, test.velocity).computed
     low, high = (float(end[0]) for end in computed)
@@ -162,10 +164,10 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
 
 
 def critical_velocity(own: PointField, test: Measurement, continued: bool = False) -> float:
-    """Velocity nearest to a test at which wear turns in its own field: the median of the surfaces.
+    """Velocity nearest to a test at which wear turns [m/s]: the median over the surfaces.
 
-    For a transition wear turns severe there. The velocity is infinite, or -infinite, if wear is
-    mild, or severe, at all computed points [m/s], and their line is not continued.
+    For a transition only turns to severe wear count. If there is none, the velocity is infinite
+    (mild at all computed points) or -infinite (severe), or extrapolated if `continued`.
     """
     line = own.lines("velocity", *places_of(test.normal_load, test.velocity))
     nearest = line.nearest(test.velocity, test.outcome is None, continued)
@@ -173,9 +175,9 @@ def critical_velocity(own: PointField, test: Measurement, continued: bool = Fals
 
 
 def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
-    """Tests at or beside a place, in words, with their own conditions.
+    """Describe tests at or near a place, with their own conditions.
 
-    Those as warm as the critical temperature are left out.
+    Tests whose bulk temperature is above the critical one are left out.
     """
     for test in laboratory_tests(data):
         pairs = (test.normal_load, load), (test.velocity, velocity)
@@ -190,9 +192,9 @@ def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
 
 
 def compared(data: Results) -> pd.DataFrame | None:
-    """Frame of tests beside what is computed at their own conditions; None if there are none.
+    """Frame of tests compared with the model at their own conditions; None without tests.
 
-    Of several values of a condition none is that of a test which gives none.
+    If the sweep is judged at several values of a condition, the first one is used.
     """
     data = data.take(dict.fromkeys(data.judged_dims, 0))
     if not laboratory_tests(data) or data.kind is not Kind.PLANE:
@@ -201,26 +203,26 @@ def compared(data: Results) -> pd.DataFrame | None:
 
 
 def agreement(frame: pd.DataFrame) -> str:
-    """Count of tests that agree, in a sentence."""
+    """Sentence that counts the tests by agreement, such as "2 yes, 1 no"."""
     counts = Counter(frame["agrees"])
     said = ", ".join(f"{counts[key]} {key}" for key in _AGREES if counts[key])
     return f"Agreement with the tests: {said}."
 
 
 def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
-    """The count of tests that agree, their frame, and why others are not known."""
+    """Yield the count of tests that agree, their frame, and notes on them."""
     yield agreement(frame)
     yield short(frame, ["notes"])
     yield from notes_of(frame)
     yield (
-        f"each at its own friction and bulk; a transition agrees if it lies within {_DEVIATIONS:g} "
-        f"standard deviations of its velocity, {100 * USUAL_SCATTER:g} % each if it gives none; a "
-        "test agrees if its outcome is the computed one, outside the error of the temperature"
+        f"each at its own friction and bulk temperature; a transition agrees within "
+        f"{_DEVIATIONS:g} standard deviations of its velocity, {100 * USUAL_SCATTER:g} % each if "
+        "it states none; a test agrees if its outcome is computed, beyond the temperature's error"
     )
 
 
 def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
-    """Rows of one scene."""
+    """Rows of the frame of tests, for one scene."""
     field = point_field(scene)
     under = functools.cache(field.under)
     hold = getattr(scene.sweep.scene.loading, "hold", 0.0)
@@ -244,10 +246,10 @@ def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
 
 
 def _answer(test: Measurement, field: PointField, found: Comparison) -> tuple[str, float, str]:
-    """What is computed at a test, the deciding temperature [K], and whether it agrees.
+    """Computed outcome in words, deciding temperature [K], and whether the test agrees.
 
-    The numerical error and the scatter of the measurement count, and not the model's own error,
-    which the tests have made.
+    The numerical error and the scatter of the measurement count. The model's own error does not, as
+    it is inferred from the tests.
     """
     here, error = found.here, totals(field.errors(*found.place)).item()
     values, critical = (part[:, 0] for part in (here.values, here.critical))

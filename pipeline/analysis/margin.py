@@ -1,9 +1,10 @@
-"""Verdict on an operating point: its probability, its distance from severe wear, and its errors.
+"""Verdict on an operating point: probability of severe wear, distance from it, and errors.
 
-The error has three parts. The numerical one (`pipeline.analysis.rise_error`) moves all rises,
-the inputs are the members of the field, and the model's own (`pipeline.analysis.model_error`) moves
-the velocity of the next run. Wear is mild where the next run is severe with a probability of at
-most 5 % at the worst numerical error, severe where of at least 95 %, and else not decided.
+The error has three parts. The numerical error (`pipeline.analysis.rise_error`) shifts all rises.
+Uncertain inputs are the members of the field. The model's own error
+(`pipeline.analysis.model_error`) shifts the velocity of the next run. Wear is mild if the next run
+is severe with a probability of at most 5 % at the worst numerical error, severe if at least 95 %,
+and else not decided.
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ from pipeline.sweep.shown import shown
 from tribo.types import Array, Mask
 
 NOT_DECIDED = "not decided"
-"""Verdict on a place whose next run is neither mild nor severe with 95 % probability."""
+"""Verdict if the next run is neither mild nor severe with 95 % probability."""
 DECIDED = (0.05, 0.5, 0.95)
-"""Probabilities of severe wear: mild up to the first, severe from the last on."""
+"""Probabilities of severe wear: up to the first the verdict is mild, from the last on severe."""
 PASSED = "wear is severe at lower loads at this velocity, through which a ramp passes"
-"""Caveat of a place that is mild by itself."""
-_LEAST = 1e-4  # probability that is told as a number; nearer to 0 or 1 nothing is known of tails
+"""Caveat on a place that is mild, but severe at lower loads."""
+_LEAST = 1e-4  # least probability that is stated as a number: the tails are not known better
 
 
 @shown
@@ -38,9 +39,9 @@ _LEAST = 1e-4  # probability that is told as a number; nearer to 0 or 1 nothing 
 class Margin:
     """The verdict on an operating point, and its distance from severe wear.
 
-    Over several surfaces or samples, numbers are medians, and ``intervals`` has what 5 and 95 % of
-    them stay below. Beyond the velocities computed at a load the rise is extrapolated as a power of
-    the velocity, such as in a sweep of the boundary alone.
+    Over several surfaces or samples, numbers are medians, and ``intervals`` has their 5 and 95 %
+    quantiles. Beyond the velocities computed at a load, as in a sweep of the boundary only, the
+    rise is extrapolated as a power of the velocity.
 
     Examples
     --------
@@ -53,36 +54,36 @@ class Margin:
     load: float  #: Normal load on the whole pin [N].
     velocity: float  #: Sliding velocity [m/s].
     probability: float  #: Probability that the next run is severe.
-    lowest: float  #: That at the worst numerical error, with colder contacts.
-    highest: float  #: Likewise, with hotter ones.
+    lowest: float  #: The same if the numerical error makes contacts colder.
+    highest: float  #: The same if the numerical error makes contacts hotter.
     decisive_temperature: float  #: Temperature of the contact that decides [K].
     error: RiseError  #: Numerical error of that temperature by its parts [K].
     critical_temperature: float  #: Temperature above which the lubricant fails [K].
-    critical_sd: float | None  #: Its standard deviation [K]; None if it is taken as exact.
-    distance: float  #: Critical less deciding temperature [K]; negative where wear is severe.
-    model_error: str  #: The model's own error, and what it rests on.
-    #: First velocity at this load at which wear turns severe [m/s]. NaN if the sweep has none, or
+    critical_sd: float | None  #: Standard deviation of the critical temperature [K]; None if exact.
+    distance: float  #: Critical minus deciding temperature [K]; negative if wear is severe.
+    model_error: str  #: The model's own error and its basis, in words.
+    #: Lowest velocity at this load at which wear turns severe [m/s]. NaN if the sweep has none, or
     #: if wear is severe at the lowest velocity.
     critical_velocity: float
-    critical_load: float  #: First load at this velocity, likewise [N].
-    velocity_outcome: str  #: Why there is none, or where wear is severe if it turns several times.
-    load_outcome: str  #: Likewise, along the load.
-    is_computed: bool  #: That very point is done, and the temperature not interpolated.
-    is_continued: bool  #: Temperature extrapolated beyond the computed points.
-    members: int  #: Surfaces, or draws of unknown inputs, that it rests on.
-    counts_inputs: bool  #: The members are draws of unknown inputs, and not surfaces.
-    #: Of these numbers that 5 and 95 % stay below, where there are several members; 0 and infinite
-    #: critical ones where these members are severe or mild at all that is known.
+    critical_load: float  #: Lowest load at this velocity at which wear turns severe [N], or NaN.
+    velocity_outcome: str  #: Outcome along velocity: why there is none, or ranges of severe wear.
+    load_outcome: str  #: The same along the load.
+    is_computed: bool  #: True if this point is done, so that nothing is interpolated.
+    is_continued: bool  #: True if the temperature is extrapolated beyond the computed points.
+    members: int  #: Number of surfaces, or of draws of unknown inputs.
+    counts_inputs: bool  #: True if the members are draws of unknown inputs, not surfaces.
+    #: 5 and 95 % quantiles over the members, by the name of a number; empty for a single member.
+    #: Critical values of members that are severe or mild throughout count as 0 or infinite.
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    tested: tuple[str, ...] = ()  #: Tests of the scene at or beside the place, in words.
-    misfit: str = ""  #: Why the tests contradict the model, which then decides nothing.
-    caveats: tuple[str, ...] = ()  #: What a reader of the verdict must know, in a line each.
-    #: Values of entries with several, by their paths [SI].
+    tested: tuple[str, ...] = ()  #: Tests of the scene at or near the place, in words.
+    misfit: str = ""  #: Why the tests contradict the model, so that nothing is decided; or empty.
+    caveats: tuple[str, ...] = ()  #: Limits of the verdict, one line each.
+    #: Values of entries that vary in the sweep, by path [SI].
     entries: Mapping[str, float | str] = field(default_factory=dict)
 
     @property
     def verdict(self) -> str:
-        """``"mild"`` or ``"severe"`` of the next run, or that it is not decided."""
+        """Verdict on the next run: ``"mild"``, ``"severe"`` or ``"not decided"``."""
         return NOT_DECIDED if self.misfit else verdict_between(self.lowest, self.highest)
 
     @property
@@ -92,34 +93,34 @@ class Margin:
 
     @property
     def velocity_factor(self) -> float:
-        """Critical velocity at this load over the velocity; NaN where it is not known."""
+        """Critical velocity at this load over the velocity; NaN if unknown."""
         return self.critical_velocity / self.velocity
 
     @property
     def load_factor(self) -> float:
-        """Critical load at this velocity over the load; NaN where it is not known."""
+        """Critical load at this velocity over the load; NaN if unknown."""
         return self.critical_load / self.load
 
     @property
     def decided_by(self) -> str | None:
-        """What kind of thing would decide the verdict; None if it is decided."""
+        """What would decide the verdict, in words; None if it is decided."""
         if self.verdict != NOT_DECIDED:
             return None
         if self.misfit or verdict_between(*[self.probability] * 2) == NOT_DECIDED:  # at any error
             inputs = "better known inputs, such as the critical temperature, or "
-            return f"{inputs * self.counts_inputs}a test there"
+            return f"{inputs * self.counts_inputs}a test at this point"
         measured = f"its numerical error, which {MEASURES} measures"
         parts = {
-            "more points there": self.error.interpolation,
+            "more points near it": self.error.interpolation,
             measured if self.error.preset is None else "a finer preset": self.error.preset,
-            "what the warnings ask for": self.error.warned,
+            "what its warnings ask for": self.error.warned,
         }
         sizes = {kind: math.inf if part is None else part for kind, part in parts.items()}
         return max(sizes, key=lambda kind: sizes[kind])
 
     @property
     def sentence(self) -> str:
-        """The answer for those who decide."""
+        """The answer in one sentence, such as "Mild: severe wear is 2 % likely, 30 K below …"."""
         side = "below" if self.distance >= 0 else "above"
         ends = percent(self.lowest), percent(self.highest)
         within = f" ({ends[0].removesuffix(' %')} to {ends[1]})" if ends[0] != ends[1] else ""
@@ -131,19 +132,19 @@ class Margin:
 
 
 def verdict_between(lowest: float, highest: float) -> str:
-    """Verdict by the probabilities of severe wear at the worst numerical errors."""
+    """Verdict from the probabilities of severe wear at the worst numerical errors."""
     if highest <= DECIDED[0]:
         return "mild"
     return "severe" if lowest >= DECIDED[-1] else NOT_DECIDED
 
 
 def clipped(probability: float) -> float:
-    """A probability, no nearer to 0 or 1 than the tails are known."""
+    """A probability clipped to the range in which tails are known."""
     return min(max(probability, _LEAST), 1 - _LEAST)
 
 
 def percent(probability: float) -> str:
-    """A probability in words, which are no number where it is next to certain."""
+    """A probability in words: a percentage, or "less than 0.01 %"."""
     if probability < _LEAST:
         return f"less than {100 * _LEAST:g} %"
     if probability > 1 - _LEAST:
@@ -155,9 +156,9 @@ def percent(probability: float) -> str:
 def answers(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, tested: Sequence[Sequence[str]]
 ) -> list[Margin | str]:
-    """The margins of a field at loads [N] and velocities [m/s] (k,), or why there is none.
+    """Margins of a field at loads [N] and velocities [m/s] (k,), or reasons in words if unknown.
 
-    Tests at or beside each place are given in words.
+    `tested` describes the tests near each place.
     """
     here = field.temperatures(loads, velocities)
     is_known = np.array([not reason for reason in here.reasons])
@@ -183,7 +184,7 @@ def answers(
 def _columns(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, here: Here, is_known: Mask
 ) -> dict[str, Sequence[Any]]:
-    """Values of the margins at places that are known, by the names of `Margin`."""
+    """Values of the margins at known places, by the name of the field of `Margin`."""
     weights, errors = field.weights, field.errors(loads, velocities)
     values, critical = here.values[:, is_known], here.critical[:, is_known]
     chances = probabilities(field, loads, velocities, scatter, totals(errors))
@@ -220,9 +221,9 @@ def _columns(
 def probabilities(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, errors: Array
 ) -> tuple[Array, Array, Array]:
-    """Probability of a severe next run by place, with colder, the same and hotter rises.
+    """Probability (k,) that the next run is severe, with colder, the same and hotter rises.
 
-    The numerical errors are relative, by place (k,) or one for all; NaN where not known.
+    `errors` are relative numerical errors, one for each place (k,) or one for all; NaN if unknown.
     """
     is_known = np.isfinite(errors)
     shift = np.where(is_known, np.log1p(errors), 0.0)
@@ -234,9 +235,10 @@ def probabilities(
 def verdict_plane(
     field: Field, loads: Array, velocities: Array, scatter: Scatter
 ) -> tuple[Array, Array]:
-    """Probabilities of a severe next run at the worst numerical errors, by load and velocity.
+    """Lowest and highest probability of a severe next run, each (load, velocity).
 
-    They decide as in a margin, and go on beyond the loads and velocities for which there is one.
+    They are those at the worst numerical errors, as in a margin, and also extend beyond the loads
+    and velocities of the sweep.
     """
     rows, step = [], max(1, field.at_once // len(velocities))
     for begin in range(0, len(loads), step):
@@ -250,22 +252,22 @@ def verdict_plane(
 
 
 def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) -> Array:
-    """Velocities below which wear is mild and above which it is severe, by load (k, 2).
+    """Velocities [m/s] below which wear is mild, and above which it is severe, by load (k, 2).
 
-    Velocities ascend. Ends are NaN where they are unknown. If wear is mild at all velocities, or
-    severe at all, it is so below infinity, or above 0. Wear stays severe up to velocities at which
-    the numerical error is unknown.
+    `velocities` ascend. An end is NaN if it is unknown. If wear is mild at all velocities the ends
+    are infinite; if severe at all, the upper end is 0. Wear is taken as severe up to velocities
+    where the numerical error is unknown.
     """
     ends = []
     for lowest, highest in zip(*verdict_plane(field, loads, velocities, scatter), strict=True):
-        last = np.max(np.flatnonzero(highest - lowest < 1), initial=0)  # with a known error
+        last = np.max(np.flatnonzero(highest - lowest < 1), initial=0)  # last with a known error
         severe_above = _passed(1 - lowest[last::-1], velocities[last::-1], 0.0)
         ends.append((_passed(highest, velocities, math.inf), severe_above))
     return np.array(ends)
 
 
 def _passed(chances: Array, velocities: Array, never: float) -> float:
-    """Velocity at which chances first are too high for a decision; NaN if from the first on."""
+    """Velocity at which chances first exceed 5 %; `never` if nowhere, NaN if at the first one."""
     (above,) = np.nonzero(chances > DECIDED[0])
     if not above.size:
         return never

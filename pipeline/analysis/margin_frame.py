@@ -1,4 +1,4 @@
-"""Margins of operating points: one, those of a table, or the places of a sweep's own rows."""
+"""Margins of operating points: of one, of a table, or of the rows of a sweep."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from pipeline.sweep.variants import VARIANT
 from tribo import InputError
 
 Points = OperatingPoints | PathLike | Mapping[str, Sequence[Any]]
-"""Operating points as they may be given."""
+"""Operating points: read ones, a file, or columns by heading."""
 
 
 @overload
@@ -42,7 +42,7 @@ def margin(ds: ResultsLike, load: Points | None = None) -> pd.DataFrame: ...
 
 @np.errstate(under="ignore")
 def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | pd.DataFrame:
-    """Verdict on operating points, and their distance from severe wear, without a new simulation.
+    """Judge operating points without a new simulation: verdict, and distance from severe wear.
 
     Parameters
     ----------
@@ -50,14 +50,14 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
         Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store. Points that are
         pending or failed are skipped.
     load : float or str
-        Normal load on the whole pin [N], or text such as ``"500 N"``, within those of the sweep. Or
-        a table of operating points in place of load and velocity: a .csv or .xlsx file with columns
-        ``load [N]`` and ``velocity [m/s]``, or in other units; or columns by heading, such as a
-        data frame. Columns ``friction``, ``bulk_temperature`` and ``critical_temperature`` are the
-        conditions of their row. Further columns are passed on, with "(given)" after a heading that
-        a result has, too. Give none if rows of the sweep have their own loads and velocities.
+        Normal load on the whole pin [N], or text such as ``"500 N"``, within the sweep's loads. Or
+        a table of operating points instead of load and velocity: a .csv or .xlsx file with columns
+        ``load [N]`` and ``velocity [m/s]``, also in other units; or columns by heading, such as a
+        data frame. Columns ``friction``, ``bulk_temperature`` and ``critical_temperature`` are
+        conditions of their row. Further columns are copied to the result, with "(given)" after a
+        heading that the result has, too. Leave it out if rows of the sweep have their own places.
     velocity : float or str
-        Sliding velocity [m/s], or text with a unit, above 0 and within those of the sweep.
+        Sliding velocity [m/s], or text with a unit, above 0 and within the sweep's velocities.
 
     Returns
     -------
@@ -65,16 +65,16 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
         The `Margin` of one place in a single scene. For several places a data frame with a row for
         each: its place, the ``verdict`` on the next run, the ``probability`` that it is severe,
         ``decisive temperature [°C]``, its numerical ``temperature error [K]``, the ``distance [K]``
-        below the critical temperature and, along velocity and load, the factor to the first
+        below the critical temperature and, along velocity and load, the factor to the lowest
         critical value, that value and the outcome. Over several surfaces or samples these are
         medians; ``distance low [K]`` and ``distance high [K]`` are the 5 and 95 % quantiles. A
-        place that the sweep says nothing about has none, and its ``notes`` say why.
+        place outside the computed points has none, and its ``notes`` give the reason.
 
     Raises
     ------
     InputError
-        If the operating point lies outside the sweep, too little of the sweep is done, or the table
-        has faults; the message names all.
+        If the operating point is outside the sweep, too few points are done, or the table has
+        faults; the message names them all.
 
     Examples
     --------
@@ -104,23 +104,23 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
 
 
 class Judged(NamedTuple):
-    """A place of a scene, judged; or why it is not."""
+    """A place of a scene with its margin, or with the reason why there is none."""
 
-    field: Field  # under the conditions of the place
+    field: Field  # field under the conditions of the place
     place: Place
-    own: Mapping[str, float]  # conditions that a row of a table has of its own
+    own: Mapping[str, float]  # conditions given in the row of a table
     margin: Margin | None
     reason: str = ""
 
     def known(self) -> Margin:
-        """The margin; an `InputError` where there is none."""
+        """The margin; raises an `InputError` if there is none."""
         if self.margin is None:
             raise InputError(self.reason)
         return self.margin
 
 
 def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
-    """Places of each scene of a sweep, or of its rows where no points are given."""
+    """Judge the points in each scene of a sweep; without points, the rows' own places."""
     if points is not None:
         require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
     for field in fields(data):
@@ -128,8 +128,8 @@ def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
         place = field.source.place
         if points is None and place is None:
             raise InputError(
-                "no operating point is given, and the rows have none of their own; give a load and "
-                "a velocity (--load and --velocity), or a table of them (--points)"
+                "no operating point is given, and rows of the sweep have none; give a load and a "
+                "velocity (--load and --velocity), or a table of them (--points)"
             )
         own_place = [(Place(*place), dict[str, float]())] if place else []
         places = [*(points.rows if points else own_place)]
@@ -140,7 +140,7 @@ def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
 def _judged_places(
     field: Field, places: Sequence[tuple[Place, Mapping[str, float]]], scatter: Scatter
 ) -> list[Judged]:
-    """Places of a field, those with the same conditions at once."""
+    """Judge places of a field; places with the same conditions are judged together."""
     found, alike = dict[int, Judged](), dict[tuple[Any, ...], list[int]]()
     for number, (_, own) in enumerate(places):
         alike.setdefault((*own.items(),), []).append(number)
@@ -166,7 +166,7 @@ def _judged_places(
 def margin_frame(
     data: Results, found: Sequence[Judged], points: OperatingPoints | None = None
 ) -> pd.DataFrame:
-    """Frame of places, with the labels of their scenes and further columns in front."""
+    """Frame of judged places, with labels of their scenes and further columns in front."""
     names = _labels(found) if data.kind is Kind.PLACES else data.entry_dims
     heads = heads_of(data.rows, names)
     labels = pd.DataFrame(
@@ -194,9 +194,9 @@ _COLUMNS = column_heads(
     "distance_low", "distance_high", "velocity_factor", "critical_velocity", "velocity_outcome",
     "load_factor", "critical_load", "load_outcome",
 )  # fmt: skip
-"""Heads of a table, by where each stands in a `Margin`."""
+"""Column headings by the name of the field of `Margin`."""
 LONG = ("critical velocity [m/s]", "critical load [N]", "velocity outcome", "load outcome", "notes")
-"""Columns for which a terminal or a page is too narrow."""
+"""Columns left out on a terminal or a page, which are too narrow."""
 
 
 def _value(margin: Margin, name: str) -> Any:
@@ -207,13 +207,13 @@ def _value(margin: Margin, name: str) -> Any:
 
 
 def _labels(found: Sequence[Judged]) -> list[str]:
-    """Labels of rows with places of their own; their numbers where they have no others."""
+    """Names of labels of rows with their own places; the row number if there are no others."""
     names = [name for one in found[:1] for name in one.field.source.labels]
     return [name for name in names if name != VARIANT] or names
 
 
 def _passed_on(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.DataFrame:
-    """Further columns of a table, for each of the scenes that it is judged in."""
+    """Further columns of the user's table, repeated for each scene."""
     taken, count = {*answers}, len(answers)
     columns = {
         f"{head} (given)" if head in taken else head: [*values] * (count // len(values))
@@ -223,7 +223,7 @@ def _passed_on(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.Data
 
 
 def counts_in_words(frame: pd.DataFrame) -> str:
-    """Numbers of operating points by verdict in words, and which of them is the nearest."""
+    """Counts of operating points by verdict, and the place with the least margin, in words."""
     counts = Counter(frame["verdict"])
     said = ", ".join(f"{number} {verdict}" for verdict, number in sorted(counts.items()))
     if len(frame) == 1 or frame["distance [K]"].isna().all():

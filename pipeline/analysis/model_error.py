@@ -1,13 +1,13 @@
-"""The model's own error: how far ln(velocity) of the next run is off, by the tests of a scene.
+"""The model's own error: how far ln(velocity) of the next run is off, from the tests of a scene.
 
-It follows Student's t with 4 + n degrees of freedom and the scale √((4·s² + Σr²)/(4 + n)): r is
-ln(measured/computed) of n transitions at their own conditions, and s is 10 %, which counts like
-four tests. So few tests say little.
+It follows Student's t with 4 + n degrees of freedom and the scale √((4·s² + Σr²)/(4 + n)). r is
+ln(measured/computed) of n transitions at their own conditions. s is a prior of 10 %, which counts
+like four tests, so that few tests change little.
 
-An outcome that the model has wrong, at the distance r from the computed transition, widens the half
-of the distribution on its side. Of these outcomes the farthest count, as many as make the scale
-largest, and they add no degree of freedom: so no wrong outcome narrows the error, nor makes the
-other outcome likelier. A right outcome does not count.
+A wrong outcome, at the distance r from the computed transition, widens the half of the distribution
+on its side. The farthest wrong outcomes count, as many as make the scale largest, and they add no
+degree of freedom. So no wrong outcome narrows the error, or makes the other outcome more likely. A
+right outcome does not count.
 """
 
 from __future__ import annotations
@@ -24,41 +24,41 @@ from scipy.special import stdtr
 from tribo.types import Array
 
 USUAL = 0.10
-"""Scatter of a run about the model where no test tells it."""
+"""Prior of the relative scatter of a run about the model."""
 AGREED = "no test contradicts it"
-"""Why no test counts, where all that can be compared are right."""
-WORTH = 4  # tests that the usual scatter counts like
+"""Reason for the prior if all tests that can be compared are right."""
+WORTH = 4  # number of tests that the prior counts like
 
 
 class Scatter(Protocol):
-    """Distribution of ln(velocity) of the next run about the model's."""
+    """Distribution of ln(velocity) of the next run minus that of the model."""
 
     @property
     def text(self) -> str:
-        """What it rests on."""
+        """Size and basis of the scatter, in words."""
 
     def below(self, distances: Array) -> Array:
-        """Probability that it is below distances."""
+        """Probability that a run's deviation is below `distances` in ln(velocity)."""
 
 
 @dataclass(frozen=True, slots=True)
 class ModelError:
-    """Student's t about the model, with a scale for each half."""
+    """Student's t distribution about the model, with a scale for each half."""
 
     residuals: tuple[float, ...] = ()  #: ln(measured/computed) of transitions.
-    wrong: tuple[float, ...] = ()  #: The same of outcomes that the model has wrong.
-    usual: float = USUAL  #: Relative scatter that stands in for tests.
-    reason: str = "no test confirms or contradicts it"  #: Why no test counts, where none does.
-    oil: str = ""  #: Oil whose tests count, if they name it.
+    wrong: tuple[float, ...] = ()  #: ln(measured/computed) of tests with a wrong outcome.
+    usual: float = USUAL  #: Prior of the relative scatter.
+    reason: str = "no test confirms or contradicts it"  #: Why there are no tests.
+    oil: str = ""  #: Oil whose tests count; empty if tests name none.
 
     @property
     def degrees(self) -> int:
-        """Degrees of freedom."""
+        """Degrees of freedom of Student's t."""
         return WORTH + len(self.residuals)
 
     @property
     def scales(self) -> tuple[float, float]:
-        """Scales of runs that turn severe below the computed velocity, and above it."""
+        """Scales for runs that turn severe below the computed velocity, and above it."""
         known = WORTH * self.usual**2 + sum(r * r for r in self.residuals)
         low, high = (
             sorted((r * r for r in self.wrong if r * side > 0), reverse=True) for side in (-1, 1)
@@ -66,12 +66,12 @@ class ModelError:
         return self._widest(known, low), self._widest(known, high)
 
     def _widest(self, known: float, squares: Iterable[float]) -> float:
-        """Largest scale by a sum of squares that counts, and by the first of others, descending."""
+        """Largest scale, from the sum `known` and any number of the largest further squares."""
         sums = enumerate(itertools.accumulate(squares, initial=known), self.degrees)
         return math.sqrt(max(total / count for count, total in sums))
 
     def below(self, distances: Array) -> Array:
-        """See `Scatter`."""
+        """Probability that a run's deviation is below `distances` in ln(velocity)."""
         severer, milder = self.scales
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = distances / np.where(distances > 0, severer, milder)
@@ -79,7 +79,7 @@ class ModelError:
 
     @property
     def text(self) -> str:
-        """See `Scatter`."""
+        """Size and basis of the error, such as "± 11 % in velocity, from 4 tests and a prior …"."""
         if n := len(self.residuals) + len(self.wrong):
             tests = f"{'1 test' if n == 1 else f'{n} tests'}{self.oil and f' of oil {self.oil}'}"
             prior = f"a prior of {100 * self.usual:g} %"

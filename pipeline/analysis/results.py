@@ -1,7 +1,6 @@
-"""Results of a sweep, typed once where a path or a dataset comes in.
+"""`Results`: the results of a sweep as typed arrays, read once from a path or a dataset.
 
-Every answer takes `Results`, and none asks a dataset again. They live for one call: what a dataset
-is changed to afterwards is not in them.
+Every answer takes `Results`. They are for one call: later changes of the dataset are not in them.
 """
 
 from __future__ import annotations
@@ -57,24 +56,24 @@ class Results:
     stored : Sweep
         The whole sweep as it was stored.
     judged : mapping
-        Values that it is judged at, by the paths of entries [SI].
+        Values set by `pipeline.at`, by the path of their entry [SI].
     kind : Kind
-        What its rows are.
+        Kind of its rows.
     front : tuple of str
         Dimensions of its rows: entries with several values, then surfaces or samples.
     rows : Dataset
-        Labels of the rows as coordinates; those of a scene are single values.
+        Labels of the rows as coordinates; single values for one scene.
     loads, velocities : ndarray
-        Axes of the plane, ascending [N, m/s]; of samples the velocities stand in `rows`.
+        Axes of the plane, ascending [N, m/s]; velocities of samples are in `rows`.
     cut : tuple of str
-        Axes that the dataset was cut to one value of.
+        Axes of which the dataset has a single value.
     columns : mapping
-        Variables by name, of shape (rows, ..., load, velocity, ...), the steps last but for shares.
+        Variables by name, shape (rows, ..., load, velocity, step, share), as far as each has these.
     shares : ndarray
-        Shares of the contact of the quantiles.
+        Shares of the contact area for which quantiles are stored.
     rest : Dataset
-        Variables that no verdict needs, such as fields of the contact, read when they are shown;
-        with attributes and further coordinates of the dataset.
+        Variables that no verdict needs, such as fields of the contact; they are read when shown.
+        It has the attributes and further coordinates of the dataset.
     """
 
     stored: Sweep
@@ -88,35 +87,35 @@ class Results:
     columns: Mapping[str, Array] = field(repr=False)
     shares: Array = field(repr=False)
     rest: xr.Dataset = field(repr=False)
-    keeper: Any = field(repr=False)  # of the store that they are from, which has its messages
+    keeper: Any = field(repr=False)  # access to the store's messages and kept fits; or None
     origin: Origin = field(repr=False)
 
     @property
     def entry_dims(self) -> tuple[str, ...]:
-        """Dimensions of entries with several values, or of rows with places of their own."""
+        """Dimensions of entries with several values, or of rows with their own places."""
         drawn = drawn_dims(self.rows)
         return tuple(name for name in self.front if name not in drawn)
 
     @property
     def judged_dims(self) -> list[str]:
-        """Dimensions of conditions that the sweep is judged at several values of."""
+        """Dimensions of conditions that `pipeline.at` was given several values of."""
         columns = {column.name for column in self.stored.variants.columns}
         return [one for one in self.entry_dims if one in PATHS.values() and one not in columns]
 
     @property
     def labels(self) -> dict[str, Label]:
-        """Values that all of it has: of entries, of a surface, of the row of a table."""
+        """Labels that all rows share, by name: of entries, of a surface, of a table's row."""
         found = {str(name): one for name, one in self.rows.coords.items() if not one.ndim}
         return {name: one.item() for name, one in found.items() if name not in _UNNAMED}
 
     @property
     def surface(self) -> Variant:
-        """Seed of the surface that was taken; none where it has several, or the scene's own."""
+        """Seed of the selected surface; empty for several surfaces, or the scene's own."""
         return tuple((name, seed) for name, seed in self.labels.items() if name == "realization")
 
     @property
     def place(self) -> tuple[float, float] | None:
-        """Load [N] and velocity [m/s] of a row that has no plane."""
+        """Load [N] and velocity [m/s] of a single place; None for a plane."""
         is_row = self.kind is Kind.PLACES and not self.entry_dims
         if not (is_row or len(self.cut) == len(PLANE)):
             return None
@@ -124,17 +123,17 @@ class Results:
 
     @functools.cached_property
     def name(self) -> Variant:
-        """Values of entries that were taken; none unless each has one."""
+        """Names and values of all varied entries, if each has one value; else empty."""
         return name_at(self.stored.variants, self.rows)
 
     @property
     def entries(self) -> dict[str, Any]:
-        """Values of the entries that were taken, as the scene writes them."""
+        """Values of the selected entries, as a scene file writes them."""
         return self.stored.variants.written(self.name)
 
     @functools.cached_property
     def sweep(self) -> Sweep:
-        """The sweep at these labels, judged."""
+        """The sweep with these labels, under the conditions of `pipeline.at`."""
         columns, labels = {column.name for column in self.stored.variants.columns}, self.labels
         paths = [path for path in PATHS.values() if path in labels and path not in columns]
         own = {path: labels[path] for path in paths}
@@ -142,41 +141,41 @@ class Results:
 
     @functools.cached_property
     def conditions(self) -> Conditions:
-        """The conditions that a scene is judged by, if the sweep has what they need."""
-        _ = self.sweep.conditions.decisive  # refuses a rule that is not here
+        """Conditions of the scene; raises an `InputError` if the sweep lacks what they need."""
+        _ = self.sweep.conditions.decisive  # raises if the user's own rule is not loaded
         return self._require_computed(self.sweep.conditions)
 
     @property
     def shown_conditions(self) -> Conditions:
-        """The conditions; those of no verdict where the criterion is a rule that is not here."""
+        """Conditions for figures; without a limit if the user's own rule is not loaded."""
         if not isinstance(self.sweep.conditions.rule, Law):
             return self.conditions
         return replace(self.plain_conditions, criterion="highest", critical_temperature=None)
 
     @property
     def plain_conditions(self) -> Conditions:
-        """The same with a share, as the criterion of a store may be a rule that is not here."""
+        """Conditions with the criterion "share", which needs no rule of the user."""
         return self._require_computed(replace(self.sweep.conditions, criterion="share"))
 
     def _require_computed(self, conditions: Conditions) -> Conditions:
-        """Refuse conditions that need what was not computed."""
+        """Return `conditions`; raise an `InputError` if they need what was not computed."""
         require_bulks(self.columns, conditions)
         if conditions.friction and not self.sweep.scene.friction_heat:
             raise InputError(
-                f"friction is {conditions.friction:g}; the sweep was computed without friction, "
-                "and so without any heat: run it again with friction, into another store"
+                f"friction is {conditions.friction:g}, but the sweep was computed without friction "
+                "and heat: run it again with friction, into another store"
             )
         return conditions
 
     @property
     def scenes(self) -> Iterator[Results]:
-        """The results of each scene: at each combination of the values of entries."""
+        """Results of each scene: one for each combination of values of entries."""
         names = self.entry_dims
         for places in np.ndindex(*(self.rows.sizes[name] for name in names)):
             yield self.take(dict(zip(names, places, strict=True)))
 
     def take(self, places: Mapping[str, int]) -> Results:
-        """The results at places along some of the dimensions in front."""
+        """Results at indices along dimensions of the rows, by name."""
         if not places:
             return self
         rows = self.rows.isel(places)
@@ -195,7 +194,7 @@ class Results:
         )
 
     def take_surface(self, seed: int | None) -> Results:
-        """The results on the surface of a seed; on all surfaces if None."""
+        """Results on the surface with a seed; on all surfaces if None."""
         if seed is None:
             return self
         seeds = self.rows["realization"].values.tolist() if "realization" in self.front else []
@@ -205,20 +204,20 @@ class Results:
         return self.take({"realization": seeds.index(seed)})
 
     def require_plane(self) -> None:
-        """Raise an `InputError` unless these are one scene on a plane, with what is drawn of it."""
+        """Raise an `InputError` unless this is one scene on a plane, with all variables to draw."""
         require_kind(self.kind, Kind.PLANE)
         require_one_scene(self.entry_dims)
         self.require_lists(*PLANE)
         self.require("normal_load", "rise_quantile")
 
     def take_row(self, seed: int | None) -> Results:
-        """The plane of one scene on the surface of a seed, on its first one if None."""
+        """Plane of one scene on the surface with a seed; on the first surface if None."""
         self.require_plane()
         row = self.take_surface(seed)
         return row.take(dict.fromkeys(row.front, 0))
 
     def take_moving(self) -> Results:
-        """The points that slide; all of them where none does.
+        """Results at velocities above 0; unchanged if there are none.
 
         At rest there is no heat, and the rise is no power of the velocity.
         """
@@ -231,14 +230,14 @@ class Results:
         return replace(self, velocities=self.velocities[slides], columns=columns, rest=rest)
 
     def point(self, load: int, velocity: int) -> Point:
-        """A point of one row, by its numbers."""
+        """Point of a single row, by its indices along load and velocity."""
         if self.kind is Kind.SAMPLES:
             return Point(float(self.loads[load]), float(self.rows["velocity"]))
         return Point(float(self.loads[load]), float(self.velocities[velocity]), self.surface)
 
     @functools.cached_property
     def messages(self) -> Any:
-        """Warnings of points, or why they failed (rows, ..., load, velocity); empty if unknown."""
+        """Message of each point, a warning or a failure (rows, ..., load, velocity); or empty."""
         if "message" in self.columns:
             return self.columns["message"]
         found = np.full(self.columns["status"].shape, "", object)
@@ -246,7 +245,7 @@ class Results:
             return found
         stored = self.keeper.messages()
         axes = {"load": self.loads, "velocity": self.velocities} | dict(self.rows.coords)
-        with suppress(KeyError):  # of a dataset with places of its own
+        with suppress(KeyError):  # if the dataset has places that the store lacks
             texts = stored.sel({name: axes[name] for name in stored.dims if name in axes})
             texts = texts.expand_dims({name: self.rows[name] for name in self.judged_dims})
             texts = texts.transpose(*self.front, *PLANE, missing_dims="ignore")
@@ -254,44 +253,44 @@ class Results:
         return found
 
     def values(self, name: str) -> Any:
-        """Values of a variable (rows, ..., load, velocity, ...), of a column or of the rest."""
+        """Values of a variable, shape (rows, ..., load, velocity, ...)."""
         if name in self.columns:
             return self.columns[name]
         return self.rest[name].transpose(*self.front, *PLANE, ..., missing_dims="ignore").values
 
     def require(self, *names: str) -> None:
-        """Raise an `InputError` if any of these variables is not there."""
+        """Raise an `InputError` if a variable is missing."""
         if missing := [name for name in names if name not in self.columns]:
             raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
 
     def require_lists(self, *names: str) -> None:
-        """Raise an `InputError` at results that were cut to one value of these axes."""
+        """Raise an `InputError` if the dataset has a single value of one of these axes."""
         for name in names:
             if name in self.cut:
                 value = (self.loads if name == "load" else self.velocities)[0]
                 raise InputError(
-                    f"the dataset has a single {name}, and no dimension of it; select a list of "
-                    f"one, such as ds.sel({name}=[{value:g}])"
+                    f"the dataset has a single {name} and no such dimension; select a list with "
+                    f"one value, such as ds.sel({name}=[{value:g}])"
                 )
 
     @property
     def done(self) -> Mask:
-        """Points that are done (rows, ..., load, velocity)."""
+        """Mask of points that are done (rows, ..., load, velocity)."""
         self.require("status")
         return np.asarray(self.columns["status"] == DONE)
 
     @property
     def missing(self) -> int:
-        """Number of the points asked for that are pending or failed."""
+        """Number of points asked for that are pending or failed."""
         return int(np.count_nonzero(self.asked & ~self.done))
 
     @property
     def asked(self) -> Mask:
-        """Points that the last run asked for: all of its scene, or those it chose."""
+        """Mask of points that the last run asked for: all of its scene, or a selection."""
         return np.asarray(self.columns.get("asked", np.ones(self.done.shape)) != 0)
 
     def rises(self, conditions: Conditions) -> Array:
-        """Rise at friction 1 that decides at each point [K] (rows, ..., load, velocity), or NaN."""
+        """Decisive rise at friction 1 [K], shape (rows, ..., load, velocity); NaN if not done."""
         if self.place is None:
             self.require_lists(*PLANE)
         column = conditions.decisive.column
@@ -304,7 +303,7 @@ class Results:
         return np.where(self.done, rises, np.nan)
 
     def solved(self, conditions: Conditions) -> Array:
-        """Rises by solved friction over its coefficient [K]; NaN if not solved for conditions."""
+        """Rises solved with friction by temperature, over the coefficient [K]; else NaN."""
         solved = self.stored.variant(self.name).scene.solved_friction
         if solved is None or solved != conditions.solved_friction:
             return np.array(np.nan)
@@ -312,29 +311,28 @@ class Results:
 
 
 ResultsLike = xr.Dataset | PathLike | Results
-"""What answers a question: a dataset, the place of a store, or results that were read."""
+"""A dataset, the path of a store, or results that were read from either."""
 
 
 def results(ds: ResultsLike) -> Results:
-    """Read the results of a sweep, for many questions on the same numbers.
+    """Read the results of a sweep once, for several answers.
 
-    Every answer takes what it returns in place of a dataset. Later changes of the dataset are not
-    in it.
+    Every answer takes them instead of a dataset. Later changes of the dataset are not in them.
 
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or path or URL of the store.
 
     Returns
     -------
     Results
-        The sweep, judged, with its axes and columns.
+        The sweep under the conditions of `pipeline.at`, with its axes and columns.
 
     Raises
     ------
     InputError
-        If the dataset is no longer one of a sweep.
+        If the dataset has lost what describes its sweep.
 
     Examples
     --------
@@ -350,7 +348,7 @@ def results(ds: ResultsLike) -> Results:
     ds = keep_steps(dataset_of(ds), "status")
     kind, status = sweep_kind(ds), ds["status"]
     front = (*entry_dims(ds), *(name for name in drawn_dims(ds) if name in status.dims))
-    # In the order of the dataset, so that the first label of a row stays its first.
+    # In the order of the dataset, so that labels keep their order.
     labels = (name for name, one in ds.coords.items() if {*one.dims} <= {*front})
     rows = dict.fromkeys((*labels, *front))
     plane = {name: ds.sizes[name] if name in status.dims else 1 for name in PLANE}

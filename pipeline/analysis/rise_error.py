@@ -1,13 +1,13 @@
-"""Error of the deciding rise at a place of a sweep, in parts that belong together.
+"""Numerical error of the deciding rise at a place of a sweep, in independent parts.
 
 - Interpolation: 0 only where that very point is done.
 - Preset: of its numerical choices, by the promised error of the boundary velocity.
 - Warnings: those of the points that the rise rests on.
 - Counted after the simulation: a film, and friction by temperature where it is not solved.
 
-Each is a bound that some 99 % of places keep, and they are independent, so that their squares add.
-A part that is not known is None, and so is the total. `python -m tests.promises.errors` judges by
-`fine` where a tenth of the contact decides, and counts the places that keep to the total
+Each part is a bound that some 99 % of places keep. The parts are independent, so that their squares
+add. An unknown part is None, and makes the total None. `python -m tests.promises.errors` compares
+with preset `fine`, if a tenth of the contact decides, and counts the places that keep to the total
 (workflows/MEASURED.md).
 """
 
@@ -28,54 +28,54 @@ from tribo import WarningKind
 from tribo.types import Array, Indices, Mask
 
 SHARE = 0.65
-"""Share of a preset's bound of velocity that rises err by, which grow by its power of 0.5 to 0.7.
+"""Error of a rise over that of the boundary velocity: rises grow as velocity^0.5 to 0.7.
 
 Found by `python -m tests.promises.front` and `python -m tests.promises.errors`.
 """
 
 BETWEEN = 5.0
-"""What interpolation errs by, over the root mean square by which it misses points left out.
+"""Bound of the interpolation error, over the root mean square error at points left out.
 
-For equal gaps: it grows in proportion to ln of the gap, as the rise is rough at these distances. On
-24 scenes 99 % of the places between points of `fine` hold with it, and 97 % with 2.7.
+Both are for the same gap; they grow in proportion to ln of the gap, as the rise is rough at these
+distances. On 24 scenes 99 % of places between points of `fine` keep to it, and 97 % with 2.7.
 Found by `python -m tests.promises.errors`.
 """
 
 BEYOND = 0.12
-"""Change of the exponent of a power law that is continued, for each unit of ln of the velocity.
+"""Error of the exponent of an extrapolated power law, for each unit of ln(velocity).
 
 Found by `python -m tests.promises.errors`.
 """
 
 _OF_WARNED = {
-    # Largest that were seen with these three, which the campaign hardly meets; `fine` has the
-    # pixels of the last as well.
+    # Largest errors seen with these three, which are rare in the campaign. Coarse pixels are the
+    # same in `fine`.
     WarningKind.FEW_STEPS: 0.10,
     WarningKind.FEW_TURNS: 0.10,
     WarningKind.COARSE_PIXELS: 0.70,
-    # Where 15 to 38 elements touch; with some hundreds it was 0.6 %. The elements are the pixels
-    # then. Other surfaces and smaller pixels are no error of these.
+    # With 15 to 38 elements in contact; with some hundreds it was 0.6 %. Elements are then pixels.
+    # Differences between surfaces, or from smaller pixels, are not included.
     WarningKind.FEW_NODES: 0.11,
-    # At the highest friction that the table has, or with the error of each part alone.
+    # None here: friction by temperature has a part of the error of its own.
     WarningKind.IGNITION: 0.0,
     WarningKind.UNSOLVED_FRICTION: 0.0,
     WarningKind.SLOW_RISE: 0.03,  # `standard` missed one of 33 points by 3.7 %
 }
-"""Relative error of the rise that a warning adds; that of others is not known.
+"""Relative error of the rise that a warning adds; for other warnings it is unknown.
 
 Found by `python -m tests.promises.errors`.
 """
 
 _OF_FILM = 0.032
-"""Largest error of a rise whose film resistance is counted after the simulation, at 200 N."""
+"""Largest relative error of a rise if film resistance is added after the simulation, at 200 N."""
 _OF_FRICTION = 0.3
-"""That of friction by temperature that is not solved, over the largest change of its logarithm."""
+"""Relative error if friction by temperature is not solved, over the change of ln(friction)."""
 
 _DURATIONS, _TOO_WARM = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
-"""Durations of ramps [s], and how much present heat makes contacts too warm at most.
+"""Durations of ramps [s], and the largest relative error of the heat model "present".
 
-The table of MEASURED.md; 5 % is that of loads that jump late, also in longer tests. On ramps of
-seconds it was 1 %.
+The table of MEASURED.md; 5 % is for loads that jump late, also in longer tests. On ramps of seconds
+it was 1 %.
 """
 
 
@@ -89,69 +89,69 @@ _PARTS = (
 
 @dataclass(frozen=True, slots=True)
 class RiseError:
-    """Relative error of a rise by its parts; None where a part is not known."""
+    """Relative error of a rise by its parts; None for an unknown part."""
 
     interpolation: float | None
     preset: float | None
     warned: float | None
-    counted: float | None = 0.0  # after the simulation: a film, friction by temperature
+    counted: float | None = 0.0  # of film and friction by temperature, added after the simulation
 
     @classmethod
     def of(cls, parts: Array) -> RiseError:
-        """The error by its parts (4,), of which NaN is not known."""
+        """The error from its parts (4,); NaN for an unknown part."""
         return cls(*(None if math.isnan(part) else part for part in parts.tolist()))
 
     @property
     def parts(self) -> Array:
-        """The parts (4,); NaN where one is not known."""
+        """The parts (4,); NaN for an unknown part."""
         return np.array(astuple(self), float)
 
     @property
     def total(self) -> float | None:
-        """Root of the sum of the squares of the parts; None where one is not known."""
+        """Root of the sum of squares of the parts; None if a part is unknown."""
         total = float(totals(self.parts))
         return None if math.isnan(total) else total
 
     @property
     def text(self) -> str:
-        """The error [K] and its parts in words."""
+        """The error [K] and its parts, in words."""
         parts = dict(zip(_PARTS, astuple(self), strict=True))
         known = ", ".join(f"{name} {part:.2g} K" for name, part in parts.items() if part)
         if unknown := " and ".join(name for name, part in parts.items() if part is None):
             beside = f" ({known})" if known else ""
-            return f"not known, since that of {unknown} is not known{beside}"
+            return f"not known, because a part is not: {unknown}{beside}"
         return f"± {self.total:.2g} K" + (f": {known}" if known else "")
 
     def times(self, factor: float) -> RiseError:
-        """The parts times a factor; all are 0 where the factor is 0."""
+        """The parts times a factor; all 0 if the factor is 0, also unknown ones."""
         if factor == 0:
             return RiseError(0.0, 0.0, 0.0, 0.0)
         return RiseError(*(None if part is None else factor * part for part in astuple(self)))
 
 
 def totals(errors: Array) -> Array:
-    """Roots of the sums of the squares of parts, which come first; NaN where one is not known."""
+    """Root of the sum of squares of the parts, the first axis; NaN if a part is unknown."""
     return np.asarray(np.sqrt(np.square(errors).sum(axis=0)))
 
 
 @dataclass(frozen=True, eq=False)
 class RisePlane:
-    """Deciding rises by load and velocity [K], NaN where not done; flags of warnings; times [s]."""
+    """Decisive rises [K] (load, velocity), NaN if not done; warning flags and durations [s]."""
 
     loads: Array
     velocities: Array
     rises: Array
     flags: Indices
     durations: Array
-    is_solved: Mask  # friction by temperature is, for the conditions
+    is_solved: Mask  # True where friction by temperature was solved for the conditions
 
     def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
-        """True at places (k,) if friction by temperature is solved at all points beneath."""
+        """True at places (k,) if friction by temperature is solved at all neighbouring points."""
         rows, columns = self.rests_on(loads, velocities)
         return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
 
     def is_done(self, loads: Array, velocities: Array) -> Mask:
-        """True at places (k,) whose very point is done."""
+        """True at places (k,) that are a computed point."""
         at_load, at_velocity = loads[:, None] == self.loads, velocities[:, None] == self.velocities
         done = at_load @ self._is_done
         return np.asarray((done & at_velocity).any(axis=1))
@@ -161,9 +161,9 @@ class RisePlane:
         return np.isfinite(self.rises)
 
     def rests_on(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
-        """Rows (k, 2) and columns (k, 2, 2) of the points that rises at places are taken from.
+        """Rows (k, 2) and columns (k, 2, 2) of the points from which rises at places follow.
 
-        They are the point itself, or those beside it, and -1 where there is none.
+        They are the point itself, or its neighbours; -1 if there is none.
         """
         along = _slots(self.velocities, velocities)
         rows = self._rows[along, _slots(self.loads, loads)]
@@ -171,25 +171,25 @@ class RisePlane:
 
     @functools.cached_property
     def _rows(self) -> Indices:
-        """Rows beside each slot of loads, by the slot of the velocity."""
-        goes_on = self._is_done.sum(axis=1) >= 2  # beyond its ends
+        """Rows next to each slot of loads, by the slot of the velocity; see `_slots`."""
+        goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
         reached[1::2] |= self._is_done.T
         return _neighbours(reached)
 
     @functools.cached_property
     def _columns(self) -> Indices:
-        """Columns beside each slot of velocities, by row."""
+        """Columns next to each slot of velocities, by row; see `_slots`."""
         return _neighbours(self._is_done)
 
     @functools.cached_property
     def warned(self) -> Array:
-        """Errors that the warnings of the points stand for; NaN if unknown."""
+        """Relative errors (load, velocity) due to warnings of the points; NaN if unknown."""
         return warned_errors(self.flags, self.durations)
 
 
 def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
-    """Plane of each surface of a scene under some conditions, without friction by velocity."""
+    """Plane of each surface of a scene under some conditions, divided by friction by velocity."""
     scene.require("time")
     rises = scene.rises(conditions) / conditions.friction_factor(scene.velocities)
     is_solved = np.broadcast_to(~np.isnan(scene.solved(conditions)), rises.shape)
@@ -203,7 +203,7 @@ def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
 def rise_errors(
     grid: RisePlane, loads: Array, velocities: Array, velocity_error: float | None
 ) -> Array:
-    """Relative errors of the rise at places by part (4, k), without what is counted afterwards."""
+    """Relative errors of the rise by part and place (4, k), the last part 0."""
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
     between = _interpolation(grid, rows, columns, loads, velocities)
@@ -211,22 +211,22 @@ def rise_errors(
 
 
 def _slots(points: Array, places: Array) -> Indices:
-    """Numbers of the points (odd), and of the intervals between them (even), at places."""
+    """Slot of each place along an axis: 2 i + 1 at point i, 2 i before it."""
     slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
     return slots
 
 
 def preset_error(velocity_error: float | None) -> float:
-    """Relative error of a rise by the promised one of boundary velocities; NaN if not known."""
+    """Relative error of a rise from that promised for boundary velocities; NaN if unknown."""
     return math.nan if velocity_error is None else SHARE * velocity_error
 
 
 def counted_error(
     conditions: Conditions, rises: Array | float = 0.0, is_solved: Mask | bool = False
 ) -> Array:
-    """Error of what is counted after the simulation: a film, friction by temperature.
+    """Relative error of what is added after the simulation: a film, friction by temperature.
 
-    Rises at friction 1 [K] that friction may ignite have no known error, unless it is solved.
+    If friction may ignite at a rise at friction 1 [K], the error is NaN, unless friction is solved.
     """
     if (parts := conditions.corrections) is None:
         return np.array(0.0)
@@ -242,10 +242,10 @@ def counted_error(
 
 
 def _neighbours(is_done: Mask) -> Indices:
-    """Columns of the done points beside each slot (r, 2 n + 1, 2) of rows (r, n); see `_slots`.
+    """Columns of the done points next to each slot (r, 2 n + 1, 2), for rows (r, n); see `_slots`.
 
-    They are the slot's own point twice, those on both sides, or the last two. A row with a single
-    point has it twice; one without has -1.
+    They are the slot's own point twice, the points on both sides, or, beyond the ends, the last
+    two. A row with a single point has it twice; an empty row has -1.
     """
     order = np.argsort(~is_done, axis=1, kind="stable")
     count = is_done.sum(axis=1)[:, None]
@@ -261,7 +261,7 @@ def _neighbours(is_done: Mask) -> Indices:
 def _interpolation(
     grid: RisePlane, rows: Indices, columns: Indices, loads: Array, velocities: Array
 ) -> Array:
-    """Errors of interpolating, or of continuing beyond the points; NaN where unknown."""
+    """Relative errors (k,) of interpolating, or extrapolating beyond the points; or NaN."""
     (lowest, highest), places = grid.loads[rows].T, velocities[:, None]
     first, last = np.moveaxis(grid.velocities[columns], -1, 0)
     gaps = np.log(last / first)
@@ -270,22 +270,22 @@ def _interpolation(
     beyond = np.where((gaps > 0) & (way > 0), way * slope_error, 0.0).max(axis=1)
     along = np.where(beyond > 0, beyond, _gap_errors(grid, "velocity", gaps.max(axis=1)))
     errors = np.hypot(along, _gap_errors(grid, "load", np.log(highest / lowest)))
-    # No rise is known beyond the loads.
+    # Rises are not extrapolated beyond the loads.
     is_known = (rows[:, 0] >= 0) & (lowest <= loads) & (loads <= highest)
     return np.where(is_known, errors, math.nan)
 
 
 def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
-    """Errors of interpolating in gaps of ln along an axis, by what it misses left-out points by."""
+    """Errors of interpolating in gaps of ln along an axis, scaled from points left out."""
     return np.where(gaps > 0, BETWEEN * _missed(grid, axis) * gaps, 0.0)
 
 
-@functools.lru_cache(maxsize=1024)  # many places lie between the same points
+@functools.lru_cache(maxsize=1024)  # many places are between the same points
 def _missed(grid: RisePlane, axis: str) -> float:
-    """Root mean square of what interpolation misses left-out points by, over ln of the gap."""
+    """Root mean square of ln errors at points left out, each over ln of its gap."""
     lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)
     room = (0, 0), (1, 1)
-    # The cubic through a place rests on two points on either side.
+    # The cubic at a place is made of two points on either side.
     x, y = (
         sliding_window_view(np.pad(part, room, constant_values=math.nan), 5, axis=1)
         for part in _powers(*lines)
@@ -296,9 +296,9 @@ def _missed(grid: RisePlane, axis: str) -> float:
     return float(np.sqrt(np.mean(every**2))) if every.size else math.nan
 
 
-@functools.lru_cache(maxsize=1024)  # many places lie beyond the same points
+@functools.lru_cache(maxsize=1024)  # many places are beyond the same points
 def _slope_spread(grid: RisePlane) -> float:
-    """Standard deviation of the exponent of the velocity between neighbouring points."""
+    """Standard deviation of the exponent d ln(rise)/d ln(velocity) between neighbours."""
     x, y = _powers(grid.velocities, grid.rises)
     slopes = np.diff(y) / np.diff(x)
     slopes = slopes[np.isfinite(slopes)]
@@ -306,14 +306,14 @@ def _slope_spread(grid: RisePlane) -> float:
 
 
 def _powers(x: Array, rows: Array) -> tuple[Array, Array]:
-    """Logarithms of abscissae and of rises by row, where both are positive; NaN behind them."""
+    """Logarithms of abscissae and rises by row, those that are positive first, then NaN."""
     is_known = np.isfinite(rows) & (rows > 0) & (x > 0)
     curves = Curve(np.where(is_known, x, math.nan), rows)
     return np.log(curves.x), np.log(curves.y)
 
 
 def warned_errors(flags: Indices, durations: Array) -> Array:
-    """Errors that warnings of points stand for, by flags and durations [s]; NaN if unknown."""
+    """Relative errors due to warnings, from flags and durations [s]; NaN if unknown."""
     is_warm = (flags & int(WarningKind.PRESENT_HEAT)) > 0
     warm = np.interp(np.log(np.where(is_warm, durations, 1.0)), np.log(_DURATIONS), _TOO_WARM)
     errors = np.where(is_warm, warm, 0.0)

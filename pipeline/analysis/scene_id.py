@@ -1,8 +1,8 @@
-"""The scene of each point of a dataset, by which points of several scenes are told apart.
+"""Ids of the scene of each point, to detect a dataset that mixes scenes.
 
-xarray joins datasets of different scenes without a word, and keeps the attributes of the first.
-So each point has the coordinate ``scene_id``, and the attribute of this name has the ids of the
-rows of the scene that answers are about.
+xarray joins datasets of different scenes silently, and keeps the attributes of the first. So each
+point has the coordinate ``scene_id``. The attribute of this name has the ids of the rows of the
+scene that answers are about.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from pipeline.sweep.variants import Label, Variants
 from tribo import InputError
 from tribo.types import Array
 
-_NAMED = 6  # values of an axis that a message names
+_NAMED = 6  # most values of an axis in a message
 
 
 def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
-    """The dataset of a sweep with the ids of its rows, as a coordinate and as an attribute."""
+    """The dataset with the ids of its rows, as a coordinate and as an attribute."""
     about, rows = IDS[SCENE_ID], _row_ids(ds, ids, table)
     rows = rows.isel(dict.fromkeys(set(rows.dims) - set(ds["status"].dims), 0))
     here = xr.zeros_like(ds["status"].variable, about.dtype) + rows
@@ -34,17 +34,17 @@ def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
 
 
 def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
-    """Raise an `InputError` at points of another scene than that of the attributes."""
+    """Raise an `InputError` if points are of another scene than the attributes describe."""
     if SCENE_ID not in ds.variables:
         return
     if SCENE_ID not in ds.attrs:
         raise InputError(
-            f"the dataset has lost its attribute {SCENE_ID}, as datasets of several scenes do that "
-            "are joined; answer each scene by itself"
+            f"the dataset has lost its attribute {SCENE_ID}, as happens if datasets of several "
+            "scenes are joined; answer each scene by itself"
         )
     ids, wanted = ds[SCENE_ID].variable, _row_ids(ds, json.loads(ds.attrs[SCENE_ID]), table)
     is_same = np.rint(ids) == wanted  # interpolation leaves a float
-    for dim in set(is_same.dims) - set(ids.dims):  # the one row that a dataset was cut to
+    for dim in set(is_same.dims) - set(ids.dims):  # a single row was selected
         matches = is_same.sum([other for other in is_same.dims if other != dim])
         is_same = is_same.isel({dim: int(np.argmax(matches.values))})
     not_computed = np.isnan(ids)
@@ -52,13 +52,13 @@ def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
         not_computed = not_computed & (ds["status"].variable != DONE)
     if (wrong := ~(is_same | not_computed)).any():
         raise InputError(
-            f"the dataset mixes scenes: points at {_places_in_words(ds, wrong)} are of another one "
-            f"than its attributes describe, by {SCENE_ID}; answer each scene by itself"
+            f"the dataset mixes scenes: points at {_places_in_words(ds, wrong)} are of another "
+            f"scene than its attributes describe, by {SCENE_ID}; answer each scene by itself"
         )
 
 
 def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable:
-    """Id by the labels of rows that a dataset has, and by the dimensions that it has lost."""
+    """Ids of the rows, with the dimensions of the dataset's labels, and those it has lost."""
     axes = table.axes
     whole = xr.Variable([*axes], np.reshape(ids, [len(values) for values in axes.values()]))
     return whole.isel(
@@ -71,7 +71,7 @@ def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable
 
 
 def _numbers(values: Sequence[Label], labels: Any) -> Array:
-    """Number of the value that each label stands for, which may have lost its last digits."""
+    """Index of the value nearest to each label, which may have lost its last digits."""
     index, flat = pd.Index(values), np.ravel(labels)
     if index.dtype.kind in "if":
         order = index.argsort()
@@ -82,7 +82,7 @@ def _numbers(values: Sequence[Label], labels: Any) -> Array:
 
 
 def _places_in_words(ds: xr.Dataset, wrong: xr.Variable) -> str:
-    """Loads of points, and velocities and rows where these are not all."""
+    """Loads of points in words; velocities and rows, too, if not all are concerned."""
     words = []
     for dim in sorted(map(str, wrong.dims), key=lambda dim: dim != "load"):
         among = wrong.any([other for other in wrong.dims if other != dim]).values
@@ -94,6 +94,6 @@ def _places_in_words(ds: xr.Dataset, wrong: xr.Variable) -> str:
 
 
 def _listed(values: Array) -> str:
-    """Values of an axis [SI]."""
+    """First values of an axis [SI] in words."""
     shown = [f"{value:g}" if isinstance(value, float) else str(value) for value in values.tolist()]
     return ", ".join(shown[:_NAMED]) + (", …" if len(shown) > _NAMED else "")

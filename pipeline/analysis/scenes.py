@@ -1,4 +1,4 @@
-"""A sweep scene by scene: with each combination of the values of its entries."""
+"""A sweep scene by scene: one scene for each combination of the values of its entries."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from pipeline.scene.reference import number_at
 from pipeline.scene.units import typeset
 
 _OWN = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
-"""Units in which columns of one's own are shown, by those of SI."""
+"""Usual units for columns that the user added, by SI unit."""
 
 
 def side_by_side(answers: list[xr.Dataset], axes: Sequence[xr.DataArray]) -> xr.Dataset:
-    """Answers on each scene along their axes; attributes in which they differ are coordinates."""
+    """Join answers on scenes along axes of entries; attributes that differ become coordinates."""
     rows = [result.attrs for result in answers]
     names: list[str] = [str(axis.name) for axis in axes]
     sizes = [axis.size for axis in axes]
@@ -42,14 +42,14 @@ def side_by_side(answers: list[xr.Dataset], axes: Sequence[xr.DataArray]) -> xr.
 
 
 def attribute_values(boundaries: xr.Dataset, name: str) -> list[Any]:
-    """An attribute of a boundary, in each scene in which it differs; empty if there is none."""
+    """Values of an attribute of a boundary: one, or one for each scene if they differ."""
     if name in boundaries.coords:
         return list(boundaries[name].values.ravel().tolist())
     return [boundaries.attrs[name]] if name in boundaries.attrs else []
 
 
 def heads_of(ds: xr.Dataset, names: Iterable[str]) -> dict[str, str]:
-    """Heads in a data frame of labels of rows."""
+    """Column headings, with units, for labels of rows, by name."""
     heads = {}
     for name in names:
         unit = _usual_unit(ds[name])
@@ -58,14 +58,14 @@ def heads_of(ds: xr.Dataset, names: Iterable[str]) -> dict[str, str]:
 
 
 def shown_label(axis: xr.DataArray, value: Any) -> Any:
-    """A label of a row in the unit of its heading; a label in another unit stays unchanged."""
+    """A label in the unit of its heading."""
     unit = _usual_unit(axis)
     is_other = unit != axis.attrs.get("units") and not isinstance(value, str)
     return shown_in(value, unit) if is_other else value
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
-    """Unit in which labels are shown: that of the entry's example, or a usual one."""
+    """Unit in which labels are shown: that of the entry's example, else a usual one."""
     unit, own = str(axis.attrs.get("units", "")), typeset(number_at(str(axis.name)).unit)
     return own if own and unit else _OWN.get(unit, unit)
 
@@ -73,7 +73,7 @@ def _usual_unit(axis: xr.DataArray) -> str:
 def frame_by_scene(
     data: Results, frame_of_scene: Callable[[Results], pd.DataFrame]
 ) -> pd.DataFrame:
-    """Frames of all scenes below each other, with the values of their entries in front."""
+    """Frames of all scenes, one below the other, with values of their entries in front."""
     heads, frames = heads_of(data.rows, data.entry_dims), []
     for scene in data.scenes:
         frame = frame_of_scene(scene)
@@ -84,7 +84,7 @@ def frame_by_scene(
 
 
 def _joined(results: Sequence[xr.Dataset], axis: xr.DataArray) -> xr.Dataset:
-    """Results at each value of an entry, along its dimension."""
+    """Join results along the dimension of an entry."""
     labels = {name: label for name, label in axis.coords.items() if label.dims == axis.dims}
     parts = [part.drop_vars(labels, errors="ignore") for part in results]
     joined = xr.concat(
@@ -95,12 +95,12 @@ def _joined(results: Sequence[xr.Dataset], axis: xr.DataArray) -> xr.Dataset:
 
 
 def value_text(axis: xr.DataArray, value: float | str) -> str:
-    """A value of an entry in a usual unit."""
+    """A value of an entry as text with a usual unit."""
     if isinstance(value, str):
         return value
     return display(value, _usual_unit(axis)).removesuffix(" 1").strip()
 
 
 def words(ds: xr.Dataset, values: Mapping[str, float | str]) -> str:
-    """Values of entries of a sweep in words."""
+    """Values of entries in words, such as "pin.radius 2 mm"."""
     return ", ".join(f"{path} {value_text(ds[path], value)}" for path, value in values.items())

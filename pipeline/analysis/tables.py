@@ -1,4 +1,4 @@
-"""Data frames of results, with the units in their heads: as text, JSON, CSV, Markdown and HTML."""
+"""Data frames of results with units in their headings: as text, JSON, CSV, Markdown and HTML."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from tribo import InputError
 
 TABLES = (".csv", ".md", ".json")
 FIGURES = (".pdf", ".png", ".svg")
-"""Endings of the files that a table, or a figure, may be written to."""
+"""Suffixes of the files that a table, or a figure, may be written to."""
 _HEAD = re.compile(r"(.+) \[(.+)\]")
 _BEYOND = {math.inf: "above the sweep", -math.inf: "below the sweep"}
-_LONG = 1e4  # from which a number in text has no decimals
-_COLUMNS = 100  # letters of a line of a table
-_HEAD_LETTERS, _FEWEST_LETTERS = 11, 20  # of a line of a head, and of a cell that is broken
+_LONG = 1e4  # numbers from here on are printed without decimals
+_COLUMNS = 100  # most letters in a line of a table
+_HEAD_LETTERS, _FEWEST_LETTERS = 11, 20  # width of a broken heading, least one of a broken cell
 
 
 def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
-    """Data frame of rows in SI, in the units of its heads such as ``load [N]``."""
+    """Data frame of rows in SI, converted to the units of headings such as ``load [N]``."""
     units = [_parts(head)[1] for head in heads]
     shown = [
         tuple(
@@ -45,26 +45,26 @@ def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFram
 
 
 def short(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:
-    """The frame without columns that hold nothing, and without those of some heads."""
+    """The frame without empty columns, and without the columns named in `without`."""
     return frame.drop(columns=[*without], errors="ignore").dropna(axis="columns", how="all")
 
 
 def some_rows(frame: pd.DataFrame, most: int) -> pd.DataFrame:
-    """At most so many rows of a frame, evenly taken, the first and the last among them."""
+    """At most `most` rows of a frame, evenly spaced, with the first and the last."""
     return frame.iloc[np.unique(np.linspace(0, len(frame) - 1, most).round().astype(int))]
 
 
 def upright(frame: pd.DataFrame) -> pd.DataFrame:
-    """A frame of one row as a row for each of its columns that hold something."""
+    """A frame of one row turned upright: a row for each non-empty column."""
     columns = short(frame)
     (cells,) = _cells(columns, "-")
     return pd.DataFrame({"quantity": [*map(str, columns)], "value": cells})
 
 
 def lines_of(frame: pd.DataFrame) -> list[str]:
-    """Lines of text with aligned columns, the heads first.
+    """Lines of text with aligned columns, headings first.
 
-    Heads and cells of the last column are broken between words, to keep to 100 letters a line.
+    Headings and cells of the last column are broken between words, to keep lines to 100 letters.
     """
     heads = [
         textwrap.wrap(str(head), _HEAD_LETTERS, break_long_words=False, break_on_hyphens=False)
@@ -85,15 +85,15 @@ def lines_of(frame: pd.DataFrame) -> list[str]:
 
 
 def html_of(frame: pd.DataFrame) -> str:
-    """The frame as HTML."""
+    """The frame as an HTML table."""
     cells = pd.DataFrame(_cells(frame, "–"), columns=frame.columns)
     with pd.option_context("display.max_colwidth", None):
         text: str = cells.to_html(index=False, border=0, justify="left")
-    return text.replace(' style="text-align: left;"', "")  # which a page's policy forbids
+    return text.replace(' style="text-align: left;"', "")  # forbidden by the page
 
 
 def write_frames(frames: Sequence[pd.DataFrame], out: Path) -> Path:
-    """Write the rows of frames as CSV, Markdown or JSON, by the ending of the file."""
+    """Write the rows of frames as CSV, Markdown or JSON, by the suffix of the file."""
     frame, suffix = pd.concat(frames), out.suffix.lower()
     if suffix == ".csv":
         text = frame.to_csv(index=False, float_format="%.6g")
@@ -104,7 +104,7 @@ def write_frames(frames: Sequence[pd.DataFrame], out: Path) -> Path:
 
 
 def records(frames: Iterable[pd.DataFrame]) -> list[dict[str, Any]]:
-    """Rows of frames by their heads, as a document has them."""
+    """Rows of frames as dictionaries by heading, for JSON."""
     return [
         {str(head): None if pd.isna(value) else value for head, value in row.items()}
         for frame in frames
@@ -113,7 +113,7 @@ def records(frames: Iterable[pd.DataFrame]) -> list[dict[str, Any]]:
 
 
 def json_of(document: Any) -> str:
-    """A document as JSON, with null in place of NaN and infinity, which it cannot hold."""
+    """A document as JSON; NaN and infinity, which JSON lacks, become null."""
     return json.dumps(_finite(document), indent=2, ensure_ascii=False, allow_nan=False)
 
 
@@ -126,7 +126,7 @@ def _finite(value: Any) -> Any:
 
 
 def markdown_of(frame: pd.DataFrame) -> Iterator[str]:
-    """Lines of a table of Markdown."""
+    """Lines of the frame as a Markdown table."""
     for number, row in enumerate([[*map(str, frame)], *_cells(frame, "")]):
         yield f"| {' | '.join(cell.replace('|', '/') for cell in row)} |"
         if number == 0:
@@ -134,7 +134,7 @@ def markdown_of(frame: pd.DataFrame) -> Iterator[str]:
 
 
 def _cells(frame: pd.DataFrame, missing: str) -> list[list[str]]:
-    """Values as text."""
+    """Values of a frame as text, row by row."""
     rows = frame.itertuples(index=False, name=None)
     return [[missing if pd.isna(value) else _text(value) for value in row] for row in rows]
 
@@ -153,20 +153,20 @@ def _is_number(value: Any) -> TypeGuard[float]:
 
 
 def _parts(head: str) -> tuple[str, str]:
-    """Name and unit of a head; no unit where it is none of ours, as of a column passed on."""
+    """Name and unit of a heading; no unit if it is unknown, as in columns passed on."""
     match = _HEAD.fullmatch(head)
     return (match[1], match[2]) if match and is_unit_of_head(match[2]) else (head, "")
 
 
 def write_text(text: str, out: Path) -> Path:
-    """Write text to a file in UTF-8, as `write_bytes` does."""
+    """Write text to a file in UTF-8; see `write_bytes`."""
     return write_bytes(text.encode(), out)
 
 
 def write_bytes(content: bytes, out: Path) -> Path:
-    """Write a file whole, or leave what was there and raise an `InputError`."""
+    """Write a file completely, or leave the old one and raise an `InputError`."""
     try:
-        file = Path(os.path.realpath(out))  # a link keeps leading to the file
+        file = Path(os.path.realpath(out))  # keeps a symbolic link in place
         replace_files(file.parent, {file.name: content})
     except OSError as error:
         raise InputError(f"cannot write {out}: {error.strerror or error}") from error
@@ -174,7 +174,7 @@ def write_bytes(content: bytes, out: Path) -> Path:
 
 
 def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
-    """Path of a file to write; raise if its suffix is not allowed, or its folder not writable."""
+    """Checked path of a file to write; raises for a wrong suffix or a folder not writable."""
     path = user_path(out)
     if path.suffix.lower() not in suffixes:
         allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"
@@ -188,9 +188,9 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
 
 
 def notes_of(frame: pd.DataFrame, said: Collection[str] = ()) -> list[str]:
-    """Notes of a frame of operating points, each once, and its place unless all places have it.
+    """Notes of a frame of operating points, each once, after its place unless all places have it.
 
-    Those that are said elsewhere are left out.
+    Notes in `said` are left out.
     """
     noted, lines = frame[["load [N]", "velocity [m/s]", "notes"]].dropna(), list[str]()
     noted = noted.assign(notes=[parted([cell]) for cell in noted["notes"]]).explode("notes")

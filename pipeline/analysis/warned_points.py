@@ -1,8 +1,8 @@
 """Points of a sweep that carry a warning.
 
-Two warnings follow from a whole sweep alone: that bodies roll as if each turn met a cold track, and
-that the rise grows slowly with the velocity. The error of a boundary velocity is that of the rise
-over the exponent n of rise ∝ Vⁿ. Below n = 0.3 `standard` was 5 to 8 % off, `draft` 11 to 21 %.
+Two warnings follow only from a whole sweep: that bodies roll as if each turn met a cold track, and
+that the rise grows slowly with velocity. The error of a boundary velocity is that of the rise over
+the exponent n of rise ∝ Vⁿ. Below n = 0.3 `standard` was 5 to 8 % off, `draft` 11 to 21 %.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from tribo.types import Array, Indices, Mask
 @shown
 @dataclass(frozen=True, slots=True)
 class Warned:
-    """Points of a sweep that carry a warning, by kind."""
+    """Counts of points that carry a warning, by kind."""
 
     points: int = 0  #: Points with at least one warning.
-    #: Points with a warning of each kind that occurs.
+    #: Number of points by the kind of warning.
     kinds: Mapping[str, int] = field(default_factory=dict)
     example: str = ""  #: The first of these points, with its warning.
 
     def lines(self) -> Iterator[str]:
-        """Lines for the user; none where no point carries a warning."""
+        """Lines for the user; none if no point carries a warning."""
         if not self.points:
             return
         kinds = ", ".join(f"{kind}: {count}" for kind, count in self.kinds.items())
@@ -51,8 +51,8 @@ def warned(ds: ResultsLike) -> Warned:
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store. Of several values
-        of a condition, such as two frictions, a point is molten if it is at any of them.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store. With several
+        values of a condition, such as two frictions, a point is molten if it is at any of them.
 
     Examples
     --------
@@ -73,28 +73,28 @@ def warned(ds: ResultsLike) -> Warned:
 
 
 def warning_flags(data: Results) -> Indices:
-    """Sum of the `WarningKind` of each done point: its own, and what its neighbours tell."""
+    """Flags (`WarningKind`) of each done point: its own, and those that follow from neighbours."""
     data.require("status", "warning_flags")
     flags = np.where(data.done, data.columns["warning_flags"], 0).astype(int)
     return np.asarray(flags | _marked(data, _rises_slowly) * int(WarningKind.SLOW_RISE))
 
 
 def _is_molten(scene: Results) -> Mask:
-    """Points at which steel would have melted."""
-    # Of a criterion that is code nothing runs here; the share serves as well.
+    """Mask of points at which steel would have melted."""
+    # The user's own criterion is not run here; "share" serves as well.
     judged = scene.plain_conditions
     return np.asarray(scene.rises(judged) > judged.limit(MELTS))
 
 
 def _marked(data: Results, mark: Callable[[Results], Mask]) -> Mask:
-    """Points that are marked in their scene; none of rows that have no plane."""
+    """Mask from `mark` for each scene; false everywhere if rows have no plane."""
     if data.kind is not Kind.PLANE:
         return np.zeros(data.done.shape, bool)
     return np.reshape([mark(scene) for scene in data.scenes], data.done.shape)
 
 
 def _first(data: Results, flags: Indices) -> str:
-    """The first point that carries a warning, and its message; empty if none does."""
+    """The first point that carries a warning, with its message; empty if none does."""
     if not flags.any():
         return ""
     *row, load, velocity = np.argwhere(flags)[0].tolist()
@@ -102,17 +102,17 @@ def _first(data: Results, flags: Indices) -> str:
     flag = flags[(*row, load, velocity)]
     texts = {WarningKind.SLOW_RISE: SLOW, WarningKind.MOLTEN: MOLTEN}
     said = [here.messages[load, velocity], *(texts[kind] for kind in texts if flag & kind)]
-    kinds = ", ".join(kind.label for kind in WarningKind if flag & kind)  # of a copy
+    kinds = ", ".join(kind.label for kind in WarningKind if flag & kind)  # for copied data
     values = tuple((n, value_text(here.rows[n], here.rows[n].item())) for n in data.front)
     point = here.point(load, velocity)._replace(variant=values)
     return f"{point}: {'; '.join(filter(None, said)) or kinds}"
 
 
-_APART = 1.1  # least ratio of velocities over which an exponent is taken
+_APART = 1.1  # least ratio of two velocities that give an exponent
 
 
 def _rises_slowly(scene: Results) -> Mask:
-    """Points at which the rise by friction, between equal bulks, grows slowly with velocity."""
+    """Mask of points at which the friction rise, with equal bulk temperatures, grows slowly."""
     stored = scene.sweep.conditions
     kind = stored.criterion if stored.criterion in CRITERIA else "share"
     plain = Conditions(1.0, 300.0, None, stored.failing_share, criterion=kind)
@@ -121,7 +121,7 @@ def _rises_slowly(scene: Results) -> Mask:
 
 
 def exponents(x: Array, y: Array) -> Array:
-    """Exponent d ln(y)/d ln(x) at each point, between neighbours far enough apart; or NaN."""
+    """Exponent d ln(y)/d ln(x) at each point, from neighbours far enough apart; else NaN."""
     result = np.full(x.shape, math.nan)
     (known,) = np.nonzero((x > 0) & np.isfinite(y) & (y > 0))
     log_x, log_y = np.log(x[known]), np.log(y[known])

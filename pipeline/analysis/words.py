@@ -1,4 +1,4 @@
-"""Sentences on answers, each from its record: terminal, page and caption take them from here."""
+"""Sentences on answers, made from their records, for terminal, page and captions."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from pipeline.quantities import UNITS, display, shown_in
 from pipeline.sweep.remarks import remarks
 
 ONSET = "the median is not the onset: the hottest patch under the pin scuffs first"
-"""What the median over surfaces leaves out."""
+"""Caveat on the median over surfaces."""
 
 
 def model_error_line(errors: Iterable[str]) -> str:
-    """The model's own error of some scenes, the first in words."""
+    """Line with the model's own error in the first scene, and the number of other errors."""
     first, *others = dict.fromkeys(errors)
     return f"the model's own error: {first}" + f", and {len(others)} more" * bool(others)
 
 
 def missing_lines(missing: int) -> list[str]:
-    """The line that says how many points are pending or failed; none if all are done."""
+    """Line with the number of points pending or failed; empty if all are done."""
     return [f"{missing} points are pending or failed and were left out"] * bool(missing)
 
 
 def boundary_lines(boundaries: xr.Dataset) -> list[str]:
-    """What a boundary rests on, a line each."""
+    """Lines on the basis of a boundary: model error, median, missing points."""
     return [
         model_error_line(attribute_values(boundaries, "model_error")),
         *([ONSET] if "realization" in boundaries.dims else []),
@@ -39,7 +39,7 @@ def boundary_lines(boundaries: xr.Dataset) -> list[str]:
 
 
 def next_run_line(boundary: xr.Dataset) -> str:
-    """Velocities below which the next run of a scene is mild and above which severe."""
+    """Sentence on the velocities below which the next run is mild, and above which severe."""
     said = []
     for load in dict.fromkeys(boundary["load"].values[[0, -1]].tolist()):
         here = boundary.sel(load=load)
@@ -55,7 +55,7 @@ def next_run_line(boundary: xr.Dataset) -> str:
 
 
 def margin_lines(here: Margin) -> Iterator[str]:
-    """The verdict on an operating point for those who decide, and what it rests on."""
+    """Lines on an operating point: the verdict, then its temperatures, errors and factors."""
     yield here.sentence
     several = "inputs" if here.counts_inputs else "surfaces"
     origin = "interpolated between computed points"

@@ -151,5 +151,5 @@ def test_figures_and_pages_show_each_value_or_ask_for_one(swept, folder, irg):
     for words in (("boundary",), ("plot", "-o", folder / "d.png")):
         said = irg(*words, swept, "--at", "pin.radius=3 mm", code=2)
         assert "which the sweep does not have; it has 2 mm, 4 mm" in said
-    with pytest.raises(InputError, match=r"it has several of pin\.radius; run the scene"):
+    with pytest.raises(InputError, match=r"it has several values of pin\.radius; run the scene"):
         pipeline.at(swept, **{"wear.pattern": "local"})

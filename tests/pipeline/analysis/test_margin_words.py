@@ -75,20 +75,20 @@ def test_the_sentence_tells_verdict_probability_and_distance(here):
     ("error", "changes", "kind"),
     [
         ((1.0, 2.0, 0.0), {}, "a finer preset"),
-        ((3.0, 2.0, 1.0), {}, "more points there"),
-        ((0.0, 2.0, 2.5), {}, "what the warnings ask for"),
-        ((3.0, 2.0, None), {}, "what the warnings ask for"),
+        ((3.0, 2.0, 1.0), {}, "more points near it"),
+        ((0.0, 2.0, 2.5), {}, "what its warnings ask for"),
+        ((3.0, 2.0, None), {}, "what its warnings ask for"),
         (
             (3.0, None, 1.0),
             {},
             "its numerical error, which irg run SCENE -o STORE --measure measures",
         ),
-        ((None, 2.0, 1.0), {}, "more points there"),
-        ((3.0, 2.0, 1.0), {"probability": 0.3}, "a test there"),
+        ((None, 2.0, 1.0), {}, "more points near it"),
+        ((3.0, 2.0, 1.0), {"probability": 0.3}, "a test at this point"),
         (
             (3.0, 2.0, 1.0),
             {"probability": 0.3, "counts_inputs": True},
-            "better known inputs, such as the critical temperature, or a test there",
+            "better known inputs, such as the critical temperature, or a test at this point",
         ),
         ((3.0, 2.0, 1.0), {"highest": 0.03}, None),  # mild
     ],

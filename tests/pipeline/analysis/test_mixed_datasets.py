@@ -60,7 +60,7 @@ def test_points_of_another_scene_are_refused_with_their_loads(parts):
         lambda ds: pipeline.at(ds, friction=0.15),
     )
     for ask in asks:
-        with pytest.raises(InputError, match="points at load 600 N are of another one"):
+        with pytest.raises(InputError, match="points at load 600 N are of another scene"):
             ask(both)
     assert crossings(both.sel(load=[150.0, 250.0])).shape == (2,)
 
@@ -68,7 +68,7 @@ def test_points_of_another_scene_are_refused_with_their_loads(parts):
 def test_rows_of_a_table_are_told_apart(parts):
     (pins,) = parts("pins")
     one, other = pins.isel(pin=0, load=[0, 1]), pins.isel(pin=1, load=[2])
-    with pytest.raises(InputError, match="points at load 600 N are of another one"):
+    with pytest.raises(InputError, match="points at load 600 N are of another scene"):
         crossings(joined([one, other], coords="minimal", compat="override"))
     for lost in (joined([one, other]), joined([x.drop_vars("pin") for x in (one, other)])):
         with pytest.raises(InputError, match="has lost its coordinate pin"):

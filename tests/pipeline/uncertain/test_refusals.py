@@ -204,7 +204,7 @@ REFUSALS = {
     # datasets
     "cut to a load": (
         lambda: pipeline.boundary(dataset(ensemble()).sel(load=400.0)),
-        "a single load, and no dimension of it; select a list of one, such as ds.sel(load=[400])",
+        "a single load and no such dimension; select a list with one value, such as ds.sel(load=",
     ),
     "cut to a sample": (
         lambda: pipeline.margin(dataset(ensemble()).isel(variant=0), 400.0, 2.0),
